@@ -1,0 +1,251 @@
+!> The exact motion in circular functions, for k^2 <= 1/2: all but motions that linger near the
+!> upright.
+!>
+!> Jacobi's theta functions of nome q = exp(-pi K'/K) <= 0.0433. Where textbooks place the poles
+!> by incomplete elliptic integrals, here X = 2 q cosh(2 v) of their position i v follows from a
+!> quadratic-like equation in the data, which keeps its digits also where the axis passes a pole.
+!> Whittaker and Watson, A Course of Modern Analysis, chapter XXI; Klein and Sommerfeld, chapter VI.
+module spintop_circular_form
+    use spintop_kinds, only: dp, xp
+    use spintop_elliptic_series, only: nome, theta3_constant, quotient, pi_xp
+    use spintop_regular_start, only: regular_start_t
+    use spintop_turning_points, only: turning_points_t
+    use spintop_theta_form, only: theta_clock_t, theta_values_t
+    implicit none
+    private
+    public :: circular_form_t, prepare_circular_form, evaluate_circular_form
+
+    !> Highest multiple of 2z in the series: the next adds at most 4e-17.
+    integer, parameter :: last = 3
+
+    !> Coefficients of the theta functions of one motion.
+    type :: circular_form_t
+        private
+        !> U = 1 + sum upper_even(n) cos 2nz - i upper_odd(n) sin 2nz, L alike.
+        real(dp), dimension(last) :: upper_even = 0, upper_odd = 0, lower_even = 0, lower_odd = 0
+        !> W = theta_4 = 1 + sum divisor(n) cos 2nz.
+        real(dp) :: divisor(last) = 0
+        !> sn = sum_n sn(n) sin (2n+1)z / W,  cn = sum_n cn(n) cos (2n+1)z / W.
+        real(dp) :: sn(0:last) = [real(dp) :: 1, 0, 0, 0], cn(0:last) = [real(dp) :: 1, 0, 0, 0]
+    end type circular_form_t
+
+    !> Where a pole of the sphere lies in the argument, from X = 2 q cosh(2 v):
+    !> w = q exp(2 v) and q^2/w = q exp(-2 v).
+    type :: pole_t
+        real(xp) :: sums(last + 1) = 0         !! w^n + (q^2/w)^n
+        real(xp) :: differences(last + 1) = 0  !! w^n - (q^2/w)^n
+        real(xp) :: norm = 1                   !! the pole's theta function at u = u2 (u1)
+        real(xp) :: slope = 0                  !! its logarithmic derivative there
+    end type pole_t
+
+    integer, parameter :: n_(last + 1) = [1, 2, 3, 4]
+    integer, parameter :: alternating(last + 1) = [-1, 1, -1, 1]
+
+contains
+
+    !> Sets up clock and series of a motion with k^2 <= 1/2.
+    pure subroutine prepare_circular_form(start, points, clock, form)
+        type(regular_start_t), intent(in) :: start
+        type(turning_points_t), intent(in) :: points
+        type(theta_clock_t), intent(out) :: clock
+        type(circular_form_t), intent(out) :: form
+        type(pole_t) :: bottom, top
+        real(xp) :: q, theta3, theta4, theta2, upper_sign, lower_sign, ratio, x
+        integer :: n
+
+        associate (k2 => points%k_squared, kc => points%complement, d => points%u2_minus_u1, &
+                   m1 => points%one_minus_u1, d2 => points%one_minus_u2, &
+                   p1 => points%one_plus_u1, p2 => points%one_plus_u2, &
+                   beta_u => points%beta_u3_minus_u1, beta_d3 => points%beta_u3_minus_1)
+            q = nome(k2, kc)
+            theta3 = theta3_constant(q)
+            theta4 = sqrt(kc) * theta3
+            clock%rate = points%frequency / theta3**2
+            clock%period = pi_xp
+            clock%half_period = pi_xp / 2
+
+            ! The poles theta = pi, below the motion, and theta = 0, above it.
+            x = solve_position(q, quotient(d + p1 * k2 / (1 + kc), &
+                                           (sqrt(p2) + sqrt(p1 * kc))**2))
+            bottom = pole_at(q, x, sqrt(kc) * sqrt(quotient(beta_u, points%beta_u3_plus_1)))
+            x = solve_position(q, quotient(d * beta_d3 / beta_u + kc * d, &
+                                           (1 + kc) * (sqrt(m1 * kc) + sqrt(d2))**2))
+            top = pole_at(q, x, sqrt(kc) * sqrt(quotient(beta_d3, &
+                                                         points%complement_squared * beta_u)))
+
+            upper_sign = sign(1.0_xp, start%b_plus_a)
+            lower_sign = sign(1.0_xp, start%b_minus_a)
+            clock%upper_rate = quotient(start%b_plus_a, 2 * p2) &
+                               + upper_sign * clock%rate * bottom%slope
+            clock%lower_rate = quotient(start%b_minus_a, 2 * m1) &
+                               + lower_sign * clock%rate * top%slope
+            clock%sum_rate = clock%upper_rate + clock%lower_rate
+            ! A fast top precesses slowly: the two rates nearly cancel.
+            if (d2 > m1 / 4) clock%sum_rate = (start%turn - start%a * points%y2) / (p2 * d2) &
+                + clock%rate * (upper_sign * bottom%slope - lower_sign * slope_at_top(q, top))
+
+            clock%upper_amplitude = real(sqrt(p2 / 2) * theta3 / bottom%norm, dp)
+            clock%lower_amplitude = real(sqrt(m1 / 2) * theta4 / top%norm, dp)
+            clock%start = start_argument(start, points, q)
+        end associate
+
+        ratio = 1
+        theta2 = 1 + q**2 + q**6 + q**12
+        do n = 1, last
+            ratio = q**(n * n - n)
+            form%upper_even(n) = real(alternating(n) * ratio * bottom%sums(n), dp)
+            form%upper_odd(n) = real(alternating(n) * ratio * upper_sign &
+                                     * bottom%differences(n), dp)
+            form%lower_even(n) = real(ratio * top%sums(n), dp)
+            form%lower_odd(n) = real(ratio * lower_sign * top%differences(n), dp)
+            form%divisor(n) = real(2 * alternating(n) * q**(n * n), dp)
+        end do
+        do n = 0, last
+            form%cn(n) = real(q**(n * (n + 1)) * theta4 / theta2, dp)
+            form%sn(n) = real((-1)**n * q**(n * (n + 1)) * theta3 / theta2, dp)
+        end do
+    end subroutine prepare_circular_form
+
+    !> z at the start: 0 at the lower turning point u1, pi/2 at the upper one, negative on the way
+    !> down.
+    pure real(xp) function start_argument(start, points, q) result(z)
+        type(regular_start_t), intent(in) :: start
+        type(turning_points_t), intent(in) :: points
+        real(xp), intent(in) :: q
+        real(xp) :: sn2, dn, x, kc
+
+        if (.not. points%y1 < 0) then
+            z = 0
+        else if (.not. points%y2 > 0) then
+            z = pi_xp / 2
+        else
+            kc = points%complement
+            sn2 = -points%y1 / points%u2_minus_u1
+            dn = sqrt(1 - points%k_squared * sn2)
+            ! The same equation as for the poles, with X = 2 q cos(2 z).
+            x = solve_position(q, points%k_squared * (1 / (1 + kc) - sn2) / (dn + sqrt(kc))**2)
+            z = atan(sqrt(kc) * sqrt(-points%y1 / points%y2) * ratio_of_thetas(q, x))
+        end if
+        if (start%u_rate < 0) z = -z
+    end function start_argument
+
+    !> Solves sum_{n odd} q^(n^2-n) h_n = excess (1 + sum_{n even} q^(n^2-n) h_n) for X = h_1,
+    !> with h_n = 2 q^n cosh(2 n v), by Newton's method.
+    pure real(xp) function solve_position(q, excess) result(x)
+        real(xp), intent(in) :: q, excess
+        integer, parameter :: most_iterations = 30
+        real(xp) :: q2, q6, q12, odd, even, odd_slope, even_slope, step
+        real(xp) :: scale, r
+        integer :: n
+
+        q2 = q**2
+        q6 = q2**3
+        q12 = q6**2
+        ! The quadratic X - excess (1 - 2 q^4 + q^2 X^2) = 0 by its series.
+        scale = max(1 - 2 * q2**2, 0.2_xp)
+        r = min(excess**2 * q2 * scale, 0.2_xp)
+        x = excess * scale * (1 + r * (1 + r * (2 + r * (5 + r * (14 + r * 42)))))
+        do n = 1, most_iterations
+            odd = x * (1 + q6 * (x**2 - 3 * q2))
+            even = 1 + q2 * (x**2 - 2 * q2) + q12 * (x**4 - 4 * q2 * x**2 + 2 * q2**2)
+            odd_slope = 1 + q6 * 3 * (x**2 - q2)
+            even_slope = x * (2 * q2 + q12 * 4 * (x**2 - 2 * q2))
+            step = -(odd - excess * even) / (odd_slope - excess * even_slope)
+            x = x + step
+            if (abs(step) <= 8 * epsilon(x) * abs(x)) exit
+        end do
+    end function solve_position
+
+    !> A/B with A = 1 + sum q^(n^2) a_n and B = 1 + sum (-1)^n q^(n^2) b_n, the theta functions
+    !> that carry sn/cn at the position X.
+    pure real(xp) function ratio_of_thetas(q, x) result(ratio)
+        real(xp), intent(in) :: q, x
+        real(xp) :: a(0:last + 1), b(0:last + 1), numerator, denominator
+        integer :: n
+        a(0:1) = [1.0_xp, x - q]
+        b(0:1) = [1.0_xp, x + q]
+        do n = 1, last
+            a(n + 1) = x * a(n) - q**2 * a(n - 1)
+            b(n + 1) = x * b(n) - q**2 * b(n - 1)
+        end do
+        numerator = 1
+        denominator = 1
+        do n = 1, last + 1
+            numerator = numerator + q**(n * n) * a(n)
+            denominator = denominator + (-1)**n * q**(n * n) * b(n)
+        end do
+        ratio = numerator / denominator
+    end function ratio_of_thetas
+
+    !> A pole from its position X; `scale` is sqrt(k') times the pole's sc(i v) without its i.
+    pure type(pole_t) function pole_at(q, x, scale) result(pole)
+        real(xp), intent(in) :: q, x, scale
+        real(xp) :: difference, w
+        integer :: n
+
+        ! Not sqrt(X^2 - 4 q^2): that loses half the digits near v = 0.
+        difference = (x + 2 * q) * scale * ratio_of_thetas(q, x)
+        w = (x + difference) / 2
+        pole%sums(1) = w + quotient(q**2, w)
+        pole%differences(1) = difference
+        pole%sums(2) = x * pole%sums(1) - 2 * q**2
+        pole%differences(2) = x * difference
+        do n = 3, last + 1
+            pole%sums(n) = x * pole%sums(n - 1) - q**2 * pole%sums(n - 2)
+            pole%differences(n) = x * pole%differences(n - 1) - q**2 * pole%differences(n - 2)
+        end do
+        pole%norm = 1 + sum(q**(n_ * n_ - n_) * pole%sums)
+        pole%slope = 2 * sum(n_ * q**(n_ * n_ - n_) * pole%differences) / pole%norm
+    end function pole_at
+
+    !> The logarithmic derivative of the upper pole's theta function at u2 instead of u1.
+    pure real(xp) function slope_at_top(q, top) result(slope)
+        real(xp), intent(in) :: q
+        type(pole_t), intent(in) :: top
+        slope = -2 * sum(alternating * n_ * q**(n_ * n_ - n_) * top%differences) &
+                / (1 + sum(alternating * q**(n_ * n_ - n_) * top%sums))
+    end function slope_at_top
+
+    !> The theta functions at the argument z, |z| <= pi/2.
+    pure type(theta_values_t) function evaluate_circular_form(form, z) result(theta)
+        type(circular_form_t), intent(in) :: form
+        real(dp), intent(in) :: z
+        real(dp) :: c(0:last), s(0:last), sine, cosine, t1, tc
+        integer :: n
+
+        sine = sin(z)
+        cosine = cos(z)
+        ! cos and sin of 2nz; then sin (2n+1)z / sin z and cos (2n+1)z / cos z.
+        c(0:1) = [1.0_dp, (cosine - sine) * (cosine + sine)]
+        s(0:1) = [0.0_dp, 2 * sine * cosine]
+        do n = 1, last - 1
+            c(n + 1) = 2 * c(1) * c(n) - c(n - 1)
+            s(n + 1) = 2 * c(1) * s(n) - s(n - 1)
+        end do
+        associate (c1 => c(1), c2 => c(2), c3 => c(3))
+            t1 = sine * (form%sn(0) + form%sn(1) * (2 * c1 + 1) &
+                + form%sn(2) * (2 * (c2 + c1) + 1) + form%sn(3) * (2 * (c3 + c2 + c1) + 1))
+            tc = cosine * (form%cn(0) + form%cn(1) * (2 * c1 - 1) &
+                + form%cn(2) * (2 * (c2 - c1) + 1) + form%cn(3) * (2 * (c3 - c2 + c1) - 1))
+        end associate
+
+        theta%upper = 1
+        theta%lower = 1
+        theta%divisor = 1
+        do n = 1, last
+            theta%upper = theta%upper + cmplx(form%upper_even(n) * c(n), &
+                                              -form%upper_odd(n) * s(n), dp)
+            theta%lower = theta%lower + cmplx(form%lower_even(n) * c(n), &
+                                              -form%lower_odd(n) * s(n), dp)
+            theta%upper_slope = theta%upper_slope - 2 * n * cmplx(form%upper_even(n) * s(n), &
+                                                                  form%upper_odd(n) * c(n), dp)
+            theta%lower_slope = theta%lower_slope - 2 * n * cmplx(form%lower_even(n) * s(n), &
+                                                                  form%lower_odd(n) * c(n), dp)
+            theta%divisor = theta%divisor + form%divisor(n) * c(n)
+            theta%divisor_slope = theta%divisor_slope - 2 * n * form%divisor(n) * s(n)
+        end do
+        theta%sn = t1 / theta%divisor
+        theta%cn = tc / theta%divisor
+    end function evaluate_circular_form
+
+end module spintop_circular_form

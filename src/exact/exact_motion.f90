@@ -1,0 +1,348 @@
+!> The exact motion of a symmetric top without damping (Lagrange's top).
+!>
+!> Set up once, it gives the motion at any time, forward or backward, at a cost and an accuracy
+!> that do not depend on the time span. The attitude is a product of theta functions (Jacobi 1850;
+!> Klein and Sommerfeld 1898): regular at the poles, with nothing to integrate or to unwrap.
+!>
+!>     call prepare_exact_motion(body, start, exact, status)
+!>     motion = exact%at(t)
+!>
+!> What remains of rounding is rate times time. Therefore the constants and the phases are in
+!> extended precision, and only the reduced phases go on in double.
+module spintop_exact_motion
+    use spintop_kinds, only: dp, xp
+    use spintop_status, only: status_ok
+    use spintop_body, only: body_t
+    use spintop_motion, only: motion_t
+    use spintop_elliptic_series, only: pi_xp
+    use spintop_regular_start, only: regular_start_t, find_regular_start
+    use spintop_turning_points, only: turning_points_t, find_turning_points
+    use spintop_theta_form, only: theta_values_t
+    use spintop_theta_motion, only: theta_motion_t, prepare_theta_motion, regime_resting
+    use spintop_nutation, only: nutation_t, describe_nutation
+    implicit none
+    private
+    public :: exact_motion_t, prepare_exact_motion
+
+    !> The motion of one top from one start. Immutable after its preparation, so threads may share.
+    type :: exact_motion_t
+        private
+        !> What holds without any time.
+        type(nutation_t), public :: nutation
+        type(theta_motion_t) :: theta
+        !> Time of the start, s.
+        real(xp) :: time = 0
+        !> Phases of the upper and the lower component at the start, rad, and their rates, their
+        !> sum's and their difference's, rad/s.
+        real(xp) :: upper_phase = 0, lower_phase = 0
+        real(xp) :: upper_rate = 0, lower_rate = 0, sum_rate = 0, difference_rate = 0
+        !> The component of the start that a resting axis keeps.
+        complex(dp) :: upper = 1, lower = 0
+        !> Constants of the motion as in `regular_start` and `turning_points`.
+        real(dp) :: a = 0, half_beta = 0, omega3 = 0, swing_squared = 0
+        real(dp) :: turn = 0, b_minus_a = 0, b_plus_a = 0
+        real(dp) :: y1 = 0, y2 = 0, u2_minus_u1 = 0, one_minus_u2 = 0, one_plus_u1 = 0
+        real(dp) :: k_squared = 0, complement_squared = 1, frequency = 0
+        !> Whole nutations, and whole passages of theta = pi, that lie before the start.
+        real(xp) :: tops_before = 0, bottoms_before = 0
+    contains
+        procedure :: at
+        procedure :: quaternion_at
+        procedure, private :: attitude
+        procedure, private :: add_angles
+        procedure, private :: phi_rate
+        procedure, private :: count_jumps
+    end type exact_motion_t
+
+    !> The two Cayley-Klein components at an instant, and what they were computed from.
+    type :: attitude_t
+        complex(dp) :: upper, lower
+        !> omega1 + i omega2, rad/s.
+        complex(dp) :: swing
+        type(theta_values_t) :: theta
+        !> Time since the start, s, and whole nutations left out of the argument.
+        real(xp) :: elapsed, nutations
+        logical :: rising  !! on the way from u1 to u2
+    end type attitude_t
+
+    complex(dp), parameter :: i = (0.0_dp, 1.0_dp)
+
+contains
+
+    !> Sets up the exact motion of `body` from `start`, of which either angles and rates or, close
+    !> to a pole, quaternion and omega are used. `status` is `status_ok`, `status_unsuitable` (not
+    !> a symmetric undamped top) or `status_non_finite`.
+    pure subroutine prepare_exact_motion(body, start, exact, status)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        type(exact_motion_t), intent(out) :: exact
+        integer, intent(out) :: status
+        type(regular_start_t) :: regular
+        type(turning_points_t) :: points
+
+        call find_regular_start(body, start, regular, status)
+        if (status /= status_ok) return
+        points = find_turning_points(regular)
+        exact%theta = prepare_theta_motion(regular, points)
+        exact%nutation = describe_nutation(regular, points, exact%theta)
+        call keep_constants(regular, points, exact)
+        if (exact%theta%regime == regime_resting) then
+            call rest(regular, exact)
+        else
+            call set_phases(regular, exact)
+        end if
+    end subroutine prepare_exact_motion
+
+    pure subroutine keep_constants(start, points, exact)
+        type(regular_start_t), intent(in) :: start
+        type(turning_points_t), intent(in) :: points
+        type(exact_motion_t), intent(inout) :: exact
+        exact%time = start%time
+        exact%upper = cmplx(start%upper, kind=dp)
+        exact%lower = cmplx(start%lower, kind=dp)
+        exact%a = real(start%a, dp)
+        exact%half_beta = real(start%beta / 2, dp)
+        exact%omega3 = real(start%omega3, dp)
+        exact%swing_squared = real(start%swing_squared, dp)
+        exact%turn = real(start%turn, dp)
+        exact%b_minus_a = real(start%b_minus_a, dp)
+        exact%b_plus_a = real(start%b_plus_a, dp)
+        exact%y1 = real(points%y1, dp)
+        exact%y2 = real(points%y2, dp)
+        exact%u2_minus_u1 = real(points%u2_minus_u1, dp)
+        exact%one_minus_u2 = real(points%one_minus_u2, dp)
+        exact%one_plus_u1 = real(points%one_plus_u1, dp)
+        exact%k_squared = real(points%k_squared, dp)
+        exact%complement_squared = real(points%complement_squared, dp)
+        exact%frequency = real(points%frequency, dp)
+    end subroutine keep_constants
+
+    !> A resting axis: the body spins about it.
+    pure subroutine rest(start, exact)
+        type(regular_start_t), intent(in) :: start
+        type(exact_motion_t), intent(inout) :: exact
+        exact%upper_phase = start%upper_phase
+        exact%lower_phase = start%lower_phase
+        exact%upper_rate = start%omega3 / 2
+        exact%lower_rate = -start%omega3 / 2
+        exact%difference_rate = start%omega3
+    end subroutine rest
+
+    !> Rates of the phases, and the constants that make the motion pass through the start.
+    pure subroutine set_phases(start, exact)
+        type(regular_start_t), intent(in) :: start
+        type(exact_motion_t), intent(inout) :: exact
+        real(dp) :: z
+        real(xp) :: nutations, upper_then, lower_then
+        type(theta_values_t) :: theta
+
+        associate (clock => exact%theta%clock)
+            exact%upper_rate = start%half() + clock%upper_rate
+            exact%lower_rate = -start%half() + clock%lower_rate
+            exact%sum_rate = clock%sum_rate
+            exact%difference_rate = 2 * start%half() + clock%upper_rate - clock%lower_rate
+
+            call exact%theta%locate(0.0_xp, z, nutations)
+            exact%tops_before = nutations
+            exact%bottoms_before = merge(nutations, nutations - 1, z >= 0)
+            theta = exact%theta%evaluate(z)
+            exact%upper_phase = phase_constant(theta%upper, theta%upper_slope, clock%upper_rate, &
+                                               start%upper, start%upper_rate)
+            exact%lower_phase = phase_constant(theta%lower, theta%lower_slope, clock%lower_rate, &
+                                               start%lower, start%lower_rate)
+
+            ! Whole turns: phi and psi start at their given values.
+            upper_then = exact%upper_phase + argument(theta%upper)
+            lower_then = exact%lower_phase + argument(theta%lower)
+            exact%upper_phase = exact%upper_phase - nutations * clock%upper_step &
+                + 2 * pi_xp * anint((start%upper_phase - upper_then) / (2 * pi_xp))
+            exact%lower_phase = exact%lower_phase - nutations * clock%lower_step &
+                + 2 * pi_xp * anint((start%lower_phase - lower_then) / (2 * pi_xp))
+        end associate
+
+    contains
+
+        !> The angle A for which exp(i A) times a component's formula gives the start: from value
+        !> and rate together, for at a pole either may vanish.
+        pure real(dp) function phase_constant(value, slope, rate, x, x_rate)
+            complex(dp), intent(in) :: value, slope  !! of the theta function, by z
+            real(xp), intent(in) :: rate             !! of the phase, rad/s
+            complex(xp), intent(in) :: x, x_rate     !! the component at the start and its rate
+            complex(dp) :: formula, formula_rate
+            real(dp) :: z_rate
+            z_rate = real(exact%theta%clock%rate, dp)
+            formula = value / theta%divisor
+            formula_rate = i * real(rate, dp) * formula + z_rate &
+                * (slope - value * (theta%divisor_slope / theta%divisor)) / theta%divisor
+            phase_constant = argument(exact%frequency**2 * conjg(formula) * cmplx(x, kind=dp) &
+                                      + conjg(formula_rate) * cmplx(x_rate, kind=dp))
+        end function phase_constant
+
+    end subroutine set_phases
+
+    !> The motion at time t, s. Rates of phi and psi at an exact passage of a pole, where they do
+    !> not exist, are those of the limit of passing ever closer.
+    pure type(motion_t) function at(self, t) result(motion)
+        class(exact_motion_t), intent(in) :: self
+        real(dp), intent(in) :: t
+        type(attitude_t) :: attitude
+        complex(dp) :: swing_rate
+
+        attitude = self%attitude(t)
+        motion%t = t
+        motion%quaternion = quaternion_of(attitude)
+        motion%omega = [real(attitude%swing, dp), aimag(attitude%swing), self%omega3]
+        swing_rate = -i * (self%omega3 - self%a) * attitude%swing &
+            + 2 * self%half_beta * attitude%lower * conjg(attitude%upper)
+        motion%omega_rate = [real(swing_rate, dp), aimag(swing_rate), 0.0_dp]
+        call self%add_angles(attitude, motion)
+    end function at
+
+    !> The unit quaternion at time t, s.
+    pure function quaternion_at(self, t) result(q)
+        class(exact_motion_t), intent(in) :: self
+        real(dp), intent(in) :: t
+        real(dp) :: q(4)
+        q = quaternion_of(self%attitude(t))
+    end function quaternion_at
+
+    !> The Cayley-Klein components at time t and the swing.
+    pure type(attitude_t) function attitude(self, t) result(now)
+        class(exact_motion_t), intent(in) :: self
+        real(dp), intent(in) :: t
+        complex(dp) :: upper_turn, lower_turn, scale
+        real(dp) :: z
+
+        now%elapsed = t - self%time
+        now%nutations = 0
+        now%rising = .true.
+        if (self%theta%regime == regime_resting) then
+            now%upper = self%upper * unit(self%upper_rate * now%elapsed)
+            now%lower = self%lower * unit(self%lower_rate * now%elapsed)
+            now%swing = 0
+            return
+        end if
+
+        associate (clock => self%theta%clock, theta => now%theta)
+            call self%theta%locate(now%elapsed, z, now%nutations)
+            now%rising = z >= 0
+            theta = self%theta%evaluate(z)
+            upper_turn = unit(self%upper_phase + self%upper_rate * now%elapsed &
+                              + now%nutations * clock%upper_step) &
+                         * (clock%upper_amplitude / theta%divisor)
+            lower_turn = unit(self%lower_phase + self%lower_rate * now%elapsed &
+                              + now%nutations * clock%lower_step) &
+                         * (clock%lower_amplitude / theta%divisor)
+            now%upper = upper_turn * theta%upper
+            now%lower = lower_turn * theta%lower
+            ! swing = 2 [conj(upper) lower' - conj(upper') lower], the spin left out.
+            scale = 2 * conjg(upper_turn) * lower_turn
+            now%swing = scale * (i * real(clock%sum_rate, dp) * conjg(theta%upper) * theta%lower &
+                + real(clock%rate, dp) * (conjg(theta%upper) * theta%lower_slope &
+                                          - conjg(theta%upper_slope) * theta%lower))
+        end associate
+    end function attitude
+
+    pure function quaternion_of(attitude) result(q)
+        type(attitude_t), intent(in) :: attitude
+        real(dp) :: q(4)
+        q = [real(attitude%upper, dp), real(attitude%lower, dp), &
+             aimag(attitude%lower), aimag(attitude%upper)]
+    end function quaternion_of
+
+    !> Angles, phi and psi with all their turns, and their rates.
+    pure subroutine add_angles(self, attitude, motion)
+        class(exact_motion_t), intent(in) :: self
+        type(attitude_t), intent(in) :: attitude
+        type(motion_t), intent(inout) :: motion
+        real(xp) :: total, difference, phi_jump, psi_jump
+        real(dp) :: one_minus_u, one_plus_u, y, sine, u_rate, dn
+
+        total = self%upper_phase + self%lower_phase + self%sum_rate * attitude%elapsed
+        difference = self%upper_phase - self%lower_phase + self%difference_rate * attitude%elapsed
+        if (self%theta%regime == regime_resting) then
+            motion%angle = [real(total, dp), 2 * atan2(abs(self%lower), abs(self%upper)), &
+                            real(difference, dp)]
+            motion%rate = [0.0_dp, 0.0_dp, self%omega3]
+            return
+        end if
+
+        associate (clock => self%theta%clock, theta => attitude%theta)
+            one_minus_u = self%one_minus_u2 + self%u2_minus_u1 * theta%cn**2
+            one_plus_u = self%one_plus_u1 + self%u2_minus_u1 * theta%sn**2
+            call self%count_jumps(attitude, phi_jump, psi_jump)
+            total = total + attitude%nutations * (clock%upper_step + clock%lower_step) + phi_jump
+            difference = difference &
+                + attitude%nutations * (clock%upper_step - clock%lower_step) + psi_jump
+            associate (upper => argument(theta%upper), lower => argument(theta%lower))
+                motion%angle = [real(total + (upper + lower), dp), &
+                                2 * atan2(sqrt(one_minus_u), sqrt(one_plus_u)), &
+                                real(difference + (upper - lower), dp)]
+            end associate
+
+            y = merge(self%y1 + self%u2_minus_u1 * theta%sn**2, &
+                      self%y2 - self%u2_minus_u1 * theta%cn**2, theta%sn**2 < 0.5_dp)
+            sine = sqrt(one_minus_u * one_plus_u)
+            dn = sqrt(self%complement_squared + self%k_squared * theta%cn**2)
+            u_rate = 2 * self%u2_minus_u1 * self%frequency * theta%sn * theta%cn * dn
+            motion%rate(1) = self%phi_rate(y, one_minus_u, one_plus_u)
+            motion%rate(2) = merge(-u_rate / sine, sqrt(self%swing_squared &
+                                                        - 2 * self%half_beta * y), sine > 0)
+            motion%rate(3) = self%omega3 - motion%rate(1) * (one_plus_u - one_minus_u) / 2
+        end associate
+    end subroutine add_angles
+
+    !> phi' sin(theta)^2 = b - a u in the form that cancels least, over sin(theta)^2.
+    pure real(dp) function phi_rate(self, y, one_minus_u, one_plus_u) result(rate)
+        class(exact_motion_t), intent(in) :: self
+        real(dp), intent(in) :: y, one_minus_u, one_plus_u
+        real(dp) :: terms(2, 3), turn
+        terms(:, 1) = [self%turn, -self%a * y]
+        terms(:, 2) = [self%b_minus_a, self%a * one_minus_u]
+        terms(:, 3) = [self%b_plus_a, -self%a * one_plus_u]
+        turn = sum(terms(:, minloc(sum(abs(terms), 1), 1)))
+        rate = 0
+        if (abs(turn) > 0) rate = turn / (one_minus_u * one_plus_u)
+    end function phi_rate
+
+    !> Half turns of phi and psi at exact passages of a pole: the theta functions turn the same way
+    !> each time; counted here are a half turn there and back, alternately.
+    pure subroutine count_jumps(self, attitude, phi_jump, psi_jump)
+        class(exact_motion_t), intent(in) :: self
+        type(attitude_t), intent(in) :: attitude
+        real(xp), intent(out) :: phi_jump, psi_jump  !! rad
+        real(xp) :: tops, bottoms, top_jump, bottom_jump
+        phi_jump = 0
+        psi_jump = 0
+        if (.not. (self%nutation%passes_top .or. self%nutation%passes_bottom)) return
+        top_jump = 0
+        bottom_jump = 0
+        if (self%nutation%passes_top) then
+            tops = attitude%nutations - self%tops_before
+            top_jump = pi_xp * (modulo(tops, 2.0_xp) - sign(1.0_dp, self%b_minus_a) * tops)
+        end if
+        if (self%nutation%passes_bottom) then
+            bottoms = merge(attitude%nutations, attitude%nutations - 1, attitude%rising) &
+                      - self%bottoms_before
+            bottom_jump = pi_xp * (modulo(bottoms, 2.0_xp) - sign(1.0_dp, self%b_plus_a) * bottoms)
+        end if
+        phi_jump = bottom_jump + top_jump
+        psi_jump = bottom_jump - top_jump
+    end subroutine count_jumps
+
+    !> exp(i phase), the phase first reduced to one turn.
+    pure complex(dp) function unit(phase)
+        real(xp), intent(in) :: phase
+        real(dp) :: reduced
+        reduced = real(phase - 2 * pi_xp * anint(phase / (2 * pi_xp)), dp)
+        unit = cmplx(cos(reduced), sin(reduced), dp)
+    end function unit
+
+    !> The angle of a complex number, rad; 0 of zero.
+    elemental real(dp) function argument(z)
+        complex(dp), intent(in) :: z
+        argument = 0
+        if (abs(real(z, dp)) + abs(aimag(z)) > 0) argument = atan2(aimag(z), real(z, dp))
+    end function argument
+
+end module spintop_exact_motion

@@ -1,0 +1,318 @@
+!> What can be said of a symmetric top's motion without any time: turning angles, period, what a
+!> nutation adds to precession and spin, the largest rates, and the class of the motion.
+module spintop_nutation
+    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_positive_inf
+    use spintop_kinds, only: dp, xp, epsilon_dp
+    use spintop_status, only: status_ok
+    use spintop_body, only: body_t
+    use spintop_motion, only: motion_t
+    use spintop_elliptic_series, only: quotient, pi_xp
+    use spintop_regular_start, only: regular_start_t, find_regular_start
+    use spintop_turning_points, only: turning_points_t, find_turning_points
+    use spintop_theta_form, only: theta_clock_t
+    use spintop_theta_motion, only: theta_motion_t, prepare_theta_motion, regime_resting
+    implicit none
+    private
+    public :: nutation_t, find_nutation, describe_nutation, class_name, class_meaning
+    public :: class_loop, class_cusp, class_wave, class_steady, class_sleeping, class_hanging
+    public :: class_separatrix, class_libration, class_circulation, last_class
+
+    integer, parameter :: class_loop = 1
+    integer, parameter :: class_cusp = 2
+    integer, parameter :: class_wave = 3
+    integer, parameter :: class_steady = 4
+    integer, parameter :: class_sleeping = 5
+    integer, parameter :: class_hanging = 6
+    integer, parameter :: class_separatrix = 7
+    integer, parameter :: class_libration = 8
+    integer, parameter :: class_circulation = 9
+    integer, parameter :: last_class = 9
+
+    character(*), parameter :: names(last_class) = [character(16) :: 'loop', 'cusp', 'wave', &
+        'steady', 'sleeping', 'hanging', 'separatrix', 'libration', 'circulation']
+
+    character(*), parameter :: meanings(last_class) = [character(80) :: &
+        'the precession reverses in every nutation', &
+        'the precession comes to rest at the upper turning angle', &
+        'the precession keeps its direction', &
+        'steady precession: the inclination stays', &
+        'the axis rests upright', &
+        'the axis rests hanging', &
+        'the axis approaches the upright for ever', &
+        'plane pendulum swinging to and fro', &
+        'plane pendulum going over the top']
+
+    !> The complete quantities of a motion, SI units and radians.
+    type :: nutation_t
+        !> One of the class constants.
+        integer :: class = class_sleeping
+        !> Whether the axis passes exactly (to the rounding of the data) through theta = 0, pi.
+        logical :: passes_top = .false., passes_bottom = .false.
+        !> Turning angles.
+        real(dp) :: theta_min = 0, theta_max = 0
+        !> cos(theta_min) - cos(theta_max), without cancellation.
+        real(dp) :: delta_u = 0
+        !> Nutation period, s; infinite on the separatrix and for an unstable upright.
+        real(dp) :: period = 0
+        !> What one nutation adds to phi and psi, rad. Half turns at an exact passage of a pole,
+        !> where phi and psi jump, are left out.
+        real(dp) :: precession = 0, spin = 0
+        !> Mean rates of phi and psi, rad/s.
+        real(dp) :: precession_rate = 0, spin_rate = 0
+        !> The value of phi' largest in size, rad/s.
+        real(dp) :: phi_rate_max = 0
+        !> Largest theta', rad/s.
+        real(dp) :: theta_rate_max = 0
+        !> Modulus squared k^2 of the elliptic functions and its complement 1 - k^2.
+        real(dp) :: k_squared = 0, complement_squared = 1
+    end type nutation_t
+
+    !> Rounding of the data, in units of their largest terms, that a class must survive.
+    real(xp), parameter :: data_rounding = 8 * epsilon_dp
+
+contains
+
+    !> Finds the complete quantities of a start. `status` as in `find_regular_start`.
+    pure subroutine find_nutation(body, start, nutation, status)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        type(nutation_t), intent(out) :: nutation
+        integer, intent(out) :: status
+        type(regular_start_t) :: regular
+        type(turning_points_t) :: points
+        call find_regular_start(body, start, regular, status)
+        if (status /= status_ok) return
+        points = find_turning_points(regular)
+        nutation = describe_nutation(regular, points, prepare_theta_motion(regular, points))
+    end subroutine find_nutation
+
+    !> Name of a class as it stands in tables.
+    pure function class_name(class) result(name)
+        integer, intent(in) :: class
+        character(:), allocatable :: name
+        name = trim(names(class))
+    end function class_name
+
+    !> One phrase that explains a class.
+    pure function class_meaning(class) result(meaning)
+        integer, intent(in) :: class
+        character(:), allocatable :: meaning
+        meaning = trim(meanings(class))
+    end function class_meaning
+
+    !> The complete quantities of a motion whose theta functions are set up.
+    pure type(nutation_t) function describe_nutation(start, points, motion) result(nutation)
+        type(regular_start_t), intent(in) :: start
+        type(turning_points_t), intent(in) :: points
+        type(theta_motion_t), intent(in) :: motion
+        real(xp) :: rate_at_top, rate_at_bottom
+
+        nutation%class = class_of(start, points, motion%regime)
+        nutation%passes_top = reaches_top(start, points) .and. motion%regime /= regime_resting
+        nutation%passes_bottom = reaches_bottom(start) .and. motion%regime /= regime_resting
+        nutation%theta_min = inclination(points%one_minus_u2, points%one_plus_u2)
+        nutation%theta_max = inclination(points%one_minus_u1, points%one_plus_u1)
+        nutation%delta_u = real(points%u2_minus_u1, dp)
+        nutation%k_squared = real(points%k_squared, dp)
+        nutation%complement_squared = real(points%complement_squared, dp)
+
+        if (motion%regime == regime_resting) then
+            nutation%spin_rate = real(start%omega3, dp)
+            nutation%period = ieee_value(1.0_dp, ieee_positive_inf)
+            ! Without swing the period is that of infinitely small nutations.
+            if (points%frequency > 0) nutation%period = real(pi_xp / points%frequency, dp)
+            nutation%spin = whole_turn(nutation%spin_rate, nutation%period)
+            return
+        end if
+
+        call add_precession(start, motion%clock, nutation)
+        rate_at_top = phi_rate_at_top(start, points)
+        rate_at_bottom = phi_rate_at_bottom(start, points)
+        nutation%phi_rate_max = real(merge(rate_at_top, rate_at_bottom, &
+                                           abs(rate_at_top) > abs(rate_at_bottom)), dp)
+        nutation%theta_rate_max = largest_theta_rate(points)
+    end function describe_nutation
+
+    !> Period, and what it adds to phi and psi.
+    pure subroutine add_precession(start, clock, nutation)
+        type(regular_start_t), intent(in) :: start
+        type(theta_clock_t), intent(in) :: clock
+        type(nutation_t), intent(inout) :: nutation
+        real(xp) :: spin_rate, precession, spin, period, top_jump, bottom_jump
+
+        spin_rate = 2 * start%half() + clock%upper_rate - clock%lower_rate
+        if (clock%period > 0) then
+            period = clock%period / clock%rate
+            precession = clock%sum_rate * period + clock%upper_step + clock%lower_step
+            spin = spin_rate * period + clock%upper_step - clock%lower_step
+            top_jump = 0
+            bottom_jump = 0
+            if (nutation%passes_top) top_jump = sign(pi_xp, start%b_minus_a)
+            if (nutation%passes_bottom) bottom_jump = sign(pi_xp, start%b_plus_a)
+            precession = precession - top_jump - bottom_jump
+            spin = spin + top_jump - bottom_jump
+            if (is_plane(start)) precession = 0
+            if (is_plane(start) .and. .not. abs(start%omega3) > 0) spin = 0
+            nutation%period = real(period, dp)
+            nutation%precession = real(precession, dp)
+            nutation%spin = real(spin, dp)
+            nutation%precession_rate = real(precession / period, dp)
+            nutation%spin_rate = real(spin / period, dp)
+        else
+            ! On the separatrix the mean rates are those at the upright, reached in the limit.
+            nutation%period = ieee_value(1.0_dp, ieee_positive_inf)
+            nutation%precession_rate = real(clock%sum_rate, dp)
+            nutation%spin_rate = real(spin_rate, dp)
+            nutation%precession = whole_turn(nutation%precession_rate, nutation%period)
+            nutation%spin = whole_turn(nutation%spin_rate, nutation%period)
+        end if
+    end subroutine add_precession
+
+    !> Rate times period, where nothing turns for an infinite time without turning.
+    elemental real(dp) function whole_turn(rate, period)
+        real(dp), intent(in) :: rate, period
+        whole_turn = 0
+        if (abs(rate) > 0) whole_turn = rate * period
+    end function whole_turn
+
+    !> The one decision which class a motion belongs to. Classes that are limits (cusp, steady,
+    !> separatrix) hold within the rounding of double precision data.
+    pure integer function class_of(start, points, regime) result(class)
+        type(regular_start_t), intent(in) :: start
+        type(turning_points_t), intent(in) :: points
+        integer, intent(in) :: regime
+        real(xp) :: rates(2)
+
+        if (regime == regime_resting) then
+            class = class_steady
+            if (start%one_minus_u < 1 .and. .not. start%sine_squared > 0) class = class_sleeping
+            if (start%one_minus_u > 1 .and. .not. start%sine_squared > 0) class = class_hanging
+        else if (is_separatrix(start, points)) then
+            class = class_separatrix
+        else if (is_plane(start)) then
+            class = merge(class_circulation, class_libration, &
+                          points%beta_u3_minus_1 > start%beta * points%one_minus_u2)
+        else if (is_steady(start, points)) then
+            class = class_steady
+        else if (is_cusp(start, points)) then
+            class = class_cusp
+        else
+            rates = [phi_rate_at_top(start, points), phi_rate_at_bottom(start, points)]
+            class = merge(class_wave, class_loop, all(rates > 0) .or. all(rates < 0))
+        end if
+    end function class_of
+
+    !> Whether the motion stays in a vertical plane: a = b = 0.
+    elemental logical function is_plane(start)
+        type(regular_start_t), intent(in) :: start
+        is_plane = .not. abs(start%b_minus_a) + abs(start%b_plus_a) > 0
+    end function is_plane
+
+    !> Whether the two upper roots coincide (at u = 1), to the rounding of the data.
+    elemental logical function is_separatrix(start, points)
+        type(regular_start_t), intent(in) :: start
+        type(turning_points_t), intent(in) :: points
+        associate (beta => start%beta)
+            is_separatrix = points%k_squared > 0.5_xp .and. &
+                beta * points%one_minus_u2 + points%beta_u3_minus_1 <= data_rounding &
+                * (start%swing_squared + start%a**2 + beta * (2 + abs(points%y1)))
+        end associate
+    end function is_separatrix
+
+    !> Whether the inclination is constant to the rounding of the data: no moment about the line
+    !> of nodes, and no rate.
+    elemental logical function is_steady(start, points)
+        type(regular_start_t), intent(in) :: start
+        type(turning_points_t), intent(in) :: points
+        real(xp) :: moment, terms
+        associate (u0 => start%u, k0 => start%swing_squared, s2 => start%sine_squared)
+            moment = -2 * u0 * k0 - start%beta * s2 + 2 * start%a * start%turn
+            terms = 2 * abs(u0) * k0 + start%beta * s2 + 2 * abs(start%a * start%turn)
+            is_steady = abs(moment) <= data_rounding * terms .and. &
+                4 * points%frequency * abs(start%u_rate) <= data_rounding * terms
+        end associate
+    end function is_steady
+
+    !> Whether the precession vanishes at the upper turning angle, to the rounding of the data.
+    elemental logical function is_cusp(start, points)
+        type(regular_start_t), intent(in) :: start
+        type(turning_points_t), intent(in) :: points
+        is_cusp = .not. reaches_top(start, points) .and. abs(start%turn - start%a * points%y2) &
+            <= data_rounding * (abs(start%turn) + abs(start%a) * start%sine_squared)
+    end function is_cusp
+
+    !> Whether the axis passes through theta = 0: b = a to the rounding of the data, and u2 = 1
+    !> (not u3 = 1, above a motion that turns earlier).
+    elemental logical function reaches_top(start, points)
+        type(regular_start_t), intent(in) :: start
+        type(turning_points_t), intent(in) :: points
+        reaches_top = abs(start%b_minus_a) <= data_rounding &
+            * (abs(start%turn) + start%one_minus_u * abs(start%a)) &
+            .and. start%beta * points%one_minus_u2 <= points%beta_u3_minus_1
+    end function reaches_top
+
+    !> Whether the axis passes through theta = pi: b = -a to the rounding of the data.
+    elemental logical function reaches_bottom(start)
+        type(regular_start_t), intent(in) :: start
+        reaches_bottom = abs(start%b_plus_a) <= data_rounding &
+            * (abs(start%turn) + start%one_plus_u * abs(start%a))
+    end function reaches_bottom
+
+    !> phi' at u2, rad/s; through theta = 0 its limit.
+    elemental real(xp) function phi_rate_at_top(start, points) result(rate)
+        type(regular_start_t), intent(in) :: start
+        type(turning_points_t), intent(in) :: points
+        if (reaches_top(start, points)) then
+            rate = quotient(start%a, points%one_plus_u2)
+        else
+            rate = (start%turn - start%a * points%y2) / (points%one_minus_u2 * points%one_plus_u2)
+        end if
+    end function phi_rate_at_top
+
+    !> phi' at u1, rad/s; through theta = pi its limit.
+    elemental real(xp) function phi_rate_at_bottom(start, points) result(rate)
+        type(regular_start_t), intent(in) :: start
+        type(turning_points_t), intent(in) :: points
+        if (reaches_bottom(start)) then
+            rate = quotient(-start%a, points%one_minus_u1)
+        else
+            rate = (start%turn - start%a * points%y1) / (points%one_minus_u1 * points%one_plus_u1)
+        end if
+    end function phi_rate_at_bottom
+
+    !> Largest theta', rad/s: with x = sn^2, theta'^2 is proportional to
+    !> x (1-x) (1 - k^2 x) / ((r-x) (s+x)), r = (1-u1)/(u2-u1) >= 1, s = (1+u1)/(u2-u1) >= 0,
+    !> whose logarithm is concave: the zero of its derivative is bracketed and unique.
+    pure real(dp) function largest_theta_rate(points) result(rate)
+        type(turning_points_t), intent(in) :: points
+        integer, parameter :: bisections = 60
+        real(dp) :: r_1, s, k2, x, low, high
+        integer :: n
+
+        rate = 0
+        if (.not. points%u2_minus_u1 > 0) return
+        r_1 = real(points%one_minus_u2 / points%u2_minus_u1, dp)
+        s = real(points%one_plus_u1 / points%u2_minus_u1, dp)
+        k2 = real(points%k_squared, dp)
+        low = 0
+        high = 1
+        do n = 1, bisections
+            x = (low + high) / 2
+            if (s / (x * (s + x)) - r_1 / ((1 - x) * (r_1 + 1 - x)) > k2 / (1 - k2 * x)) then
+                low = x
+            else
+                high = x
+            end if
+        end do
+        ! The factors x and 1 - x cancel where the motion passes a pole.
+        rate = 2 * real(points%frequency, dp) * sqrt((1 - k2 * x) &
+            * (x / (s + x)) * ((1 - x) / (r_1 + 1 - x)))
+    end function largest_theta_rate
+
+    !> Inclination from 1 - u and 1 + u, rad.
+    elemental real(dp) function inclination(one_minus_u, one_plus_u)
+        real(xp), intent(in) :: one_minus_u, one_plus_u
+        inclination = 2 * atan2(sqrt(real(one_minus_u, dp)), sqrt(real(one_plus_u, dp)))
+    end function inclination
+
+end module spintop_nutation

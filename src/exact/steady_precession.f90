@@ -1,0 +1,55 @@
+!> Steady precession of a symmetric top: constant inclination, precession and spin.
+module spintop_steady_precession
+    use spintop_kinds, only: dp
+    use spintop_compare, only: is_zero
+    use spintop_body, only: body_t
+    implicit none
+    private
+    public :: steady_rates, steady_rates_at_spin
+
+contains
+
+    !> Rates of steady precession at an inclination for a given axial angular velocity, rad/s:
+    !> the roots of I1 cos(theta) p^2 - I3 omega3 p + mgl = 0, slow one first (Eq 25). `count` is
+    !> how many there are: 0 below the least omega3, 1 where the fast one is infinite.
+    pure subroutine steady_rates(body, theta, omega3, rates, count)
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: theta, omega3
+        real(dp), intent(out) :: rates(2)
+        integer, intent(out) :: count
+        call precession_roots(body%inertia(1) * cos(theta), body%inertia(3) * omega3, &
+                              body%mgl(), rates, count)
+    end subroutine steady_rates
+
+    !> The same for a given spin rate psi', where omega3 = psi' + p cos(theta).
+    pure subroutine steady_rates_at_spin(body, theta, spin_rate, rates, count)
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: theta, spin_rate
+        real(dp), intent(out) :: rates(2)
+        integer, intent(out) :: count
+        call precession_roots((body%inertia(1) - body%inertia(3)) * cos(theta), &
+                              body%inertia(3) * spin_rate, body%mgl(), rates, count)
+    end subroutine steady_rates_at_spin
+
+    !> Roots of a p^2 - b p + c = 0 with c >= 0, without cancellation; that which stays finite as
+    !> a vanishes comes first.
+    pure subroutine precession_roots(a, b, c, roots, count)
+        real(dp), intent(in) :: a, b, c
+        real(dp), intent(out) :: roots(2)
+        integer, intent(out) :: count
+        real(dp) :: discriminant, larger
+
+        roots = 0
+        count = 0
+        discriminant = b**2 - 4 * a * c
+        if (discriminant < 0) return
+        larger = b + sign(sqrt(discriminant), b)
+        if (is_zero(larger)) return
+        roots(1) = 2 * c / larger
+        count = 1
+        if (is_zero(a)) return
+        roots(2) = larger / (2 * a)
+        count = 2
+    end subroutine precession_roots
+
+end module spintop_steady_precession

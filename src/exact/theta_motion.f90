@@ -1,0 +1,112 @@
+!> Which form of the exact motion a case is evaluated in, and the choice made once.
+module spintop_theta_motion
+    use spintop_kinds, only: dp, xp
+    use spintop_regular_start, only: regular_start_t
+    use spintop_turning_points, only: turning_points_t
+    use spintop_theta_form, only: theta_clock_t, theta_values_t
+    use spintop_circular_form, only: circular_form_t, prepare_circular_form, &
+        evaluate_circular_form
+    use spintop_hyperbolic_form, only: hyperbolic_form_t, prepare_hyperbolic_form, &
+        evaluate_hyperbolic_form
+    implicit none
+    private
+    public :: theta_motion_t, prepare_theta_motion, choose_regime, regime_name
+    public :: regime_resting, regime_circular, regime_hyperbolic
+
+    !> The axis rests: upright, hanging, or anywhere without weight and without swing.
+    integer, parameter :: regime_resting = 1
+    !> k^2 <= 1/2: theta functions of the nome in circular functions of time.
+    integer, parameter :: regime_circular = 2
+    !> k^2 > 1/2, the separatrix included: the complementary nome in hyperbolic functions.
+    integer, parameter :: regime_hyperbolic = 3
+
+    !> The theta functions of one motion. Immutable after its preparation.
+    type :: theta_motion_t
+        integer :: regime = regime_resting
+        type(theta_clock_t) :: clock
+        type(circular_form_t), private :: circular
+        type(hyperbolic_form_t), private :: hyperbolic
+    contains
+        procedure :: locate
+        procedure :: evaluate
+    end type theta_motion_t
+
+contains
+
+    !> The one decision which form a case is evaluated in.
+    pure integer function choose_regime(start, points) result(regime)
+        type(regular_start_t), intent(in) :: start
+        type(turning_points_t), intent(in) :: points
+        logical :: at_rest, in_balance
+        at_rest = .not. start%swing_squared > 0
+        in_balance = .not. start%beta * start%sine_squared > 0
+        if ((at_rest .and. in_balance) .or. .not. points%frequency > 0) then
+            regime = regime_resting
+        else if (points%k_squared <= 0.5_dp) then
+            regime = regime_circular
+        else
+            regime = regime_hyperbolic
+        end if
+    end function choose_regime
+
+    !> Name of a regime as it stands in explanations.
+    pure function regime_name(regime) result(name)
+        integer, intent(in) :: regime
+        character(:), allocatable :: name
+        select case (regime)
+        case (regime_resting)
+            name = 'resting axis'
+        case (regime_circular)
+            name = 'theta functions, circular (k^2 <= 1/2)'
+        case (regime_hyperbolic)
+            name = 'theta functions, hyperbolic (k^2 > 1/2)'
+        case default
+            name = 'unknown'
+        end select
+    end function regime_name
+
+    !> Chooses the form and sets it up.
+    pure type(theta_motion_t) function prepare_theta_motion(start, points) result(motion)
+        type(regular_start_t), intent(in) :: start
+        type(turning_points_t), intent(in) :: points
+        motion%regime = choose_regime(start, points)
+        select case (motion%regime)
+        case (regime_circular)
+            call prepare_circular_form(start, points, motion%clock, motion%circular)
+        case (regime_hyperbolic)
+            call prepare_hyperbolic_form(start, points, motion%clock, motion%hyperbolic)
+        end select
+    end function prepare_theta_motion
+
+    !> The argument a time `elapsed` (s) after the start, reduced by whole nutations.
+    pure subroutine locate(self, elapsed, z, nutations)
+        class(theta_motion_t), intent(in) :: self
+        real(xp), intent(in) :: elapsed
+        real(dp), intent(out) :: z          !! within half a period of zero
+        real(xp), intent(out) :: nutations  !! whole nutations left out
+        real(xp) :: argument
+        associate (clock => self%clock)
+            argument = clock%start + clock%rate * elapsed
+            nutations = 0
+            if (clock%period > 0) then
+                nutations = anint(argument / clock%period)
+                ! The bounds matter only for times so large that no digit of z is left.
+                argument = argument - nutations * clock%period
+                argument = max(-clock%half_period, min(clock%half_period, argument))
+            end if
+            z = real(argument, dp)
+        end associate
+    end subroutine locate
+
+    !> The theta functions at the reduced argument z.
+    pure type(theta_values_t) function evaluate(self, z) result(theta)
+        class(theta_motion_t), intent(in) :: self
+        real(dp), intent(in) :: z
+        if (self%regime == regime_circular) then
+            theta = evaluate_circular_form(self%circular, z)
+        else
+            theta = evaluate_hyperbolic_form(self%hyperbolic, z)
+        end if
+    end function evaluate
+
+end module spintop_theta_motion

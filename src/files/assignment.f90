@@ -1,0 +1,339 @@
+!> `key(subscripts) = values`: the values of one assignment, checked and stored.
+module spintop_assignment
+    use spintop_diagnostics, only: diagnostics_t, place_t, visible
+    use spintop_kinds, only: dp
+    use spintop_literals, only: read_integer, read_logical, read_real
+    use spintop_parameter, only: all_elements, kind_integer, kind_real, kind_text, &
+        leading_elements, parameter_t, quoted
+    use spintop_scanner, only: scanner_t, token_close, token_colon, token_comma, token_open, &
+        token_string, token_t, token_word
+    use spintop_text, only: abbreviate, join, lower_case, nearest_word, to_text
+    implicit none
+    private
+    public :: assignment_t
+
+    !> The elements that an assignment names, and how far it has come.
+    type :: assignment_t
+        type(place_t) :: place           !! of the key
+        logical :: quotes_optional = .false.
+        logical :: refused = .false.     !! an error makes the rest of the values void
+        integer, private :: row = 1, first = 1, last = 1
+        logical, private :: whole = .true. !! the key or its row, without bounds
+        integer :: count = 0             !! values so far
+    contains
+        procedure :: read_subscripts
+        procedure :: begin
+        procedure :: put
+        procedure :: finish
+        procedure, private :: put_element
+        procedure, private :: put_word
+        procedure :: refuse
+        procedure, private :: fail
+    end type assignment_t
+
+contains
+
+    !> Reads the subscripts, if there are any: `(2)`, `(1,:)`, `(1,2:4)`, `(:3)`.
+    subroutine read_subscripts(self, parameter, scanner, diagnostics)
+        class(assignment_t), intent(inout) :: self
+        type(parameter_t), intent(inout) :: parameter
+        type(scanner_t), intent(inout) :: scanner
+        type(diagnostics_t), intent(inout) :: diagnostics
+        type(token_t) :: token
+        integer :: bounds(2, 2), dimensions
+
+        self%last = parameter%extents(2)
+        call scanner%peek(token)
+        if (token%kind /= token_open) then
+            if (parameter%rank == 2) call self%refuse(parameter, diagnostics, self%place, &
+                parameter%key // ' has rows', 'name one: ' // parameter%key // '(1,:) = ...')
+            return
+        end if
+        call scanner%next(token)
+        self%place%width = token%place%column - self%place%column + 1
+        call read_bounds(scanner, bounds, dimensions, token)
+        self%place%width = token%place%column - self%place%column + 1
+        if (parameter%rank == 0) then
+            call self%refuse(parameter, diagnostics, self%place, &
+                parameter%key // ' is a single value', 'it takes no subscript')
+        else if (dimensions /= parameter%rank) then
+            call self%refuse(parameter, diagnostics, self%place, 'bad subscript of ' // &
+                parameter%key, 'write ' // example(parameter) // '; strides are not supported')
+        else if (parameter%rank == 2 .and. bounds(1, 1) /= bounds(2, 1)) then
+            call self%refuse(parameter, diagnostics, self%place, &
+                'one row at a time', 'write ' // example(parameter))
+        else
+            if (parameter%rank == 2) self%row = bounds(1, 1)
+            call take_bounds(self, parameter, bounds(:, dimensions), diagnostics)
+        end if
+    end subroutine read_subscripts
+
+    !> How subscripts are written.
+    function example(parameter) result(text)
+        type(parameter_t), intent(in) :: parameter
+        character(:), allocatable :: text
+        if (parameter%rank == 1) then
+            text = parameter%key // '(2) or ' // parameter%key // '(2:3)'
+        else
+            text = parameter%key // '(1,:) or ' // parameter%key // '(1,2:3)'
+        end if
+    end function example
+
+    subroutine take_bounds(self, parameter, bounds, diagnostics)
+        class(assignment_t), intent(inout) :: self
+        type(parameter_t), intent(inout) :: parameter
+        integer, intent(in) :: bounds(2)
+        type(diagnostics_t), intent(inout) :: diagnostics
+
+        self%first = max(bounds(1), 1)
+        if (bounds(2) > 0) self%last = bounds(2)
+        self%whole = bounds(1) < 1 .and. bounds(2) < 1
+        if (self%row < 1 .or. self%row > parameter%extents(1) .or. self%first > self%last &
+            .or. self%last > parameter%extents(2)) then
+            call self%refuse(parameter, diagnostics, self%place, 'subscript out of bounds', &
+                'the whole is ' // parameter%full_name())
+        end if
+    end subroutine take_bounds
+
+    !> Reads bounds up to the closing parenthesis; absent ones are -1. `dimensions` is 0 if
+    !> they cannot be understood.
+    subroutine read_bounds(scanner, bounds, dimensions, token)
+        type(scanner_t), intent(inout) :: scanner
+        integer, intent(out) :: bounds(2, 2), dimensions
+        type(token_t), intent(out) :: token
+        character(:), allocatable :: problem, hint
+        integer :: side
+        logical :: good
+
+        bounds = -1
+        dimensions = 1
+        side = 1
+        good = .true.
+        do
+            call scanner%peek(token)
+            select case (token%kind)
+            case (token_word)
+                good = good .and. side <= 2 .and. dimensions <= 2
+                if (good) then
+                    call read_integer(scanner%word(token), bounds(side, dimensions), problem, hint)
+                    ! A zero or a negative number must not pass for an absent bound.
+                    good = problem == '' .and. bounds(side, dimensions) > 0
+                end if
+            case (token_colon)
+                side = side + 1
+            case (token_comma, token_close)
+                ! A subscript without a colon is both bounds.
+                if (side == 1 .and. dimensions <= 2) then
+                    good = good .and. bounds(1, dimensions) > 0
+                    bounds(2, dimensions) = bounds(1, dimensions)
+                end if
+                good = good .and. side <= 2
+                side = 1
+                if (token%kind == token_comma) dimensions = dimensions + 1
+            case default
+                good = .false.
+                exit
+            end select
+            call scanner%next(token)
+            if (token%kind == token_close) exit
+        end do
+        if (.not. good) dimensions = 0
+    end subroutine read_bounds
+
+    !> Checks that nothing was given before, and makes room.
+    subroutine begin(self, parameter, diagnostics)
+        class(assignment_t), intent(inout) :: self
+        type(parameter_t), intent(inout) :: parameter
+        type(diagnostics_t), intent(inout) :: diagnostics
+        integer :: i
+
+        if (self%refused) return
+        do i = self%first, self%last
+            if (parameter%places(self%row, i)%source /= self%place%source) cycle
+            call self%refuse(parameter, diagnostics, self%place, parameter%key // &
+                ' is given a second time', 'first on line ' // &
+                to_text(parameter%places(self%row, i)%line))
+            return
+        end do
+        if (self%whole .and. parameter%elements == leading_elements) &
+            call parameter%clear_row(self%row)
+        parameter%key_place = self%place
+    end subroutine begin
+
+    !> Stores a value `repeats` times.
+    subroutine put(self, parameter, token, text, repeats, diagnostics)
+        class(assignment_t), intent(inout) :: self
+        type(parameter_t), intent(inout) :: parameter
+        type(token_t), intent(in) :: token
+        character(*), intent(in) :: text !! the value, without quotes
+        integer, intent(in) :: repeats
+        type(diagnostics_t), intent(inout) :: diagnostics
+        character(:), allocatable :: hint
+        integer :: i
+
+        do i = 1, repeats
+            if (self%refused) return
+            self%count = self%count + 1
+            if (self%count > self%last - self%first + 1) then
+                if (parameter%faulty) return
+                hint = 'it takes ' // values(self%last - self%first + 1)
+                if (self%last == self%first .and. parameter%rank > 0) hint = hint // '; several: ' &
+                    // parameter%key // ' = ..., or ' // example(parameter)
+                if (token%touches .and. parameter%kind == kind_text) &
+                    hint = hint // '; a quote inside a text is written twice'
+                call self%refuse(parameter, diagnostics, token%place, &
+                    'too many values for ' // parameter%key, hint)
+                return
+            end if
+            call self%put_element(parameter, token, text, self%first + self%count - 1, diagnostics)
+        end do
+    end subroutine put
+
+    !> Checks that there were values enough.
+    subroutine finish(self, parameter, diagnostics)
+        class(assignment_t), intent(inout) :: self
+        type(parameter_t), intent(inout) :: parameter
+        type(diagnostics_t), intent(inout) :: diagnostics
+        logical :: all_needed
+
+        if (self%refused .or. parameter%faulty) return
+        all_needed = parameter%elements == all_elements .or. .not. self%whole
+        if (self%count == 0) then
+            call self%refuse(parameter, diagnostics, self%place, &
+                'no value for ' // parameter%key, 'leave the key out to have the default')
+        else if (all_needed .and. self%first + self%count <= self%last) then
+            call self%refuse(parameter, diagnostics, self%place, 'too few values for ' // &
+                parameter%key, 'it takes ' // to_text(self%last - self%first + 1) // &
+                ', but has ' // to_text(self%count))
+        end if
+    end subroutine finish
+
+    pure function values(number) result(text)
+        integer, intent(in) :: number
+        character(:), allocatable :: text
+        text = to_text(number) // ' values'
+        if (number == 1) text = 'one value'
+    end function values
+
+    subroutine put_element(self, parameter, token, text, column, diagnostics)
+        class(assignment_t), intent(inout) :: self
+        type(parameter_t), intent(inout) :: parameter
+        type(token_t), intent(in) :: token
+        character(*), intent(in) :: text
+        integer, intent(in) :: column
+        type(diagnostics_t), intent(inout) :: diagnostics
+        character(:), allocatable :: problem, hint
+        real(dp) :: number
+        integer :: whole_number
+        logical :: flag
+
+        parameter%places(self%row, column) = token%place
+        if (parameter%kind == kind_text) then
+            call self%put_word(parameter, token, text, column, diagnostics)
+            return
+        end if
+        if (token%kind == token_string) then
+            problem = parameter%key // ' is no text'
+            hint = 'a value without quotes is expected'
+        else
+            select case (parameter%kind)
+            case (kind_real)
+                call read_real(text, number, problem, hint)
+            case (kind_integer)
+                call read_integer(text, whole_number, problem, hint)
+                number = whole_number
+            case default
+                call read_logical(text, flag, problem, hint)
+            end select
+        end if
+        if (problem == '' .and. parameter%is_number()) then
+            if (.not. parameter%range%contains(number)) then
+                problem = parameter%element_name(self%row, column) // ' is out of range'
+                hint = 'must be ' // parameter%rule
+                if (scan(parameter%rule, '[(') == 1) hint = 'must be in ' // parameter%rule
+            end if
+        end if
+        if (problem /= '') then
+            call self%fail(parameter, diagnostics, token%place, problem, hint)
+            return
+        end if
+        select case (parameter%kind)
+        case (kind_real)
+            call parameter%put_real(self%row, column, number)
+        case (kind_integer)
+            call parameter%put_integer(self%row, column, whole_number)
+        case default
+            call parameter%put_flag(flag)
+        end select
+    end subroutine put_element
+
+    subroutine put_word(self, parameter, token, text, column, diagnostics)
+        class(assignment_t), intent(inout) :: self
+        type(parameter_t), intent(inout) :: parameter
+        type(token_t), intent(in) :: token
+        character(*), intent(in) :: text
+        integer, intent(in) :: column
+        type(diagnostics_t), intent(inout) :: diagnostics
+        character(:), allocatable :: word, near
+        integer :: i
+
+        word = text
+        if (token%kind == token_word .and. .not. self%quotes_optional) then
+            call self%refuse(parameter, diagnostics, token%place, &
+                'a text needs quotes', 'write ' // quoted(abbreviate(text)))
+        else if (.not. token%closed) then
+            call self%refuse(parameter, diagnostics, token%place, &
+                'the quote is not closed on its line', 'a quote inside a text is written twice')
+        else if (visible(text) /= text) then
+            call self%refuse(parameter, diagnostics, token%place, &
+                'a tab, a control character or a byte that is not UTF-8', 'plain text is expected')
+        else if (len_trim(text) > parameter%text_length()) then
+            call self%refuse(parameter, diagnostics, token%place, 'the text is too long', &
+                'at most ' // to_text(parameter%text_length()) // ' bytes')
+        else if (text == '' .and. parameter%rank > 0) then
+            call self%refuse(parameter, diagnostics, token%place, 'an empty text in a list')
+        else if (size(parameter%choices) > 0) then
+            do i = size(parameter%choices), 1, -1
+                if (parameter%choices(i)%text == lower_case(trim(text))) exit
+            end do
+            if (i > 0) then
+                word = parameter%choices(i)%text
+            else
+                near = nearest_word(text, parameter%choices)
+                if (near /= '') then
+                    near = 'did you mean ' // quoted(near) // '?'
+                else
+                    near = 'one of: ' // join(parameter%choices, ', ')
+                end if
+                call self%fail(parameter, diagnostics, token%place, quoted(abbreviate(text)) // &
+                    ' is no choice for ' // parameter%key, near)
+            end if
+        end if
+        if (.not. parameter%faulty) call parameter%put_text(column, word)
+    end subroutine put_word
+
+    !> Reports an error in a value.
+    subroutine fail(self, parameter, diagnostics, place, message, hint)
+        class(assignment_t), intent(in) :: self
+        type(parameter_t), intent(inout) :: parameter
+        type(diagnostics_t), intent(inout) :: diagnostics
+        type(place_t), intent(in) :: place
+        character(*), intent(in) :: message
+        character(*), intent(in), optional :: hint
+        if (.not. self%refused) call diagnostics%error(place, message, hint)
+        parameter%faulty = .true.
+    end subroutine fail
+
+    !> Reports an error that makes the rest of the assignment void.
+    subroutine refuse(self, parameter, diagnostics, place, message, hint)
+        class(assignment_t), intent(inout) :: self
+        type(parameter_t), intent(inout) :: parameter
+        type(diagnostics_t), intent(inout) :: diagnostics
+        type(place_t), intent(in) :: place
+        character(*), intent(in) :: message
+        character(*), intent(in), optional :: hint
+        call self%fail(parameter, diagnostics, place, message, hint)
+        self%refused = .true.
+    end subroutine refuse
+
+end module spintop_assignment

@@ -1,0 +1,319 @@
+!> Everything that is wrong with an input, shown where it stands:
+!>
+!>     scene.nml:12:5: error: unknown key 'mas' in group &top
+!>        |
+!>     12 |     mas = 1.5
+!>        |     ^^^ did you mean 'mass'?
+module spintop_diagnostics
+    use spintop_errors, only: error_t, input_error
+    use spintop_text, only: to_text
+    implicit none
+    private
+    public :: diagnostics_t, place_t, visible
+
+    !> More problems than this are counted, not shown.
+    integer, parameter :: most_shown = 100
+    !> Longest stretch of a source line that is shown.
+    integer, parameter :: widest_line = 100
+
+    !> Where something stands in a source. The default is nowhere.
+    type :: place_t
+        integer :: source = 0 !! number of the source, 0 for none
+        integer :: line = 0   !! from 1; 0 means the source as a whole
+        integer :: column = 1 !! byte in the line, from 1
+        integer :: width = 1  !! bytes that are marked
+    end type place_t
+
+    type :: source_t
+        character(:), allocatable :: name, text
+    end type source_t
+
+    type :: problem_t
+        type(place_t) :: place
+        character(:), allocatable :: severity, message, hint
+    end type problem_t
+
+    !> The problems of one input, in the order in which they stand in it.
+    type :: diagnostics_t
+        private
+        type(source_t), allocatable :: sources(:)
+        type(problem_t), allocatable :: problems(:)
+        integer :: errors = 0, warnings = 0
+    contains
+        procedure :: add_source
+        procedure :: error
+        procedure :: warning
+        procedure :: has_errors
+        procedure :: has_warnings
+        procedure :: report
+        procedure :: raise
+        procedure, private :: add
+        procedure, private :: show
+    end type diagnostics_t
+
+contains
+
+    !> Makes a text known, so that places in it can be shown; returns its number.
+    subroutine add_source(self, name, text, number)
+        class(diagnostics_t), intent(inout) :: self
+        character(*), intent(in) :: name !! stands before line and column: a file name, `--set`
+        character(*), intent(in) :: text
+        integer, intent(out) :: number
+        type(source_t), allocatable :: larger(:)
+
+        number = 1
+        if (allocated(self%sources)) number = size(self%sources) + 1
+        allocate (larger(number))
+        if (number > 1) larger(:number - 1) = self%sources
+        larger(number)%name = name
+        larger(number)%text = text
+        call move_alloc(larger, self%sources)
+    end subroutine add_source
+
+    !> Adds an error: what is wrong, and what would be right.
+    subroutine error(self, place, message, hint)
+        class(diagnostics_t), intent(inout) :: self
+        type(place_t), intent(in) :: place
+        character(*), intent(in) :: message
+        character(*), intent(in), optional :: hint
+        self%errors = self%errors + 1
+        call self%add(place, 'error', message, hint)
+    end subroutine error
+
+    !> Adds a warning: worth a look, but no reason to stop.
+    subroutine warning(self, place, message, hint)
+        class(diagnostics_t), intent(inout) :: self
+        type(place_t), intent(in) :: place
+        character(*), intent(in) :: message
+        character(*), intent(in), optional :: hint
+        self%warnings = self%warnings + 1
+        call self%add(place, 'warning', message, hint)
+    end subroutine warning
+
+    pure logical function has_errors(self)
+        class(diagnostics_t), intent(in) :: self
+        has_errors = self%errors > 0
+    end function has_errors
+
+    pure logical function has_warnings(self)
+        class(diagnostics_t), intent(in) :: self
+        has_warnings = self%warnings > 0
+    end function has_warnings
+
+    !> Turns the errors, if there are any, into one error that holds the whole report.
+    subroutine raise(self, error)
+        class(diagnostics_t), intent(in) :: self
+        type(error_t), allocatable, intent(out) :: error
+        if (self%has_errors()) error = input_error(self%report())
+    end subroutine raise
+
+    !> The text of all problems, errors and warnings, and a last line that counts them.
+    function report(self) result(text)
+        class(diagnostics_t), intent(in) :: self
+        character(:), allocatable :: text
+        integer :: i
+
+        text = ''
+        if (.not. allocated(self%problems)) return
+        do i = 1, size(self%problems)
+            text = text // self%show(self%problems(i)) // new_line('a') // new_line('a')
+        end do
+        text = text // counted(self%errors, 'error')
+        if (self%errors > 0 .and. self%warnings > 0) text = text // ', '
+        text = text // counted(self%warnings, 'warning')
+        if (self%errors + self%warnings > size(self%problems)) then
+            text = text // ' (the first ' // to_text(size(self%problems)) // ' are shown)'
+        end if
+    end function report
+
+    pure function counted(number, noun) result(text)
+        integer, intent(in) :: number
+        character(*), intent(in) :: noun
+        character(:), allocatable :: text
+        text = ''
+        if (number == 1) text = '1 ' // noun
+        if (number > 1) text = to_text(number) // ' ' // noun // 's'
+    end function counted
+
+    !> Puts a problem behind the last one that does not stand after it.
+    subroutine add(self, place, severity, message, hint)
+        class(diagnostics_t), intent(inout) :: self
+        type(place_t), intent(in) :: place
+        character(*), intent(in) :: severity, message
+        character(*), intent(in), optional :: hint
+        type(problem_t), allocatable :: larger(:)
+        integer :: i, known
+
+        if (.not. allocated(self%problems)) allocate (self%problems(0))
+        known = size(self%problems)
+        if (known == most_shown) return
+        allocate (larger(known + 1))
+        do i = known, 1, -1
+            if (.not. stands_after(self%problems(i)%place, place)) exit
+            larger(i + 1) = self%problems(i)
+        end do
+        larger(:i) = self%problems(:i)
+        larger(i + 1)%place = place
+        larger(i + 1)%severity = severity
+        larger(i + 1)%message = message
+        larger(i + 1)%hint = ''
+        if (present(hint)) larger(i + 1)%hint = hint
+        call move_alloc(larger, self%problems)
+    end subroutine add
+
+    pure logical function stands_after(a, b)
+        type(place_t), intent(in) :: a, b
+        if (a%source /= b%source) then
+            stands_after = a%source > b%source
+        else if (a%line /= b%line) then
+            stands_after = a%line > b%line
+        else
+            stands_after = a%line > 0 .and. a%column > b%column
+        end if
+    end function stands_after
+
+    function show(self, problem) result(text)
+        class(diagnostics_t), intent(in) :: self
+        type(problem_t), intent(in) :: problem
+        character(:), allocatable :: text, line, before, marked, number, margin
+        type(place_t) :: place
+
+        place = problem%place
+        text = problem%severity // ': ' // visible(problem%message)
+        if (place%source > 0) then
+            associate (source => self%sources(place%source))
+                if (place%line > 0) then
+                    line = line_of(source%text, place%line)
+                    place%column = min(place%column, len(line) + 1)
+                    before = visible(line(:place%column - 1))
+                    text = source%name // ':' // to_text(place%line) // ':' // &
+                        to_text(characters(before) + 1) // ': ' // text
+                else
+                    text = source%name // ': ' // text
+                end if
+            end associate
+        end if
+        if (.not. allocated(line)) then
+            if (problem%hint /= '') text = text // new_line('a') // '  ' // visible(problem%hint)
+            return
+        end if
+
+        call cut_to_window(line, place)
+        before = visible(line(:place%column - 1))
+        marked = visible(line(place%column:min(len(line), place%column + place%width - 1)))
+        number = to_text(place%line)
+        margin = repeat(' ', len(number)) // ' | '
+        text = text // new_line('a') // margin(:len(margin) - 1) // new_line('a') // &
+            number // ' | ' // visible(line) // new_line('a') // margin // &
+            repeat(' ', characters(before)) // repeat('^', max(1, characters(marked)))
+        if (problem%hint /= '') text = text // ' ' // visible(problem%hint)
+    end function show
+
+    !> The line of that number, without its end.
+    pure function line_of(text, number) result(line)
+        character(*), intent(in) :: text
+        integer, intent(in) :: number
+        character(:), allocatable :: line
+        integer :: i, first, length
+
+        first = 1
+        do i = 2, number
+            first = first + index(text(first:), new_line('a'))
+        end do
+        length = index(text(first:), new_line('a')) - 1
+        if (length < 0) length = len(text) - first + 1
+        line = text(first:first + length - 1)
+        if (length > 0) then
+            if (line(length:) == achar(13)) line = line(:length - 1)
+        end if
+    end function line_of
+
+    !> Keeps the stretch of a very long line around the place.
+    pure subroutine cut_to_window(line, place)
+        character(:), allocatable, intent(inout) :: line
+        type(place_t), intent(inout) :: place
+        character(*), parameter :: gap = '...'
+        integer :: first, last
+
+        if (len(line) <= widest_line) return
+        first = max(1, min(place%column - widest_line / 2, len(line) - widest_line + 1))
+        last = first + widest_line - 1
+        place%width = min(place%width, last - place%column + 1)
+        if (last < len(line)) line = line(:last) // gap
+        if (first > 1) then
+            line = gap // line(first:)
+            place%column = place%column - first + 1 + len(gap)
+        end if
+    end subroutine cut_to_window
+
+    !> The text as a terminal may show it: a tab as a blank, other control characters and
+    !> bytes that are no UTF-8 as '?', line ends kept.
+    pure function visible(text) result(shown)
+        character(*), intent(in) :: text
+        character(:), allocatable :: shown
+        integer :: i, length, code
+
+        allocate (character(len(text)) :: shown)
+        shown(:) = text
+        i = 1
+        do while (i <= len(text))
+            length = utf8_length(text(i:))
+            code = iachar(text(i:i))
+            if (code == 9) then
+                shown(i:i) = ' '
+            else if (length == 0 .or. code == 127 .or. (code < 32 .and. code /= 10)) then
+                shown(i:i) = '?'
+            end if
+            i = i + max(1, length)
+        end do
+    end function visible
+
+    !> Bytes of the character that the text starts with; 0 if that is not UTF-8, or a C1 control.
+    pure integer function utf8_length(text) result(length)
+        character(*), intent(in) :: text
+        integer :: code, i
+
+        code = iachar(text(1:1))
+        select case (code)
+        case (0:127)
+            length = 1
+        case (194:223)
+            length = 2
+        case (224:239)
+            length = 3
+        case (240:244)
+            length = 4
+        case default
+            length = 0
+        end select
+        if (length > len(text)) length = 0
+        do i = 2, length
+            if (iand(iachar(text(i:i)), 192) /= 128) then
+                length = 0
+                return
+            end if
+        end do
+        if (length < 2) return
+        i = iachar(text(2:2))
+        select case (code)
+        case (194)
+            if (i < 160) length = 0 ! a C1 control
+        case (224)
+            if (i < 160) length = 0 ! longer than need be
+        case (237)
+            if (i > 159) length = 0 ! a surrogate
+        case (240)
+            if (i < 144) length = 0 ! longer than need be
+        case (244)
+            if (i > 143) length = 0 ! beyond Unicode
+        end select
+    end function utf8_length
+
+    !> Number of characters of a visible text (UTF-8 continuation bytes do not count).
+    pure integer function characters(text)
+        character(*), intent(in) :: text
+        integer :: i
+        characters = count([(iand(iachar(text(i:i)), 192) /= 128, i=1, len(text))])
+    end function characters
+
+end module spintop_diagnostics

@@ -1,0 +1,277 @@
+!> Reads a namelist file, and overrides from the command line, into a table of parameters.
+!>
+!> The rules are those of Fortran, made strict where Fortran would pass over a mistake: every
+!> group and key must be known and stand once; nothing but comments stands between groups; a
+!> text stands in quotes, on one line; no value is left empty; a list is either given by
+!> `key = a, b`, by elements `key(2) = a` and ranges `key(2:3) = a, b`, or, where it has rows,
+!> by `key(1,:) = a, b`. All errors are collected; what follows an error is read on.
+module spintop_namelist
+    use spintop_assignment, only: assignment_t
+    use spintop_diagnostics, only: diagnostics_t, place_t
+    use spintop_errors, only: error_t
+    use spintop_overrides, only: read_override
+    use spintop_parameter, only: all_elements, leading_elements, parameter_t, quoted
+    use spintop_parameters, only: parameter_table_t
+    use spintop_scanner, only: scanner_t, token_comma, token_end, token_equals, token_group, &
+        token_slash, token_t, token_word
+    use spintop_suggestions, only: homes_of, suggest_group, suggest_key
+    use spintop_system, only: read_file
+    use spintop_text, only: abbreviate, lower_case, string_t, to_text
+    use spintop_value_list, only: read_values, skip_values
+    implicit none
+    private
+    public :: read_namelist
+
+    !> No honest input is larger (bytes).
+    integer, parameter :: largest_file = 16 * 1024 * 1024
+
+contains
+
+    !> Reads a file and then the overrides (`group.key=value`, the last one of a key counts) into
+    !> the variables of the table. What is wrong with them is in the diagnostics; an error means
+    !> that the table itself is wrong.
+    subroutine read_namelist(path, overrides, table, diagnostics, error)
+        character(*), intent(in) :: path
+        type(string_t), intent(in) :: overrides(:)
+        type(parameter_table_t), intent(inout) :: table
+        type(diagnostics_t), intent(inout) :: diagnostics
+        type(error_t), allocatable, intent(out) :: error
+        type(error_t), allocatable :: unreadable
+        character(:), allocatable :: text
+        integer :: i
+
+        call table%verify(error)
+        if (allocated(error)) return
+        call read_file(path, largest_file, text, unreadable)
+        if (allocated(unreadable)) then
+            call diagnostics%error(place_t(), unreadable%message)
+            return
+        end if
+        call diagnostics%add_source(path, text, table%place%source)
+        call read_groups(text, table, diagnostics)
+        do i = 1, size(overrides)
+            call read_override(overrides(i)%text, table, diagnostics)
+        end do
+        do i = 1, size(table%parameters)
+            call check_complete(table%parameters(i), diagnostics)
+        end do
+    end subroutine read_namelist
+
+    subroutine read_groups(text, table, diagnostics)
+        character(*), intent(in) :: text
+        type(parameter_table_t), intent(inout) :: table
+        type(diagnostics_t), intent(inout) :: diagnostics
+        type(scanner_t) :: scanner
+        type(token_t) :: token
+        logical :: any_group
+
+        if (index(text, char(0)) > 0) then
+            call diagnostics%error(table%place, 'not a text file: it has NUL bytes', &
+                'a namelist in ASCII or UTF-8 is expected')
+            return
+        end if
+        call scanner%start(text, table%place%source, comments=.true.)
+        any_group = .false.
+        call scanner%next(token)
+        do while (token%kind /= token_end)
+            if (token%kind == token_group) then
+                any_group = .true.
+                call read_group(scanner, token, table, diagnostics)
+                call scanner%next(token)
+            else
+                call diagnostics%error(token%place, 'text outside a group', &
+                    'a group is &name ... /, a comment starts with !')
+                any_group = .true.
+                do while (token%kind /= token_group .and. token%kind /= token_end)
+                    call scanner%next(token)
+                end do
+            end if
+        end do
+        if (.not. any_group) call diagnostics%error(table%place, 'the file holds no group', &
+            'it should start with &' // table%groups(1)%name)
+    end subroutine read_groups
+
+    !> Reads a group from behind its name to its slash.
+    subroutine read_group(scanner, start, table, diagnostics)
+        type(scanner_t), intent(inout) :: scanner
+        type(token_t), intent(in) :: start
+        type(parameter_table_t), intent(inout) :: table
+        type(diagnostics_t), intent(inout) :: diagnostics
+        character(:), allocatable :: name
+        type(token_t) :: token
+        logical :: known
+
+        name = scanner%word(start)
+        name = lower_case(name(2:))
+        call open_group(name, start%place, table, diagnostics, known)
+        do
+            call scanner%peek(token)
+            select case (token%kind)
+            case (token_end, token_group)
+                if (is_legacy_end(scanner, token)) then
+                    call scanner%next(token)
+                    call diagnostics%error(token%place, 'a group ends with /', 'write / here')
+                else
+                    call diagnostics%error(start%place, 'group &' // name // &
+                        ' has no closing slash', 'a line with / is missing before line ' // &
+                        to_text(token%place%line + merge(1, 0, token%kind == token_end)))
+                end if
+                return
+            case (token_slash)
+                call scanner%next(token)
+                call close_group(scanner, diagnostics)
+                return
+            case (token_comma)
+                call scanner%next(token)
+                call diagnostics%error(token%place, 'a comma without a value')
+            case default
+                call read_assignment(scanner, name, known, table, diagnostics)
+            end select
+        end do
+    end subroutine read_group
+
+    subroutine open_group(name, place, table, diagnostics, known)
+        character(*), intent(in) :: name
+        type(place_t), intent(in) :: place
+        type(parameter_table_t), intent(inout) :: table
+        type(diagnostics_t), intent(inout) :: diagnostics
+        logical, intent(out) :: known !! the group is known, and not read before
+        integer :: number
+
+        number = table%find_group(name)
+        known = number > 0
+        if (.not. known) then
+            call diagnostics%error(place, 'unknown group &' // abbreviate(name), &
+                suggest_group(table, name))
+            return
+        end if
+        known = table%groups(number)%place%source == 0
+        if (known) then
+            table%groups(number)%place = place
+        else
+            call diagnostics%error(place, 'group &' // name // ' is given a second time', &
+                'first on line ' // to_text(table%groups(number)%place%line))
+        end if
+    end subroutine open_group
+
+    logical function is_legacy_end(scanner, token)
+        type(scanner_t), intent(in) :: scanner
+        type(token_t), intent(in) :: token
+        is_legacy_end = token%kind == token_group
+        if (is_legacy_end) is_legacy_end = lower_case(scanner%word(token)) == '&end'
+    end function is_legacy_end
+
+    !> Behind the slash the line is empty, or another group starts.
+    subroutine close_group(scanner, diagnostics)
+        type(scanner_t), intent(inout) :: scanner
+        type(diagnostics_t), intent(inout) :: diagnostics
+        type(token_t) :: token
+
+        call scanner%peek(token)
+        if (token%starts_line .or. token%kind == token_end .or. token%kind == token_group) return
+        call diagnostics%error(token%place, 'text behind the slash that ends the group', &
+            'a comment starts with !')
+        call skip_line(scanner, token_group)
+    end subroutine close_group
+
+    !> Reads `key = values`; key and values of a group that is not known are passed over.
+    subroutine read_assignment(scanner, group, known, table, diagnostics)
+        type(scanner_t), intent(inout) :: scanner
+        character(*), intent(in) :: group
+        logical, intent(in) :: known
+        type(parameter_table_t), intent(inout) :: table
+        type(diagnostics_t), intent(inout) :: diagnostics
+        type(assignment_t) :: assignment
+        type(token_t) :: token
+        integer :: number
+        logical :: has_equals
+
+        has_equals = scanner%key_follows()
+        call scanner%next(token)
+        if (token%kind /= token_word) then
+            call diagnostics%error(token%place, 'a key is expected here', 'key = value, or / to end')
+            call skip_line(scanner, token_slash)
+            return
+        end if
+        number = 0
+        if (known) call find_key(scanner%word(token), group, token%place, table, diagnostics, number)
+        if (number > 0 .and. .not. has_equals) then
+            call diagnostics%error(token%place, 'no = behind ' // scanner%word(token))
+            table%parameters(number)%faulty = .true.
+        end if
+        if (number == 0 .or. .not. has_equals) then
+            call skip_values(scanner, group, table)
+            return
+        end if
+        assignment%place = token%place
+        associate (parameter => table%parameters(number))
+            call assignment%read_subscripts(parameter, scanner, diagnostics)
+            do while (token%kind /= token_equals)
+                call scanner%next(token)
+            end do
+            call assignment%begin(parameter, diagnostics)
+            call read_values(scanner, group, table, parameter, assignment, diagnostics)
+            call assignment%finish(parameter, diagnostics)
+        end associate
+    end subroutine read_assignment
+
+    !> Finds a key of a group; 0 and an error if the group has no such key.
+    subroutine find_key(word, group, place, table, diagnostics, number)
+        character(*), intent(in) :: word, group
+        type(place_t), intent(in) :: place
+        type(parameter_table_t), intent(in) :: table
+        type(diagnostics_t), intent(inout) :: diagnostics
+        integer, intent(out) :: number
+        character(:), allocatable :: key
+        integer :: last_part
+
+        key = lower_case(word)
+        number = table%find(group // '.' // key)
+        if (number > 0) return
+        last_part = scan(key, '.%', back=.true.) + 1
+        if (table%find(group // '.' // key(last_part:)) > 0) then
+            call diagnostics%error(place, 'a key stands without its group', &
+                'write ' // key(last_part:))
+        else if (homes_of(table, key) /= '') then
+            call diagnostics%error(place, 'key ' // quoted(key) // ' is not in group &' // group, &
+                'it belongs to ' // homes_of(table, key))
+        else
+            call diagnostics%error(place, 'unknown key ' // quoted(abbreviate(word)) // &
+                ' in group &' // group, suggest_key(table, group, key))
+        end if
+    end subroutine find_key
+
+    !> Goes to the next line, or to a token of a kind before that.
+    subroutine skip_line(scanner, kind)
+        type(scanner_t), intent(inout) :: scanner
+        integer, intent(in) :: kind
+        type(token_t) :: token
+        do
+            call scanner%peek(token)
+            if (token%starts_line .or. token%kind == kind .or. token%kind == token_end) return
+            call scanner%next(token)
+        end do
+    end subroutine skip_line
+
+    !> Checks that no element is missing that the others need.
+    subroutine check_complete(parameter, diagnostics)
+        type(parameter_t), intent(inout) :: parameter
+        type(diagnostics_t), intent(inout) :: diagnostics
+        integer :: row, column, last
+
+        if (parameter%faulty .or. .not. parameter%is_given()) return
+        do row = 1, parameter%extents(1)
+            last = 0
+            if (parameter%elements == all_elements) last = parameter%extents(2)
+            if (parameter%elements == leading_elements) last = parameter%last_set(row)
+            do column = 1, last
+                if (parameter%is_set(row, column)) cycle
+                call diagnostics%error(parameter%key_place, parameter%element_name(row, column) // &
+                    ' is missing', 'it is needed beside the elements given')
+                parameter%faulty = .true.
+                return
+            end do
+        end do
+    end subroutine check_complete
+
+end module spintop_namelist

@@ -1,0 +1,105 @@
+!> Overrides from the command line: `group.key=value`, with the checks of a namelist file.
+module spintop_overrides
+    use spintop_assignment, only: assignment_t
+    use spintop_diagnostics, only: diagnostics_t
+    use spintop_parameter, only: kind_text, parameter_t
+    use spintop_parameters, only: parameter_table_t
+    use spintop_scanner, only: scanner_t, token_equals, token_t, token_word
+    use spintop_suggestions, only: homes_of, suggest_group, suggest_key
+    use spintop_text, only: abbreviate, lower_case, split, string_t
+    use spintop_value_list, only: read_values
+    implicit none
+    private
+    public :: read_override
+
+contains
+
+    !> Reads one override. Quotes around a word may be dropped, and a list is parted by commas.
+    !> It replaces what a file or an earlier override gave.
+    subroutine read_override(text, table, diagnostics)
+        character(*), intent(in) :: text
+        type(parameter_table_t), intent(inout) :: table
+        type(diagnostics_t), intent(inout) :: diagnostics
+        type(scanner_t) :: scanner
+        type(assignment_t) :: assignment
+        type(token_t) :: token
+        character(:), allocatable :: rest
+        integer :: source, number
+
+        call diagnostics%add_source('--set', text, source)
+        call scanner%start(text, source, comments=.false.)
+        call scanner%next(token)
+        if (token%kind /= token_word .or. index(text, '=') == 0) then
+            call diagnostics%error(token%place, 'an override is GROUP.KEY=VALUE')
+            return
+        end if
+        call find_parameter(lower_case(scanner%word(token)), token, table, diagnostics, number)
+        if (number == 0) return
+
+        assignment%place = token%place
+        assignment%quotes_optional = .true.
+        associate (parameter => table%parameters(number))
+            call assignment%read_subscripts(parameter, scanner, diagnostics)
+            call scanner%next(token)
+            if (token%kind /= token_equals) then
+                call assignment%refuse(parameter, diagnostics, token%place, &
+                    'an equals sign is expected', 'an override is GROUP.KEY=VALUE')
+                return
+            end if
+            call assignment%begin(parameter, diagnostics)
+            call scanner%peek(token)
+            rest = scanner%rest()
+            if (parameter%kind == kind_text .and. scan(adjustl(rest), '''"') /= 1) then
+                call read_plain_words(rest, token, parameter, assignment, diagnostics)
+            else
+                call read_values(scanner, '', table, parameter, assignment, diagnostics)
+            end if
+            call assignment%finish(parameter, diagnostics)
+        end associate
+    end subroutine read_override
+
+    subroutine find_parameter(name, token, table, diagnostics, number)
+        character(*), intent(in) :: name
+        type(token_t), intent(in) :: token
+        type(parameter_table_t), intent(in) :: table
+        type(diagnostics_t), intent(inout) :: diagnostics
+        integer, intent(out) :: number
+        character(:), allocatable :: group, key
+
+        number = table%find(name)
+        if (number > 0) return
+        group = name(:index(name // '.', '.') - 1)
+        key = name(min(len(name), len(group) + 1) + 1:)
+        if (table%find_group(group) > 0) then
+            call diagnostics%error(token%place, 'unknown key ' // abbreviate(key) // ' in group &' // &
+                group, suggest_key(table, group, key))
+        else if (key == '' .and. homes_of(table, name) /= '') then
+            call diagnostics%error(token%place, 'an override names the group too', &
+                'it belongs to ' // homes_of(table, name))
+        else
+            call diagnostics%error(token%place, 'unknown group &' // abbreviate(group), &
+                suggest_group(table, group))
+        end if
+    end subroutine find_parameter
+
+    !> A text without quotes goes to the end, or to the next comma in a list.
+    subroutine read_plain_words(rest, token, parameter, assignment, diagnostics)
+        character(*), intent(in) :: rest
+        type(token_t), intent(in) :: token !! the first of the words
+        type(parameter_t), intent(inout) :: parameter
+        type(assignment_t), intent(inout) :: assignment
+        type(diagnostics_t), intent(inout) :: diagnostics
+        type(string_t), allocatable :: words(:)
+        integer :: i
+
+        if (parameter%rank == 0) then
+            if (rest /= '') call assignment%put(parameter, token, trim(adjustl(rest)), 1, diagnostics)
+        else
+            call split(rest, ',', words)
+            do i = 1, size(words)
+                call assignment%put(parameter, token, words(i)%text, 1, diagnostics)
+            end do
+        end if
+    end subroutine read_plain_words
+
+end module spintop_overrides

@@ -1,0 +1,358 @@
+!> The table of all parameters of an input. Each is bound once to the variable that holds it
+!> (a component of a plain derived type with default values, and with the `target` attribute,
+!> that lives at least as long as the table); reading, checking, printing and listing follow.
+!>
+!>     call table%add('top.mass', scene%mass, 'kg', '> 0', 'mass of the body')
+!>     call table%add('top.inertia', scene%inertia, 'kg m^2', '> 0', 'principal moments')
+!>     call table%add('study.kind', scene%kind, choices='trajectory|sweep', what='what to do')
+!>     call table%add('sweep.from', scene%from, '', '', 'first values', elements=any_elements)
+module spintop_parameters
+    use spintop_diagnostics, only: place_t
+    use spintop_errors, only: error_t, internal_error
+    use spintop_kinds, only: dp
+    use spintop_number_slot, only: number_slot_t
+    use spintop_parameter, only: all_elements, any_elements, kind_real, leading_elements, &
+        parameter_t, quoted, unset, unset_integer
+    use spintop_ranges, only: parse_range
+    use spintop_text, only: nearest_word, split, string_t, to_text
+    implicit none
+    private
+    public :: parameter_table_t
+    public :: unset, unset_integer, all_elements, leading_elements, any_elements
+
+    !> A group of the input, and where it was given.
+    type :: group_t
+        character(:), allocatable :: name
+        type(place_t) :: place
+    end type group_t
+
+    type :: parameter_table_t
+        type(parameter_t), allocatable :: parameters(:) !! in the order in which they were added
+        type(group_t), allocatable :: groups(:)         !! in the order of their first parameter
+        type(place_t) :: place                          !! the input as a whole
+        character(:), allocatable, private :: defect
+    contains
+        !> `add(name, variable, unit, range, what [, elements])` for reals and integers,
+        !> `add(name, variable, [choices,] what [, elements])` for texts,
+        !> `add(name, variable, what)` for logicals.
+        generic :: add => add_real, add_reals, add_real_rows, add_integer, add_integers, &
+            add_text, add_texts, add_flag
+        procedure :: find
+        procedure :: find_group
+        procedure :: find_number
+        procedure :: is_given
+        procedure :: place_of
+        procedure :: key_place_of
+        procedure :: verify => verify_table
+        procedure, private :: add_real, add_reals, add_real_rows, add_integer, add_integers
+        procedure, private :: add_text, add_texts, add_flag
+        procedure, private :: append
+        procedure, private :: locate
+    end type parameter_table_t
+
+contains
+
+    !> A real number.
+    subroutine add_real(self, name, variable, unit, range, what)
+        class(parameter_table_t), intent(inout) :: self
+        character(*), intent(in) :: name
+        real(dp), target, intent(inout) :: variable
+        character(*), intent(in) :: unit, range, what
+        type(parameter_t) :: parameter
+        call parameter%bind_real(variable)
+        call self%append(parameter, name, what, unit=unit, range=range)
+    end subroutine add_real
+
+    !> Reals; `elements` tells which belong together (default: all_elements).
+    subroutine add_reals(self, name, variable, unit, range, what, elements)
+        class(parameter_table_t), intent(inout) :: self
+        character(*), intent(in) :: name
+        real(dp), target, contiguous, intent(inout) :: variable(:)
+        character(*), intent(in) :: unit, range, what
+        integer, intent(in), optional :: elements
+        type(parameter_t) :: parameter
+        parameter%elements = all_elements
+        call parameter%bind_reals(variable)
+        call self%append(parameter, name, what, unit=unit, range=range, elements=elements)
+    end subroutine add_reals
+
+    !> Rows of reals, each a list from its first element on.
+    subroutine add_real_rows(self, name, variable, unit, range, what)
+        class(parameter_table_t), intent(inout) :: self
+        character(*), intent(in) :: name
+        real(dp), target, intent(inout) :: variable(:, :)
+        character(*), intent(in) :: unit, range, what
+        type(parameter_t) :: parameter
+        parameter%elements = leading_elements
+        call parameter%bind_real_rows(variable)
+        call self%append(parameter, name, what, unit=unit, range=range)
+    end subroutine add_real_rows
+
+    !> An integer.
+    subroutine add_integer(self, name, variable, unit, range, what)
+        class(parameter_table_t), intent(inout) :: self
+        character(*), intent(in) :: name
+        integer, target, intent(inout) :: variable
+        character(*), intent(in) :: unit, range, what
+        type(parameter_t) :: parameter
+        call parameter%bind_integer(variable)
+        call self%append(parameter, name, what, unit=unit, range=range)
+    end subroutine add_integer
+
+    !> Integers; `elements` tells which belong together (default: all_elements).
+    subroutine add_integers(self, name, variable, unit, range, what, elements)
+        class(parameter_table_t), intent(inout) :: self
+        character(*), intent(in) :: name
+        integer, target, contiguous, intent(inout) :: variable(:)
+        character(*), intent(in) :: unit, range, what
+        integer, intent(in), optional :: elements
+        type(parameter_t) :: parameter
+        parameter%elements = all_elements
+        call parameter%bind_integers(variable)
+        call self%append(parameter, name, what, unit=unit, range=range, elements=elements)
+    end subroutine add_integers
+
+    !> A text, or one word of the `choices` ('a|b|c').
+    subroutine add_text(self, name, variable, choices, what)
+        class(parameter_table_t), intent(inout) :: self
+        character(*), intent(in) :: name
+        character(*), target, intent(inout) :: variable
+        character(*), intent(in), optional :: choices
+        character(*), intent(in) :: what
+        type(parameter_t) :: parameter
+        call parameter%bind_text(variable)
+        call self%append(parameter, name, what, choices=choices)
+    end subroutine add_text
+
+    !> Texts; `elements` tells which belong together (default: leading_elements).
+    subroutine add_texts(self, name, variable, choices, what, elements)
+        class(parameter_table_t), intent(inout) :: self
+        character(*), intent(in) :: name
+        character(*), target, contiguous, intent(inout) :: variable(:)
+        character(*), intent(in), optional :: choices
+        character(*), intent(in) :: what
+        integer, intent(in), optional :: elements
+        type(parameter_t) :: parameter
+        parameter%elements = leading_elements
+        call parameter%bind_texts(variable)
+        call self%append(parameter, name, what, choices=choices, elements=elements)
+    end subroutine add_texts
+
+    !> A yes or no.
+    subroutine add_flag(self, name, variable, what)
+        class(parameter_table_t), intent(inout) :: self
+        character(*), intent(in) :: name
+        logical, target, intent(inout) :: variable
+        character(*), intent(in) :: what
+        type(parameter_t) :: parameter
+        call parameter%bind_flag(variable)
+        call self%append(parameter, name, what)
+    end subroutine add_flag
+
+    subroutine append(self, parameter, name, what, unit, range, choices, elements)
+        class(parameter_table_t), intent(inout) :: self
+        type(parameter_t), intent(inout) :: parameter
+        character(*), intent(in) :: name, what
+        character(*), intent(in), optional :: unit, range, choices
+        integer, intent(in), optional :: elements
+        type(parameter_t), allocatable :: more(:)
+        type(group_t), allocatable :: more_groups(:)
+        integer :: known
+        logical :: valid
+
+        if (.not. allocated(self%parameters)) then
+            allocate (self%parameters(0))
+            allocate (self%groups(0))
+        end if
+        if (index(name, '.') == 0 .or. self%find(name) > 0) self%defect = name // ': bad name'
+
+        parameter%name = name
+        parameter%group = name(:index(name, '.') - 1)
+        parameter%key = name(index(name, '.') + 1:)
+        parameter%what = what
+        parameter%unit = ''
+        if (present(unit)) parameter%unit = unit
+        call split('', '|', parameter%choices)
+        if (present(choices)) call split(choices, '|', parameter%choices)
+        if (present(elements)) parameter%elements = elements
+        parameter%rule = ''
+        if (present(range)) parameter%rule = range
+        call parse_range(parameter%rule, parameter%range, valid)
+        if (.not. valid) self%defect = name // ': bad range ' // parameter%rule
+
+        known = size(self%parameters)
+        allocate (more(known + 1))
+        more(:known) = self%parameters
+        more(known + 1) = parameter
+        call move_alloc(more, self%parameters)
+        if (self%find_group(parameter%group) > 0) return
+        known = size(self%groups)
+        allocate (more_groups(known + 1))
+        more_groups(:known) = self%groups
+        more_groups(known + 1)%name = parameter%group
+        call move_alloc(more_groups, self%groups)
+    end subroutine append
+
+    !> An internal error if a row of the table itself is wrong.
+    subroutine verify_table(self, error)
+        class(parameter_table_t), intent(in) :: self
+        type(error_t), allocatable, intent(out) :: error
+        if (allocated(self%defect)) error = internal_error('parameter table: ' // self%defect)
+    end subroutine verify_table
+
+    !> Number of the parameter of that name (`group.key`), 0 if there is none.
+    pure integer function find(self, name) result(number)
+        class(parameter_table_t), intent(in) :: self
+        character(*), intent(in) :: name
+        do number = size(self%parameters), 1, -1
+            if (self%parameters(number)%name == name) return
+        end do
+    end function find
+
+    !> Number of the group of that name, 0 if there is none.
+    pure integer function find_group(self, name) result(number)
+        class(parameter_table_t), intent(in) :: self
+        character(*), intent(in) :: name
+        do number = size(self%groups), 1, -1
+            if (self%groups(number)%name == name) return
+        end do
+    end function find_group
+
+    !> Finds the numeric element of a name such as `top.mass` or `top.inertia(2)`.
+    subroutine find_number(self, name, slot, problem)
+        class(parameter_table_t), intent(in) :: self
+        character(*), intent(in) :: name
+        type(number_slot_t), intent(out) :: slot
+        character(:), allocatable, intent(out) :: problem !! what is wrong with the name, or ''
+        integer :: number, row, column
+
+        call self%locate(name, number, row, column, problem)
+        if (problem /= '') return
+        associate (parameter => self%parameters(number))
+            if (.not. parameter%is_number()) then
+                problem = quoted(name) // ' holds no number'
+                return
+            end if
+            if (parameter%kind == kind_real) then
+                call slot%bind_real(parameter%real_target(row, column), parameter%range)
+            else
+                call slot%bind_integer(parameter%integer_target(row, column), parameter%range)
+            end if
+            slot%rule = parameter%rule
+        end associate
+    end subroutine find_number
+
+    !> Whether the input gave the parameter, or the element, of that name.
+    logical function is_given(self, name)
+        class(parameter_table_t), intent(in) :: self
+        character(*), intent(in) :: name
+        character(:), allocatable :: problem
+        integer :: number, row, column
+
+        number = self%find(name)
+        if (number > 0) then
+            is_given = self%parameters(number)%is_given()
+            return
+        end if
+        call self%locate(name, number, row, column, problem)
+        is_given = problem == ''
+        if (is_given) is_given = self%parameters(number)%is_given(row, column)
+    end function is_given
+
+    !> Where to point at when something is wrong with a parameter, an element or a group: where it
+    !> was given, or else its group, or else the input as a whole.
+    type(place_t) function place_of(self, name) result(place)
+        class(parameter_table_t), intent(in) :: self
+        character(*), intent(in) :: name
+        character(:), allocatable :: problem
+        integer :: number, row, column
+
+        place = self%place
+        number = self%find_group(name(:index(name // '.', '.') - 1))
+        if (number > 0) then
+            if (self%groups(number)%place%source > 0) place = self%groups(number)%place
+        end if
+        number = self%find(name)
+        if (number > 0) then
+            associate (places => self%parameters(number)%places)
+                do row = size(places, 1), 1, -1
+                    do column = size(places, 2), 1, -1
+                        if (places(row, column)%source > 0) place = places(row, column)
+                    end do
+                end do
+            end associate
+        else
+            call self%locate(name, number, row, column, problem)
+            if (problem /= '') return
+            if (self%parameters(number)%is_given(row, column)) &
+                place = self%parameters(number)%places(row, column)
+        end if
+    end function place_of
+
+    !> Where the key of a parameter stands, or what place_of says if it was not given.
+    type(place_t) function key_place_of(self, name) result(place)
+        class(parameter_table_t), intent(in) :: self
+        character(*), intent(in) :: name
+        place = self%place_of(name)
+        if (self%find(name) == 0) return
+        if (self%is_given(name)) place = self%parameters(self%find(name))%key_place
+    end function key_place_of
+
+    !> Finds the element of a name such as `top.mass`, `top.inertia(2)`, `sweep.values(1,3)`.
+    subroutine locate(self, name, number, row, column, problem)
+        class(parameter_table_t), intent(in) :: self
+        character(*), intent(in) :: name
+        integer, intent(out) :: number, row, column
+        character(:), allocatable, intent(out) :: problem
+        type(string_t), allocatable :: subscripts(:), names(:)
+        integer :: open, last, i, values(2)
+
+        problem = ''
+        row = 1
+        column = 1
+        last = len_trim(name)
+        open = index(name // '(', '(')
+        number = self%find(name(:open - 1))
+        if (number == 0) then
+            allocate (names(size(self%parameters)))
+            do i = 1, size(names)
+                names(i)%text = self%parameters(i)%name
+            end do
+            problem = 'there is no parameter ' // quoted(name(:open - 1))
+            if (nearest_word(name(:open - 1), names) /= '') problem = problem // &
+                '; did you mean ' // quoted(nearest_word(name(:open - 1), names)) // '?'
+            return
+        end if
+
+        associate (parameter => self%parameters(number))
+            call split(name(min(open, last) + 1:last - 1), ',', subscripts)
+            if (size(subscripts) /= parameter%rank .or. (open < last .and. name(last:) /= ')')) then
+                problem = quoted(name) // ' is not one number: '
+                if (parameter%rank == 0) problem = problem // parameter%key // ' takes no subscript'
+                if (parameter%rank > 0) problem = problem // 'name an element, such as ' // &
+                    quoted(parameter%group // '.' // parameter%element_name(1, 1))
+                return
+            end if
+            values = 1
+            do i = 1, parameter%rank
+                call read_subscript(subscripts(i)%text, values(2 - parameter%rank + i))
+            end do
+            if (any(values < 1 .or. values > parameter%extents)) then
+                problem = quoted(name) // ' has a subscript that is not in ' // parameter%full_name()
+                return
+            end if
+            row = values(1)
+            column = values(2)
+        end associate
+    end subroutine locate
+
+    !> A positive number of at most nine digits; else 0.
+    pure subroutine read_subscript(text, value)
+        character(*), intent(in) :: text
+        integer, intent(out) :: value
+        value = 0
+        if (text == '' .or. len(text) > 9 .or. verify(text, '0123456789') > 0) return
+        read (text, '(i9)') value
+    end subroutine read_subscript
+
+end module spintop_parameters

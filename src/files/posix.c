@@ -1,0 +1,136 @@
+// What Fortran cannot say to the operating system. Every function that can fail returns an
+// errno value, 0 for success.
+
+#define _POSIX_C_SOURCE 200809L
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+int spintop_open(const char *path, int for_writing, int *file) {
+    const int flags = for_writing ? O_WRONLY | O_CREAT | O_TRUNC : O_RDONLY;
+    do {
+        *file = open(path, flags | O_CLOEXEC, 0666);
+    } while (*file < 0 && errno == EINTR);
+    return *file < 0 ? errno : 0;
+}
+
+int spintop_reopen(const char *path, int *file) {
+    do {
+        *file = open(path, O_WRONLY | O_APPEND | O_CLOEXEC);
+    } while (*file < 0 && errno == EINTR);
+    return *file < 0 ? errno : 0;
+}
+
+int spintop_write(int file, const char *bytes, long long count) {
+    while (count > 0) {
+        const ssize_t written = write(file, bytes, (size_t)count);
+        if (written < 0) {
+            if (errno == EINTR) continue;
+            return errno;
+        }
+        bytes += written;
+        count -= written;
+    }
+    return 0;
+}
+
+// Reads until the end of the file or until the room is full.
+int spintop_read(int file, char *bytes, long long room, long long *count) {
+    *count = 0;
+    while (*count < room) {
+        const ssize_t got = read(file, bytes + *count, (size_t)(room - *count));
+        if (got == 0) break;
+        if (got < 0) {
+            if (errno == EINTR) continue;
+            return errno;
+        }
+        *count += got;
+    }
+    return 0;
+}
+
+int spintop_sync(int file) {
+    int result;
+    do {
+        result = fsync(file);
+    } while (result < 0 && errno == EINTR);
+    // Some file systems and special files cannot be synchronised at all; that is no failure.
+    if (result < 0 && (errno == EINVAL || errno == ENOTSUP || errno == EROFS)) return 0;
+    return result < 0 ? errno : 0;
+}
+
+int spintop_truncate(int file, long long size) {
+    int result;
+    do {
+        result = ftruncate(file, (off_t)size);
+    } while (result < 0 && errno == EINTR);
+    return result < 0 ? errno : 0;
+}
+
+// On Linux the descriptor is gone even when close is interrupted: no second try.
+int spintop_close(int file) {
+    return close(file) < 0 && errno != EINTR ? errno : 0;
+}
+
+int spintop_rename(const char *from, const char *to) {
+    return rename(from, to) < 0 ? errno : 0;
+}
+
+int spintop_remove(const char *path) {
+    return unlink(path) < 0 ? errno : 0;
+}
+
+int spintop_make_folder(const char *path) {
+    return mkdir(path, 0777) < 0 ? errno : 0;
+}
+
+// size is -1 if there is nothing of that name.
+void spintop_inspect(const char *path, long long *size, int *is_folder) {
+    struct stat info;
+    *size = -1;
+    *is_folder = 0;
+    if (stat(path, &info) < 0) return;
+    *size = (long long)info.st_size;
+    *is_folder = S_ISDIR(info.st_mode);
+}
+
+int spintop_is_terminal(int file) {
+    return isatty(file);
+}
+
+double spintop_seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+// YYYY-MM-DDThh:mm:ssZ
+void spintop_utc(char *text, int room) {
+    const time_t now = time(NULL);
+    struct tm parts;
+    gmtime_r(&now, &parts);
+    strftime(text, (size_t)room, "%Y-%m-%dT%H:%M:%SZ", &parts);
+}
+
+void spintop_host(char *text, int room) {
+    if (gethostname(text, (size_t)room) < 0) text[0] = '\0';
+    text[room - 1] = '\0';
+}
+
+// Largest resident memory so far, in bytes.
+long long spintop_peak_memory(void) {
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    return 1024LL * usage.ru_maxrss;
+}
+
+void spintop_reason(int number, char *text, int room) {
+    if (strerror_r(number, text, (size_t)room) != 0) text[0] = '\0';
+    text[room - 1] = '\0';
+}

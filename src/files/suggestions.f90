@@ -1,0 +1,66 @@
+!> What would be right where a group or a key is not known.
+module spintop_suggestions
+    use spintop_parameters, only: parameter_table_t
+    use spintop_text, only: join, nearest_word, string_t
+    implicit none
+    private
+    public :: suggest_group, suggest_key, homes_of
+
+contains
+
+    !> The group that is meant, or the list of all.
+    function suggest_group(table, name) result(hint)
+        type(parameter_table_t), intent(in) :: table
+        character(*), intent(in) :: name
+        character(:), allocatable :: hint
+        type(string_t) :: names(size(table%groups))
+        integer :: i
+        do i = 1, size(names)
+            names(i)%text = '&' // table%groups(i)%name
+        end do
+        hint = suggest('&' // name, names)
+    end function suggest_group
+
+    !> The key of a group that is meant, or the list of all its keys.
+    function suggest_key(table, group, key) result(hint)
+        type(parameter_table_t), intent(in) :: table
+        character(*), intent(in) :: group, key
+        character(:), allocatable :: hint
+        type(string_t) :: keys(size(table%parameters))
+        integer :: i, found
+        found = 0
+        do i = 1, size(keys)
+            if (table%parameters(i)%group /= group) cycle
+            found = found + 1
+            keys(found)%text = table%parameters(i)%key
+        end do
+        hint = suggest(key, keys(:found))
+    end function suggest_key
+
+    !> The groups that have a key: '&top or &span', '' if none has.
+    function homes_of(table, key) result(homes)
+        type(parameter_table_t), intent(in) :: table
+        character(*), intent(in) :: key
+        character(:), allocatable :: homes
+        integer :: i
+        homes = ''
+        do i = 1, size(table%groups)
+            if (table%find(table%groups(i)%name // '.' // key) == 0) cycle
+            if (homes /= '') homes = homes // ' or '
+            homes = homes // '&' // table%groups(i)%name
+        end do
+    end function homes_of
+
+    function suggest(word, candidates) result(hint)
+        character(*), intent(in) :: word
+        type(string_t), intent(in) :: candidates(:)
+        character(:), allocatable :: hint
+        hint = nearest_word(word, candidates)
+        if (hint /= '') then
+            hint = 'did you mean ' // hint // '?'
+        else
+            hint = 'one of: ' // join(candidates, ', ')
+        end if
+    end function suggest
+
+end module spintop_suggestions

@@ -1,0 +1,117 @@
+!> The values behind an equals sign.
+module spintop_value_list
+    use spintop_assignment, only: assignment_t
+    use spintop_diagnostics, only: diagnostics_t
+    use spintop_literals, only: read_integer
+    use spintop_parameter, only: parameter_t
+    use spintop_parameters, only: parameter_table_t
+    use spintop_scanner, only: scanner_t, token_comma, token_end, token_group, token_slash, &
+        token_string, token_t, token_word
+    use spintop_text, only: abbreviate, lower_case
+    implicit none
+    private
+    public :: read_values, skip_values
+
+contains
+
+    !> Reads the values behind an equals sign, each into the parameter.
+    subroutine read_values(scanner, group, table, parameter, assignment, diagnostics)
+        type(scanner_t), intent(inout) :: scanner
+        character(*), intent(in) :: group
+        type(parameter_table_t), intent(in) :: table
+        type(parameter_t), intent(inout) :: parameter
+        type(assignment_t), intent(inout) :: assignment
+        type(diagnostics_t), intent(inout) :: diagnostics
+        type(token_t) :: token
+        logical :: after_value
+
+        after_value = .false.
+        do
+            if (at_end_of_values(scanner, group, table)) return
+            call scanner%next(token)
+            select case (token%kind)
+            case (token_word)
+                call read_word(scanner, token, parameter, assignment, diagnostics)
+            case (token_string)
+                call assignment%put(parameter, token, scanner%string(token), 1, diagnostics)
+            case (token_comma)
+                if (.not. after_value) call assignment%refuse(parameter, diagnostics, &
+                    token%place, 'no value before the comma')
+            case (token_slash)
+                call assignment%refuse(parameter, diagnostics, token%place, &
+                    'a slash inside a value', 'a number, not an expression; a text in quotes')
+            case default
+                call assignment%refuse(parameter, diagnostics, token%place, &
+                    'unexpected ' // scanner%word(token))
+            end select
+            after_value = token%kind /= token_comma
+        end do
+    end subroutine read_values
+
+    !> Reads a value without quotes, or a repeated one: `3*0.0`, `2*'ode45'`.
+    subroutine read_word(scanner, token, parameter, assignment, diagnostics)
+        type(scanner_t), intent(inout) :: scanner
+        type(token_t), intent(inout) :: token
+        type(parameter_t), intent(inout) :: parameter
+        type(assignment_t), intent(inout) :: assignment
+        type(diagnostics_t), intent(inout) :: diagnostics
+        type(token_t) :: after
+        character(:), allocatable :: word, problem, hint
+        integer :: star, repeats
+
+        word = scanner%word(token)
+        star = index(word, '*')
+        if (star < 2 .or. verify(word(:max(0, star - 1)), '0123456789') > 0) then
+            call assignment%put(parameter, token, word, 1, diagnostics)
+            return
+        end if
+        call read_integer(word(:star - 1), repeats, problem, hint)
+        call scanner%peek(after)
+        if (problem /= '' .or. repeats == 0) then
+            call assignment%refuse(parameter, diagnostics, token%place, 'bad repeat count')
+        else if (star < len(word)) then
+            call assignment%put(parameter, token, word(star + 1:), repeats, diagnostics)
+        else if (after%kind == token_string .and. after%touches) then
+            call scanner%next(token)
+            call assignment%put(parameter, token, scanner%string(token), repeats, diagnostics)
+        else
+            call assignment%refuse(parameter, diagnostics, token%place, &
+                'no value behind ' // abbreviate(word))
+        end if
+    end subroutine read_word
+
+    !> Passes over values that nobody can take.
+    subroutine skip_values(scanner, group, table)
+        type(scanner_t), intent(inout) :: scanner
+        character(*), intent(in) :: group
+        type(parameter_table_t), intent(in) :: table
+        type(token_t) :: token
+        do while (.not. at_end_of_values(scanner, group, table))
+            call scanner%next(token)
+        end do
+    end subroutine skip_values
+
+    !> Whether the values of an assignment end here: at the end of the group, at the next
+    !> `key =`, or at a known key that starts a line but lacks its equals sign.
+    logical function at_end_of_values(scanner, group, table)
+        type(scanner_t), intent(inout) :: scanner
+        character(*), intent(in) :: group
+        type(parameter_table_t), intent(in) :: table
+        type(token_t) :: token
+
+        call scanner%peek(token)
+        select case (token%kind)
+        case (token_end, token_group)
+            at_end_of_values = .true.
+        case (token_slash)
+            at_end_of_values = .not. scanner%is_inside_word()
+        case (token_word)
+            at_end_of_values = scanner%key_follows()
+            if (token%starts_line .and. scanner%is_name(token)) at_end_of_values = &
+                at_end_of_values .or. table%find(group // '.' // lower_case(scanner%word(token))) > 0
+        case default
+            at_end_of_values = .false.
+        end select
+    end function at_end_of_values
+
+end module spintop_value_list

@@ -1,0 +1,114 @@
+!> What every form of the equations of motion offers to every integrator: y' = f(y).
+!>
+!> A formulation is set up once for a body and a start and is immutable afterwards, so that one
+!> serves all threads. States sit in arrays of fixed size; unused components stay zero.
+module spintop_formulation
+    use spintop_kinds, only: dp
+    use spintop_body, only: body_t
+    use spintop_motion, only: motion_t
+    use spintop_status, only: status_ok
+    implicit none
+    private
+    public :: formulation_t, formulation_info_t, max_states
+
+    !> Largest number of state variables of any formulation.
+    integer, parameter :: max_states = 8
+
+    !> What the registry, the help and the checks know of a formulation.
+    type :: formulation_info_t
+        character(16) :: name = ''
+        character(112) :: what = ''
+        !> Number of state variables in use.
+        integer :: states = 0
+        !> Holds only for a symmetric undamped top with its centre of mass on body z.
+        logical :: symmetric_only = .true.
+        !> Singular where sin(theta) = 0.
+        logical :: singular_at_poles = .true.
+    end type formulation_info_t
+
+    !> A form of the equations of motion.
+    type, abstract :: formulation_t
+        type(body_t) :: body
+    contains
+        procedure(info_of), deferred, nopass :: info
+        procedure(prepare), deferred :: prepare
+        procedure(derivative), deferred :: derivative
+        procedure(motion_of), deferred :: motion
+        procedure :: after_step => keep_state
+        procedure :: time_left => unlimited
+        procedure :: depart => nowhere_to_depart
+    end type formulation_t
+
+    abstract interface
+        !> Name and properties.
+        pure function info_of() result(info)
+            import :: formulation_info_t
+            type(formulation_info_t) :: info
+        end function info_of
+
+        !> Sets the constants of the motion and gives the initial state.
+        pure subroutine prepare(self, body, start, y, status)
+            import :: formulation_t, body_t, motion_t, dp, max_states
+            class(formulation_t), intent(inout) :: self
+            type(body_t), intent(in) :: body
+            type(motion_t), intent(in) :: start
+            real(dp), intent(out) :: y(max_states)
+            integer, intent(out) :: status
+        end subroutine prepare
+
+        !> The right-hand side y' = f(y). A status other than `status_ok` says why there is none;
+        !> `status_outside` is recoverable by a shorter step.
+        pure subroutine derivative(self, y, dy, status)
+            import :: formulation_t, dp, max_states
+            class(formulation_t), intent(in) :: self
+            real(dp), intent(in) :: y(max_states)
+            real(dp), intent(out) :: dy(max_states)
+            integer, intent(out) :: status
+        end subroutine derivative
+
+        !> The motion at time t in state y, accelerations from the formulation's own second
+        !> derivatives; angles that the state holds only modulo a turn are taken next to `near`.
+        pure function motion_of(self, t, y, near) result(motion)
+            import :: formulation_t, motion_t, dp, max_states
+            class(formulation_t), intent(in) :: self
+            real(dp), intent(in) :: t, y(max_states), near(3)
+            type(motion_t) :: motion
+        end function motion_of
+    end interface
+
+contains
+
+    !> Called after each accepted step: may put the state back on what it must satisfy.
+    !> `changed` tells whether it did, `clipped` that it had to cut an inadmissible value.
+    pure subroutine keep_state(self, y, changed, clipped)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(inout) :: y(max_states)
+        logical, intent(out) :: changed, clipped
+        associate (unused => self, also_unused => y)
+        end associate
+        changed = .false.
+        clipped = .false.
+    end subroutine keep_state
+
+    !> Estimate of the time left until the equations end, s; exact as it goes to zero.
+    pure real(dp) function unlimited(self, y)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states)
+        associate (unused => self, also_unused => y)
+        end associate
+        unlimited = huge(1.0_dp)
+    end function unlimited
+
+    !> Leaves a start where the right-hand side alone would stay for ever: on return `departed` is
+    !> true and `y` the state a time `h` later by Taylor's series; with `h` = 0 the formulation
+    !> chooses a short one itself.
+    pure subroutine nowhere_to_depart(self, y, h, departed)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(inout) :: y(max_states), h
+        logical, intent(out) :: departed
+        associate (unused => self, also_unused => y, unused_too => h)
+        end associate
+        departed = .false.
+    end subroutine nowhere_to_depart
+
+end module spintop_formulation

@@ -1,0 +1,71 @@
+!> The registry of formulations: one line each; lists, help, checks and tests derive from it.
+module spintop_formulations
+    use spintop_formulation, only: formulation_t, formulation_info_t
+    use spintop_euler, only: euler_t
+    use spintop_lagrange, only: lagrange_t
+    use spintop_energy_rate, only: energy_rate_t
+    use spintop_lagrange_energy, only: lagrange_energy_t
+    implicit none
+    private
+    public :: formulation_infos, create_formulation
+
+    type :: entry_t
+        class(formulation_t), allocatable :: prototype
+    end type entry_t
+
+    !> The formulations by name, in the order in which they are listed.
+    type :: registry_t
+        integer :: size = 0
+        type(entry_t) :: entry(16)
+    contains
+        procedure :: add
+    end type registry_t
+
+contains
+
+    !> Fills the registry: what there is, stands here.
+    subroutine list_formulations(known)
+        type(registry_t), intent(out) :: known
+        call known%add(euler_t())
+        call known%add(lagrange_t())
+        call known%add(energy_rate_t())
+        call known%add(lagrange_energy_t())
+    end subroutine list_formulations
+
+    !> Adds a formulation.
+    subroutine add(self, prototype)
+        class(registry_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: prototype
+        self%size = self%size + 1
+        allocate (self%entry(self%size)%prototype, source=prototype)
+    end subroutine add
+
+    !> Names and properties of all formulations.
+    function formulation_infos() result(infos)
+        type(formulation_info_t), allocatable :: infos(:)
+        type(registry_t) :: known
+        integer :: i
+        call list_formulations(known)
+        allocate (infos(known%size))
+        do i = 1, known%size
+            infos(i) = known%entry(i)%prototype%info()
+        end do
+    end function formulation_infos
+
+    !> A formulation by its name; unallocated if there is none of that name.
+    subroutine create_formulation(name, formulation)
+        character(*), intent(in) :: name
+        class(formulation_t), allocatable, intent(out) :: formulation
+        type(registry_t) :: known
+        type(formulation_info_t) :: info
+        integer :: i
+        call list_formulations(known)
+        do i = 1, known%size
+            info = known%entry(i)%prototype%info()
+            if (info%name /= name) cycle
+            allocate (formulation, source=known%entry(i)%prototype)
+            return
+        end do
+    end subroutine create_formulation
+
+end module spintop_formulations

@@ -1,0 +1,105 @@
+!> The equations in Euler angles that the formulations of a symmetric top share.
+module spintop_symmetric_top
+    use spintop_kinds, only: dp
+    use spintop_body, only: body_t
+    use spintop_motion, only: motion_t, motion_from_angles
+    use spintop_attitude, only: omega_rate_from_accelerations
+    implicit none
+    private
+    public :: symmetric_top_t, at_pole
+
+    !> Constants of the motion of a symmetric top, and what follows from them for given angles.
+    type :: symmetric_top_t
+        !> I1 (= I2) and I3 about the pivot, kg m^2.
+        real(dp) :: i1 = 1, i3 = 1
+        !> Spin rate about the axis, rad/s, constant.
+        real(dp) :: omega3 = 0
+        !> a = I3 omega3/I1, rad/s.
+        real(dp) :: a = 0
+        !> beta = 2 mgl/I1, 1/s^2.
+        real(dp) :: beta = 0
+        !> Start: inclination, momentum I1 phi' sin^2 theta, and the speed of the axis squared.
+        real(dp) :: theta0 = 0, swing0 = 0, speed0 = 0
+    contains
+        procedure :: set
+        procedure :: precession_rate
+        procedure :: theta_acceleration
+        procedure :: phi_acceleration
+        procedure :: speed_budget
+        procedure :: complete
+    end type symmetric_top_t
+
+contains
+
+    !> Takes the constants from a body and its start.
+    pure subroutine set(self, body, start)
+        class(symmetric_top_t), intent(inout) :: self
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        self%i1 = body%inertia(1)
+        self%i3 = body%inertia(3)
+        self%omega3 = start%omega(3)
+        self%a = self%i3 * self%omega3 / self%i1
+        self%beta = 2 * body%mgl() / self%i1
+        self%theta0 = start%angle(2)
+        self%swing0 = self%i1 * start%rate(1) * sin(start%angle(2))**2
+        self%speed0 = start%rate(2)**2 + (sin(start%angle(2)) * start%rate(1))**2
+    end subroutine set
+
+    !> phi' of Eq 41, rad/s: (c1 - I3 omega3 cos theta)/(I1 sin^2 theta), with c1 counted from the
+    !> start so that nothing cancels near the upright.
+    pure real(dp) function precession_rate(self, theta)
+        class(symmetric_top_t), intent(in) :: self
+        real(dp), intent(in) :: theta
+        precession_rate = (self%swing0 + self%i3 * self%omega3 * cosine_drop(theta, self%theta0)) &
+                          / (self%i1 * sin(theta)**2)
+    end function precession_rate
+
+    !> theta'' of Eq 42, rad/s^2.
+    pure real(dp) function theta_acceleration(self, theta, phi_rate)
+        class(symmetric_top_t), intent(in) :: self
+        real(dp), intent(in) :: theta, phi_rate
+        theta_acceleration = sin(theta) &
+                             * (phi_rate * (phi_rate * cos(theta) - self%a) + self%beta / 2)
+    end function theta_acceleration
+
+    !> phi'', rad/s^2: the time derivative of Eq 41.
+    pure real(dp) function phi_acceleration(self, theta, phi_rate, theta_rate)
+        class(symmetric_top_t), intent(in) :: self
+        real(dp), intent(in) :: theta, phi_rate, theta_rate
+        phi_acceleration = theta_rate * (self%a - 2 * phi_rate * cos(theta)) / sin(theta)
+    end function phi_acceleration
+
+    !> theta'^2 that the energy leaves at an inclination (the radicand of Eq 46), rad^2/s^2,
+    !> counted from the start; negative beyond a turning point.
+    pure real(dp) function speed_budget(self, theta)
+        class(symmetric_top_t), intent(in) :: self
+        real(dp), intent(in) :: theta
+        speed_budget = self%speed0 + self%beta * cosine_drop(theta, self%theta0) &
+                       - (self%precession_rate(theta) * sin(theta))**2
+    end function speed_budget
+
+    !> The motion of given angles and rates, with the second derivatives of phi and theta.
+    pure type(motion_t) function complete(self, t, angle, rate, phi_acceleration, &
+                                          theta_acceleration) result(motion)
+        class(symmetric_top_t), intent(in) :: self
+        real(dp), intent(in) :: t, angle(3), rate(3), phi_acceleration, theta_acceleration
+        motion = motion_from_angles(t, angle, rate)
+        motion%omega(3) = self%omega3
+        motion%omega_rate = omega_rate_from_accelerations(angle, rate, phi_acceleration, &
+                                                          theta_acceleration, 0.0_dp)
+    end function complete
+
+    !> cos(theta0) - cos(theta), without cancellation.
+    pure real(dp) function cosine_drop(theta, theta0)
+        real(dp), intent(in) :: theta, theta0
+        cosine_drop = 2 * sin((theta + theta0) / 2) * sin((theta - theta0) / 2)
+    end function cosine_drop
+
+    !> Whether sin(theta) is zero to the rounding of theta.
+    pure logical function at_pole(theta)
+        real(dp), intent(in) :: theta
+        at_pole = abs(sin(theta)) <= spacing(theta)
+    end function at_pole
+
+end module spintop_symmetric_top

@@ -1,0 +1,19 @@
+!> Number kinds and the constants every module needs.
+module spintop_kinds
+    use, intrinsic :: iso_fortran_env, only: real64
+    implicit none
+    private
+    public :: dp, xp, pi, degree, epsilon_dp
+
+    !> Working precision of every public quantity.
+    integer, parameter :: dp = real64
+    !> Extended precision (80 bits on x86) for phases that grow with time.
+    integer, parameter :: xp = selected_real_kind(18)
+
+    real(dp), parameter :: pi = acos(-1.0_dp)
+    !> One degree in radians.
+    real(dp), parameter :: degree = pi / 180
+    !> Unit round-off spacing of the working precision, 2.2e-16.
+    real(dp), parameter :: epsilon_dp = epsilon(1.0_dp)
+
+end module spintop_kinds

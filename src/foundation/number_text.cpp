@@ -1,0 +1,37 @@
+// Numbers to text by std::to_chars: the shortest text that reads back to the same bits,
+// in any locale. Fortran reaches these through spintop_text.
+
+#include <charconv>
+#include <cmath>
+#include <cstring>
+
+namespace {
+
+char *write_word(char *first, const char *word) {
+    const std::size_t length = std::strlen(word);
+    std::memcpy(first, word, length);
+    return first + length;
+}
+
+char *write_real(char *first, char *last, double value) {
+    if (std::isnan(value)) return write_word(first, "nan");
+    if (std::isinf(value)) return write_word(first, value < 0 ? "-inf" : "inf");
+    return std::to_chars(first, last, value).ptr;
+}
+
+} // namespace
+
+// The text must have room for 24 characters a number (and one a separator).
+extern "C" int spintop_real_to_text(double value, char *text, int capacity) {
+    return static_cast<int>(write_real(text, text + capacity, value) - text);
+}
+
+extern "C" int spintop_reals_to_text(const double *values, int count, char separator, char *text,
+                                     int capacity) {
+    char *next = text;
+    for (int i = 0; i < count; ++i) {
+        if (i > 0) *next++ = separator;
+        next = write_real(next, text + capacity, values[i]);
+    }
+    return static_cast<int>(next - text);
+}

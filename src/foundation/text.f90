@@ -1,0 +1,221 @@
+!> Words and numbers as text.
+module spintop_text
+    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_kinds, only: dp
+    implicit none
+    private
+    public :: string_t, lower_case, nearest_word, join, split, to_text, replace_all, abbreviate
+    public :: write_reals, real_width
+
+    !> Most characters that a real number takes.
+    integer, parameter :: real_width = 24
+
+    !> One text of any length, as an element of a list.
+    type :: string_t
+        character(:), allocatable :: text
+    end type string_t
+
+    !> A number as text: a real in the shortest form that reads back to the same bits
+    !> (`nan`, `inf` and `-inf` where it is not finite), an integer without blanks.
+    interface to_text
+        procedure real_to_text, integer_to_text, long_integer_to_text
+    end interface to_text
+
+    !> `join(words, separator)`: one text of many words.
+    interface join
+        procedure join_strings, join_words
+    end interface join
+
+    interface
+        integer(c_int) function c_real_to_text(value, text, capacity) &
+                bind(C, name='spintop_real_to_text')
+            import :: c_char, c_double, c_int
+            real(c_double), value :: value
+            character(c_char), intent(inout) :: text(*)
+            integer(c_int), value :: capacity
+        end function c_real_to_text
+
+        integer(c_int) function c_reals_to_text(values, count, separator, text, capacity) &
+                bind(C, name='spintop_reals_to_text')
+            import :: c_char, c_double, c_int
+            real(c_double), intent(in) :: values(*)
+            integer(c_int), value :: count, capacity
+            character(c_char), value :: separator
+            character(c_char), intent(inout) :: text(*)
+        end function c_reals_to_text
+    end interface
+
+contains
+
+    !> The text with its ASCII capitals made small.
+    pure function lower_case(text) result(lower)
+        character(*), intent(in) :: text
+        character(len(text)) :: lower
+        integer :: i
+        lower = text
+        do i = 1, len(text)
+            if (text(i:i) >= 'A' .and. text(i:i) <= 'Z') lower(i:i) = achar(iachar(text(i:i)) + 32)
+        end do
+    end function lower_case
+
+    !> The candidate most like the word, or '' where none is near enough to be meant: at most
+    !> a third of its letters (at least one) inserted, left out, changed or swapped.
+    pure function nearest_word(word, candidates) result(best)
+        character(*), intent(in) :: word
+        type(string_t), intent(in) :: candidates(:)
+        character(:), allocatable :: best
+        integer :: i, found, least
+
+        best = ''
+        ! Far longer than any name: nothing is near, and the comparison would be slow.
+        if (len_trim(word) > 100) return
+        least = max(1, len_trim(word) / 3) + 1
+        do i = 1, size(candidates)
+            found = edit_distance(lower_case(trim(word)), lower_case(candidates(i)%text))
+            if (found < least .and. found < len(candidates(i)%text)) then
+                least = found
+                best = candidates(i)%text
+            end if
+        end do
+    end function nearest_word
+
+    !> Damerau-Levenshtein distance (the variant where no part is edited twice).
+    pure integer function edit_distance(a, b) result(distance)
+        character(*), intent(in) :: a, b
+        integer :: table(-1:len(a), -1:len(b))
+        integer :: i, j
+        logical :: swapped
+
+        ! The extra row and column keep the look back over a swap inside the table.
+        table = len(a) + len(b)
+        table(0:, 0) = [(i, i=0, len(a))]
+        table(0, 0:) = [(j, j=0, len(b))]
+        do j = 1, len(b)
+            do i = 1, len(a)
+                table(i, j) = min(table(i - 1, j) + 1, table(i, j - 1) + 1, &
+                    table(i - 1, j - 1) + merge(0, 1, a(i:i) == b(j:j)))
+                swapped = a(i:i) == b(max(1, j - 1):max(1, j - 1)) .and. &
+                    a(max(1, i - 1):max(1, i - 1)) == b(j:j)
+                if (swapped) table(i, j) = min(table(i, j), table(i - 2, j - 2) + 1)
+            end do
+        end do
+        distance = table(len(a), len(b))
+    end function edit_distance
+
+    pure function join_strings(words, separator) result(text)
+        type(string_t), intent(in) :: words(:)
+        character(*), intent(in) :: separator
+        character(:), allocatable :: text
+        integer :: i, first, last
+
+        last = max(0, size(words) - 1) * len(separator)
+        do i = 1, size(words)
+            last = last + len(words(i)%text)
+        end do
+        allocate (character(last) :: text)
+        last = 0
+        do i = 1, size(words)
+            first = last + 1
+            last = last + len(words(i)%text)
+            text(first:last) = words(i)%text
+            if (i == size(words)) exit
+            text(last + 1:last + len(separator)) = separator
+            last = last + len(separator)
+        end do
+    end function join_strings
+
+    pure function join_words(words, separator) result(text)
+        character(*), intent(in) :: words(:), separator
+        character(:), allocatable :: text
+        type(string_t) :: strings(size(words))
+        integer :: i
+        do i = 1, size(words)
+            strings(i)%text = trim(words(i))
+        end do
+        text = join_strings(strings, separator)
+    end function join_words
+
+    !> The parts of a text between separators, without blanks around them; none if it is blank.
+    pure subroutine split(text, separator, parts)
+        character(*), intent(in) :: text
+        character, intent(in) :: separator
+        type(string_t), allocatable, intent(out) :: parts(:)
+        integer :: i, part, first
+
+        if (len_trim(text) == 0) then
+            allocate (parts(0))
+            return
+        end if
+        allocate (parts(1 + count([(text(i:i) == separator, i = 1, len(text))])))
+        first = 1
+        part = 1
+        do i = 1, len(text)
+            if (text(i:i) /= separator) cycle
+            parts(part)%text = trim(adjustl(text(first:i - 1)))
+            first = i + 1
+            part = part + 1
+        end do
+        parts(part)%text = trim(adjustl(text(first:)))
+    end subroutine split
+
+    !> The text with every occurrence of one character replaced.
+    pure function replace_all(text, old, new) result(replaced)
+        character(*), intent(in) :: text, new
+        character, intent(in) :: old
+        character(:), allocatable :: replaced
+        integer :: i
+
+        replaced = ''
+        do i = 1, len(text)
+            if (text(i:i) == old) then
+                replaced = replaced // new
+            else
+                replaced = replaced // text(i:i)
+            end if
+        end do
+    end function replace_all
+
+    !> A text short enough for a message.
+    pure function abbreviate(text) result(short)
+        character(*), intent(in) :: text
+        character(:), allocatable :: short
+        integer, parameter :: longest = 60
+        short = text
+        if (len(text) > longest) short = text(:longest) // '...'
+    end function abbreviate
+
+    function real_to_text(value) result(text)
+        real(dp), intent(in) :: value
+        character(:), allocatable :: text
+        character(real_width) :: room
+        integer :: length
+        length = c_real_to_text(value, room, real_width)
+        text = room(:length)
+    end function real_to_text
+
+    pure function integer_to_text(value) result(text)
+        integer, intent(in) :: value
+        character(:), allocatable :: text
+        text = long_integer_to_text(int(value, int64))
+    end function integer_to_text
+
+    pure function long_integer_to_text(value) result(text)
+        integer(int64), intent(in) :: value
+        character(:), allocatable :: text
+        character(real_width) :: room
+        write (room, '(i0)') value
+        text = trim(room)
+    end function long_integer_to_text
+
+    !> Writes numbers, separated by one character, to the start of a text that has room for
+    !> `(real_width + 1)*size(values)` characters. The fast way to a row of a table.
+    subroutine write_reals(values, separator, text, length)
+        real(dp), intent(in), contiguous :: values(:)
+        character, intent(in) :: separator
+        character(*), intent(inout) :: text
+        integer, intent(out) :: length !! characters written
+        length = c_reals_to_text(values, size(values), separator, text, len(text))
+    end subroutine write_reals
+
+end module spintop_text

@@ -1,0 +1,220 @@
+!> Runge-Kutta methods of SUNDIALS ARKODE, explicit and diagonally implicit, with the Butcher table
+!> chosen by name, adaptive or with equal steps.
+!>
+!> Hindmarsh, Serban, Reynolds and others, ACM TOMS 31 (2005) and 49 (2023).
+module spintop_arkode
+    use, intrinsic :: iso_c_binding, only: c_int
+    use spintop_arkode_memory, only: arkode_memory_t
+    use spintop_arkode_tables, only: arkode_table_t, find_arkode_table
+    use spintop_compare, only: is_equal
+    use spintop_fixed_step, only: grid_time, off_grid, share_of_time_left
+    use spintop_formulation, only: formulation_t, max_states
+    use spintop_kinds, only: dp
+    use spintop_status, only: status_ok, status_outside, status_not_converged, &
+        status_step_too_small, status_integrator
+    use spintop_stepper, only: stepper_t, workspace_t
+    use farkode_mod, only: ARK_CONV_FAILURE, ARK_ERR_FAILURE, ARK_LSETUP_FAIL, ARK_LSOLVE_FAIL, &
+        ARK_TOO_MUCH_ACC, ARK_TOO_MUCH_WORK
+    implicit none
+    private
+    public :: arkode_t
+
+    !> ARKStep with an explicit or, as `info%implicit` tells, a diagonally implicit table.
+    type, extends(stepper_t) :: arkode_t
+    contains
+        procedure :: new_workspace
+        procedure :: begin
+        procedure :: advance
+        procedure :: interpolate
+        procedure :: order
+    end type arkode_t
+
+    !> Owns what ARKODE allocates for a run.
+    type, extends(workspace_t) :: arkode_workspace_t
+        type(arkode_memory_t), pointer :: memory => null()
+    contains
+        final :: release
+    end type arkode_workspace_t
+
+    !> What a step is cut to where the right-hand side failed in it.
+    real(dp), parameter :: cut = 0.25_dp
+    !> Shortest step in units of the spacing of the time: ARKODE takes less for none.
+    real(dp), parameter :: smallest_spacings = 256
+
+contains
+
+    !> Order of the table chosen; 0 if there is none of that name.
+    integer function order(self)
+        class(arkode_t), intent(in) :: self
+        type(arkode_table_t) :: table
+        logical :: found
+        call find_arkode_table(self%controls%table, self%info%implicit, table, found)
+        order = table%order
+    end function order
+
+    !> A workspace without a run.
+    subroutine new_workspace(self, work)
+        class(arkode_t), intent(in) :: self
+        class(workspace_t), allocatable, intent(out) :: work
+        associate (unused => self)
+        end associate
+        allocate (arkode_workspace_t :: work)
+    end subroutine new_workspace
+
+    !> First slope, and ARKODE's memory. It is made anew for every run: what a run computes must
+    !> not depend on the runs before it.
+    subroutine begin(self, formulation, work, status)
+        class(arkode_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        integer, intent(out) :: status
+        type(arkode_table_t) :: table
+        logical :: found
+
+        if (self%controls%steps > 0) then
+            work%h = (work%t_end - work%t_begin) / self%controls%steps
+        end if
+        call work%evaluate(formulation, work%y, work%slope, status)
+        if (status /= status_ok) return
+        call find_arkode_table(self%controls%table, self%info%implicit, table, found)
+        status = status_integrator
+        if (.not. found) return
+        select type (work)
+        class is (arkode_workspace_t)
+            call release(work)
+            allocate (work%memory)
+            call work%memory%create(formulation, work, table, self%controls)
+            status = status_ok
+        end select
+    end subroutine begin
+
+    !> One accepted step; rejected trials are counted.
+    subroutine advance(self, formulation, work, status)
+        class(arkode_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        integer, intent(out) :: status
+
+        select type (work)
+        class is (arkode_workspace_t)
+            if (self%controls%steps > 0) then
+                call advance_on_grid(self, formulation, work, status)
+            else
+                call advance_adaptively(formulation, work, status)
+            end if
+        end select
+    end subroutine advance
+
+    !> A step on the grid of equal steps while the equations last, ever shorter ones as they end.
+    subroutine advance_on_grid(self, formulation, work, status)
+        class(arkode_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(arkode_workspace_t), intent(inout) :: work
+        integer, intent(out) :: status
+        real(dp) :: h, t_new
+
+        h = min(work%h, share_of_time_left * formulation%time_left(work%y))
+        if (h < work%h) work%grid = off_grid
+        do
+            if (work%grid == off_grid) then
+                t_new = min(work%t + h, work%t_end)
+                h = t_new - work%t
+            else
+                work%grid = work%grid + 1
+                t_new = grid_time(work, self%controls%steps)
+            end if
+            call work%memory%set_fixed_step(h)
+            call take_step(work, t_new, status)
+            if (status == status_ok) work%t = t_new
+            if (status /= status_outside) exit
+            work%grid = off_grid
+            h = h / 2
+            if (h <= 2 * spacing(work%t)) status = status_step_too_small
+            if (status == status_step_too_small) exit
+            call work%memory%restart()
+        end do
+    end subroutine advance_on_grid
+
+    !> A step of the size that ARKODE chooses. Where the right-hand side fails on the way, ARKODE
+    !> gives up at once with an explicit table: the step is then tried again, shorter.
+    subroutine advance_adaptively(formulation, work, status)
+        class(formulation_t), intent(in) :: formulation
+        class(arkode_workspace_t), intent(inout) :: work
+        integer, intent(out) :: status
+        real(dp) :: stop_time, h
+
+        stop_time = min(work%t_end, work%t + share_of_time_left * formulation%time_left(work%y))
+        status = status_step_too_small
+        if (stop_time - work%t <= smallest_spacings * spacing(work%t)) return
+        do
+            call work%memory%set_stop_time(stop_time)
+            call take_step(work, work%t_end, status)
+            if (status == status_ok .or. work%memory%status == status_ok) exit
+            h = cut * work%memory%last_step_tried()
+            if (.not. h > 0) h = cut**2 * (stop_time - work%t)
+            if (h <= smallest_spacings * spacing(work%t)) exit
+            call work%memory%restart(h)
+        end do
+    end subroutine advance_adaptively
+
+    !> One step of ARKODE towards `t_end`, and what comes of it.
+    subroutine take_step(work, t_end, status)
+        class(arkode_workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: t_end
+        integer, intent(out) :: status
+        integer(c_int) :: flag
+
+        call work%memory%take_step(t_end, flag)
+        status = status_of(flag)
+        if (status /= status_ok .and. work%memory%status /= status_ok) status = work%memory%status
+        associate (now => work%memory%now)
+            work%counts = now%counts
+            if (status /= status_ok) return
+            work%t_last = work%t
+            work%y_last = work%y
+            work%t = now%t
+            work%y = now%y
+            work%slope = now%slope
+        end associate
+    end subroutine take_step
+
+    !> The state at a time within the last step, by ARKODE's dense output.
+    function interpolate(self, work, t) result(y)
+        class(arkode_t), intent(in) :: self
+        class(workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: t
+        real(dp) :: y(max_states)
+        associate (unused => self)
+        end associate
+        y = work%y
+        if (t >= work%t) return
+        select type (work)
+        class is (arkode_workspace_t)
+            y = work%memory%interpolate(work%memory%now%t + (t - work%t))
+            work%counts = work%memory%now%counts
+        end select
+    end function interpolate
+
+    !> What a return of ARKODE means.
+    pure integer function status_of(flag)
+        integer(c_int), intent(in) :: flag
+        select case (flag)
+        case (0:)
+            status_of = status_ok
+        case (ARK_ERR_FAILURE, ARK_TOO_MUCH_WORK, ARK_TOO_MUCH_ACC)
+            status_of = status_step_too_small
+        case (ARK_CONV_FAILURE, ARK_LSETUP_FAIL, ARK_LSOLVE_FAIL)
+            status_of = status_not_converged
+        case default
+            status_of = status_integrator
+        end select
+    end function status_of
+
+    subroutine release(self)
+        type(arkode_workspace_t), intent(inout) :: self
+        if (.not. associated(self%memory)) return
+        call self%memory%free()
+        deallocate (self%memory)
+    end subroutine release
+
+end module spintop_arkode

@@ -1,0 +1,324 @@
+!> A run inside SUNDIALS ARKODE: its memory on the C side, and the callbacks that it makes.
+!>
+!> Everything goes through ARKStep, explicit tables too: ERKStep of SUNDIALS 6.4 loses orders for
+!> tables whose last stage lies at the end of the step without being the next step's first.
+!> Each memory has a SUNContext of its own, so that runs on several threads share nothing.
+module spintop_arkode_memory
+    use, intrinsic :: iso_c_binding, only: c_double, c_funloc, c_int, c_int64_t, c_loc, &
+        c_long, c_null_funptr, c_null_ptr, c_associated, c_f_pointer, c_ptr
+    use, intrinsic :: iso_fortran_env, only: int64
+    use farkode_arkstep_mod
+    use farkode_mod, only: ARK_MEM_FAIL, ARK_ONE_STEP, ARKODE_DIRK_NONE, ARKODE_ERK_NONE
+    use fnvector_serial_mod, only: FN_VMake_Serial
+    use fsundials_context_mod, only: FSUNContext_Create, FSUNContext_Free
+    use fsundials_linearsolver_mod, only: SUNLinearSolver, FSUNLinSolFree
+    use fsundials_matrix_mod, only: SUNMatrix, FSUNMatDestroy
+    use fsundials_nonlinearsolver_mod, only: SUNNonlinearSolver, FSUNNonlinSolFree
+    use fsundials_nvector_mod, only: N_Vector, FN_VDestroy, FN_VGetArrayPointer
+    use fsunlinsol_dense_mod, only: FSUNLinSol_Dense
+    use fsunmatrix_dense_mod, only: FSUNDenseMatrix
+    use fsunnonlinsol_fixedpoint_mod, only: FSUNNonlinSol_FixedPoint
+    use spintop_arkode_tables, only: arkode_table_t
+    use spintop_compare, only: is_equal, is_finite
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_states
+    use spintop_kinds, only: dp, epsilon_dp
+    use spintop_status, only: status_ok, status_outside, status_non_finite
+    use spintop_stepper, only: workspace_t, controls_t
+    implicit none
+    private
+    public :: arkode_memory_t
+
+    !> One run. It must not move in memory: ARKODE holds its address.
+    type :: arkode_memory_t
+        !> Time, state, slope and counts as ARKODE has them.
+        type(workspace_t) :: now
+        !> Status of the last right-hand side.
+        integer :: status = status_ok
+        !> A copy: dense output needs the equations too, where no formulation is at hand.
+        class(formulation_t), allocatable, private :: formulation
+        !> First failure of a call to SUNDIALS, negative.
+        integer(c_int), private :: flag = 0
+        integer, private :: states = 0
+        logical, private :: adaptive = .true.
+        !> Storage of the vectors that ARKODE writes to.
+        real(c_double), private :: state(max_states) = 0, dense(max_states) = 0
+        type(c_ptr), private :: context = c_null_ptr, integrator = c_null_ptr
+        type(N_Vector), pointer, private :: state_vector => null(), dense_vector => null()
+        type(SUNMatrix), pointer, private :: matrix => null()
+        type(SUNLinearSolver), pointer, private :: linear_solver => null()
+        type(SUNNonlinearSolver), pointer, private :: nonlinear_solver => null()
+    contains
+        procedure :: create
+        procedure, private :: keep
+        procedure :: restart
+        procedure :: set_fixed_step
+        procedure :: set_stop_time
+        procedure :: take_step
+        procedure :: last_step_tried
+        procedure :: interpolate
+        procedure :: free
+    end type arkode_memory_t
+
+    !> Step failures in a row after which ARKODE gives up on a step: enough to fall from the length
+    !> of the span to the rounding of the time.
+    integer(c_int), parameter :: most_failures = 60
+    !> Newton or fixed-point iterations a stage.
+    integer(c_int), parameter :: newton_limit = 12, fixed_point_limit = 200
+    !> What is left of a stage's equation may be this share of the tolerance.
+    real(c_double), parameter :: stage_share = 1.0e-3_c_double
+    !> Tolerance of the stages' equations with equal steps, where the user's means nothing.
+    real(c_double), parameter :: fixed_step_tolerance = 100 * epsilon_dp
+    !> Returns of a callback: go on, try a shorter step, give up.
+    integer(c_int), parameter :: go_on = 0, retry = 1, give_up = -1
+
+contains
+
+    !> Sets ARKODE up for a run that stands at `work%t`, `work%y` and `work%slope`. A failure shows
+    !> at the first step.
+    subroutine create(self, formulation, work, table, controls)
+        class(arkode_memory_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(in) :: work
+        type(arkode_table_t), intent(in) :: table
+        type(controls_t), intent(in) :: controls
+        type(formulation_info_t) :: info
+        integer(c_int64_t) :: n
+
+        info = formulation%info()
+        self%states = info%states
+        n = self%states
+        allocate (self%formulation, source=formulation)
+        self%adaptive = controls%steps == 0
+        self%now%t = work%t
+        self%now%y = work%y
+        self%now%slope = work%slope
+        self%now%counts = work%counts
+        self%state = work%y
+        call self%keep(FSUNContext_Create(c_null_ptr, self%context))
+        if (self%flag < 0) return
+        self%state_vector => FN_VMake_Serial(n, self%state, self%context)
+        self%dense_vector => FN_VMake_Serial(n, self%dense, self%context)
+        if (table%implicit) then
+            self%integrator = FARKStepCreate(c_null_funptr, c_funloc(rhs), work%t, &
+                                             self%state_vector, self%context)
+        else
+            self%integrator = FARKStepCreate(c_funloc(rhs), c_null_funptr, work%t, &
+                                             self%state_vector, self%context)
+        end if
+        if (.not. c_associated(self%integrator)) call self%keep(ARK_MEM_FAIL)
+        if (self%flag < 0) return
+        call set_options(self, table, controls)
+        if (table%implicit) call set_implicit_options(self, controls)
+    end subroutine create
+
+    !> Remembers the first failure of a call to SUNDIALS.
+    subroutine keep(self, flag)
+        class(arkode_memory_t), intent(inout) :: self
+        integer(c_int), intent(in) :: flag
+        if (self%flag >= 0) self%flag = flag
+    end subroutine keep
+
+    !> Options of every run.
+    subroutine set_options(self, table, controls)
+        type(arkode_memory_t), intent(inout), target :: self
+        type(arkode_table_t), intent(in) :: table
+        type(controls_t), intent(in) :: controls
+        real(c_double) :: relative, absolute
+
+        associate (ark => self%integrator)
+            ! First of all: nothing of what follows may print.
+            call self%keep(FARKStepSetErrHandlerFn(ark, c_funloc(keep_silent), c_null_ptr))
+            call self%keep(FARKStepSetUserData(ark, c_loc(self)))
+            if (table%implicit) then
+                call self%keep(FARKStepSetTableNum(ark, table%id, ARKODE_ERK_NONE))
+            else
+                call self%keep(FARKStepSetTableNum(ark, ARKODE_DIRK_NONE, table%id))
+            end if
+            relative = merge(controls%relative_tolerance, fixed_step_tolerance, self%adaptive)
+            absolute = merge(controls%absolute_tolerance, fixed_step_tolerance, self%adaptive)
+            call self%keep(FARKStepSStolerances(ark, relative, absolute))
+            call self%keep(FARKStepSetMaxNumSteps(ark, -1_c_long))
+            call self%keep(FARKStepSetMaxErrTestFails(ark, most_failures))
+            call self%keep(FARKStepSetMaxConvFails(ark, most_failures))
+            ! With it set, ARKODE also takes the slope at the end of a step anew. Without, it
+            ! takes the last stage's, and dense output loses its order for most tables.
+            call self%keep(FARKStepSetPostprocessStepFn(ark, c_funloc(finish_step)))
+        end associate
+    end subroutine set_options
+
+    !> Options of implicit tables: how the stages' equations are solved.
+    subroutine set_implicit_options(self, controls)
+        class(arkode_memory_t), intent(inout) :: self
+        type(controls_t), intent(in) :: controls
+        integer(c_int64_t) :: n
+
+        n = self%states
+        associate (ark => self%integrator)
+            if (controls%fixed_point) then
+                self%nonlinear_solver => FSUNNonlinSol_FixedPoint(self%state_vector, 0_c_int, &
+                                                                  self%context)
+                call self%keep(FARKStepSetNonlinearSolver(ark, self%nonlinear_solver))
+                call self%keep(FARKStepSetMaxNonlinIters(ark, fixed_point_limit))
+            else
+                self%matrix => FSUNDenseMatrix(n, n, self%context)
+                self%linear_solver => FSUNLinSol_Dense(self%state_vector, self%matrix, self%context)
+                call self%keep(FARKStepSetLinearSolver(ark, self%linear_solver, self%matrix))
+                ! By default a Jacobian serves for 50 steps and a factorisation for 20, and the
+                ! estimate of what that costs in accuracy fails at tight tolerances.
+                call self%keep(FARKStepSetLSetupFrequency(ark, 1_c_int))
+                call self%keep(FARKStepSetJacEvalFrequency(ark, 1_c_long))
+                call self%keep(FARKStepSetMaxNonlinIters(ark, newton_limit))
+            end if
+            call self%keep(FARKStepSetNonlinConvCoef(ark, stage_share))
+            call self%keep(FARKStepSetDeduceImplicitRhs(ark, 1_c_int))
+        end associate
+    end subroutine set_implicit_options
+
+    !> Lets ARKODE forget the past and go on from `now`, with a first step of size `h` if given.
+    subroutine restart(self, h)
+        class(arkode_memory_t), intent(inout) :: self
+        real(dp), intent(in), optional :: h
+        self%state = self%now%y
+        call self%keep(FARKStepReset(self%integrator, self%now%t, self%state_vector))
+        if (present(h)) call self%keep(FARKStepSetInitStep(self%integrator, h))
+    end subroutine restart
+
+    !> Takes step control off: the next steps have this size.
+    subroutine set_fixed_step(self, h)
+        class(arkode_memory_t), intent(inout) :: self
+        real(dp), intent(in) :: h
+        call self%keep(FARKStepSetFixedStep(self%integrator, h))
+    end subroutine set_fixed_step
+
+    !> Time that the next step must not pass.
+    subroutine set_stop_time(self, t)
+        class(arkode_memory_t), intent(inout) :: self
+        real(dp), intent(in) :: t
+        call self%keep(FARKStepSetStopTime(self%integrator, t))
+    end subroutine set_stop_time
+
+    !> One step, which moves `now`; on failure (negative `flag`) all but the counts stays.
+    subroutine take_step(self, t_end, flag)
+        class(arkode_memory_t), intent(inout) :: self
+        real(dp), intent(in) :: t_end
+        integer(c_int), intent(out) :: flag
+        type(workspace_t) :: before
+        real(c_double) :: t_reached(1)
+        integer(c_long) :: attempts(1), steps(1), jacobians(1)
+        integer(c_int) :: ignored
+        integer(int64) :: evaluations
+
+        flag = self%flag
+        if (flag < 0) return
+        before = self%now
+        self%status = status_ok
+        flag = FARKStepEvolve(self%integrator, t_end, self%state_vector, t_reached, ARK_ONE_STEP)
+        if (flag < 0) then
+            evaluations = self%now%counts%evaluations
+            self%now = before
+            self%now%counts%evaluations = evaluations
+        end if
+        ignored = FARKStepGetNumStepAttempts(self%integrator, attempts)
+        ignored = FARKStepGetNumSteps(self%integrator, steps)
+        self%now%counts%rejected = attempts(1) - steps(1)
+        if (.not. associated(self%linear_solver)) return
+        ignored = FARKStepGetNumJacEvals(self%integrator, jacobians)
+        self%now%counts%jacobians = jacobians(1)
+    end subroutine take_step
+
+    !> Size of the step that was tried last.
+    real(dp) function last_step_tried(self) result(h)
+        class(arkode_memory_t), intent(inout) :: self
+        real(c_double) :: current(1)
+        integer(c_int) :: flag
+        flag = FARKStepGetCurrentStep(self%integrator, current)
+        h = merge(current(1), 0.0_c_double, flag >= 0)
+    end function last_step_tried
+
+    !> The state at a time within the last step, by ARKODE's dense output.
+    function interpolate(self, t) result(y)
+        class(arkode_memory_t), intent(inout) :: self
+        real(dp), intent(in) :: t
+        real(dp) :: y(max_states)
+        integer(c_int) :: flag
+        self%dense = 0
+        flag = FARKStepGetDky(self%integrator, t, 0_c_int, self%dense_vector)
+        y = self%dense
+    end function interpolate
+
+    !> Gives everything back.
+    subroutine free(self)
+        class(arkode_memory_t), intent(inout) :: self
+        integer(c_int) :: ignored
+        if (c_associated(self%integrator)) call FARKStepFree(self%integrator)
+        if (associated(self%nonlinear_solver)) ignored = FSUNNonlinSolFree(self%nonlinear_solver)
+        if (associated(self%linear_solver)) ignored = FSUNLinSolFree(self%linear_solver)
+        if (associated(self%matrix)) call FSUNMatDestroy(self%matrix)
+        if (associated(self%dense_vector)) call FN_VDestroy(self%dense_vector)
+        if (associated(self%state_vector)) call FN_VDestroy(self%state_vector)
+        if (c_associated(self%context)) ignored = FSUNContext_Free(self%context)
+    end subroutine free
+
+    !> Callback: y' = f(y). The slope at the state reached is known and costs nothing.
+    integer(c_int) function rhs(t, y_vector, slope_vector, data) bind(C, name='')
+        real(c_double), value :: t
+        type(N_Vector), intent(inout) :: y_vector, slope_vector
+        type(c_ptr), value :: data
+        type(arkode_memory_t), pointer :: self
+        real(c_double), pointer :: y_now(:), slope_now(:)
+        real(dp) :: y(max_states), slope(max_states)
+
+        associate (unused => t)
+        end associate
+        call c_f_pointer(data, self)
+        y_now => FN_VGetArrayPointer(y_vector)
+        slope_now => FN_VGetArrayPointer(slope_vector)
+        y = 0
+        y(1:self%states) = y_now
+        if (all(is_equal(y, self%now%y))) then
+            self%status = status_ok
+            slope = self%now%slope
+        else
+            call self%now%evaluate(self%formulation, y, slope, self%status)
+        end if
+        slope_now = slope(1:self%states)
+        rhs = go_on
+        if (self%status == status_ok) return
+        rhs = give_up
+        if (self%adaptive .or. self%status == status_outside) rhs = retry
+    end function rhs
+
+    !> Callback: the step to `t` is accepted. ARKODE goes on from the state that the formulation
+    !> makes of it.
+    integer(c_int) function finish_step(t, y_vector, data) bind(C, name='')
+        real(c_double), value :: t
+        type(N_Vector), intent(inout) :: y_vector
+        type(c_ptr), value :: data
+        type(arkode_memory_t), pointer :: self
+        real(c_double), pointer :: y_now(:)
+        real(dp) :: y(max_states)
+        logical :: changed
+
+        call c_f_pointer(data, self)
+        y_now => FN_VGetArrayPointer(y_vector)
+        y = 0
+        y(1:self%states) = y_now
+        finish_step = give_up
+        self%status = status_non_finite
+        if (.not. all(is_finite(y))) return
+        call self%now%settle(self%formulation, t, y, changed)
+        if (changed) y_now = self%now%y(1:self%states)
+        call self%now%evaluate(self%formulation, self%now%y, self%now%slope, self%status)
+        if (self%status == status_ok) finish_step = go_on
+    end function finish_step
+
+    !> Callback: takes ARKODE's messages, which would go to standard error otherwise.
+    subroutine keep_silent(code, module_name, function_name, message, data) bind(C, name='')
+        integer(c_int), value :: code
+        type(c_ptr), value :: module_name, function_name, message, data
+        associate (unused => code, u1 => module_name, u2 => function_name, u3 => message, &
+                   u4 => data)
+        end associate
+    end subroutine keep_silent
+
+end module spintop_arkode_memory

@@ -1,0 +1,111 @@
+!> The Butcher tables of SUNDIALS ARKODE that are offered, by name.
+module spintop_arkode_tables
+    use, intrinsic :: iso_c_binding, only: c_int
+    use spintop_text, only: string_t, lower_case
+    use farkode_mod
+    implicit none
+    private
+    public :: arkode_table_t, arkode_tables, arkode_table_names, find_arkode_table
+    public :: default_arkode_table
+
+    !> One table: its name is SUNDIALS' own in small letters.
+    type :: arkode_table_t
+        character(32) :: name = ''
+        !> Number by which ARKODE knows it.
+        integer(c_int) :: id = -1
+        logical :: implicit = .false.
+        integer :: stages = 0
+        !> Order of the solution, and of the embedded one that the step control compares it with.
+        integer :: order = 0
+        integer :: embedded_order = 0
+    end type arkode_table_t
+
+    !> The tables, explicit ones first, each group by rising order.
+    !>
+    !> Left out is ARKODE_KNOTH_WOLKE_3_3, which has no embedded method to control steps by.
+    type(arkode_table_t), parameter :: arkode_tables(*) = [ &
+        arkode_table_t('arkode_heun_euler_2_1_2', ARKODE_HEUN_EULER_2_1_2, .false., 2, 2, 1), &
+        arkode_table_t('arkode_bogacki_shampine_4_2_3', ARKODE_BOGACKI_SHAMPINE_4_2_3, .false., 4, 3, 2), &
+        arkode_table_t('arkode_ark324l2sa_erk_4_2_3', ARKODE_ARK324L2SA_ERK_4_2_3, .false., 4, 3, 2), &
+        arkode_table_t('arkode_zonneveld_5_3_4', ARKODE_ZONNEVELD_5_3_4, .false., 5, 4, 3), &
+        arkode_table_t('arkode_ark436l2sa_erk_6_3_4', ARKODE_ARK436L2SA_ERK_6_3_4, .false., 6, 4, 3), &
+        arkode_table_t('arkode_sayfy_aburub_6_3_4', ARKODE_SAYFY_ABURUB_6_3_4, .false., 6, 4, 3), &
+        arkode_table_t('arkode_ark437l2sa_erk_7_3_4', ARKODE_ARK437L2SA_ERK_7_3_4, .false., 7, 4, 3), &
+        arkode_table_t('arkode_cash_karp_6_4_5', ARKODE_CASH_KARP_6_4_5, .false., 6, 5, 4), &
+        arkode_table_t('arkode_fehlberg_6_4_5', ARKODE_FEHLBERG_6_4_5, .false., 6, 5, 4), &
+        arkode_table_t('arkode_dormand_prince_7_4_5', ARKODE_DORMAND_PRINCE_7_4_5, .false., 7, 5, 4), &
+        arkode_table_t('arkode_ark548l2sa_erk_8_4_5', ARKODE_ARK548L2SA_ERK_8_4_5, .false., 8, 5, 4), &
+        arkode_table_t('arkode_ark548l2sab_erk_8_4_5', ARKODE_ARK548L2SAb_ERK_8_4_5, .false., 8, 5, 4), &
+        arkode_table_t('arkode_verner_8_5_6', ARKODE_VERNER_8_5_6, .false., 8, 6, 5), &
+        arkode_table_t('arkode_fehlberg_13_7_8', ARKODE_FEHLBERG_13_7_8, .false., 13, 8, 7), &
+        arkode_table_t('arkode_sdirk_2_1_2', ARKODE_SDIRK_2_1_2, .true., 2, 2, 1), &
+        arkode_table_t('arkode_billington_3_3_2', ARKODE_BILLINGTON_3_3_2, .true., 3, 2, 3), &
+        arkode_table_t('arkode_trbdf2_3_3_2', ARKODE_TRBDF2_3_3_2, .true., 3, 2, 3), &
+        arkode_table_t('arkode_kvaerno_4_2_3', ARKODE_KVAERNO_4_2_3, .true., 4, 3, 2), &
+        arkode_table_t('arkode_ark324l2sa_dirk_4_2_3', ARKODE_ARK324L2SA_DIRK_4_2_3, .true., 4, 3, 2), &
+        arkode_table_t('arkode_esdirk324l2sa_4_2_3', ARKODE_ESDIRK324L2SA_4_2_3, .true., 4, 3, 2), &
+        arkode_table_t('arkode_esdirk325l2sa_5_2_3', ARKODE_ESDIRK325L2SA_5_2_3, .true., 5, 3, 2), &
+        arkode_table_t('arkode_esdirk32i5l2sa_5_2_3', ARKODE_ESDIRK32I5L2SA_5_2_3, .true., 5, 3, 2), &
+        arkode_table_t('arkode_cash_5_2_4', ARKODE_CASH_5_2_4, .true., 5, 4, 2), &
+        arkode_table_t('arkode_cash_5_3_4', ARKODE_CASH_5_3_4, .true., 5, 4, 3), &
+        arkode_table_t('arkode_sdirk_5_3_4', ARKODE_SDIRK_5_3_4, .true., 5, 4, 3), &
+        arkode_table_t('arkode_kvaerno_5_3_4', ARKODE_KVAERNO_5_3_4, .true., 5, 4, 3), &
+        arkode_table_t('arkode_ark436l2sa_dirk_6_3_4', ARKODE_ARK436L2SA_DIRK_6_3_4, .true., 6, 4, 3), &
+        arkode_table_t('arkode_ark437l2sa_dirk_7_3_4', ARKODE_ARK437L2SA_DIRK_7_3_4, .true., 7, 4, 3), &
+        arkode_table_t('arkode_esdirk436l2sa_6_3_4', ARKODE_ESDIRK436L2SA_6_3_4, .true., 6, 4, 3), &
+        arkode_table_t('arkode_esdirk43i6l2sa_6_3_4', ARKODE_ESDIRK43I6L2SA_6_3_4, .true., 6, 4, 3), &
+        arkode_table_t('arkode_qesdirk436l2sa_6_3_4', ARKODE_QESDIRK436L2SA_6_3_4, .true., 6, 4, 3), &
+        arkode_table_t('arkode_esdirk437l2sa_7_3_4', ARKODE_ESDIRK437L2SA_7_3_4, .true., 7, 4, 3), &
+        arkode_table_t('arkode_kvaerno_7_4_5', ARKODE_KVAERNO_7_4_5, .true., 7, 5, 4), &
+        arkode_table_t('arkode_ark548l2sa_dirk_8_4_5', ARKODE_ARK548L2SA_DIRK_8_4_5, .true., 8, 5, 4), &
+        arkode_table_t('arkode_ark548l2sab_dirk_8_4_5', ARKODE_ARK548L2SAb_DIRK_8_4_5, .true., 8, 5, 4), &
+        arkode_table_t('arkode_esdirk547l2sa_7_4_5', ARKODE_ESDIRK547L2SA_7_4_5, .true., 7, 5, 4), &
+        arkode_table_t('arkode_esdirk547l2sa2_7_4_5', ARKODE_ESDIRK547L2SA2_7_4_5, .true., 7, 5, 4)]
+
+contains
+
+    !> Names of the explicit or of the implicit tables.
+    pure function arkode_table_names(implicit_tables) result(names)
+        logical, intent(in) :: implicit_tables
+        type(string_t), allocatable :: names(:)
+        integer :: i, last
+        allocate (names(count(arkode_tables%implicit .eqv. implicit_tables)))
+        last = 0
+        do i = 1, size(arkode_tables)
+            if (arkode_tables(i)%implicit .neqv. implicit_tables) cycle
+            last = last + 1
+            names(last)%text = trim(arkode_tables(i)%name)
+        end do
+    end function arkode_table_names
+
+    !> Name of the table that a method takes where the user names none.
+    pure function default_arkode_table(implicit_table) result(name)
+        logical, intent(in) :: implicit_table
+        character(:), allocatable :: name
+        name = 'arkode_verner_8_5_6'
+        if (implicit_table) name = 'arkode_esdirk547l2sa2_7_4_5'
+    end function default_arkode_table
+
+    !> The explicit or implicit table of a name (in any case of letters; '' for the default);
+    !> `found` tells whether there is one.
+    pure subroutine find_arkode_table(name, implicit_table, table, found)
+        character(*), intent(in) :: name
+        logical, intent(in) :: implicit_table
+        type(arkode_table_t), intent(out) :: table
+        logical, intent(out) :: found
+        character(:), allocatable :: wanted
+        integer :: i
+
+        wanted = trim(lower_case(name))
+        if (wanted == '') wanted = default_arkode_table(implicit_table)
+        found = .false.
+        do i = 1, size(arkode_tables)
+            found = arkode_tables(i)%name == wanted &
+                .and. (arkode_tables(i)%implicit .eqv. implicit_table)
+            if (.not. found) cycle
+            table = arkode_tables(i)
+            return
+        end do
+    end subroutine find_arkode_table
+
+end module spintop_arkode_tables

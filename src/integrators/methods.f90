@@ -1,0 +1,94 @@
+!> The registry of methods: one entry each; lists, help, checks and tests derive from it.
+module spintop_methods
+    use spintop_stepper, only: stepper_t, method_info_t
+    use spintop_butcher, only: euler_table, midpoint_table, classical_table, dormand_prince_table
+    use spintop_runge_kutta, only: runge_kutta_t
+    use spintop_theta_method, only: theta_method_t
+    use spintop_ode45, only: ode45_t
+    use spintop_arkode, only: arkode_t
+    use spintop_kinds, only: dp
+    implicit none
+    private
+    public :: method_infos, create_stepper
+
+    type :: entry_t
+        class(stepper_t), allocatable :: prototype
+    end type entry_t
+
+    !> The methods by name, in the order in which they are listed.
+    type :: registry_t
+        integer :: size = 0
+        type(entry_t) :: entry(32)
+    contains
+        procedure :: add
+    end type registry_t
+
+contains
+
+    !> Fills the registry: what there is, stands here.
+    subroutine list_methods(known)
+        type(registry_t), intent(out) :: known
+        call known%add(runge_kutta_t(table=euler_table(), info=method_info_t( &
+            'euler_forward', 'explicit Euler method', order=1, fixed_step=.true.)))
+        call known%add(runge_kutta_t(table=midpoint_table(), info=method_info_t( &
+            'rk2', 'explicit midpoint rule (the paper, Appendix C)', order=2, fixed_step=.true.)))
+        call known%add(runge_kutta_t(table=classical_table(), info=method_info_t( &
+            'rk4', 'classical Runge-Kutta method (Kutta 1901)', order=4, fixed_step=.true.)))
+        call known%add(theta_method_t(alpha=0.5_dp, info=method_info_t( &
+            'crank_nicolson_1', 'trapezoidal rule (the paper, Appendix D)', &
+            order=2, fixed_step=.true., implicit=.true., symmetric=.true.)))
+        call known%add(theta_method_t(alpha=0.5_dp, at_midpoint=.true., info=method_info_t( &
+            'crank_nicolson_2', 'implicit midpoint rule, the Gauss method of order 2 (Appendix D)', &
+            order=2, fixed_step=.true., implicit=.true., symmetric=.true.)))
+        call known%add(theta_method_t(alpha=2.0_dp / 3, info=method_info_t( &
+            'galerkin', 'theta method with alpha = 2/3 (Appendix D)', &
+            order=1, fixed_step=.true., implicit=.true.)))
+        call known%add(theta_method_t(alpha=1.0_dp, info=method_info_t( &
+            'euler_backward', 'implicit Euler method (Appendix D)', &
+            order=1, fixed_step=.true., implicit=.true.)))
+        call known%add(ode45_t(table=dormand_prince_table(), info=method_info_t( &
+            'ode45', "Dormand-Prince 5(4) with MATLAB's step control", order=5, adaptive=.true., &
+            relative_tolerance=1.0e-3_dp, absolute_tolerance=1.0e-6_dp, refine=4)))
+        call known%add(arkode_t(info=method_info_t( &
+            'arkode_erk', 'explicit Runge-Kutta of SUNDIALS ARKODE', &
+            fixed_step=.true., adaptive=.true., takes_table=.true.)))
+        call known%add(arkode_t(info=method_info_t( &
+            'arkode_dirk', 'diagonally implicit Runge-Kutta of SUNDIALS ARKODE', &
+            fixed_step=.true., adaptive=.true., implicit=.true., takes_table=.true.)))
+    end subroutine list_methods
+
+    !> Adds a method.
+    subroutine add(self, prototype)
+        class(registry_t), intent(inout) :: self
+        class(stepper_t), intent(in) :: prototype
+        self%size = self%size + 1
+        allocate (self%entry(self%size)%prototype, source=prototype)
+    end subroutine add
+
+    !> Names and properties of all methods.
+    function method_infos() result(infos)
+        type(method_info_t), allocatable :: infos(:)
+        type(registry_t) :: known
+        integer :: i
+        call list_methods(known)
+        allocate (infos(known%size))
+        do i = 1, known%size
+            infos(i) = known%entry(i)%prototype%info
+        end do
+    end function method_infos
+
+    !> A method by its name, with default settings; unallocated if there is none of that name.
+    subroutine create_stepper(name, stepper)
+        character(*), intent(in) :: name
+        class(stepper_t), allocatable, intent(out) :: stepper
+        type(registry_t) :: known
+        integer :: i
+        call list_methods(known)
+        do i = 1, known%size
+            if (known%entry(i)%prototype%info%name /= name) cycle
+            allocate (stepper, source=known%entry(i)%prototype)
+            return
+        end do
+    end subroutine create_stepper
+
+end module spintop_methods

@@ -1,0 +1,174 @@
+!> The adaptive Dormand-Prince pair with MATLAB's step control: ode45.
+module spintop_ode45
+    use spintop_kinds, only: dp
+    use spintop_compare, only: is_finite
+    use spintop_formulation, only: formulation_t, max_states
+    use spintop_stepper, only: stepper_t, workspace_t
+    use spintop_fixed_step, only: share_of_time_left
+    use spintop_butcher, only: butcher_t, max_stages
+    use spintop_runge_kutta, only: stage_sum
+    use spintop_status, only: status_ok, status_outside, status_non_finite, status_step_too_small
+    implicit none
+    private
+    public :: ode45_t
+
+    !> An embedded Runge-Kutta pair whose last stage is the first of the next step.
+    type, extends(stepper_t) :: ode45_t
+        type(butcher_t) :: table
+    contains
+        procedure :: new_workspace
+        procedure :: begin
+        procedure :: advance
+        procedure :: interpolate
+    end type ode45_t
+
+    !> Keeps the stages of the last step for dense output.
+    type, extends(workspace_t) :: ode45_workspace_t
+        real(dp) :: k(max_states, max_stages) = 0
+    end type ode45_workspace_t
+
+    !> Largest step as a share of the span.
+    real(dp), parameter :: largest_share = 0.1_dp
+    !> Smallest step in units of the spacing of the time.
+    real(dp), parameter :: smallest_spacings = 16
+
+contains
+
+    !> A workspace with room for the stages.
+    subroutine new_workspace(self, work)
+        class(ode45_t), intent(in) :: self
+        class(workspace_t), allocatable, intent(out) :: work
+        associate (unused => self)
+        end associate
+        allocate (ode45_workspace_t :: work)
+    end subroutine new_workspace
+
+    !> First slope and MATLAB's first step size.
+    subroutine begin(self, formulation, work, status)
+        class(ode45_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        integer, intent(out) :: status
+        real(dp) :: steepest
+
+        call work%evaluate(formulation, work%y, work%slope, status)
+        if (status /= status_ok) return
+        work%h = largest_share * (work%t_end - work%t_begin)
+        steepest = maxval(abs(work%slope) / max(abs(work%y), threshold(self))) &
+                   / (0.8_dp * self%controls%relative_tolerance**power(self))
+        if (work%h * steepest > 1) work%h = 1 / steepest
+    end subroutine begin
+
+    !> One accepted step; rejected trials are counted.
+    subroutine advance(self, formulation, work, status)
+        class(ode45_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        integer, intent(out) :: status
+
+        select type (work)
+        class is (ode45_workspace_t)
+            call advance_stages(self, formulation, work, status)
+        end select
+    end subroutine advance
+
+    !> `advance` with the stages at hand.
+    subroutine advance_stages(self, formulation, work, status)
+        class(ode45_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(ode45_workspace_t), intent(inout) :: work
+        integer, intent(out) :: status
+        real(dp) :: h, h_smallest, h_left, t_new, y_new(max_states), error, growth
+        logical :: first_trial, changed
+
+        h_smallest = smallest_spacings * spacing(work%t)
+        h_left = share_of_time_left * formulation%time_left(work%y)
+        work%h = min(max(work%h, h_smallest), largest_share * (work%t_end - work%t_begin))
+        first_trial = .true.
+        do
+            h = min(work%h, h_left)
+            t_new = work%t + h
+            ! A step that nearly reaches the end is stretched to it.
+            if (1.1_dp * h >= work%t_end - work%t .and. h < h_left) t_new = work%t_end
+            h = t_new - work%t
+            call try_step(self, formulation, work, h, y_new, error, status)
+            if (status == status_ok .and. error <= self%controls%relative_tolerance) exit
+            work%counts%rejected = work%counts%rejected + 1
+            if (h <= h_smallest) then
+                if (status == status_ok) status = status_step_too_small
+                return
+            end if
+            if (status /= status_ok) then
+                work%h = h / 2
+            else if (first_trial) then
+                work%h = h * max(0.1_dp, 0.8_dp &
+                                 * (self%controls%relative_tolerance / error)**power(self))
+            else
+                work%h = h / 2
+            end if
+            work%h = max(work%h, h_smallest)
+            first_trial = .false.
+        end do
+        call work%settle(formulation, t_new, y_new, changed)
+        work%slope = work%k(:, self%table%stages)
+        if (changed) call work%evaluate(formulation, work%y, work%slope, status)
+        if (first_trial) then
+            growth = 1.25_dp * (error / self%controls%relative_tolerance)**power(self)
+            work%h = h / max(growth, 0.2_dp)
+        end if
+    end subroutine advance_stages
+
+    !> One trial of size h: the new state and the error of the embedded method, in units in which
+    !> the relative tolerance is the limit.
+    subroutine try_step(self, formulation, work, h, y_new, error, status)
+        class(ode45_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(ode45_workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: h
+        real(dp), intent(out) :: y_new(max_states), error
+        integer, intent(out) :: status
+        integer :: i
+
+        error = huge(1.0_dp)
+        y_new = work%y
+        work%k(:, 1) = work%slope
+        do i = 2, self%table%stages
+            y_new = work%y + h * stage_sum(work%k, self%table%a(:, i), i - 1)
+            call work%evaluate(formulation, y_new, work%k(:, i), status)
+            if (status /= status_ok) return
+        end do
+        error = h * maxval(abs(stage_sum(work%k, self%table%error, self%table%stages)) &
+                           / max(abs(work%y), abs(y_new), threshold(self)))
+        if (.not. is_finite(error)) status = status_non_finite
+    end subroutine try_step
+
+    !> State below which a component's error counts absolutely.
+    pure real(dp) function threshold(self)
+        class(ode45_t), intent(in) :: self
+        threshold = self%controls%absolute_tolerance / self%controls%relative_tolerance
+    end function threshold
+
+    !> Power of the error in the step size.
+    pure real(dp) function power(self)
+        class(ode45_t), intent(in) :: self
+        power = 1.0_dp / self%table%order
+    end function power
+
+    !> Dense output of order 4 within the last step.
+    function interpolate(self, work, t) result(y)
+        class(ode45_t), intent(in) :: self
+        class(workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: t
+        real(dp) :: y(max_states), s, weight(max_stages)
+        y = work%y
+        select type (work)
+        class is (ode45_workspace_t)
+            if (t >= work%t) return
+            s = (t - work%t_last) / (work%t - work%t_last)
+            weight = matmul(s**[1, 2, 3, 4], self%table%dense)
+            y = work%y_last + (work%t - work%t_last) &
+                * stage_sum(work%k, weight, self%table%stages)
+        end select
+    end function interpolate
+
+end module spintop_ode45

@@ -1,0 +1,56 @@
+!> Explicit Runge-Kutta methods with equal steps.
+module spintop_runge_kutta
+    use spintop_kinds, only: dp
+    use spintop_formulation, only: formulation_t, max_states
+    use spintop_stepper, only: workspace_t
+    use spintop_fixed_step, only: fixed_step_t
+    use spintop_butcher, only: butcher_t, max_stages
+    use spintop_status, only: status_ok
+    implicit none
+    private
+    public :: runge_kutta_t, stage_sum
+
+    !> An explicit Runge-Kutta method given by its Butcher table.
+    type, extends(fixed_step_t) :: runge_kutta_t
+        type(butcher_t) :: table
+    contains
+        procedure :: step
+    end type runge_kutta_t
+
+contains
+
+    !> One step of the method; its first stage is the slope already known.
+    subroutine step(self, formulation, work, h, y_new, status)
+        class(runge_kutta_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: h
+        real(dp), intent(out) :: y_new(max_states)
+        integer, intent(out) :: status
+        real(dp) :: k(max_states, max_stages)
+        integer :: i
+
+        status = status_ok
+        y_new = work%y
+        k(:, 1) = work%slope
+        do i = 2, self%table%stages
+            call work%evaluate(formulation, work%y + h * stage_sum(k, self%table%a(:, i), i - 1), &
+                               k(:, i), status)
+            if (status /= status_ok) return
+        end do
+        y_new = work%y + h * stage_sum(k, self%table%b, self%table%stages)
+    end subroutine step
+
+    !> Sum of the first n stages with the weights given.
+    pure function stage_sum(k, weight, n) result(total)
+        real(dp), intent(in) :: k(max_states, max_stages), weight(max_stages)
+        integer, intent(in) :: n
+        real(dp) :: total(max_states)
+        integer :: i
+        total = 0
+        do i = 1, n
+            total = total + weight(i) * k(:, i)
+        end do
+    end function stage_sum
+
+end module spintop_runge_kutta

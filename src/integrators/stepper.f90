@@ -1,0 +1,162 @@
+!> What every integrator offers: one step at a time through any formulation.
+!>
+!> A stepper holds settings only and is immutable during a run; what changes sits in a workspace.
+!> So one stepper serves all threads, each with a workspace of its own.
+module spintop_stepper
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_kinds, only: dp
+    use spintop_compare, only: is_finite
+    use spintop_formulation, only: formulation_t, max_states
+    use spintop_status, only: status_ok, status_non_finite
+    implicit none
+    private
+    public :: stepper_t, method_info_t, controls_t, workspace_t, counts_t
+
+    !> What the registry, the help, the checks and the tests know of a method.
+    type :: method_info_t
+        character(20) :: name = ''
+        character(112) :: what = ''
+        !> Order of convergence; 0 where it depends on the Butcher table chosen by name.
+        integer :: order = 0
+        logical :: fixed_step = .false.
+        logical :: adaptive = .false.
+        logical :: implicit = .false.
+        !> Unchanged when h and the ends of the step are exchanged, so reversible in time.
+        logical :: symmetric = .false.
+        !> Takes a Butcher table by name.
+        logical :: takes_table = .false.
+        !> Tolerances of its own where the user gives none (0: the program's).
+        real(dp) :: relative_tolerance = 0
+        real(dp) :: absolute_tolerance = 0
+        !> Output points a step by its own convention (ode45: 4); 0 without one.
+        integer :: refine = 0
+    end type method_info_t
+
+    !> What a user may set on a method.
+    type :: controls_t
+        !> Number of equal steps; 0 lets an adaptive method choose its steps.
+        integer :: steps = 0
+        real(dp) :: relative_tolerance = 1.0e-9_dp
+        real(dp) :: absolute_tolerance = 1.0e-12_dp
+        !> Most steps of an adaptive method in one run.
+        integer(int64) :: max_steps = 1000000
+        !> Solve implicit steps by fixed-point iteration instead of Newton's.
+        logical :: fixed_point = .false.
+        !> Name of a Butcher table; empty for the method's default.
+        character(40) :: table = ''
+    end type controls_t
+
+    !> What a run cost.
+    type :: counts_t
+        integer(int64) :: steps = 0
+        integer(int64) :: rejected = 0
+        integer(int64) :: evaluations = 0
+        integer(int64) :: jacobians = 0
+        !> Inadmissible values that `after_step` had to cut.
+        integer(int64) :: clipped = 0
+    end type counts_t
+
+    !> A run in progress.
+    type :: workspace_t
+        !> The span, s.
+        real(dp) :: t_begin = 0, t_end = 0
+        !> Time and state reached, and the slope y' there.
+        real(dp) :: t = 0, y(max_states) = 0, slope(max_states) = 0
+        !> Time and state before the last step.
+        real(dp) :: t_last = 0, y_last(max_states) = 0
+        !> Size of the next step, s.
+        real(dp) :: h = 0
+        !> Steps done on the grid of a fixed-step method; -1 once it has left the grid.
+        integer :: grid = 0
+        type(counts_t) :: counts
+    contains
+        procedure :: evaluate
+        procedure :: settle
+    end type workspace_t
+
+    !> A method of integration.
+    type, abstract :: stepper_t
+        type(method_info_t) :: info
+        type(controls_t) :: controls
+    contains
+        procedure(new_workspace), deferred :: new_workspace
+        procedure(begin), deferred :: begin
+        procedure(advance), deferred :: advance
+        procedure(interpolate), deferred :: interpolate
+        procedure :: order
+    end type stepper_t
+
+    abstract interface
+        !> A workspace of the kind this method needs.
+        subroutine new_workspace(self, work)
+            import :: stepper_t, workspace_t
+            class(stepper_t), intent(in) :: self
+            class(workspace_t), allocatable, intent(out) :: work
+        end subroutine new_workspace
+
+        !> Begins a run at `work%t`, `work%y` (set by the caller, with the span).
+        subroutine begin(self, formulation, work, status)
+            import :: stepper_t, workspace_t, formulation_t
+            class(stepper_t), intent(in) :: self
+            class(formulation_t), intent(in) :: formulation
+            class(workspace_t), intent(inout) :: work
+            integer, intent(out) :: status
+        end subroutine begin
+
+        !> Takes one step, never beyond `work%t_end`. On failure the state is the last good one.
+        subroutine advance(self, formulation, work, status)
+            import :: stepper_t, workspace_t, formulation_t
+            class(stepper_t), intent(in) :: self
+            class(formulation_t), intent(in) :: formulation
+            class(workspace_t), intent(inout) :: work
+            integer, intent(out) :: status
+        end subroutine advance
+
+        !> The state at a time within the last step.
+        function interpolate(self, work, t) result(y)
+            import :: stepper_t, workspace_t, dp, max_states
+            class(stepper_t), intent(in) :: self
+            class(workspace_t), intent(inout) :: work
+            real(dp), intent(in) :: t
+            real(dp) :: y(max_states)
+        end function interpolate
+    end interface
+
+contains
+
+    !> Order of convergence with the settings made.
+    integer function order(self)
+        class(stepper_t), intent(in) :: self
+        order = self%info%order
+    end function order
+
+    !> Right-hand side, counted; an infinite or undefined slope is `status_non_finite`.
+    subroutine evaluate(self, formulation, y, dy, status)
+        class(workspace_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: y(max_states)
+        real(dp), intent(out) :: dy(max_states)
+        integer, intent(out) :: status
+        self%counts%evaluations = self%counts%evaluations + 1
+        call formulation%derivative(y, dy, status)
+        if (status == status_ok .and. .not. all(is_finite(dy))) status = status_non_finite
+    end subroutine evaluate
+
+    !> Accepts the state `y_new` at `t_new`, after the formulation has put it back on what it must
+    !> satisfy; `changed` tells whether it did.
+    subroutine settle(self, formulation, t_new, y_new, changed)
+        class(workspace_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: t_new, y_new(max_states)
+        logical, intent(out) :: changed
+        logical :: clipped
+        self%t_last = self%t
+        self%y_last = self%y
+        self%t = t_new
+        self%y = y_new
+        call formulation%after_step(self%y, changed, clipped)
+        self%counts%steps = self%counts%steps + 1
+        if (clipped) self%counts%clipped = self%counts%clipped + 1
+    end subroutine settle
+
+end module spintop_stepper

@@ -1,0 +1,178 @@
+!> The body that a scene describes.
+module spintop_body_of_scene
+    use spintop_kinds, only: dp
+    use spintop_compare, only: is_zero
+    use spintop_body, only: body_t
+    use spintop_shapes, only: shape_info_t, dimensions_t, solid_t, shape_infos, build_shape, &
+        shape_by_inertia
+    use spintop_parameters, only: unset
+    use spintop_problems, only: problems_t
+    use spintop_scene, only: scene_t
+    implicit none
+    private
+    public :: make_body, is_set
+
+    !> Slack of the triangle inequality in units of rounding, for inertias that meet it exactly.
+    real(dp), parameter :: triangle_slack = 8 * epsilon(1.0_dp)
+
+contains
+
+    !> Whether a number of a scene was given.
+    elemental logical function is_set(x)
+        real(dp), intent(in) :: x
+        is_set = x > unset
+    end function is_set
+
+    !> The body of a scene, with what is wrong about it.
+    subroutine make_body(scene, body, problems)
+        type(scene_t), intent(in) :: scene
+        type(body_t), intent(out) :: body
+        type(problems_t), intent(inout) :: problems
+        body%gravity = scene%gravity
+        body%damping = scene%damping
+        if (scene%shape == shape_by_inertia) then
+            call take_inertia(scene, body, problems)
+        else
+            call take_shape(scene, body, problems)
+        end if
+    end subroutine make_body
+
+    !> Mass properties given as such.
+    subroutine take_inertia(scene, body, problems)
+        type(scene_t), intent(in) :: scene
+        type(body_t), intent(inout) :: body
+        type(problems_t), intent(inout) :: problems
+        real(dp) :: central(3)
+
+        if (is_set(scene%density)) call refuse('top.density', 'is for a shape')
+        if (is_set(scene%radius)) call refuse('top.radius', 'is for a shape')
+        if (is_set(scene%inner_radius)) call refuse('top.inner_radius', 'is for a shape')
+        if (is_set(scene%thickness)) call refuse('top.thickness', 'is for a shape')
+        if (is_set(scene%rod_length)) call refuse('top.rod_length', 'is for a shape')
+        if (.not. is_set(scene%mass)) call require('top.mass')
+        if (.not. all(is_set(scene%inertia))) call require('top.inertia')
+        if (all(is_set(scene%centre_of_mass)) .and. is_set(scene%length)) then
+            call problems%add('top.length', 'the centre of mass is given twice', &
+                              'give either centre_of_mass or length')
+        else if (is_set(scene%length)) then
+            body%centre_of_mass = [0.0_dp, 0.0_dp, scene%length]
+        else if (all(is_set(scene%centre_of_mass))) then
+            body%centre_of_mass = scene%centre_of_mass
+        else
+            call problems%add('top', 'the centre of mass is not given', &
+                              'give length (along body z) or centre_of_mass(3)')
+        end if
+        if (problems%any()) return
+
+        body%mass = scene%mass
+        body%inertia = scene%inertia
+        if (breaks_triangle(scene%inertia)) then
+            call problems%add('top.inertia', 'no body has these moments of inertia: the largest exceeds &
+                &the sum of the others', 'each moment is at most the sum of the other two')
+        end if
+        if (scene%inertia_about == 'centre_of_mass') then
+            body%inertia = scene%inertia + steiner(body)
+            if (count(.not. is_zero(body%centre_of_mass)) > 1) then
+                call problems%add('top.centre_of_mass', 'the pivot lies off the principal axes, so the &
+                    &inertia about it is not along body x, y, z', &
+                    'give the principal moments about the pivot instead')
+            end if
+        else
+            central = scene%inertia - steiner(body)
+            if (any(central < -triangle_slack * scene%inertia) .or. breaks_triangle(central)) then
+                call problems%warn('top.inertia', 'no mass distribution has this inertia about the pivot &
+                    &with its centre of mass there (is the term m l^2 missing?)', &
+                    "computed as given; inertia_about = 'centre_of_mass' adds that term")
+            end if
+        end if
+
+    contains
+
+        subroutine require(name)
+            character(*), intent(in) :: name
+            call problems%add('top', name // ' is not given', &
+                              'it has no default; or name a shape')
+        end subroutine require
+
+        subroutine refuse(name, why)
+            character(*), intent(in) :: name, why
+            call problems%add(name, name // ' ' // why, "leave it out, or name a shape other than 'inertia'")
+        end subroutine refuse
+
+    end subroutine take_inertia
+
+    !> Mass properties from a shape.
+    subroutine take_shape(scene, body, problems)
+        type(scene_t), intent(in) :: scene
+        type(body_t), intent(inout) :: body
+        type(problems_t), intent(inout) :: problems
+        type(shape_info_t), allocatable :: shapes(:)
+        type(solid_t) :: solid
+        integer :: i
+
+        shapes = shape_infos()
+        do i = 1, size(shapes)
+            if (shapes(i)%name /= scene%shape) cycle
+            call check('top.radius', scene%radius, .true.)
+            call check('top.inner_radius', scene%inner_radius, shapes(i)%needs_inner_radius)
+            call check('top.thickness', scene%thickness, shapes(i)%needs_thickness)
+            call check('top.rod_length', scene%rod_length, shapes(i)%needs_rod_length)
+        end do
+        if (any(is_set(scene%inertia))) call check('top.inertia', 1.0_dp, .false.)
+        if (any(is_set(scene%centre_of_mass))) call check('top.centre_of_mass', 1.0_dp, .false.)
+        call check('top.length', scene%length, .false.)
+        if (scene%inertia_about /= 'pivot') call check('top.inertia_about', 1.0_dp, .false.)
+        if (is_set(scene%mass) .and. is_set(scene%density)) then
+            call problems%add('top.density', 'mass and density are both given', 'give one of them')
+        else if (.not. is_set(scene%mass) .and. .not. is_set(scene%density)) then
+            call problems%add('top', 'neither mass nor density is given', 'give one of them')
+        end if
+        if (is_set(scene%inner_radius) .and. scene%inner_radius >= scene%radius) then
+            call problems%add('top.inner_radius', 'the inner radius is not smaller than the radius', &
+                              'the ring needs some width')
+        end if
+        if (problems%any()) return
+
+        solid = build_shape(scene%shape, dimensions_t(scene%radius, scene%inner_radius, &
+                                                      scene%thickness, scene%rod_length))
+        body%mass = scene%mass
+        if (is_set(scene%density)) body%mass = scene%density * solid%volume
+        body%centre_of_mass = [0.0_dp, 0.0_dp, solid%length]
+        body%inertia = body%mass * [solid%across, solid%across, solid%along] + steiner(body)
+        if (is_zero(body%mass)) then
+            call problems%add('top.thickness', 'the body has no volume', 'give its mass, not its density')
+        end if
+
+    contains
+
+        !> A dimension must be there where the shape needs it, and only there.
+        subroutine check(name, value, needed)
+            character(*), intent(in) :: name
+            real(dp), intent(in) :: value
+            logical, intent(in) :: needed
+            if (needed .and. .not. is_set(value)) then
+                call problems%add('top', name // ' is not given', &
+                                  'shape ' // trim(scene%shape) // ' needs it')
+            else if (is_set(value) .and. .not. needed) then
+                call problems%add(name, name // ' is not for shape ' // trim(scene%shape), 'leave it out')
+            end if
+        end subroutine check
+
+    end subroutine take_shape
+
+    !> Whether the largest moment exceeds the sum of the others, beyond rounding.
+    pure logical function breaks_triangle(inertia)
+        real(dp), intent(in) :: inertia(3)
+        breaks_triangle = 2 * maxval(inertia) > sum(inertia) * (1 + triangle_slack)
+    end function breaks_triangle
+
+    !> Moments of the mass at its centre about the pivot, kg m^2.
+    pure function steiner(body) result(moments)
+        type(body_t), intent(in) :: body
+        real(dp) :: moments(3)
+        associate (square => body%centre_of_mass**2)
+            moments = body%mass * (sum(square) - square)
+        end associate
+    end function steiner
+
+end module spintop_body_of_scene

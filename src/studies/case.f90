@@ -1,0 +1,92 @@
+!> A case: what a scene means, in numbers ready to compute with.
+module spintop_case
+    use spintop_kinds, only: dp, pi
+    use spintop_compare, only: is_zero, is_finite
+    use spintop_body, only: body_t
+    use spintop_body_of_scene, only: make_body, is_set
+    use spintop_motion, only: motion_t
+    use spintop_nutation, only: nutation_t, find_nutation
+    use spintop_problems, only: problems_t
+    use spintop_scene, only: scene_t
+    use spintop_start_of_scene, only: make_start
+    use spintop_status, only: status_ok
+    implicit none
+    private
+    public :: case_t, make_case
+
+    !> A body, its start, and how long to follow it.
+    type :: case_t
+        type(body_t) :: body
+        type(motion_t) :: start
+        !> Time span, s.
+        real(dp) :: t_end = 0
+    end type case_t
+
+contains
+
+    !> The case of a scene; without errors in `problems` it is complete.
+    subroutine make_case(scene, case, problems)
+        type(scene_t), intent(in) :: scene
+        type(case_t), intent(out) :: case
+        type(problems_t), intent(inout) :: problems
+        call make_body(scene, case%body, problems)
+        if (problems%any()) return
+        call make_start(scene, case%body, case%start, problems)
+        if (problems%any()) return
+        call make_span(scene, case, problems)
+    end subroutine make_case
+
+    !> The time span, in seconds or in periods of the motion.
+    subroutine make_span(scene, case, problems)
+        type(scene_t), intent(in) :: scene
+        type(case_t), intent(inout) :: case
+        type(problems_t), intent(inout) :: problems
+        character(*), parameter :: ways = 'give exactly one of t_end, nutations and precessions'
+
+        select case (count(is_set([scene%t_end, scene%nutations, scene%precessions])))
+        case (0)
+            call problems%add('span', 'the time span is not given', ways)
+        case (1)
+            if (is_set(scene%t_end)) case%t_end = scene%t_end
+            if (is_set(scene%nutations)) call count_nutations(scene%nutations, case, problems)
+            if (is_set(scene%precessions)) call count_precessions(scene%precessions, case, problems)
+        case default
+            call problems%add('span', 'the time span is given more than once', ways)
+        end select
+    end subroutine make_span
+
+    !> Span of so many nutation periods.
+    subroutine count_nutations(nutations, case, problems)
+        real(dp), intent(in) :: nutations
+        type(case_t), intent(inout) :: case
+        type(problems_t), intent(inout) :: problems
+        type(nutation_t) :: nutation
+        integer :: status
+        if (.not. case%body%is_lagrange()) then
+            call problems%add('span.nutations', 'the nutation period is known for an undamped symmetric &
+                &top about body z', 'give t_end')
+            return
+        end if
+        call find_nutation(case%body, case%start, nutation, status)
+        case%t_end = nutations * nutation%period
+        if (status /= status_ok .or. .not. is_finite(case%t_end)) then
+            call problems%add('span.nutations', 'this motion has no finite nutation period', 'give t_end')
+        end if
+    end subroutine count_nutations
+
+    !> Span of so many of the paper's precession periods T_p.
+    subroutine count_precessions(precessions, case, problems)
+        real(dp), intent(in) :: precessions
+        type(case_t), intent(inout) :: case
+        type(problems_t), intent(inout) :: problems
+        associate (momentum => case%body%inertia(3) * case%start%omega(3), mgl => case%body%mgl())
+            if (is_zero(momentum) .or. is_zero(mgl)) then
+                call problems%add('span.precessions', 'the period 2 pi I3 omega3/(m g l) needs a spin and &
+                    &a weight', 'give t_end')
+                return
+            end if
+            case%t_end = precessions * abs(2 * pi * momentum / mgl)
+        end associate
+    end subroutine count_precessions
+
+end module spintop_case

@@ -1,0 +1,184 @@
+!> A job: one input file read, checked and planned, ready to run.
+module spintop_job
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_case, only: case_t, make_case
+    use spintop_columns, only: trajectory_columns, default_trajectory_columns
+    use spintop_diagnostics, only: diagnostics_t
+    use spintop_errors, only: error_t
+    use spintop_namelist, only: read_namelist
+    use spintop_parameters, only: parameter_table_t
+    use spintop_plan, only: plan_t, make_plan
+    use spintop_problems, only: problems_t
+    use spintop_scene, only: scene_t, describe_scene
+    use spintop_sweep_axes, only: axes_t, make_axes
+    use spintop_sweep_columns, only: sweep_columns
+    use spintop_text, only: string_t, nearest_word
+    implicit none
+    private
+    public :: job_t, options_t, prepare_job
+
+    !> What the command line says for all inputs.
+    type :: options_t
+        !> Folder for results.
+        character(:), allocatable :: output
+        !> Overrides `group.key=value`, in the order given.
+        type(string_t), allocatable :: overrides(:)
+        !> 0: all cores.
+        integer :: threads = 0
+        logical :: quiet = .false.
+        logical :: progress = .false.
+    end type options_t
+
+    !> An input made ready. The table points into the scene: a job must stay where it was prepared.
+    type :: job_t
+        !> The input's path, and its name without folder and ending.
+        character(:), allocatable :: input, name
+        !> Path of the table to write.
+        character(:), allocatable :: output
+        type(scene_t) :: scene
+        type(parameter_table_t) :: table
+        type(case_t) :: case
+        type(plan_t) :: plan
+        type(axes_t) :: axes
+        !> Chosen columns by their place in the list of all columns of the study.
+        integer, allocatable :: columns(:)
+        !> Warnings on the input, ready to print; empty without any.
+        character(:), allocatable :: warnings
+    end type job_t
+
+contains
+
+    !> Reads an input with the overrides of the command line, makes its case, plan and columns, and
+    !> reports everything that is wrong with it at once.
+    subroutine prepare_job(input, options, job, error)
+        character(*), intent(in) :: input
+        type(options_t), intent(in) :: options
+        type(job_t), target, intent(inout) :: job
+        type(error_t), allocatable, intent(out) :: error
+        type(diagnostics_t) :: diagnostics
+        type(problems_t) :: problems
+
+        job%input = input
+        job%name = base_name(input)
+        call describe_scene(job%scene, job%table)
+        call job%table%verify(error)
+        if (allocated(error)) return
+        call read_namelist(input, options%overrides, job%table, diagnostics, error)
+        if (allocated(error)) return
+        call choose_columns(job, problems)
+        if (.not. diagnostics%has_errors()) call plan_job(job, problems)
+        call problems%tell(job%table, diagnostics)
+        call diagnostics%raise(error)
+        if (allocated(error)) return
+        job%warnings = ''
+        if (diagnostics%has_warnings()) job%warnings = diagnostics%report()
+        if (job%scene%file /= '') job%name = base_name(trim(job%scene%file))
+        job%output = options%output // '/' // job%name // '.csv'
+    end subroutine prepare_job
+
+    !> Case, axes and plan. The case of a sweep is its first; the others are made as they come.
+    subroutine plan_job(job, problems)
+        type(job_t), target, intent(inout) :: job
+        type(problems_t), intent(inout) :: problems
+        type(scene_t), allocatable, target :: first
+        type(parameter_table_t) :: first_table
+
+        if (scan(trim(job%scene%file), '/') > 0) then
+            call problems%add('output.file', 'the name of the table holds a slash', &
+                              'name the folder with --output')
+        end if
+        allocate (first, source=job%scene)
+        if (job%scene%kind == 'sweep') then
+            call make_axes(job%scene, job%table, job%axes, problems)
+            if (problems%any()) return
+            call describe_scene(first, first_table)
+            call job%axes%apply(1_int64, first_table)
+        else if (any(job%scene%parameter /= '')) then
+            call problems%add('sweep', 'a trajectory has no axes', "set study.kind = 'sweep'")
+        end if
+        call make_case(first, job%case, problems)
+        if (problems%any()) return
+        call make_plan(first, job%case, job%plan, problems)
+    end subroutine plan_job
+
+    !> The columns named, all of them, or the default set.
+    subroutine choose_columns(job, problems)
+        type(job_t), intent(inout) :: job
+        type(problems_t), intent(inout) :: problems
+        type(string_t), allocatable :: known(:)
+        integer :: i
+
+        if (job%scene%kind == 'sweep') then
+            call take_names(sweep_columns%name)
+        else
+            call take_names(trajectory_columns%name)
+        end if
+
+        if (all(job%scene%columns == '')) then
+            if (job%scene%kind == 'sweep') then
+                job%columns = [(i, i=1, size(known))]
+            else
+                allocate (job%columns(0))
+                do i = 1, size(default_trajectory_columns)
+                    job%columns = [job%columns, place_of(default_trajectory_columns(i))]
+                end do
+            end if
+        else if (job%scene%columns(1) == 'all') then
+            job%columns = [(i, i=1, size(known))]
+        else
+            allocate (job%columns(0))
+            do i = 1, size(job%scene%columns)
+                if (job%scene%columns(i) == '') cycle
+                call take_column(trim(job%scene%columns(i)))
+            end do
+        end if
+
+    contains
+
+        subroutine take_names(names)
+            character(*), intent(in) :: names(:)
+            allocate (known(size(names)))
+            do i = 1, size(names)
+                known(i)%text = trim(names(i))
+            end do
+        end subroutine take_names
+
+        !> Place of a column among the known ones, 0 if there is none.
+        integer function place_of(name)
+            character(*), intent(in) :: name
+            do place_of = size(known), 1, -1
+                if (known(place_of)%text == name) return
+            end do
+        end function place_of
+
+        subroutine take_column(name)
+            character(*), intent(in) :: name
+            character(:), allocatable :: hint
+            integer :: place
+            place = place_of(name)
+            if (place == 0) then
+                hint = nearest_word(name, known)
+                if (hint /= '') hint = "did you mean '" // hint // "'?"
+                if (hint == '') hint = '`spintop list columns` shows them all'
+                call problems%add('output.columns', "there is no column '" // name // "'", hint)
+            else if (any(job%columns == place)) then
+                call problems%add('output.columns', "column '" // name // "' is named twice", &
+                                  'name it once')
+            else
+                job%columns = [job%columns, place]
+            end if
+        end subroutine take_column
+
+    end subroutine choose_columns
+
+    !> Name of a file without its folder and its ending.
+    pure function base_name(path) result(name)
+        character(*), intent(in) :: path
+        character(:), allocatable :: name
+        integer :: dot
+        name = path(index(path, '/', back=.true.) + 1:)
+        dot = index(name, '.', back=.true.)
+        if (dot > 1) name = name(:dot - 1)
+    end function base_name
+
+end module spintop_job

@@ -1,0 +1,282 @@
+!> The plan of a scene: which model and which method carry it out, and why.
+module spintop_plan
+    use spintop_kinds, only: dp
+    use spintop_arkode_tables, only: arkode_table_names
+    use spintop_body, only: body_t
+    use spintop_body_of_scene, only: is_set
+    use spintop_case, only: case_t
+    use spintop_formulation, only: formulation_t, formulation_info_t
+    use spintop_formulations, only: create_formulation
+    use spintop_methods, only: create_stepper
+    use spintop_parameters, only: unset_integer
+    use spintop_problems, only: problems_t
+    use spintop_scene, only: scene_t
+    use spintop_stepper, only: stepper_t, controls_t
+    use spintop_text, only: to_text, nearest_word, string_t, join
+    implicit none
+    private
+    public :: plan_t, make_plan, sample_times
+
+    !> Rows of a trajectory of an adaptive method when their number is not given.
+    integer, parameter :: default_samples = 1001
+    !> A span this close to a whole number of steps has that number.
+    real(dp), parameter :: step_slack = 1.0e-9_dp
+
+    !> How a case is computed.
+    type :: plan_t
+        !> By the exact motion; without formulation and stepper then.
+        logical :: exact = .false.
+        class(formulation_t), allocatable :: formulation
+        class(stepper_t), allocatable :: stepper
+        !> Largest size of fixed steps, s; 0 if their number is given.
+        real(dp) :: step = 0
+        !> Rows of the table.
+        integer :: samples = default_samples
+        !> What was chosen and why, one sentence each.
+        character(:), allocatable :: model, method
+    contains
+        procedure :: fit_steps
+        procedure :: is_adaptive
+    end type plan_t
+
+contains
+
+    !> Chooses model and method for a case of the scene and checks that they go together.
+    subroutine make_plan(scene, case, plan, problems)
+        type(scene_t), intent(in) :: scene
+        type(case_t), intent(in) :: case
+        type(plan_t), intent(out) :: plan
+        type(problems_t), intent(inout) :: problems
+
+        call choose_method(scene, case%body, plan, problems)
+        if (problems%any()) return
+        if (plan%exact) then
+            if (scene%samples /= unset_integer) plan%samples = scene%samples
+            return
+        end if
+        call choose_formulation(scene, case%body, plan, problems)
+        call take_controls(scene, plan, problems)
+        if (problems%any()) return
+        call take_samples(scene, case, plan, problems)
+    end subroutine make_plan
+
+    !> The method named, or the cheapest that is adequate.
+    subroutine choose_method(scene, body, plan, problems)
+        type(scene_t), intent(in) :: scene
+        type(body_t), intent(in) :: body
+        type(plan_t), intent(inout) :: plan
+        type(problems_t), intent(inout) :: problems
+        character(*), parameter :: default_stepper = 'arkode_erk'
+
+        select case (scene%method)
+        case ('exact')
+            plan%exact = .true.
+            plan%method = 'the exact motion was asked for'
+            if (.not. body%is_lagrange()) then
+                call problems%add('integration.method', 'the exact motion is known for an undamped &
+                    &symmetric top with its centre of mass on body z, at or above the pivot', &
+                    "take method = 'auto'")
+            end if
+        case ('auto')
+            plan%exact = body%is_lagrange() .and. scene%formulation == 'auto' .and. &
+                         scene%steps == unset_integer .and. .not. is_set(scene%step)
+            if (plan%exact) then
+                plan%method = 'exact motion: the body is an undamped symmetric top, so closed forms give &
+                    &every instant at once and no step is taken'
+            else
+                call create_stepper(default_stepper, plan%stepper)
+                plan%method = default_stepper // ': the default where steps must be taken'
+            end if
+        case default
+            call create_stepper(trim(scene%method), plan%stepper)
+            plan%method = trim(scene%method) // ' was asked for: ' // trim(plan%stepper%info%what)
+        end select
+        if (plan%exact) then
+            plan%model = 'closed form of a symmetric top'
+            call refuse('integration.formulation', scene%formulation /= 'auto')
+            call refuse('integration.steps', scene%steps /= unset_integer)
+            call refuse('integration.step', is_set(scene%step))
+            call refuse('integration.table', scene%table /= '')
+        end if
+
+    contains
+
+        subroutine refuse(name, given)
+            character(*), intent(in) :: name
+            logical, intent(in) :: given
+            if (given) call problems%add(name, 'the exact motion takes no ' // name, 'leave it out')
+        end subroutine refuse
+
+    end subroutine choose_method
+
+    !> The formulation named, or the default one.
+    subroutine choose_formulation(scene, body, plan, problems)
+        type(scene_t), intent(in) :: scene
+        type(body_t), intent(in) :: body
+        type(plan_t), intent(inout) :: plan
+        type(problems_t), intent(inout) :: problems
+        character(*), parameter :: default_formulation = 'lagrange'
+        type(formulation_info_t) :: info
+
+        if (scene%formulation == 'auto') then
+            call create_formulation(default_formulation, plan%formulation)
+            plan%model = default_formulation // ': the default where steps must be taken'
+        else
+            call create_formulation(trim(scene%formulation), plan%formulation)
+            info = plan%formulation%info()
+            plan%model = trim(scene%formulation) // ' was asked for: ' // trim(info%what)
+        end if
+        info = plan%formulation%info()
+        if (info%symmetric_only .and. .not. body%is_lagrange()) then
+            call problems%add('integration.formulation', 'formulation ' // trim(info%name) // &
+                ' holds for an undamped symmetric top with its centre of mass on body z, at or above &
+                &the pivot', 'I1 = I2, no damping, no centre of mass off body z')
+        end if
+    end subroutine choose_formulation
+
+    !> Steps, tolerances, tables and solver, as far as the method takes them.
+    subroutine take_controls(scene, plan, problems)
+        type(scene_t), intent(in) :: scene
+        type(plan_t), intent(inout) :: plan
+        type(problems_t), intent(inout) :: problems
+        logical :: wants_steps
+        character(:), allocatable :: method
+
+        associate (info => plan%stepper%info, controls => plan%stepper%controls)
+            method = 'method ' // trim(info%name)
+            wants_steps = scene%steps /= unset_integer .or. is_set(scene%step)
+            if (scene%steps /= unset_integer .and. is_set(scene%step)) then
+                call problems%add('integration.step', 'the steps are given twice', 'give steps or step')
+            else if (wants_steps .and. .not. info%fixed_step) then
+                call problems%add(merge('integration.steps', 'integration.step ', scene%steps /= unset_integer), &
+                    method // ' chooses its own steps', 'give relative_tolerance')
+            else if (.not. wants_steps .and. .not. info%adaptive) then
+                call problems%add('integration', method // ' takes equal steps and their number is not given', &
+                    'give steps or step')
+            end if
+            if (scene%steps /= unset_integer) controls%steps = scene%steps
+            if (is_set(scene%step)) plan%step = scene%step
+
+            if (info%relative_tolerance > 0) controls%relative_tolerance = info%relative_tolerance
+            if (info%absolute_tolerance > 0) controls%absolute_tolerance = info%absolute_tolerance
+            call take_tolerance('integration.relative_tolerance', scene%relative_tolerance, &
+                                controls%relative_tolerance)
+            call take_tolerance('integration.absolute_tolerance', scene%absolute_tolerance, &
+                                controls%absolute_tolerance)
+            controls%max_steps = scene%max_steps
+            controls%fixed_point = scene%solver == 'fixed_point'
+            if (controls%fixed_point .and. .not. info%implicit) then
+                call problems%add('integration.solver', method // ' has nothing to solve', 'leave it out')
+            end if
+            call check_table(info%takes_table, info%implicit)
+            controls%table = scene%table
+        end associate
+
+    contains
+
+        !> Tolerances are for adaptive methods.
+        subroutine take_tolerance(name, given, tolerance)
+            character(*), intent(in) :: name
+            real(dp), intent(in) :: given
+            real(dp), intent(inout) :: tolerance
+            if (.not. is_set(given)) return
+            tolerance = given
+            if (wants_steps .or. .not. plan%stepper%info%adaptive) then
+                call problems%add(name, method // ' with equal steps takes no tolerance', 'leave it out')
+            end if
+        end subroutine take_tolerance
+
+        !> A Butcher table is for ARKODE, and must be one of its own.
+        subroutine check_table(takes_table, implicit)
+            logical, intent(in) :: takes_table, implicit
+            type(string_t), allocatable :: known(:)
+            character(:), allocatable :: nearest
+            integer :: i
+            if (scene%table == '') return
+            if (.not. takes_table) then
+                call problems%add('integration.table', method // ' takes no table', 'leave it out')
+                return
+            end if
+            known = arkode_table_names(implicit)
+            do i = 1, size(known)
+                if (known(i)%text == scene%table) return
+            end do
+            nearest = nearest_word(trim(scene%table), known)
+            if (nearest /= '') nearest = "did you mean '" // nearest // "'? "
+            call problems%add('integration.table', method // ' has no table ''' // trim(scene%table) // '''', &
+                              nearest // 'it has ' // join(known, ', '))
+        end subroutine check_table
+
+    end subroutine take_controls
+
+    !> Number of rows; those of a fixed-step method lie on its steps.
+    subroutine take_samples(scene, case, plan, problems)
+        type(scene_t), intent(in) :: scene
+        type(case_t), intent(in) :: case
+        type(plan_t), intent(inout) :: plan
+        type(problems_t), intent(inout) :: problems
+        integer :: wanted, below
+
+        call plan%fit_steps(case%t_end)
+        if (plan%is_adaptive()) then
+            if (scene%samples /= unset_integer) plan%samples = scene%samples
+            return
+        end if
+        associate (steps => plan%stepper%controls%steps)
+            plan%samples = steps + 1
+            if (scene%samples == unset_integer) return
+            wanted = scene%samples - 1
+            plan%samples = scene%samples
+            if (mod(steps, wanted) == 0) return
+            below = (steps / wanted) * wanted
+            call problems%add('span.samples', 'rows of a fixed-step method lie on its steps, and ' // &
+                to_text(wanted) // ' intervals do not divide ' // to_text(steps) // ' steps', &
+                'nearest number of steps: ' // to_text(merge(below, below + wanted, &
+                below > 0 .and. steps - below <= below + wanted - steps)) // &
+                '; nearest number of samples: ' // to_text(nearest_divisor(steps, wanted) + 1))
+        end associate
+    end subroutine take_samples
+
+    !> The divisor of a number next to another number.
+    pure integer function nearest_divisor(number, near) result(divisor)
+        integer, intent(in) :: number, near
+        integer :: distance
+        do distance = 0, number
+            divisor = near - distance
+            if (divisor >= 1) then
+                if (mod(number, divisor) == 0) return
+            end if
+            divisor = near + distance
+            if (mod(number, divisor) == 0) return
+        end do
+        divisor = 1
+    end function nearest_divisor
+
+    !> Number of equal steps of a span when their largest size is given.
+    pure subroutine fit_steps(self, t_end)
+        class(plan_t), intent(inout) :: self
+        real(dp), intent(in) :: t_end
+        if (self%step > 0) then
+            self%stepper%controls%steps = max(1, ceiling(min(t_end / self%step * (1 - step_slack), &
+                                                             real(huge(1) / 2, dp))))
+        end if
+    end subroutine fit_steps
+
+    !> Whether rows can lie anywhere between steps.
+    pure logical function is_adaptive(self)
+        class(plan_t), intent(in) :: self
+        is_adaptive = self%exact
+        if (allocated(self%stepper)) is_adaptive = self%stepper%controls%steps == 0
+    end function is_adaptive
+
+    !> `samples` equally spaced times from 0 to `t_end`, both included.
+    pure function sample_times(t_end, samples) result(times)
+        real(dp), intent(in) :: t_end
+        integer, intent(in) :: samples
+        real(dp) :: times(samples)
+        integer :: i
+        times = [(t_end * i / (samples - 1), i=0, samples - 1)]
+        times(samples) = t_end
+    end function sample_times
+
+end module spintop_plan

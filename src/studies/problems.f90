@@ -1,0 +1,96 @@
+!> What is wrong with a scene, before it is known where the scene was written down.
+module spintop_problems
+    use spintop_diagnostics, only: diagnostics_t
+    use spintop_parameters, only: parameter_table_t
+    implicit none
+    private
+    public :: problems_t
+
+    type :: problem_t
+        !> Parameter (or group) that the problem concerns.
+        character(:), allocatable :: name
+        character(:), allocatable :: message
+        character(:), allocatable :: hint
+        logical :: is_error = .true.
+    end type problem_t
+
+    !> Problems in the order in which they were found.
+    type :: problems_t
+        private
+        type(problem_t), allocatable :: list(:)
+    contains
+        procedure :: add
+        procedure :: warn
+        procedure :: any => has_errors
+        procedure :: first
+        procedure :: tell
+        procedure, private :: append
+    end type problems_t
+
+contains
+
+    !> Adds an error: the parameter concerned, what is wrong, what would be right.
+    subroutine add(self, name, message, hint)
+        class(problems_t), intent(inout) :: self
+        character(*), intent(in) :: name, message, hint
+        call self%append(problem_t(name, message, hint, .true.))
+    end subroutine add
+
+    !> Adds a warning.
+    subroutine warn(self, name, message, hint)
+        class(problems_t), intent(inout) :: self
+        character(*), intent(in) :: name, message, hint
+        call self%append(problem_t(name, message, hint, .false.))
+    end subroutine warn
+
+    subroutine append(self, problem)
+        class(problems_t), intent(inout) :: self
+        type(problem_t), intent(in) :: problem
+        type(problem_t), allocatable :: longer(:)
+        integer :: n
+        n = 0
+        if (allocated(self%list)) n = size(self%list)
+        allocate (longer(n + 1))
+        if (n > 0) longer(:n) = self%list
+        longer(n + 1) = problem
+        call move_alloc(longer, self%list)
+    end subroutine append
+
+    !> Whether there is an error among them.
+    pure logical function has_errors(self)
+        class(problems_t), intent(in) :: self
+        has_errors = .false.
+        if (allocated(self%list)) has_errors = any(self%list%is_error)
+    end function has_errors
+
+    !> The first error in one line, for a table; empty without one.
+    pure function first(self) result(text)
+        class(problems_t), intent(in) :: self
+        character(:), allocatable :: text
+        integer :: i
+        text = ''
+        if (.not. allocated(self%list)) return
+        do i = size(self%list), 1, -1
+            if (self%list(i)%is_error) text = self%list(i)%name // ': ' // self%list(i)%message
+        end do
+    end function first
+
+    !> Shows the problems at the places where the input gave their parameters.
+    subroutine tell(self, table, diagnostics)
+        class(problems_t), intent(in) :: self
+        type(parameter_table_t), intent(in) :: table
+        type(diagnostics_t), intent(inout) :: diagnostics
+        integer :: i
+        if (.not. allocated(self%list)) return
+        do i = 1, size(self%list)
+            associate (problem => self%list(i))
+                if (problem%is_error) then
+                    call diagnostics%error(table%place_of(problem%name), problem%message, problem%hint)
+                else
+                    call diagnostics%warning(table%place_of(problem%name), problem%message, problem%hint)
+                end if
+            end associate
+        end do
+    end subroutine tell
+
+end module spintop_problems

@@ -1,0 +1,184 @@
+!> Everything a user can say in an input file, as plain data, and the table that describes it.
+!>
+!> The default initialisation of a component is the parameter's default; the table binds each
+!> component to its name, unit, range and meaning. Reading, checking, printing the resolved input
+!> and `spintop list parameters` derive from it.
+module spintop_scene
+    use spintop_kinds, only: dp
+    use spintop_parameters, only: parameter_table_t, unset, unset_integer, any_elements
+    use spintop_formulations, only: formulation_infos
+    use spintop_methods, only: method_infos
+    use spintop_shapes, only: shape_infos, shape_by_inertia
+    use spintop_text, only: join
+    implicit none
+    private
+    public :: scene_t, describe_scene, max_axes, max_axis_values
+
+    !> Most axes of a sweep, most values listed on one.
+    integer, parameter :: max_axes = 4, max_axis_values = 1000
+    integer, parameter :: word = 32, line = 256
+
+    !> The content of an input file.
+    type :: scene_t
+        ! &study
+        character(word) :: kind = 'trajectory'
+        character(line) :: title = ''
+        ! &top
+        character(word) :: shape = shape_by_inertia
+        real(dp) :: mass = unset
+        real(dp) :: inertia(3) = unset
+        character(word) :: inertia_about = 'pivot'
+        real(dp) :: centre_of_mass(3) = unset
+        real(dp) :: length = unset
+        real(dp) :: density = unset
+        real(dp) :: radius = unset
+        real(dp) :: inner_radius = unset
+        real(dp) :: thickness = unset
+        real(dp) :: rod_length = unset
+        real(dp) :: gravity = 9.81_dp
+        real(dp) :: damping(3) = 0
+        ! &initial
+        real(dp) :: angle(3) = unset
+        real(dp) :: angle_deg(3) = unset
+        real(dp) :: rate(3) = unset
+        real(dp) :: omega3 = unset
+        real(dp) :: spin_ratio = unset
+        real(dp) :: quaternion(4) = unset
+        real(dp) :: omega(3) = unset
+        character(word) :: steady_precession = 'none'
+        ! &span
+        real(dp) :: t_end = unset
+        real(dp) :: nutations = unset
+        real(dp) :: precessions = unset
+        integer :: samples = unset_integer
+        ! &integration
+        character(word) :: formulation = 'auto'
+        character(word) :: method = 'auto'
+        character(word) :: table = ''
+        integer :: steps = unset_integer
+        real(dp) :: step = unset
+        real(dp) :: relative_tolerance = unset
+        real(dp) :: absolute_tolerance = unset
+        integer :: max_steps = 1000000
+        character(word) :: solver = 'newton'
+        ! &output
+        character(line) :: file = ''
+        character(word) :: columns(64) = ''
+        character(word) :: format = 'csv'
+        ! &sweep
+        character(word) :: parameter(max_axes) = ''
+        real(dp) :: values(max_axes, max_axis_values) = unset
+        real(dp) :: from(max_axes) = unset
+        real(dp) :: to(max_axes) = unset
+        integer :: count(max_axes) = unset_integer
+        character(word) :: spacing(max_axes) = 'linear'
+    end type scene_t
+
+contains
+
+    !> Binds every component of a scene to its row of the parameter table.
+    subroutine describe_scene(scene, table)
+        type(scene_t), target, intent(inout) :: scene
+        type(parameter_table_t), intent(out) :: table
+
+        call table%add('study.kind', scene%kind, 'trajectory|sweep', 'what to compute')
+        call table%add('study.title', scene%title, what='one line on the scene, for tables and figures')
+
+        associate (shapes => shape_infos())
+            call table%add('top.shape', scene%shape, &
+                           shape_by_inertia // '|' // join(shapes%name, '|'), &
+                           'how the body is given: by its mass properties or by a shape')
+        end associate
+        call table%add('top.mass', scene%mass, 'kg', '> 0', 'mass of the body')
+        call table%add('top.inertia', scene%inertia, 'kg m^2', '> 0', &
+                       'principal moments of inertia about body x, y, z')
+        call table%add('top.inertia_about', scene%inertia_about, 'pivot|centre_of_mass', &
+                       'the point that top.inertia is about')
+        call table%add('top.centre_of_mass', scene%centre_of_mass, 'm', '', &
+                       'centre of mass from the pivot in body axes')
+        call table%add('top.length', scene%length, 'm', '', &
+                       'distance of the centre of mass from the pivot along body z')
+        call table%add('top.density', scene%density, 'kg/m^3', '> 0', 'density of a shape, or give top.mass')
+        call table%add('top.radius', scene%radius, 'm', '> 0', 'outer radius of a shape')
+        call table%add('top.inner_radius', scene%inner_radius, 'm', '>= 0', 'inner radius of a ring')
+        call table%add('top.thickness', scene%thickness, 'm', '>= 0', 'extent of a shape along its axis')
+        call table%add('top.rod_length', scene%rod_length, 'm', '>= 0', &
+                       'from the pivot to the centre of a shape on a rod')
+        call table%add('top.gravity', scene%gravity, 'm/s^2', '>= 0', 'acceleration of gravity')
+        call table%add('top.damping', scene%damping, 'N m s', '>= 0', &
+                       'viscous moments per angular velocity about body x, y, z')
+
+        call add_each('initial.', ['phi  ', 'theta', 'psi  '], '', scene%angle, 'rad', &
+                      ['            ', '[0, pi]     ', '            '], &
+                      ['precession angle', 'inclination     ', 'spin angle      '])
+        call add_each('initial.', ['phi  ', 'theta', 'psi  '], '_deg', scene%angle_deg, 'deg', &
+                      ['        ', '[0, 180]', '        '], &
+                      ['precession angle', 'inclination     ', 'spin angle      '])
+        call add_each('initial.', ['phi  ', 'theta', 'psi  '], '_rate', scene%rate, 'rad/s', &
+                      [' ', ' ', ' '], ['precession rate', 'nutation rate  ', 'spin rate      '])
+        call table%add('initial.omega3', scene%omega3, 'rad/s', '', &
+                       'angular velocity about body z, instead of psi_rate')
+        call table%add('initial.spin_ratio', scene%spin_ratio, '', '', &
+                       'omega3 over sqrt(4 m g l/I3), instead of psi_rate')
+        call table%add('initial.quaternion', scene%quaternion, '', '', &
+                       'attitude, scalar first, body to space, instead of the angles')
+        call table%add('initial.omega', scene%omega, 'rad/s', '', &
+                       'angular velocity in body axes, instead of the rates')
+        call table%add('initial.steady_precession', scene%steady_precession, 'none|slow|fast', &
+                       'computes phi_rate for a constant inclination')
+
+        call table%add('span.t_end', scene%t_end, 's', '> 0', 'time span')
+        call table%add('span.nutations', scene%nutations, '', '> 0', 'time span in nutation periods')
+        call table%add('span.precessions', scene%precessions, '', '> 0', &
+                       'time span in periods 2 pi I3 omega3/(m g l)')
+        call table%add('span.samples', scene%samples, '', '>= 2', &
+                       'rows, equally spaced in time, both ends included (1001; fixed steps: every step)')
+
+        associate (forms => formulation_infos(), methods => method_infos())
+            call table%add('integration.formulation', scene%formulation, &
+                           'auto|' // join(forms%name, '|'), 'form of the equations of motion')
+            call table%add('integration.method', scene%method, &
+                           'auto|exact|' // join(methods%name, '|'), 'integrator, or the exact motion')
+        end associate
+        call table%add('integration.table', scene%table, what='Butcher table of an ARKODE method')
+        call table%add('integration.steps', scene%steps, '', '>= 1', 'number of equal steps')
+        call table%add('integration.step', scene%step, 's', '> 0', &
+                       'largest size of equal steps, instead of steps')
+        call table%add('integration.relative_tolerance', scene%relative_tolerance, '', '[1e-15, 1]', &
+                       'relative error a step of adaptive methods (1e-9; ode45: 1e-3)')
+        call table%add('integration.absolute_tolerance', scene%absolute_tolerance, '', '> 0', &
+                       'absolute error a step of adaptive methods (1e-12; ode45: 1e-6)')
+        call table%add('integration.max_steps', scene%max_steps, '', '>= 1', 'most steps a case')
+        call table%add('integration.solver', scene%solver, 'newton|fixed_point', &
+                       'how implicit steps are solved')
+
+        call table%add('output.file', scene%file, what='name of the table (default: that of the input)')
+        call table%add('output.columns', scene%columns, what='columns of the table, or all')
+        call table%add('output.format', scene%format, 'csv', 'format of the table')
+
+        call table%add('sweep.parameter', scene%parameter, &
+                       what='numeric keys to vary, such as initial.spin_ratio or top.inertia(2)')
+        call table%add('sweep.values', scene%values, '', '', 'values of an axis, one by one')
+        call table%add('sweep.from', scene%from, '', '', 'first value of an axis', elements=any_elements)
+        call table%add('sweep.to', scene%to, '', '', 'last value of an axis', elements=any_elements)
+        call table%add('sweep.count', scene%count, '', '>= 1', 'number of values of an axis', &
+                       elements=any_elements)
+        call table%add('sweep.spacing', scene%spacing, 'linear|log', 'spacing of the values', &
+                       elements=any_elements)
+
+    contains
+
+        !> One row for each component of a vector whose components have names.
+        subroutine add_each(group, names, suffix, vector, unit, ranges, whats)
+            character(*), intent(in) :: group, names(3), suffix, unit, ranges(3), whats(3)
+            real(dp), target, intent(inout) :: vector(3)
+            integer :: i
+            do i = 1, 3
+                call table%add(group // trim(names(i)) // suffix, vector(i), unit, trim(ranges(i)), &
+                               trim(whats(i)))
+            end do
+        end subroutine add_each
+
+    end subroutine describe_scene
+
+end module spintop_scene

@@ -1,0 +1,52 @@
+!> The quantities of a sweep table: one row of the table below each; the help, the choice of
+!> columns, the units in the header and the computation derive from it.
+module spintop_sweep_columns
+    implicit none
+    private
+    public :: sweep_column_t, sweep_columns
+    public :: group_nutation, group_fast_top, group_period, group_end, group_energy, group_oracle, &
+        group_cost, sweep_groups
+
+    !> What a table says of a quantity.
+    type :: sweep_column_t
+        character(28) :: name
+        character(8) :: unit
+        character(96) :: what
+        !> Quantities of a group are computed together, when one of them is asked for.
+        integer :: group
+    end type sweep_column_t
+
+    !> The whole nutation; the paper's formulas; the azimuth after a period; the end of the span;
+    !> the largest energy error; the comparison with the exact motion; what it cost.
+    integer, parameter :: group_nutation = 1, group_fast_top = 2, group_period = 3, group_end = 4, &
+        group_energy = 5, group_oracle = 6, group_cost = 7, sweep_groups = 7
+
+    !> All quantities, in the order of the table's documentation.
+    type(sweep_column_t), parameter :: sweep_columns(*) = [ &
+        sweep_column_t('theta_min', 'rad', 'least inclination', group_nutation), &
+        sweep_column_t('theta_max', 'rad', 'largest inclination', group_nutation), &
+        sweep_column_t('delta_u', '', 'swing of cos(theta)', group_nutation), &
+        sweep_column_t('delta_u_fast_top', '', 'the same by Eq 29', group_fast_top), &
+        sweep_column_t('nutation_period', 's', 'time of a full nutation', group_nutation), &
+        sweep_column_t('nutation_rate', 'rad/s', '2 pi over the nutation period', group_nutation), &
+        sweep_column_t('nutation_rate_fast_top', 'rad/s', 'the same by Eq 30', group_fast_top), &
+        sweep_column_t('precession_per_nutation', 'rad', 'change of phi in a nutation', group_nutation), &
+        sweep_column_t('precession_rate', 'rad/s', 'mean precession rate', group_nutation), &
+        sweep_column_t('precession_rate_fast_top', 'rad/s', 'the same by Eq 32', group_fast_top), &
+        sweep_column_t('nutations_per_turn', '', 'nutations in a full turn of precession', group_nutation), &
+        sweep_column_t('nutations_per_turn_fast_top', '', 'the same by Eq 54', group_fast_top), &
+        sweep_column_t('precession_period', 's', 'T_p = 2 pi I3 omega3/(m g l) of the paper', group_fast_top), &
+        sweep_column_t('azimuth_after_period_deg', 'deg', 'change of phi after T_p', group_period), &
+        sweep_column_t('nutations_in_period', '', 'nutations in T_p', group_nutation), &
+        sweep_column_t('phi_rate_max', 'rad/s', 'precession rate that is largest in size', group_nutation), &
+        sweep_column_t('fast_top_ratio', '', '(I3 omega3)^2/(2 I1 m g l), large for a fast top', group_fast_top), &
+        sweep_column_t('com_z_min', 'm', 'least height of the centre of mass above the pivot', group_nutation), &
+        sweep_column_t('theta_end', 'rad', 'inclination at the end of the span', group_end), &
+        sweep_column_t('phi_end', 'rad', 'precession angle at the end of the span', group_end), &
+        sweep_column_t('psi_end', 'rad', 'spin angle at the end of the span', group_end), &
+        sweep_column_t('theta_rate_end', 'rad/s', 'nutation rate at the end of the span', group_end), &
+        sweep_column_t('energy_error_max', '', 'largest relative energy error in the span', group_energy), &
+        sweep_column_t('orientation_error', 'rad', 'angle from the exact attitude at the end', group_oracle), &
+        sweep_column_t('evaluations', '', 'right-hand sides evaluated', group_cost)]
+
+end module spintop_sweep_columns

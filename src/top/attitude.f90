@@ -1,0 +1,136 @@
+!> Attitude and its rates: Euler angles z-x-z (Goldstein), unit quaternion, body axes.
+!>
+!> Angles are `angle = (phi, theta, psi)`, precession, inclination, spin; the quaternion has its
+!> scalar first and turns body into space axes. Conventions: Provatidis (2012), Eqs 1-10.
+module spintop_attitude
+    use spintop_kinds, only: dp, pi
+    implicit none
+    private
+    public :: quaternion_from_angles, angles_from_quaternion
+    public :: omega_from_rates, rates_from_omega, omega_rate_from_accelerations
+    public :: quaternion_product, conjugate_quaternion, to_space, vertical_from_quaternion
+    public :: rotation_angle, nearest_turn
+
+contains
+
+    !> Unit quaternion of the angles.
+    pure function quaternion_from_angles(angle) result(q)
+        real(dp), intent(in) :: angle(3)
+        real(dp) :: q(4)
+        associate (plus => (angle(1) + angle(3)) / 2, minus => (angle(1) - angle(3)) / 2, &
+                   half => angle(2) / 2)
+            q = [cos(half) * cos(plus), sin(half) * cos(minus), &
+                 sin(half) * sin(minus), cos(half) * sin(plus)]
+        end associate
+    end function quaternion_from_angles
+
+    !> Angles of a quaternion (of any length, either sign): theta in [0, pi]; phi and psi are the
+    !> values next to those of `near`, so they stay continuous along a motion. At a pole only
+    !> phi + psi or phi - psi exists; the other combination is kept from `near`.
+    pure function angles_from_quaternion(q, near) result(angle)
+        real(dp), intent(in) :: q(4), near(3)
+        real(dp) :: angle(3), upper, lower, plus, minus, offset(2), half_turn
+
+        upper = hypot(q(1), q(4))
+        lower = hypot(q(2), q(3))
+        plus = (near(1) + near(3)) / 2
+        minus = (near(1) - near(3)) / 2
+        offset = 0
+        if (upper > 0) offset(1) = nearest_turn(atan2(q(4), q(1)), plus) - plus
+        if (lower > 0) offset(2) = nearest_turn(atan2(q(3), q(2)), minus) - minus
+        ! q and -q are one attitude: both half angles may move by pi together.
+        half_turn = nearest_turn(offset(1) + pi, 0.0_dp)
+        if (abs(half_turn) + abs(nearest_turn(offset(2) + pi, 0.0_dp)) < sum(abs(offset))) then
+            if (upper > 0) offset(1) = half_turn
+            if (lower > 0) offset(2) = nearest_turn(offset(2) + pi, 0.0_dp)
+        end if
+        plus = plus + offset(1)
+        minus = minus + offset(2)
+        angle = [plus + minus, 2 * atan2(lower, upper), plus - minus]
+    end function angles_from_quaternion
+
+    !> The value next to `near` among `angle` + 2 pi n, rad.
+    elemental real(dp) function nearest_turn(angle, near)
+        real(dp), intent(in) :: angle, near
+        nearest_turn = angle - 2 * pi * anint((angle - near) / (2 * pi))
+    end function nearest_turn
+
+    !> Angular velocity in body axes of the rates of the angles, rad/s.
+    pure function omega_from_rates(angle, rate) result(omega)
+        real(dp), intent(in) :: angle(3), rate(3)
+        real(dp) :: omega(3)
+        omega(1) = rate(1) * sin(angle(2)) * sin(angle(3)) + rate(2) * cos(angle(3))
+        omega(2) = rate(1) * sin(angle(2)) * cos(angle(3)) - rate(2) * sin(angle(3))
+        omega(3) = rate(1) * cos(angle(2)) + rate(3)
+    end function omega_from_rates
+
+    !> Rates of the angles of an angular velocity in body axes, rad/s. Not finite at a pole, where
+    !> phi and psi do not exist separately.
+    pure function rates_from_omega(angle, omega) result(rate)
+        real(dp), intent(in) :: angle(3), omega(3)
+        real(dp) :: rate(3)
+        rate(1) = (omega(1) * sin(angle(3)) + omega(2) * cos(angle(3))) / sin(angle(2))
+        rate(2) = omega(1) * cos(angle(3)) - omega(2) * sin(angle(3))
+        rate(3) = omega(3) - rate(1) * cos(angle(2))
+    end function rates_from_omega
+
+    !> Time derivative of the body angular velocity, rad/s^2, from the second derivatives of phi
+    !> and theta and from that of omega3 (Eq 51).
+    pure function omega_rate_from_accelerations(angle, rate, phi_acceleration, &
+                                                theta_acceleration, omega3_rate) result(omega_rate)
+        real(dp), intent(in) :: angle(3), rate(3)
+        real(dp), intent(in) :: phi_acceleration, theta_acceleration, omega3_rate
+        real(dp) :: omega_rate(3)
+        real(dp) :: along, across
+        ! Components on the line of nodes and across it, both before the turn by psi.
+        along = theta_acceleration + rate(1) * rate(3) * sin(angle(2))
+        across = phi_acceleration * sin(angle(2)) + rate(1) * rate(2) * cos(angle(2)) &
+                 - rate(2) * rate(3)
+        omega_rate(1) = across * sin(angle(3)) + along * cos(angle(3))
+        omega_rate(2) = across * cos(angle(3)) - along * sin(angle(3))
+        omega_rate(3) = omega3_rate
+    end function omega_rate_from_accelerations
+
+    !> Product p q of two quaternions: first the turn q, then p.
+    pure function quaternion_product(p, q) result(r)
+        real(dp), intent(in) :: p(4), q(4)
+        real(dp) :: r(4)
+        r(1) = p(1) * q(1) - p(2) * q(2) - p(3) * q(3) - p(4) * q(4)
+        r(2) = p(1) * q(2) + p(2) * q(1) + p(3) * q(4) - p(4) * q(3)
+        r(3) = p(1) * q(3) - p(2) * q(4) + p(3) * q(1) + p(4) * q(2)
+        r(4) = p(1) * q(4) + p(2) * q(3) - p(3) * q(2) + p(4) * q(1)
+    end function quaternion_product
+
+    !> Conjugate: the inverse turn of a unit quaternion.
+    pure function conjugate_quaternion(q) result(r)
+        real(dp), intent(in) :: q(4)
+        real(dp) :: r(4)
+        r = [q(1), -q(2), -q(3), -q(4)]
+    end function conjugate_quaternion
+
+    !> A vector of body axes in space axes.
+    pure function to_space(q, v) result(w)
+        real(dp), intent(in) :: q(4), v(3)
+        real(dp) :: w(3), r(4)
+        r = quaternion_product(quaternion_product(q, [0.0_dp, v]), conjugate_quaternion(q))
+        w = r(2:4)
+    end function to_space
+
+    !> Upward vertical in body axes, "Gamma".
+    pure function vertical_from_quaternion(q) result(gamma)
+        real(dp), intent(in) :: q(4)
+        real(dp) :: gamma(3)
+        gamma(1) = 2 * (q(2) * q(4) - q(1) * q(3))
+        gamma(2) = 2 * (q(3) * q(4) + q(1) * q(2))
+        gamma(3) = (q(1)**2 + q(4)**2) - (q(2)**2 + q(3)**2)
+    end function vertical_from_quaternion
+
+    !> Angle of the turn between two attitudes, rad, in [0, pi]; exact to rounding for small turns.
+    pure real(dp) function rotation_angle(p, q)
+        real(dp), intent(in) :: p(4), q(4)
+        real(dp) :: r(4)
+        r = quaternion_product(conjugate_quaternion(p), q)
+        rotation_angle = 2 * atan2(norm2(r(2:4)), abs(r(1)))
+    end function rotation_angle
+
+end module spintop_attitude

@@ -1,0 +1,54 @@
+!> A rigid body with one fixed point under gravity.
+module spintop_body
+    use spintop_kinds, only: dp
+    use spintop_compare, only: is_equal, is_zero
+    use spintop_vectors, only: cross
+    implicit none
+    private
+    public :: body_t
+
+    !> Mass properties about the fixed point O, in principal body axes.
+    type :: body_t
+        !> kg
+        real(dp) :: mass = 1
+        !> Principal moments of inertia about O, kg m^2.
+        real(dp) :: inertia(3) = 1
+        !> Centre of mass from O in body axes, m.
+        real(dp) :: centre_of_mass(3) = 0
+        !> m/s^2, downwards along space z.
+        real(dp) :: gravity = 9.81_dp
+        !> Viscous moments -d_i omega_i in body axes, N m s.
+        real(dp) :: damping(3) = 0
+    contains
+        procedure :: mgl
+        procedure :: is_lagrange
+        procedure :: torque
+    end type body_t
+
+contains
+
+    !> Weight times the height of the centre of mass on body z, N m ("m g l").
+    pure real(dp) function mgl(self)
+        class(body_t), intent(in) :: self
+        mgl = self%mass * self%gravity * self%centre_of_mass(3)
+    end function mgl
+
+    !> Whether this is a symmetric undamped top about body z with its centre of mass on or above O:
+    !> the top of Lagrange, for which the motion is known in closed form.
+    pure logical function is_lagrange(self)
+        class(body_t), intent(in) :: self
+        is_lagrange = is_equal(self%inertia(1), self%inertia(2)) &
+            .and. all(is_zero(self%centre_of_mass(1:2))) .and. self%mgl() >= 0 &
+            .and. all(is_zero(self%damping))
+    end function is_lagrange
+
+    !> Moment of the weight about O in body axes, N m: m g Gamma x r (`gamma` is the upward
+    !> vertical in body axes).
+    pure function torque(self, gamma) result(moment)
+        class(body_t), intent(in) :: self
+        real(dp), intent(in) :: gamma(3)
+        real(dp) :: moment(3)
+        moment = self%mass * self%gravity * cross(gamma, self%centre_of_mass)
+    end function torque
+
+end module spintop_body

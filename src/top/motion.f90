@@ -1,0 +1,49 @@
+!> The motion of a top at one instant, in every description at once.
+module spintop_motion
+    use spintop_kinds, only: dp
+    use spintop_attitude, only: quaternion_from_angles, angles_from_quaternion, &
+        omega_from_rates, rates_from_omega
+    implicit none
+    private
+    public :: motion_t, motion_from_angles, motion_from_quaternion
+
+    !> Attitude, velocity and acceleration of a top at an instant.
+    type :: motion_t
+        !> Time, s.
+        real(dp) :: t = 0
+        !> phi, theta, psi, rad; phi and psi continuous over any number of turns.
+        real(dp) :: angle(3) = 0
+        !> Rates of the angles, rad/s (phi and psi: not finite at a pole).
+        real(dp) :: rate(3) = 0
+        !> Angular velocity in body axes, rad/s.
+        real(dp) :: omega(3) = 0
+        !> Its time derivative in body axes, rad/s^2.
+        real(dp) :: omega_rate(3) = 0
+        !> Unit quaternion, scalar first, body to space.
+        real(dp) :: quaternion(4) = [1, 0, 0, 0]
+    end type motion_t
+
+contains
+
+    !> Motion from the angles and their rates; the acceleration is left zero.
+    pure type(motion_t) function motion_from_angles(t, angle, rate) result(motion)
+        real(dp), intent(in) :: t, angle(3), rate(3)
+        motion%t = t
+        motion%angle = angle
+        motion%rate = rate
+        motion%omega = omega_from_rates(angle, rate)
+        motion%quaternion = quaternion_from_angles(angle)
+    end function motion_from_angles
+
+    !> Motion from a quaternion and the body angular velocity; phi and psi are the values next to
+    !> `near` (phi, theta, psi). The acceleration is left zero.
+    pure type(motion_t) function motion_from_quaternion(t, q, omega, near) result(motion)
+        real(dp), intent(in) :: t, q(4), omega(3), near(3)
+        motion%t = t
+        motion%angle = angles_from_quaternion(q, near)
+        motion%rate = rates_from_omega(motion%angle, omega)
+        motion%omega = omega
+        motion%quaternion = q
+    end function motion_from_quaternion
+
+end module spintop_motion

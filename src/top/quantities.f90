@@ -1,0 +1,81 @@
+!> Energies, momenta, residuals and the support force of a motion of any rigid body.
+module spintop_quantities
+    use spintop_kinds, only: dp
+    use spintop_body, only: body_t
+    use spintop_motion, only: motion_t
+    use spintop_attitude, only: to_space, vertical_from_quaternion
+    use spintop_vectors, only: cross
+    implicit none
+    private
+    public :: kinetic_energy, potential_energy, vertical_momentum, axial_momentum
+    public :: euler_residuals, support_force, axis_tip
+
+contains
+
+    !> Kinetic energy, J.
+    pure real(dp) function kinetic_energy(body, motion)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: motion
+        kinetic_energy = dot_product(body%inertia, motion%omega**2) / 2
+    end function kinetic_energy
+
+    !> Potential energy above the height of the pivot, J.
+    pure real(dp) function potential_energy(body, motion)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: motion
+        potential_energy = body%mass * body%gravity &
+            * dot_product(body%centre_of_mass, vertical_from_quaternion(motion%quaternion))
+    end function potential_energy
+
+    !> Angular momentum about the vertical, kg m^2/s ("c1" of Eq 41).
+    pure real(dp) function vertical_momentum(body, motion)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: motion
+        vertical_momentum = dot_product(body%inertia * motion%omega, &
+                                        vertical_from_quaternion(motion%quaternion))
+    end function vertical_momentum
+
+    !> Angular momentum about body z, kg m^2/s.
+    pure real(dp) function axial_momentum(body, motion)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: motion
+        axial_momentum = body%inertia(3) * motion%omega(3)
+    end function axial_momentum
+
+    !> What is left of Euler's equations, I omega' + omega x I omega - moment, N m (the first two
+    !> are R1 and R2 of Eq 51).
+    pure function euler_residuals(body, motion) result(residual)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: motion
+        real(dp) :: residual(3)
+        residual = body%inertia * motion%omega_rate &
+                   + cross(motion%omega, body%inertia * motion%omega) &
+                   + body%damping * motion%omega &
+                   - body%torque(vertical_from_quaternion(motion%quaternion))
+    end function euler_residuals
+
+    !> Force of the support on the body in space axes, N: the mass times the acceleration of the
+    !> centre of mass, less the weight (Eqs 47-50 for any rigid body).
+    pure function support_force(body, motion) result(force)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: motion
+        real(dp) :: force(3)
+        associate (r => body%centre_of_mass)
+            force = to_space(motion%quaternion, cross(motion%omega_rate, r) &
+                             + cross(motion%omega, cross(motion%omega, r)))
+        end associate
+        force = body%mass * (force + [0.0_dp, 0.0_dp, body%gravity])
+    end function support_force
+
+    !> Tip of the axis in space axes: the unit vector from the pivot to the centre of mass, or
+    !> along body z where both coincide.
+    pure function axis_tip(body, motion) result(tip)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: motion
+        real(dp) :: tip(3)
+        tip = [0.0_dp, 0.0_dp, 1.0_dp]
+        if (norm2(body%centre_of_mass) > 0) tip = body%centre_of_mass / norm2(body%centre_of_mass)
+        tip = to_space(motion%quaternion, tip)
+    end function axis_tip
+
+end module spintop_quantities

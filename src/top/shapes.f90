@@ -1,0 +1,89 @@
+!> Bodies of common shapes: mass properties from dimensions and density.
+!>
+!> Every shape is a homogeneous solid of revolution about body z, carried by the massless rest of
+!> the top; its row tells which dimensions it needs, its formula stands in `build_shape`.
+module spintop_shapes
+    use spintop_kinds, only: dp, pi
+    implicit none
+    private
+    public :: shape_info_t, dimensions_t, solid_t, shape_infos, build_shape, shape_by_inertia
+
+    !> Dimensions that shapes are made of.
+    type :: dimensions_t
+        !> Outer and inner radius, m.
+        real(dp) :: radius = 0, inner_radius = 0
+        !> Extent along the axis, m.
+        real(dp) :: thickness = 0
+        !> From the pivot to the centre of the solid, m.
+        real(dp) :: rod_length = 0
+    end type dimensions_t
+
+    !> What a shape comes to.
+    type :: solid_t
+        !> Volume, m^3.
+        real(dp) :: volume = 0
+        !> From the pivot to the centre of mass along body z, m.
+        real(dp) :: length = 0
+        !> Moments of inertia about the centre of mass, divided by the mass, m^2: across, along z.
+        real(dp) :: across = 0, along = 0
+    end type solid_t
+
+    !> What the help and the checks know of a shape.
+    type :: shape_info_t
+        character(16) :: name
+        character(96) :: what
+        !> Needs these dimensions besides the radius.
+        logical :: needs_inner_radius, needs_thickness, needs_rod_length
+    end type shape_info_t
+
+    !> Name of the shape that is given by its mass properties.
+    character(*), parameter :: shape_by_inertia = 'inertia'
+
+contains
+
+    !> All shapes with a formula.
+    pure function shape_infos() result(infos)
+        type(shape_info_t), allocatable :: infos(:)
+        infos = [ &
+            shape_info_t('spinning_wheel', 'disc at the end of a massless rod (the paper, Example 2)', &
+                         .false., .true., .true.), &
+            shape_info_t('ring', 'flat ring (gyroscope rotor) at the end of a massless rod', &
+                         .true., .true., .true.), &
+            shape_info_t('sphere', 'ball at the end of a massless rod', .false., .false., .true.), &
+            shape_info_t('cylinder', 'cylinder standing on the centre of its base', &
+                         .false., .true., .false.), &
+            shape_info_t('cone', 'cone standing on its apex; thickness is its height', &
+                         .false., .true., .false.)]
+    end function shape_infos
+
+    !> Volume, length and radii of inertia of a shape.
+    pure type(solid_t) function build_shape(name, size) result(solid)
+        character(*), intent(in) :: name
+        type(dimensions_t), intent(in) :: size
+        associate (r => size%radius, s => size%inner_radius, h => size%thickness)
+            select case (name)
+            case ('spinning_wheel')
+                solid = disc(0.0_dp, r, h, size%rod_length)
+            case ('ring')
+                solid = disc(s, r, h, size%rod_length)
+            case ('cylinder')
+                solid = disc(0.0_dp, r, h, h / 2)
+            case ('sphere')
+                solid = solid_t(4 * pi * r**3 / 3, size%rod_length, 2 * r**2 / 5, 2 * r**2 / 5)
+            case ('cone')
+                solid = solid_t(pi * r**2 * h / 3, 3 * h / 4, 3 * (4 * r**2 + h**2) / 80, &
+                                3 * r**2 / 10)
+            end select
+        end associate
+    end function build_shape
+
+    !> A disc with a round hole.
+    pure type(solid_t) function disc(inner, outer, height, length)
+        real(dp), intent(in) :: inner, outer, height, length
+        disc%volume = pi * (outer - inner) * (outer + inner) * height
+        disc%length = length
+        disc%across = (3 * (outer**2 + inner**2) + height**2) / 12
+        disc%along = (outer**2 + inner**2) / 2
+    end function disc
+
+end module spintop_shapes

@@ -1,0 +1,342 @@
+!> A stand-in for pFUnit's module of this name, where pFUnit is not installed: the part that
+!! scripts/pf2f90.py lets through, with the same meaning. Where pFUnit accepts a comparison and this
+!! does not, the test fails to compile or fails; never the other way round.
+module funit
+    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
+    use, intrinsic :: iso_fortran_env, only: int64, output_unit, real64
+    use funit_boxes, only: box_t, boxed, element
+    implicit none
+    private
+    public :: assertTrue, assertFalse, assertAll, assertAny, assertIsNaN, assertIsFinite, assertFail
+    public :: assertEqual, assertNotEqual, assertRelativelyEqual
+    public :: assertLessThan, assertLessThanOrEqual, assertGreaterThan, assertGreaterThanOrEqual
+    public :: SourceLocation, anyExceptions, boxed
+    public :: begin_suite, run_test, skip_test, end_suite
+
+    !> Where an assert stands.
+    type :: SourceLocation
+        character(64) :: file
+        integer :: line
+    end type SourceLocation
+
+    interface assertTrue
+        module procedure assert_true, assert_true_vector
+    end interface assertTrue
+
+    interface assertFalse
+        module procedure assert_false, assert_false_vector
+    end interface assertFalse
+
+    abstract interface
+        subroutine test_procedure()
+        end subroutine test_procedure
+    end interface
+
+    ! the suite that is running (a program runs one), and its running test
+    character(64) :: suite_name, test_name
+    integer :: passed, failed
+    logical :: test_failed
+
+contains
+
+    !> Start counting.
+    subroutine begin_suite(name)
+        character(*), intent(in) :: name
+        suite_name = name
+        passed = 0
+        failed = 0
+    end subroutine begin_suite
+
+    !> Run one test. As in pFUnit, nothing more is called when `before` fails.
+    subroutine run_test(name, test, before, after)
+        character(*), intent(in) :: name
+        procedure(test_procedure) :: test
+        procedure(test_procedure), optional :: before, after
+        test_name = name
+        test_failed = .false.
+        if (present(before)) call before()
+        if (.not. test_failed) then
+            call test()
+            if (present(after)) call after()
+        end if
+        if (test_failed) then
+            failed = failed + 1
+        else
+            passed = passed + 1
+        end if
+    end subroutine run_test
+
+    !> Say that a test is disabled.
+    subroutine skip_test(name)
+        character(*), intent(in) :: name
+        write (output_unit, '(2x, 2a)') name, ': disabled'
+    end subroutine skip_test
+
+    !> Report the counts on a line that scripts/test reads; any failure gives the exit code 1.
+    subroutine end_suite()
+        write (output_unit, '(2a, i0, a, i0, a)') &
+            trim(suite_name), ': ', passed, ' passed, ', failed, ' failed'
+        flush (output_unit)
+        if (failed > 0) stop 1
+    end subroutine end_suite
+
+    !> Has the running test failed? Then it is over.
+    function anyExceptions() result(any_failed)
+        logical :: any_failed
+        any_failed = test_failed
+    end function anyExceptions
+
+    subroutine assertFail(message, location)
+        character(*), intent(in) :: message
+        type(SourceLocation), intent(in) :: location
+        call require(.false., 'called to fail', location, message)
+    end subroutine assertFail
+
+    subroutine assert_true(condition, message, location)
+        logical, intent(in) :: condition
+        character(*), intent(in), optional :: message
+        type(SourceLocation), intent(in) :: location
+        call require(condition, 'not true', location, message)
+    end subroutine assert_true
+
+    subroutine assert_true_vector(condition, message, location)
+        logical, intent(in) :: condition(:)
+        character(*), intent(in), optional :: message
+        type(SourceLocation), intent(in) :: location
+        call require(all(condition), 'not all true', location, message)
+    end subroutine assert_true_vector
+
+    subroutine assert_false(condition, message, location)
+        logical, intent(in) :: condition
+        character(*), intent(in), optional :: message
+        type(SourceLocation), intent(in) :: location
+        call require(.not. condition, 'not false', location, message)
+    end subroutine assert_false
+
+    subroutine assert_false_vector(condition, message, location)
+        logical, intent(in) :: condition(:)
+        character(*), intent(in), optional :: message
+        type(SourceLocation), intent(in) :: location
+        call require(.not. any(condition), 'not all false', location, message)
+    end subroutine assert_false_vector
+
+    subroutine assertAll(conditions, message, location)
+        logical, intent(in) :: conditions(:)
+        character(*), intent(in), optional :: message
+        type(SourceLocation), intent(in) :: location
+        call require(all(conditions), 'not all true', location, message)
+    end subroutine assertAll
+
+    subroutine assertAny(conditions, message, location)
+        logical, intent(in) :: conditions(:)
+        character(*), intent(in), optional :: message
+        type(SourceLocation), intent(in) :: location
+        call require(any(conditions), 'none is true', location, message)
+    end subroutine assertAny
+
+    subroutine assertIsNaN(x, message, location)
+        real(real64), intent(in) :: x
+        character(*), intent(in), optional :: message
+        type(SourceLocation), intent(in) :: location
+        call require(ieee_is_nan(x), element(boxed(x), 1) // ' is not NaN', location, message)
+    end subroutine assertIsNaN
+
+    subroutine assertIsFinite(x, message, location)
+        real(real64), intent(in) :: x
+        character(*), intent(in), optional :: message
+        type(SourceLocation), intent(in) :: location
+        call require(ieee_is_finite(x), element(boxed(x), 1) // ' is not finite', location, message)
+    end subroutine assertIsFinite
+
+    subroutine assertEqual(expected, actual, tolerance, message, location)
+        type(box_t), intent(in) :: expected, actual
+        real(real64), intent(in), optional :: tolerance
+        character(*), intent(in), optional :: message
+        type(SourceLocation), intent(in) :: location
+        call compare(expected, '==', actual, location, tolerance, message)
+    end subroutine assertEqual
+
+    subroutine assertNotEqual(expected, actual, tolerance, message, location)
+        type(box_t), intent(in) :: expected, actual
+        real(real64), intent(in), optional :: tolerance
+        character(*), intent(in), optional :: message
+        type(SourceLocation), intent(in) :: location
+        call compare(expected, '/=', actual, location, tolerance, message)
+    end subroutine assertNotEqual
+
+    subroutine assertLessThan(lhs, rhs, tolerance, message, location)
+        type(box_t), intent(in) :: lhs, rhs
+        real(real64), intent(in), optional :: tolerance
+        character(*), intent(in), optional :: message
+        type(SourceLocation), intent(in) :: location
+        call compare(lhs, '<', rhs, location, tolerance, message)
+    end subroutine assertLessThan
+
+    subroutine assertLessThanOrEqual(lhs, rhs, tolerance, message, location)
+        type(box_t), intent(in) :: lhs, rhs
+        real(real64), intent(in), optional :: tolerance
+        character(*), intent(in), optional :: message
+        type(SourceLocation), intent(in) :: location
+        call compare(lhs, '<=', rhs, location, tolerance, message)
+    end subroutine assertLessThanOrEqual
+
+    subroutine assertGreaterThan(lhs, rhs, tolerance, message, location)
+        type(box_t), intent(in) :: lhs, rhs
+        real(real64), intent(in), optional :: tolerance
+        character(*), intent(in), optional :: message
+        type(SourceLocation), intent(in) :: location
+        call compare(lhs, '>', rhs, location, tolerance, message)
+    end subroutine assertGreaterThan
+
+    subroutine assertGreaterThanOrEqual(lhs, rhs, tolerance, message, location)
+        type(box_t), intent(in) :: lhs, rhs
+        real(real64), intent(in), optional :: tolerance
+        character(*), intent(in), optional :: message
+        type(SourceLocation), intent(in) :: location
+        call compare(lhs, '>=', rhs, location, tolerance, message)
+    end subroutine assertGreaterThanOrEqual
+
+    subroutine assertRelativelyEqual(expected, actual, tolerance, message, location)
+        type(box_t), intent(in) :: expected, actual
+        real(real64), intent(in) :: tolerance
+        character(*), intent(in), optional :: message
+        type(SourceLocation), intent(in) :: location
+        call compare(expected, 'relatively ==', actual, location, tolerance, message)
+    end subroutine assertRelativelyEqual
+
+    !> Require `left relation right` of every element. `left` may be a scalar beside an array.
+    subroutine compare(left, relation, right, location, tolerance, message)
+        type(box_t), intent(in) :: left, right
+        character(*), intent(in) :: relation
+        type(SourceLocation), intent(in) :: location
+        real(real64), intent(in), optional :: tolerance
+        character(*), intent(in), optional :: message
+        character(:), allocatable :: what
+        character(32) :: buffer
+        integer :: i, j, step
+        logical :: holds
+        if (.not. comparable(left, relation, right, present(tolerance))) then
+            what = trim(left%type_name) // ' ' // relation // ' ' // trim(right%type_name)
+            call require(.false., 'pFUnit does not compare ' // what // ' so', location, message)
+            return
+        end if
+        if (size(left%extents) > 0 .and. .not. same_shape(left%extents, right%extents)) then
+            call require(.false., 'the shapes differ', location, message)
+            return
+        end if
+        step = merge(1, 0, size(left%extents) > 0)
+        do i = 1, product(right%extents)
+            j = 1 + step * (i - 1)
+            if (allocated(left%texts)) then
+                holds = left%texts(j)%trimmed == right%texts(i)%trimmed
+            else if (allocated(left%truths)) then
+                holds = (left%truths(j) .eqv. right%truths(i)) .eqv. relation == '=='
+            else if (allocated(right%reals) .and. allocated(left%reals)) then
+                holds = real_holds(left%reals(j), relation, right%reals(i), tolerance)
+            else if (allocated(right%reals)) then
+                holds = real_holds(real(left%integers(j), real64), relation, right%reals(i), &
+                    tolerance)
+            else
+                holds = integer_holds(left%integers(j), relation, right%integers(i))
+            end if
+            if (holds) cycle
+            what = 'not ' // element(left, j) // ' ' // relation // ' ' // element(right, i)
+            if (size(right%extents) > 0) then
+                write (buffer, '(a, i0)') ' in element ', i
+                what = what // trim(buffer)
+            end if
+            if (present(tolerance)) what = what // ', tolerance ' // element(boxed(tolerance), 1)
+            call require(.false., what, location, message)
+            return
+        end do
+    end subroutine compare
+
+    !> Does pFUnit have an assert for these types?
+    pure function comparable(left, relation, right, has_tolerance) result(yes)
+        type(box_t), intent(in) :: left, right
+        character(*), intent(in) :: relation
+        logical, intent(in) :: has_tolerance
+        logical :: yes
+        yes = left%type_name == right%type_name .or. (left%type_name == 'integer' &
+            .and. (right%type_name == 'integer(int64)' .or. right%type_name == 'real'))
+        if (.not. allocated(right%reals)) yes = yes .and. .not. has_tolerance
+        select case (right%type_name)
+        case ('text')
+            yes = yes .and. relation == '==' .and. size(right%extents) <= 1
+        case ('logical')
+            yes = yes .and. (relation == '==' .or. relation == '/=')
+        case default  ! numbers know every relation
+            continue
+        end select
+    end function comparable
+
+    pure function same_shape(left, right) result(same)
+        integer, intent(in) :: left(:), right(:)
+        logical :: same
+        same = size(left) == size(right)
+        if (same) same = all(left == right)
+    end function same_shape
+
+    !> Does `left relation right` hold for reals? Never when one is NaN.
+    pure function real_holds(left, relation, right, tolerance) result(holds)
+        real(real64), intent(in) :: left, right
+        character(*), intent(in) :: relation
+        real(real64), intent(in), optional :: tolerance
+        logical :: holds
+        real(real64) :: slack
+        slack = 0
+        if (present(tolerance)) slack = tolerance
+        select case (relation)
+        case ('==')  ! exact equality first: the difference of two infinities is NaN
+            holds = (left <= right .and. left >= right) .or. abs(left - right) <= slack
+        case ('/=')
+            holds = abs(left - right) > slack
+        case ('<')
+            holds = left < right + slack
+        case ('<=')
+            holds = left <= right + slack
+        case ('>')
+            holds = left > right - slack
+        case ('>=')
+            holds = left >= right - slack
+        case default  ! relatively equal, which pFUnit refuses beside an expected zero
+            holds = abs(left) > 0 .and. abs(left - right) <= slack * abs(left)
+        end select
+    end function real_holds
+
+    !> Does `left relation right` hold for integers?
+    pure function integer_holds(left, relation, right) result(holds)
+        integer(int64), intent(in) :: left, right
+        character(*), intent(in) :: relation
+        logical :: holds
+        select case (relation)
+        case ('==')
+            holds = left == right
+        case ('/=')
+            holds = left /= right
+        case ('<')
+            holds = left < right
+        case ('<=')
+            holds = left <= right
+        case ('>')
+            holds = left > right
+        case default
+            holds = left >= right
+        end select
+    end function integer_holds
+
+    !> Fail the running test, with the place and the message, unless a condition holds.
+    subroutine require(condition, what, location, message)
+        logical, intent(in) :: condition
+        character(*), intent(in) :: what
+        type(SourceLocation), intent(in) :: location
+        character(*), intent(in), optional :: message
+        if (condition) return
+        test_failed = .true.
+        write (output_unit, '(5a, i0, 2a)', advance='no') &
+            '  FAILED ', trim(test_name), ' (', trim(location%file), ':', location%line, '): ', what
+        if (present(message)) write (output_unit, '(2a)', advance='no') ' | ', message
+        write (output_unit, '()')
+    end subroutine require
+
+end module funit

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Turn pFUnit test files (.pf) into programs for the stand-in below test/funit.
 
-Every .pf file below test/ becomes test/generated/NAME.f90, a program that runs its tests, so that `fpm test`
+Every .pf file below test/ becomes test/NAME.f90, a program that runs its tests, so that `fpm test`
 works where there is no pFUnit. What is understood is a part of pFUnit's language, with the same
 meaning; anything else is refused with file and line. In short:
 
@@ -225,14 +225,14 @@ def convert_all(folder: Path) -> None:
     """Convert every .pf below a folder, and remove programs that are left over."""
     wanted: dict[Path, str] = {}
     for path in sorted(folder.rglob("*.pf")):
-        out = folder / "generated" / (path.stem + ".f90")
+        out = folder / (path.stem + ".f90")
         if out in wanted:
             raise RefusedError(f"{path.relative_to(ROOT)}:1: a second file with this name")
         wanted[out] = convert(path)
-    for old in set((folder / "generated").glob("*.f90")) - set(wanted):
-        old.unlink()
+    for old in set(folder.glob("*.f90")) - set(wanted):
+        if old.read_text(encoding="utf-8").startswith(MARK):
+            old.unlink()
     for out, text in wanted.items():
-        out.parent.mkdir(exist_ok=True)
         write_changed(out, text)
 
 

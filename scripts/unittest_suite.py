@@ -4,6 +4,7 @@
 usage: unittest_suite.py FILE.py        the last line is "NAME: N passed, N failed"
 """
 
+import io
 import sys
 import unittest
 from pathlib import Path
@@ -12,9 +13,12 @@ from pathlib import Path
 def main(path: Path) -> int:
     """Run the tests of a file; return 1 if one failed."""
     tests = unittest.TestLoader().discover(str(path.parent), path.name, str(path.parent))
-    result = unittest.TextTestRunner(verbosity=0, buffer=True).run(tests)
+    details = io.StringIO()
+    result = unittest.TextTestRunner(details, buffer=True).run(tests)
     bad = len(result.failures) + len(result.errors) + len(result.unexpectedSuccesses)
     good = result.testsRun - len(result.skipped) - len(result.expectedFailures) - bad
+    if bad:
+        print(details.getvalue())
     print(f"{path.stem}: {max(good, 0)} passed, {bad} failed", flush=True)
     return 1 if bad else 0
 

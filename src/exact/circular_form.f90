@@ -63,6 +63,7 @@ contains
             clock%rate = points%frequency / theta3**2
             clock%period = pi_xp
             clock%half_period = pi_xp / 2
+            clock%per_period = 1 / pi_xp
 
             ! The poles theta = pi, below the motion, and theta = 0, above it.
             x = solve_position(q, quotient(d + p1 * k2 / (1 + kc), &
@@ -207,9 +208,10 @@ contains
     end function slope_at_top
 
     !> The theta functions at the argument z, |z| <= pi/2.
-    pure type(theta_values_t) function evaluate_circular_form(form, z) result(theta)
+    pure subroutine evaluate_circular_form(form, z, theta)
         type(circular_form_t), intent(in) :: form
         real(dp), intent(in) :: z
+        type(theta_values_t), intent(out) :: theta
         real(dp) :: c(0:last), s(0:last), sine, cosine, t1, tc
         integer :: n
 
@@ -231,7 +233,10 @@ contains
 
         theta%upper = 1
         theta%lower = 1
+        theta%upper_slope = 0
+        theta%lower_slope = 0
         theta%divisor = 1
+        theta%divisor_slope = 0
         do n = 1, last
             theta%upper = theta%upper + cmplx(form%upper_even(n) * c(n), &
                                               -form%upper_odd(n) * s(n), dp)
@@ -246,6 +251,6 @@ contains
         end do
         theta%sn = t1 / theta%divisor
         theta%cn = tc / theta%divisor
-    end function evaluate_circular_form
+    end subroutine evaluate_circular_form
 
 end module spintop_circular_form

@@ -14,7 +14,7 @@ module spintop_exact_motion
     use spintop_status, only: status_ok
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
-    use spintop_elliptic_series, only: pi_xp
+    use spintop_elliptic_series, only: nearest_whole, pi_xp
     use spintop_regular_start, only: regular_start_t, find_regular_start
     use spintop_turning_points, only: turning_points_t, find_turning_points
     use spintop_theta_form, only: theta_values_t
@@ -48,17 +48,18 @@ module spintop_exact_motion
     contains
         procedure :: at
         procedure :: quaternion_at
-        procedure, private :: attitude
+        procedure, private :: find_attitude
+        procedure, private :: swing
         procedure, private :: add_angles
         procedure, private :: phi_rate
         procedure, private :: count_jumps
     end type exact_motion_t
 
-    !> The two Cayley-Klein components at an instant, and what they were computed from.
+    !> The attitude at an instant, and what it was computed from. No initial values: it is filled
+    !> for every sample.
     type :: attitude_t
-        complex(dp) :: upper, lower
-        !> omega1 + i omega2, rad/s.
-        complex(dp) :: swing
+        !> The two Cayley-Klein components: turn times U, turn times L.
+        complex(dp) :: upper, lower, upper_turn, lower_turn
         type(theta_values_t) :: theta
         !> Time since the start, s, and whole nutations left out of the argument.
         real(xp) :: elapsed, nutations
@@ -145,7 +146,7 @@ contains
             call exact%theta%locate(0.0_xp, z, nutations)
             exact%tops_before = nutations
             exact%bottoms_before = merge(nutations, nutations - 1, z >= 0)
-            theta = exact%theta%evaluate(z)
+            call exact%theta%evaluate(z, theta)
             exact%upper_phase = phase_constant(theta%upper, theta%upper_slope, clock%upper_rate, &
                                                start%upper, start%upper_rate)
             exact%lower_phase = phase_constant(theta%lower, theta%lower_slope, clock%lower_rate, &
@@ -186,14 +187,15 @@ contains
         class(exact_motion_t), intent(in) :: self
         real(dp), intent(in) :: t
         type(attitude_t) :: attitude
-        complex(dp) :: swing_rate
+        complex(dp) :: swing, swing_rate
 
-        attitude = self%attitude(t)
+        call self%find_attitude(t, attitude)
+        swing = self%swing(attitude)
+        swing_rate = -i * (self%omega3 - self%a) * swing &
+            + 2 * self%half_beta * attitude%lower * conjg(attitude%upper)
         motion%t = t
         motion%quaternion = quaternion_of(attitude)
-        motion%omega = [real(attitude%swing, dp), aimag(attitude%swing), self%omega3]
-        swing_rate = -i * (self%omega3 - self%a) * attitude%swing &
-            + 2 * self%half_beta * attitude%lower * conjg(attitude%upper)
+        motion%omega = [real(swing, dp), aimag(swing), self%omega3]
         motion%omega_rate = [real(swing_rate, dp), aimag(swing_rate), 0.0_dp]
         call self%add_angles(attitude, motion)
     end function at
@@ -203,45 +205,54 @@ contains
         class(exact_motion_t), intent(in) :: self
         real(dp), intent(in) :: t
         real(dp) :: q(4)
-        q = quaternion_of(self%attitude(t))
+        type(attitude_t) :: attitude
+        call self%find_attitude(t, attitude)
+        q = quaternion_of(attitude)
     end function quaternion_at
 
-    !> The Cayley-Klein components at time t and the swing.
-    pure type(attitude_t) function attitude(self, t) result(now)
+    !> The Cayley-Klein components at time t.
+    pure subroutine find_attitude(self, t, now)
         class(exact_motion_t), intent(in) :: self
         real(dp), intent(in) :: t
-        complex(dp) :: upper_turn, lower_turn, scale
+        type(attitude_t), intent(out) :: now
         real(dp) :: z
 
         now%elapsed = t - self%time
-        now%nutations = 0
-        now%rising = .true.
         if (self%theta%regime == regime_resting) then
             now%upper = self%upper * unit(self%upper_rate * now%elapsed)
             now%lower = self%lower * unit(self%lower_rate * now%elapsed)
-            now%swing = 0
             return
         end if
 
-        associate (clock => self%theta%clock, theta => now%theta)
+        associate (clock => self%theta%clock)
             call self%theta%locate(now%elapsed, z, now%nutations)
+            call self%theta%evaluate(z, now%theta)
             now%rising = z >= 0
-            theta = self%theta%evaluate(z)
-            upper_turn = unit(self%upper_phase + self%upper_rate * now%elapsed &
-                              + now%nutations * clock%upper_step) &
-                         * (clock%upper_amplitude / theta%divisor)
-            lower_turn = unit(self%lower_phase + self%lower_rate * now%elapsed &
-                              + now%nutations * clock%lower_step) &
-                         * (clock%lower_amplitude / theta%divisor)
-            now%upper = upper_turn * theta%upper
-            now%lower = lower_turn * theta%lower
-            ! swing = 2 [conj(upper) lower' - conj(upper') lower], the spin left out.
-            scale = 2 * conjg(upper_turn) * lower_turn
-            now%swing = scale * (i * real(clock%sum_rate, dp) * conjg(theta%upper) * theta%lower &
-                + real(clock%rate, dp) * (conjg(theta%upper) * theta%lower_slope &
-                                          - conjg(theta%upper_slope) * theta%lower))
+            now%upper_turn = unit(self%upper_phase + self%upper_rate * now%elapsed &
+                                  + now%nutations * clock%upper_step) &
+                             * (clock%upper_amplitude / now%theta%divisor)
+            now%lower_turn = unit(self%lower_phase + self%lower_rate * now%elapsed &
+                                  + now%nutations * clock%lower_step) &
+                             * (clock%lower_amplitude / now%theta%divisor)
+            now%upper = now%upper_turn * now%theta%upper
+            now%lower = now%lower_turn * now%theta%lower
         end associate
-    end function attitude
+    end subroutine find_attitude
+
+    !> omega1 + i omega2 = 2 [conj(upper) lower' - conj(upper') lower], rad/s, where the derivative
+    !> of the divisor and the spin that is linear in time cancel and are left out.
+    pure complex(dp) function swing(self, now)
+        class(exact_motion_t), intent(in) :: self
+        type(attitude_t), intent(in) :: now
+        swing = 0
+        if (self%theta%regime == regime_resting) return
+        associate (clock => self%theta%clock, theta => now%theta)
+            swing = 2 * conjg(now%upper_turn) * now%lower_turn &
+                * (i * real(clock%sum_rate, dp) * conjg(theta%upper) * theta%lower &
+                   + real(clock%rate, dp) * (conjg(theta%upper) * theta%lower_slope &
+                                             - conjg(theta%upper_slope) * theta%lower))
+        end associate
+    end function swing
 
     pure function quaternion_of(attitude) result(q)
         type(attitude_t), intent(in) :: attitude
@@ -334,7 +345,7 @@ contains
     pure complex(dp) function unit(phase)
         real(xp), intent(in) :: phase
         real(dp) :: reduced
-        reduced = real(phase - 2 * pi_xp * anint(phase / (2 * pi_xp)), dp)
+        reduced = real(phase - 2 * pi_xp * nearest_whole(phase * (0.5_xp / pi_xp)), dp)
         unit = cmplx(cos(reduced), sin(reduced), dp)
     end function unit
 

@@ -33,6 +33,17 @@ module spintop_hyperbolic_form
         real(dp) :: cn(last) = 0, cn_scale = 1, sn_scale = 1
     end type hyperbolic_form_t
 
+    !> Where a pole of the sphere lies: at the imaginary argument i v.
+    type :: pole_t
+        real(xp) :: v = 0
+        !> cos(nv) and sin(nv).
+        real(xp), dimension(2 * last + 1) :: cosines = 1, sines = 0
+        !> theta_3(v) = 1 + 2 sum q^(n^2) cos 2nv, and its logarithmic derivative.
+        real(xp) :: norm = 1, slope = 0
+    end type pole_t
+
+    integer, parameter :: n_(last) = [1, 2, 3]
+
 contains
 
     !> Sets up clock and series of a motion with k^2 > 1/2.
@@ -41,7 +52,8 @@ contains
         type(turning_points_t), intent(in) :: points
         type(theta_clock_t), intent(out) :: clock
         type(hyperbolic_form_t), intent(out) :: form
-        real(xp) :: q, k, theta3, cosh_sum_at_0, upper_sign, lower_sign, v_bottom, v_top
+        real(xp) :: q, k, theta3, cosh_sum_at_0, upper_sign, lower_sign
+        type(pole_t) :: bottom, top
         integer :: n
 
         associate (kc2 => points%complement_squared, m1 => points%one_minus_u1, &
@@ -54,25 +66,26 @@ contains
             if (q > 0) then
                 clock%half_period = -log(q) / 2
                 clock%period = 2 * clock%half_period
+                clock%per_period = 1 / clock%period
                 form%half_period = real(clock%half_period, dp)
             end if
 
-            v_bottom = pole_position(q, sqrt(k * points%beta_u3_minus_u1), &
-                                     sqrt(start%beta * points%one_plus_u1))
-            v_top = pole_position(q, sqrt(k * points%beta_u3_minus_1), &
-                                  sqrt(start%beta * points%one_minus_u2))
+            bottom = pole_at(q, sqrt(k * points%beta_u3_minus_u1), &
+                             sqrt(start%beta * points%one_plus_u1))
+            top = pole_at(q, sqrt(k * points%beta_u3_minus_1), &
+                          sqrt(start%beta * points%one_minus_u2))
 
             upper_sign = sign(1.0_xp, start%b_plus_a)
             lower_sign = sign(1.0_xp, start%b_minus_a)
             clock%upper_rate = start%b_plus_a / (2 * p2) &
-                               + upper_sign * clock%rate * theta3_slope(q, v_bottom)
+                               + upper_sign * clock%rate * bottom%slope
             clock%lower_rate = start%b_minus_a / (2 * m1) &
-                               + lower_sign * clock%rate * theta3_slope(q, v_top)
+                               + lower_sign * clock%rate * top%slope
             clock%sum_rate = clock%upper_rate + clock%lower_rate
-            clock%upper_step = 2 * upper_sign * v_bottom
-            clock%lower_step = 2 * lower_sign * v_top
-            clock%upper_amplitude = real(sqrt(p2 / 2) * theta3 / theta3_at(q, v_bottom), dp)
-            clock%lower_amplitude = real(sqrt(m1 / 2) * cosh_sum_at_0 / theta3_at(q, v_top), dp)
+            clock%upper_step = 2 * upper_sign * bottom%v
+            clock%lower_step = 2 * lower_sign * top%v
+            clock%upper_amplitude = real(sqrt(p2 / 2) * theta3 / bottom%norm, dp)
+            clock%lower_amplitude = real(sqrt(m1 / 2) * cosh_sum_at_0 / top%norm, dp)
             clock%start = start_argument(start, points, q, clock%half_period)
         end associate
 
@@ -80,51 +93,44 @@ contains
         form%cn_scale = real(cosh_sum_at_0 / (sqrt(k) * theta3), dp)
         do n = 0, last
             form%divisor(n) = real(q**(n * n), dp)
-            form%upper_even(n) = real(q**(n * n) * cos((2 * n + 1) * v_bottom), dp)
-            form%upper_odd(n) = real(q**(n * n) * upper_sign * sin((2 * n + 1) * v_bottom), dp)
+            form%upper_even(n) = real(q**(n * n) * bottom%cosines(2 * n + 1), dp)
+            form%upper_odd(n) = real(q**(n * n) * upper_sign * bottom%sines(2 * n + 1), dp)
         end do
         do n = 1, last
-            form%lower_even(n) = real(2 * q**(n * n - n) * cos(2 * n * v_top), dp)
-            form%lower_odd(n) = real(2 * q**(n * n - n) * lower_sign * sin(2 * n * v_top), dp)
+            form%lower_even(n) = real(2 * q**(n * n - n) * top%cosines(2 * n), dp)
+            form%lower_odd(n) = real(2 * q**(n * n - n) * lower_sign * top%sines(2 * n), dp)
             form%cn(n) = real(2 * (-1)**n * q**(n * n - n), dp)
         end do
     end subroutine prepare_hyperbolic_form
 
-    !> theta_3(v) = 1 + 2 sum q^(n^2) cos 2nv.
-    elemental real(xp) function theta3_at(q, v)
-        real(xp), intent(in) :: q, v
-        theta3_at = 1 + 2 * (q * cos(2 * v) + q**4 * cos(4 * v) + q**9 * cos(6 * v))
-    end function theta3_at
-
-    !> Logarithmic derivative of theta_3(v).
-    elemental real(xp) function theta3_slope(q, v)
-        real(xp), intent(in) :: q, v
-        theta3_slope = -4 * (q * sin(2 * v) + 2 * q**4 * sin(4 * v) + 3 * q**9 * sin(6 * v)) &
-                       / theta3_at(q, v)
-    end function theta3_slope
-
-    !> The position v of a pole, from tan(v) = opposite A(v) / (adjacent B(v)), where A and B are
-    !> the ratios theta_2/(.. cos v) and theta_1/(.. sin v): a rapidly converging iteration.
-    pure real(xp) function pole_position(q, opposite, adjacent) result(v)
+    !> A pole from tan(v) = opposite A(v) / (adjacent B(v)): the ratio of theta functions A/B
+    !> depends so little on v that this iteration gains two digits and more a time.
+    pure type(pole_t) function pole_at(q, opposite, adjacent) result(pole)
         real(xp), intent(in) :: q, opposite, adjacent
         integer, parameter :: most_iterations = 30
         real(xp) :: sine, cosine, c, previous
         integer :: n
 
-        v = 0
-        if (.not. opposite > 0) return
         sine = opposite
-        cosine = adjacent
+        cosine = merge(adjacent, 1.0_xp, opposite > 0)
         c = 2
         do n = 1, most_iterations
             previous = c
             c = (cosine**2 - sine**2) / (cosine**2 + sine**2)
             if (abs(c - previous) <= epsilon(c)) exit
             sine = opposite * series_a(q, c)
-            cosine = adjacent * series_b(q, c)
+            if (opposite > 0) cosine = adjacent * series_b(q, c)
         end do
-        v = atan2(sine, cosine)
-    end function pole_position
+        pole%v = atan2(sine, cosine)
+        pole%sines(1) = sine / sqrt(sine**2 + cosine**2)
+        pole%cosines(1) = cosine / sqrt(sine**2 + cosine**2)
+        do n = 1, 2 * last
+            pole%cosines(n + 1) = pole%cosines(n) * pole%cosines(1) - pole%sines(n) * pole%sines(1)
+            pole%sines(n + 1) = pole%sines(n) * pole%cosines(1) + pole%cosines(n) * pole%sines(1)
+        end do
+        pole%norm = 1 + 2 * sum(q**(n_ * n_) * pole%cosines(2:2 * last:2))
+        pole%slope = -4 * sum(n_ * q**(n_ * n_) * pole%sines(2:2 * last:2)) / pole%norm
+    end function pole_at
 
     !> A = 1 + sum q^(n(n+1)) A_n(c), A_n = cos((2n+1)v)/cos(v), c = cos(2v).
     elemental real(xp) function series_a(q, c)
@@ -192,9 +198,10 @@ contains
     end function inverse_sc
 
     !> The theta functions at the argument z, |z| <= the half period, all scaled by exp(-|z|).
-    pure type(theta_values_t) function evaluate_hyperbolic_form(form, z) result(theta)
+    pure subroutine evaluate_hyperbolic_form(form, z, theta)
         type(hyperbolic_form_t), intent(in) :: form
         real(dp), intent(in) :: z
+        type(theta_values_t), intent(out) :: theta
         real(dp) :: decay, decay2, p, power, cosh_n, sinh_n, sinh_sum, theta4
         integer :: n
 
@@ -203,7 +210,10 @@ contains
         p = exp(2 * (abs(z) - form%half_period))
 
         theta%upper = 0
+        theta%upper_slope = 0
+        theta%lower_slope = 0
         theta%divisor = 0
+        theta%divisor_slope = 0
         sinh_sum = 0
         power = 1
         do n = 0, last
@@ -234,6 +244,6 @@ contains
         end do
         theta%sn = form%sn_scale * sinh_sum / theta%divisor
         theta%cn = form%cn_scale * theta4 / theta%divisor
-    end function evaluate_hyperbolic_form
+    end subroutine evaluate_hyperbolic_form
 
 end module spintop_hyperbolic_form

@@ -280,33 +280,54 @@ contains
         end if
     end function phi_rate_at_bottom
 
-    !> Largest theta', rad/s: with x = sn^2, theta'^2 is proportional to
-    !> x (1-x) (1 - k^2 x) / ((r-x) (s+x)), r = (1-u1)/(u2-u1) >= 1, s = (1+u1)/(u2-u1) >= 0,
-    !> whose logarithm is concave: the zero of its derivative is bracketed and unique.
+    !> Largest theta', rad/s. With x = sn^2, D = 1-u2, p = 1+u1 and d = u2-u1, theta'^2 is
+    !> proportional to x (1-x) (1 - k^2 x) / ((D + d (1-x)) (p + d x)), whose logarithm is concave:
+    !> the numerator of its derivative has one zero in [0, 1]. Newton's method within a bracket.
     pure real(dp) function largest_theta_rate(points) result(rate)
         type(turning_points_t), intent(in) :: points
-        integer, parameter :: bisections = 60
-        real(dp) :: r_1, s, k2, x, low, high
+        integer, parameter :: most_iterations = 60
+        real(dp), parameter :: tolerance = 1e-9_dp  ! The rate depends on its square.
+        real(dp) :: d, top, bottom, k2, x, next, low, high, slope, value
         integer :: n
 
         rate = 0
-        if (.not. points%u2_minus_u1 > 0) return
-        r_1 = real(points%one_minus_u2 / points%u2_minus_u1, dp)
-        s = real(points%one_plus_u1 / points%u2_minus_u1, dp)
+        d = real(points%u2_minus_u1, dp)
+        if (.not. d > 0) return
         k2 = real(points%k_squared, dp)
-        low = 0
-        high = 1
-        do n = 1, bisections
-            x = (low + high) / 2
-            if (s / (x * (s + x)) - r_1 / ((1 - x) * (r_1 + 1 - x)) > k2 / (1 - k2 * x)) then
-                low = x
-            else
-                high = x
-            end if
+        low = epsilon_dp**2
+        high = 1 - epsilon_dp
+        x = 0.5_dp
+        do n = 1, most_iterations
+            top = real(points%one_minus_u2, dp) + d * (1 - x)
+            bottom = real(points%one_plus_u1, dp) + d * x
+            call derivative(value, slope)
+            if (value > 0) low = x
+            if (value <= 0) high = x
+            next = x - value / slope
+            if (.not. (next > low .and. next < high)) next = (low + high) / 2
+            if (abs(next - x) <= tolerance * min(x, 1 - x)) exit
+            x = next
         end do
-        ! The factors x and 1 - x cancel where the motion passes a pole.
-        rate = 2 * real(points%frequency, dp) * sqrt((1 - k2 * x) &
-            * (x / (s + x)) * ((1 - x) / (r_1 + 1 - x)))
+        ! Products in pairs: they stay regular where the motion passes a pole.
+        rate = 2 * real(points%frequency, dp) * d * sqrt((1 - k2 * x) * (x / bottom) &
+                                                         * ((1 - x) / top))
+
+    contains
+
+        !> The derivative of the logarithm, divided by d^2, times x (1-x), and its own derivative:
+        !> both bounded.
+        pure subroutine derivative(value, slope)
+            real(dp), intent(out) :: value, slope
+            real(dp) :: p, q, r
+            p = real(points%one_plus_u1, dp) / bottom * (1 - x)
+            q = real(points%one_minus_u2, dp) / top * x
+            r = k2 * x * (1 - x) / (1 - k2 * x)
+            value = p - q - r
+            slope = -real(points%one_plus_u1, dp) * real(points%one_plus_u2, dp) / bottom**2 &
+                - real(points%one_minus_u2, dp) * real(points%one_minus_u1, dp) / top**2 &
+                - k2 * ((1 - x)**2 - (1 - k2) * x**2) / (1 - k2 * x)**2
+        end subroutine derivative
+
     end function largest_theta_rate
 
     !> Inclination from 1 - u and 1 + u, rad.

@@ -17,7 +17,7 @@ module spintop_regular_start
     use spintop_motion, only: motion_t
     implicit none
     private
-    public :: regular_start_t, find_regular_start
+    public :: regular_start_t, find_regular_start, rates_describe
 
     !> Everything the closed form needs from body and start, in extended precision.
     type :: regular_start_t

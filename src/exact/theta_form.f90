@@ -15,8 +15,10 @@ module spintop_theta_form
 
     !> How argument and phases advance in time: all that must not lose digits over long spans.
     type :: theta_clock_t
-        !> z at the start; dz/dt, rad/s; growth of z in one nutation (0: never repeats), its half.
-        real(xp) :: start = 0, rate = 0, period = 0, half_period = 0
+        !> z at the start; dz/dt, rad/s.
+        real(xp) :: start = 0, rate = 0
+        !> Growth of z in one nutation (0: never repeats), its half and its inverse.
+        real(xp) :: period = 0, half_period = 0, per_period = 0
         !> Rates of the phases of upper and lower less +-(omega3 - a)/2, and the sum of the two,
         !> the mean precession rate between poles, rad/s.
         real(xp) :: upper_rate = 0, lower_rate = 0, sum_rate = 0
@@ -26,14 +28,14 @@ module spintop_theta_form
         real(dp) :: upper_amplitude = 1, lower_amplitude = 0
     end type theta_clock_t
 
-    !> The theta functions at one argument.
+    !> The theta functions at one argument. No initial values: it is filled for every sample.
     type :: theta_values_t
         !> U and L, and their derivatives with respect to z.
-        complex(dp) :: upper = 1, lower = 1, upper_slope = 0, lower_slope = 0
+        complex(dp) :: upper, lower, upper_slope, lower_slope
         !> W and its derivative.
-        real(dp) :: divisor = 1, divisor_slope = 0
+        real(dp) :: divisor, divisor_slope
         !> Jacobi's elliptic functions.
-        real(dp) :: sn = 0, cn = 1
+        real(dp) :: sn, cn
     end type theta_values_t
 
 end module spintop_theta_form

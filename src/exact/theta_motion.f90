@@ -1,6 +1,7 @@
 !> Which form of the exact motion a case is evaluated in, and the choice made once.
 module spintop_theta_motion
     use spintop_kinds, only: dp, xp
+    use spintop_elliptic_series, only: nearest_whole
     use spintop_regular_start, only: regular_start_t
     use spintop_turning_points, only: turning_points_t
     use spintop_theta_form, only: theta_clock_t, theta_values_t
@@ -89,7 +90,7 @@ contains
             argument = clock%start + clock%rate * elapsed
             nutations = 0
             if (clock%period > 0) then
-                nutations = anint(argument / clock%period)
+                nutations = nearest_whole(argument * clock%per_period)
                 ! The bounds matter only for times so large that no digit of z is left.
                 argument = argument - nutations * clock%period
                 argument = max(-clock%half_period, min(clock%half_period, argument))
@@ -99,14 +100,15 @@ contains
     end subroutine locate
 
     !> The theta functions at the reduced argument z.
-    pure type(theta_values_t) function evaluate(self, z) result(theta)
+    pure subroutine evaluate(self, z, theta)
         class(theta_motion_t), intent(in) :: self
         real(dp), intent(in) :: z
+        type(theta_values_t), intent(out) :: theta
         if (self%regime == regime_circular) then
-            theta = evaluate_circular_form(self%circular, z)
+            call evaluate_circular_form(self%circular, z, theta)
         else
-            theta = evaluate_hyperbolic_form(self%hyperbolic, z)
+            call evaluate_hyperbolic_form(self%hyperbolic, z, theta)
         end if
-    end function evaluate
+    end subroutine evaluate
 
 end module spintop_theta_motion

@@ -7,7 +7,8 @@ module spintop_assignment
         leading_elements, parameter_t, quoted
     use spintop_scanner, only: scanner_t, token_close, token_colon, token_comma, token_open, &
         token_string, token_t, token_word
-    use spintop_text, only: abbreviate, join, lower_case, nearest_word, to_text
+    use spintop_suggestions, only: suggest_word
+    use spintop_text, only: abbreviate, lower_case, to_text
     implicit none
     private
     public :: assignment_t
@@ -186,6 +187,7 @@ contains
                 return
             end if
             call self%put_element(parameter, token, text, self%first + self%count - 1, diagnostics)
+            if (parameter%faulty) return
         end do
     end subroutine put
 
@@ -274,7 +276,7 @@ contains
         character(*), intent(in) :: text
         integer, intent(in) :: column
         type(diagnostics_t), intent(inout) :: diagnostics
-        character(:), allocatable :: word, near
+        character(:), allocatable :: word
         integer :: i
 
         word = text
@@ -283,7 +285,7 @@ contains
                 'a text needs quotes', 'write ' // quoted(abbreviate(text)))
         else if (.not. token%closed) then
             call self%refuse(parameter, diagnostics, token%place, &
-                'the quote is not closed on its line', 'a quote inside a text is written twice')
+                'the quote is not closed on its line', 'the closing quote is missing')
         else if (visible(text) /= text) then
             call self%refuse(parameter, diagnostics, token%place, &
                 'a tab, a control character or a byte that is not UTF-8', 'plain text is expected')
@@ -299,14 +301,8 @@ contains
             if (i > 0) then
                 word = parameter%choices(i)%text
             else
-                near = nearest_word(text, parameter%choices)
-                if (near /= '') then
-                    near = 'did you mean ' // quoted(near) // '?'
-                else
-                    near = 'one of: ' // join(parameter%choices, ', ')
-                end if
                 call self%fail(parameter, diagnostics, token%place, quoted(abbreviate(text)) // &
-                    ' is no choice for ' // parameter%key, near)
+                    ' is no choice for ' // parameter%key, suggest_word(text, parameter%choices))
             end if
         end if
         if (.not. parameter%faulty) call parameter%put_text(column, word)

@@ -97,7 +97,7 @@ contains
         type(token_t), intent(in) :: start
         type(parameter_table_t), intent(inout) :: table
         type(diagnostics_t), intent(inout) :: diagnostics
-        character(:), allocatable :: name
+        character(:), allocatable :: name, before
         type(token_t) :: token
         logical :: known
 
@@ -112,9 +112,10 @@ contains
                     call scanner%next(token)
                     call diagnostics%error(token%place, 'a group ends with /', 'write / here')
                 else
+                    before = 'line ' // to_text(token%place%line)
+                    if (token%kind == token_end) before = 'the end of the file'
                     call diagnostics%error(start%place, 'group &' // name // &
-                        ' has no closing slash', 'a line with / is missing before line ' // &
-                        to_text(token%place%line + merge(1, 0, token%kind == token_end)))
+                        ' has no closing slash', 'a line with / is missing before ' // before)
                 end if
                 return
             case (token_slash)

@@ -2,11 +2,11 @@
 module spintop_overrides
     use spintop_assignment, only: assignment_t
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_parameter, only: kind_text, parameter_t
+    use spintop_parameter, only: kind_text, parameter_t, quoted
     use spintop_parameters, only: parameter_table_t
     use spintop_scanner, only: scanner_t, token_equals, token_t, token_word
     use spintop_suggestions, only: homes_of, suggest_group, suggest_key
-    use spintop_text, only: abbreviate, lower_case, split, string_t
+    use spintop_text, only: abbreviate, lower_case
     use spintop_value_list, only: read_values
     implicit none
     private
@@ -47,10 +47,9 @@ contains
                 return
             end if
             call assignment%begin(parameter, diagnostics)
-            call scanner%peek(token)
             rest = scanner%rest()
             if (parameter%kind == kind_text .and. scan(adjustl(rest), '''"') /= 1) then
-                call read_plain_words(rest, token, parameter, assignment, diagnostics)
+                call read_plain_words(text, len(text) - len(rest), parameter, assignment, diagnostics)
             else
                 call read_values(scanner, '', table, parameter, assignment, diagnostics)
             end if
@@ -71,8 +70,8 @@ contains
         group = name(:index(name // '.', '.') - 1)
         key = name(min(len(name), len(group) + 1) + 1:)
         if (table%find_group(group) > 0) then
-            call diagnostics%error(token%place, 'unknown key ' // abbreviate(key) // ' in group &' // &
-                group, suggest_key(table, group, key))
+            call diagnostics%error(token%place, 'unknown key ' // quoted(abbreviate(key)) // &
+                ' in group &' // group, suggest_key(table, group, key))
         else if (key == '' .and. homes_of(table, name) /= '') then
             call diagnostics%error(token%place, 'an override names the group too', &
                 'it belongs to ' // homes_of(table, name))
@@ -83,23 +82,29 @@ contains
     end subroutine find_parameter
 
     !> A text without quotes goes to the end, or to the next comma in a list.
-    subroutine read_plain_words(rest, token, parameter, assignment, diagnostics)
-        character(*), intent(in) :: rest
-        type(token_t), intent(in) :: token !! the first of the words
+    subroutine read_plain_words(text, start, parameter, assignment, diagnostics)
+        character(*), intent(in) :: text
+        integer, intent(in) :: start !! the words come behind that many bytes
         type(parameter_t), intent(inout) :: parameter
         type(assignment_t), intent(inout) :: assignment
         type(diagnostics_t), intent(inout) :: diagnostics
-        type(string_t), allocatable :: words(:)
-        integer :: i
+        type(token_t) :: token
+        character(:), allocatable :: word
+        integer :: first, last
 
-        if (parameter%rank == 0) then
-            if (rest /= '') call assignment%put(parameter, token, trim(adjustl(rest)), 1, diagnostics)
-        else
-            call split(rest, ',', words)
-            do i = 1, size(words)
-                call assignment%put(parameter, token, words(i)%text, 1, diagnostics)
-            end do
-        end if
+        last = start
+        if (text(start + 1:) == '') return
+        do while (last < len(text))
+            first = last + 1
+            last = len(text) + 1
+            if (parameter%rank > 0) last = first + index(text(first:) // ',', ',') - 1
+            word = trim(adjustl(text(first:last - 1)))
+            token%kind = token_word
+            token%place = assignment%place
+            token%place%column = first + verify(text(first:last - 1) // '.', ' ') - 1
+            token%place%width = len(word)
+            call assignment%put(parameter, token, word, 1, diagnostics)
+        end do
     end subroutine read_plain_words
 
 end module spintop_overrides

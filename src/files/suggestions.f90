@@ -1,10 +1,11 @@
 !> What would be right where a group or a key is not known.
 module spintop_suggestions
+    use spintop_parameter, only: quoted
     use spintop_parameters, only: parameter_table_t
     use spintop_text, only: join, nearest_word, string_t
     implicit none
     private
-    public :: suggest_group, suggest_key, homes_of
+    public :: suggest_group, suggest_key, suggest_word, homes_of
 
 contains
 
@@ -18,7 +19,7 @@ contains
         do i = 1, size(names)
             names(i)%text = '&' // table%groups(i)%name
         end do
-        hint = suggest('&' // name, names)
+        hint = suggest_word('&' // name, names)
     end function suggest_group
 
     !> The key of a group that is meant, or the list of all its keys.
@@ -34,7 +35,7 @@ contains
             found = found + 1
             keys(found)%text = table%parameters(i)%key
         end do
-        hint = suggest(key, keys(:found))
+        hint = suggest_word(key, keys(:found))
     end function suggest_key
 
     !> The groups that have a key: '&top or &span', '' if none has.
@@ -51,16 +52,17 @@ contains
         end do
     end function homes_of
 
-    function suggest(word, candidates) result(hint)
+    !> The candidate that is meant, or the list of all.
+    function suggest_word(word, candidates) result(hint)
         character(*), intent(in) :: word
         type(string_t), intent(in) :: candidates(:)
         character(:), allocatable :: hint
         hint = nearest_word(word, candidates)
         if (hint /= '') then
-            hint = 'did you mean ' // hint // '?'
+            hint = 'did you mean ' // quoted(hint) // '?'
         else
             hint = 'one of: ' // join(candidates, ', ')
         end if
-    end function suggest
+    end function suggest_word
 
 end module spintop_suggestions

@@ -3,7 +3,7 @@ module spintop_value_list
     use spintop_assignment, only: assignment_t
     use spintop_diagnostics, only: diagnostics_t
     use spintop_literals, only: read_integer
-    use spintop_parameter, only: parameter_t
+    use spintop_parameter, only: kind_text, parameter_t
     use spintop_parameters, only: parameter_table_t
     use spintop_scanner, only: scanner_t, token_comma, token_end, token_group, token_slash, &
         token_string, token_t, token_word
@@ -27,7 +27,7 @@ contains
 
         after_value = .false.
         do
-            if (at_end_of_values(scanner, group, table)) return
+            if (at_end_of_values(scanner, group, table, parameter%kind == kind_text)) return
             call scanner%next(token)
             select case (token%kind)
             case (token_word)
@@ -86,31 +86,37 @@ contains
         character(*), intent(in) :: group
         type(parameter_table_t), intent(in) :: table
         type(token_t) :: token
-        do while (.not. at_end_of_values(scanner, group, table))
+        do while (.not. at_end_of_values(scanner, group, table, .true.))
             call scanner%next(token)
         end do
     end subroutine skip_values
 
     !> Whether the values of an assignment end here: at the end of the group, at the next
-    !> `key =`, or at a known key that starts a line but lacks its equals sign.
-    logical function at_end_of_values(scanner, group, table)
+    !> `key =`, or at a name that starts a line and can be no value (the equals sign is missing).
+    logical function at_end_of_values(scanner, group, table, words_expected) result(at_end)
         type(scanner_t), intent(inout) :: scanner
         character(*), intent(in) :: group
         type(parameter_table_t), intent(in) :: table
+        logical, intent(in) :: words_expected
         type(token_t) :: token
 
+        at_end = .false.
         call scanner%peek(token)
         select case (token%kind)
         case (token_end, token_group)
-            at_end_of_values = .true.
+            at_end = .true.
         case (token_slash)
-            at_end_of_values = .not. scanner%is_inside_word()
+            at_end = .not. scanner%is_inside_word()
         case (token_word)
-            at_end_of_values = scanner%key_follows()
-            if (token%starts_line .and. scanner%is_name(token)) at_end_of_values = &
-                at_end_of_values .or. table%find(group // '.' // lower_case(scanner%word(token))) > 0
-        case default
-            at_end_of_values = .false.
+            at_end = scanner%key_follows()
+            if (at_end .or. .not. token%starts_line .or. .not. scanner%is_name(token)) return
+            select case (lower_case(scanner%word(token)))
+            case ('t', 'f', 'true', 'false', 'nan', 'inf', 'infinity')
+                at_end = .false.
+            case default
+                at_end = .not. words_expected .or. &
+                    table%find(group // '.' // lower_case(scanner%word(token))) > 0
+            end select
         end select
     end function at_end_of_values
 

@@ -29,6 +29,7 @@ module spintop_energy_rate
         procedure :: motion
         procedure :: time_left
         procedure :: depart
+        procedure :: arrive
     end type energy_rate_t
 
 contains
@@ -106,7 +107,7 @@ contains
         dy(3) = self%top%omega3 - dy(1) * cos(y(2))
     end function at_turning_point
 
-    !> -theta'/theta'' while theta slows down: exact as it goes to zero.
+    !> -theta'/theta'' while theta slows down.
     pure real(dp) function time_left(self, y)
         class(energy_rate_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states)
@@ -128,17 +129,52 @@ contains
         logical, intent(out) :: departed
         !> Share of the fastest time scale that a departure of own choice takes.
         real(dp), parameter :: share = 1.0e-3_dp
-        real(dp) :: dy(max_states), rise, bend
+        real(dp) :: dy(max_states)
 
         departed = self%starts_at_rest .and. .not. is_zero(self%branch)
         if (.not. departed) return
         dy = at_turning_point(self, y)
         if (is_zero(h)) h = share / sqrt(self%top%beta + self%top%a**2 + dy(1)**2)
+        call leave_turning_point(self, dy, h, y)
+    end subroutine depart
+
+    !> Finds the turning angle by Newton's method on the radicand, the time to it with the next
+    !> term of the series, and goes there as it would go back.
+    pure subroutine arrive(self, y, left)
+        class(energy_rate_t), intent(in) :: self
+        real(dp), intent(inout) :: y(max_states)
+        real(dp), intent(out) :: left
+        integer, parameter :: newton_steps = 3
+        real(dp) :: dy(max_states), back(max_states), turning
+        integer :: i
+
+        left = self%time_left(y)
+        turning = y(2)
+        do i = 1, newton_steps
+            turning = turning - self%top%speed_budget(turning) &
+                / (2 * self%top%theta_acceleration(turning, self%top%precession_rate(turning)))
+        end do
+        back = y
+        back(2) = turning
+        dy = at_turning_point(self, back)
+        left = left * (1 - self%top%theta_stiffness(turning, dy(1)) * left**2 / 3)
+        call leave_turning_point(self, dy, -left, back)
+        y(1) = y(1) + (y(1) - back(1))
+        y(2) = turning
+        y(3) = y(3) + (y(3) - back(3))
+    end subroutine arrive
+
+    !> Moves a state at a turning point, where the rates are `dy`, by a short time h.
+    pure subroutine leave_turning_point(self, dy, h, y)
+        class(energy_rate_t), intent(in) :: self
+        real(dp), intent(in) :: dy(max_states), h
+        real(dp), intent(inout) :: y(max_states)
+        real(dp) :: rise, bend
         rise = self%top%theta_acceleration(y(2), dy(1)) * h**2 / 2
         bend = self%top%phi_acceleration(y(2), dy(1), rise * h / 3)
         y(1) = y(1) + h * dy(1) + bend
         y(3) = y(3) + h * dy(3) - bend * cos(y(2)) + dy(1) * sin(y(2)) * rise * h / 3
         y(2) = y(2) + rise
-    end subroutine depart
+    end subroutine leave_turning_point
 
 end module spintop_energy_rate

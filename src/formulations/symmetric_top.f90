@@ -1,6 +1,6 @@
 !> The equations in Euler angles that the formulations of a symmetric top share.
 module spintop_symmetric_top
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, epsilon_dp
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t, motion_from_angles
     use spintop_attitude, only: omega_rate_from_accelerations
@@ -24,6 +24,7 @@ module spintop_symmetric_top
         procedure :: set
         procedure :: precession_rate
         procedure :: theta_acceleration
+        procedure :: theta_stiffness
         procedure :: phi_acceleration
         procedure :: speed_budget
         procedure :: complete
@@ -63,6 +64,14 @@ contains
                              * (phi_rate * (phi_rate * cos(theta) - self%a) + self%beta / 2)
     end function theta_acceleration
 
+    !> Derivative of theta'' by theta along the curve of constant momenta, 1/s^2.
+    pure real(dp) function theta_stiffness(self, theta, phi_rate)
+        class(symmetric_top_t), intent(in) :: self
+        real(dp), intent(in) :: theta, phi_rate
+        theta_stiffness = cos(theta) * (phi_rate * (phi_rate * cos(theta) - self%a) + self%beta / 2) &
+                          - (self%a - 2 * phi_rate * cos(theta))**2 - (phi_rate * sin(theta))**2
+    end function theta_stiffness
+
     !> phi'', rad/s^2: the time derivative of Eq 41.
     pure real(dp) function phi_acceleration(self, theta, phi_rate, theta_rate)
         class(symmetric_top_t), intent(in) :: self
@@ -96,10 +105,10 @@ contains
         cosine_drop = 2 * sin((theta + theta0) / 2) * sin((theta - theta0) / 2)
     end function cosine_drop
 
-    !> Whether sin(theta) is zero to the rounding of theta.
+    !> Whether sin(theta) is zero to the rounding of an angle.
     pure logical function at_pole(theta)
         real(dp), intent(in) :: theta
-        at_pole = abs(sin(theta)) <= spacing(theta)
+        at_pole = abs(sin(theta)) <= epsilon_dp
     end function at_pole
 
 end module spintop_symmetric_top

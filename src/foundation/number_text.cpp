@@ -21,16 +21,15 @@ char *write_real(char *first, char *last, double value) {
 
 } // namespace
 
-// The text must have room for 24 characters a number (and one a separator).
+// The text must have room for 24 characters a number (and one for a comma).
 extern "C" int spintop_real_to_text(double value, char *text, int capacity) {
     return static_cast<int>(write_real(text, text + capacity, value) - text);
 }
 
-extern "C" int spintop_reals_to_text(const double *values, int count, char separator, char *text,
-                                     int capacity) {
+extern "C" int spintop_reals_to_text(const double *values, int count, char *text, int capacity) {
     char *next = text;
     for (int i = 0; i < count; ++i) {
-        if (i > 0) *next++ = separator;
+        if (i > 0) *next++ = ',';
         next = write_real(next, text + capacity, values[i]);
     }
     return static_cast<int>(next - text);

@@ -5,8 +5,7 @@ module spintop_status
     public :: status_name, status_meaning
     public :: status_ok, status_pole, status_non_finite, status_step_limit, status_not_converged
     public :: status_step_too_small, status_turning_point, status_outside, status_unsuitable
-    public :: status_integrator
-    public :: last_status
+    public :: status_integrator, status_bad_input, last_status
 
     integer, parameter :: status_ok = 0
     integer, parameter :: status_pole = 1
@@ -18,11 +17,12 @@ module spintop_status
     integer, parameter :: status_outside = 7
     integer, parameter :: status_unsuitable = 8
     integer, parameter :: status_integrator = 9
-    integer, parameter :: last_status = 9
+    integer, parameter :: status_bad_input = 10
+    integer, parameter :: last_status = 10
 
     character(*), parameter :: names(0:last_status) = [character(16) :: &
         'ok', 'pole', 'non_finite', 'step_limit', 'not_converged', 'step_too_small', &
-        'turning_point', 'outside', 'unsuitable', 'integrator']
+        'turning_point', 'outside', 'unsuitable', 'integrator', 'bad_input']
 
     character(*), parameter :: meanings(0:last_status) = [character(96) :: &
         'completed', &
@@ -34,7 +34,8 @@ module spintop_status
         'reached a turning point of theta, where the energy-rate equations end', &
         'the state left the region where the equations hold (negative radicand)', &
         'the equations do not hold for this body or start', &
-        'the integrator library reported a failure of its own']
+        'the integrator library reported a failure of its own', &
+        'the parameters of the case describe no top or no motion']
 
 contains
 

@@ -36,12 +36,11 @@ module spintop_text
             integer(c_int), value :: capacity
         end function c_real_to_text
 
-        integer(c_int) function c_reals_to_text(values, count, separator, text, capacity) &
+        integer(c_int) function c_reals_to_text(values, count, text, capacity) &
                 bind(C, name='spintop_reals_to_text')
             import :: c_char, c_double, c_int
             real(c_double), intent(in) :: values(*)
             integer(c_int), value :: count, capacity
-            character(c_char), value :: separator
             character(c_char), intent(inout) :: text(*)
         end function c_reals_to_text
     end interface
@@ -208,14 +207,13 @@ contains
         text = trim(room)
     end function long_integer_to_text
 
-    !> Writes numbers, separated by one character, to the start of a text that has room for
+    !> Writes numbers, separated by commas, to the start of a text that has room for
     !> `(real_width + 1)*size(values)` characters. The fast way to a row of a table.
-    subroutine write_reals(values, separator, text, length)
+    subroutine write_reals(values, text, length)
         real(dp), intent(in), contiguous :: values(:)
-        character, intent(in) :: separator
         character(*), intent(inout) :: text
         integer, intent(out) :: length !! characters written
-        length = c_reals_to_text(values, size(values), separator, text, len(text))
+        length = c_reals_to_text(values, size(values), text, len(text))
     end subroutine write_reals
 
 end module spintop_text

@@ -178,7 +178,7 @@ contains
         end associate
     end subroutine take_step
 
-    !> The state at a time within the last step, by ARKODE's dense output.
+    !> The state at a time within the last step, to the order of the table (at least 4, at most 8).
     function interpolate(self, work, t) result(y)
         class(arkode_t), intent(in) :: self
         class(workspace_t), intent(inout) :: work
@@ -190,7 +190,7 @@ contains
         if (t >= work%t) return
         select type (work)
         class is (arkode_workspace_t)
-            y = work%memory%interpolate(work%memory%now%t + (t - work%t))
+            y = work%memory%interpolate((t - work%t_last) / (work%t - work%t_last))
             work%counts = work%memory%now%counts
         end select
     end function interpolate
@@ -213,7 +213,7 @@ contains
     subroutine release(self)
         type(arkode_workspace_t), intent(inout) :: self
         if (.not. associated(self%memory)) return
-        call self%memory%free()
+        call self%memory%destroy()
         deallocate (self%memory)
     end subroutine release
 

@@ -82,7 +82,7 @@ contains
     pure function default_arkode_table(implicit_table) result(name)
         logical, intent(in) :: implicit_table
         character(:), allocatable :: name
-        name = 'arkode_verner_8_5_6'
+        name = 'arkode_fehlberg_13_7_8'
         if (implicit_table) name = 'arkode_esdirk547l2sa2_7_4_5'
     end function default_arkode_table
 

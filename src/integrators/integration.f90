@@ -6,13 +6,15 @@ module spintop_integration
     use spintop_formulation, only: formulation_t, max_states
     use spintop_stepper, only: stepper_t, workspace_t, counts_t
     use spintop_status, only: status_ok, status_outside, status_step_too_small, &
-        status_step_limit, status_turning_point
+        status_step_limit, status_turning_point, status_not_converged
     implicit none
     private
     public :: integrate, observer_t, outcome_t
 
     !> Looks at the motion at the sample times.
     type, abstract :: observer_t
+        !> Set by the observer to end the run.
+        logical :: has_enough = .false.
     contains
         procedure(observe), deferred :: observe
     end type observer_t
@@ -35,8 +37,9 @@ module spintop_integration
         type(counts_t) :: counts
     end type outcome_t
 
-    !> Shorter than this share of the time gone, the time left to a turning point is its distance.
-    real(dp), parameter :: arrival = 1.0e-7_dp
+    !> With less than this share of the time gone left, a run arrives at the end of its equations;
+    !> with less than `near` of the span, one that is stuck has arrived too.
+    real(dp), parameter :: arrival = 1.0e-4_dp, near = 1.0e-2_dp
     !> A sample of a fixed-step method this share of a step away is at the step.
     real(dp), parameter :: grid_slack = 1.0e-6_dp
 
@@ -67,7 +70,7 @@ contains
             call stepper%begin(formulation, work, status)
             call show_until(work%t)
         end if
-        do while (status == status_ok .and. work%t < t_end)
+        do while (status == status_ok .and. work%t < t_end .and. .not. observer%has_enough)
             if (work%counts%steps >= stepper%controls%max_steps) then
                 status = status_step_limit
                 exit
@@ -161,14 +164,19 @@ contains
         class(observer_t), intent(inout) :: observer
         integer, intent(inout) :: status
         real(dp) :: left
-        logical :: stuck
 
         left = formulation%time_left(work%y)
-        if (left >= huge(left)) return
-        stuck = status == status_outside .or. status == status_step_too_small
-        if (.not. stuck .and. (status /= status_ok .or. left > arrival * work%t)) return
+        select case (status)
+        case (status_ok)
+            if (left > arrival * work%t) return
+        case (status_outside, status_step_too_small, status_not_converged)
+            if (left > near * work%t_end) return
+        case default
+            return
+        end select
+        call formulation%arrive(work%y, left)
+        if (work%t + left > work%t_end) return
         work%t = work%t + left
-        if (work%t > work%t_end) return
         status = status_turning_point
         call observer%observe(formulation, work%t, work%y)
     end subroutine check_arrival

@@ -3,7 +3,7 @@ module spintop_body_of_scene
     use spintop_kinds, only: dp
     use spintop_compare, only: is_zero
     use spintop_body, only: body_t
-    use spintop_shapes, only: shape_info_t, dimensions_t, solid_t, shape_infos, build_shape, &
+    use spintop_shapes, only: dimensions_t, solid_t, shape_infos, build_shape, &
         shape_by_inertia
     use spintop_parameters, only: unset
     use spintop_problems, only: problems_t
@@ -106,17 +106,15 @@ contains
         type(scene_t), intent(in) :: scene
         type(body_t), intent(inout) :: body
         type(problems_t), intent(inout) :: problems
-        type(shape_info_t), allocatable :: shapes(:)
         type(solid_t) :: solid
         integer :: i
 
-        shapes = shape_infos()
-        do i = 1, size(shapes)
-            if (shapes(i)%name /= scene%shape) cycle
+        do i = 1, size(shape_infos)
+            if (shape_infos(i)%name /= scene%shape) cycle
             call check('top.radius', scene%radius, .true.)
-            call check('top.inner_radius', scene%inner_radius, shapes(i)%needs_inner_radius)
-            call check('top.thickness', scene%thickness, shapes(i)%needs_thickness)
-            call check('top.rod_length', scene%rod_length, shapes(i)%needs_rod_length)
+            call check('top.inner_radius', scene%inner_radius, shape_infos(i)%needs_inner_radius)
+            call check('top.thickness', scene%thickness, shape_infos(i)%needs_thickness)
+            call check('top.rod_length', scene%rod_length, shape_infos(i)%needs_rod_length)
         end do
         if (any(is_set(scene%inertia))) call check('top.inertia', 1.0_dp, .false.)
         if (any(is_set(scene%centre_of_mass))) call check('top.centre_of_mass', 1.0_dp, .false.)

@@ -53,8 +53,8 @@ module spintop_columns
         column_t('kinetic', 'J', 'kinetic energy', group_energy), &
         column_t('potential', 'J', 'potential energy above the height of the pivot', group_energy), &
         column_t('energy', 'J', 'total energy', group_energy), &
-        column_t('energy_error', '', 'energy less that of the start, over the kinetic energy of the &
-                 &start plus m g times the distance of the centre of mass', group_energy), &
+        column_t('energy_error', '', 'change of energy since the start over (kinetic at start + m g |r|)', &
+                 group_energy), &
         column_t('lz', 'J s', 'angular momentum about the vertical', group_momenta), &
         column_t('l3', 'J s', 'angular momentum about body z', group_momenta), &
         column_t('R1', 'N m', "residual of Euler's first equation (Eq 51)", group_residuals), &

@@ -15,10 +15,12 @@ module spintop_plan
     use spintop_text, only: to_text, nearest_word, string_t, join
     implicit none
     private
-    public :: plan_t, make_plan, sample_times
+    public :: plan_t, make_plan, sample_time, sample_times
 
     !> Rows of a trajectory of an adaptive method when their number is not given.
     integer, parameter :: default_samples = 1001
+    !> More fixed steps than this are not counted.
+    real(dp), parameter :: most_steps = 1.0e9_dp
     !> A span this close to a whole number of steps has that number.
     real(dp), parameter :: step_slack = 1.0e-9_dp
 
@@ -197,7 +199,7 @@ contains
                 call problems%add('integration.table', method // ' takes no table', 'leave it out')
                 return
             end if
-            known = arkode_table_names(implicit)
+            allocate (known, source=arkode_table_names(implicit))
             do i = 1, size(known)
                 if (known(i)%text == scene%table) return
             end do
@@ -218,6 +220,11 @@ contains
         integer :: wanted, below
 
         call plan%fit_steps(case%t_end)
+        if (plan%stepper%controls%steps > plan%stepper%controls%max_steps) then
+            call problems%add('integration.max_steps', 'a case takes ' // &
+                to_text(plan%stepper%controls%steps) // ' steps, more than max_steps = ' // &
+                to_text(plan%stepper%controls%max_steps), 'raise max_steps or take fewer steps')
+        end if
         if (plan%is_adaptive()) then
             if (scene%samples /= unset_integer) plan%samples = scene%samples
             return
@@ -258,7 +265,7 @@ contains
         real(dp), intent(in) :: t_end
         if (self%step > 0) then
             self%stepper%controls%steps = max(1, ceiling(min(t_end / self%step * (1 - step_slack), &
-                                                             real(huge(1) / 2, dp))))
+                                                             most_steps)))
         end if
     end subroutine fit_steps
 
@@ -269,14 +276,24 @@ contains
         if (allocated(self%stepper)) is_adaptive = self%stepper%controls%steps == 0
     end function is_adaptive
 
-    !> `samples` equally spaced times from 0 to `t_end`, both included.
+    !> Time of row `i` of `samples` equally spaced ones from 0 to `t_end`, both included.
+    elemental real(dp) function sample_time(t_end, samples, i)
+        real(dp), intent(in) :: t_end
+        integer, intent(in) :: samples, i
+        sample_time = t_end
+        if (i < samples) sample_time = t_end * (i - 1) / (samples - 1)
+    end function sample_time
+
+    !> The times of all rows.
     pure function sample_times(t_end, samples) result(times)
         real(dp), intent(in) :: t_end
         integer, intent(in) :: samples
-        real(dp) :: times(samples)
+        real(dp), allocatable :: times(:)
         integer :: i
-        times = [(t_end * i / (samples - 1), i=0, samples - 1)]
-        times(samples) = t_end
+        allocate (times(samples))
+        do i = 1, samples
+            times(i) = sample_time(t_end, samples, i)
+        end do
     end function sample_times
 
 end module spintop_plan

@@ -84,11 +84,9 @@ contains
         call table%add('study.kind', scene%kind, 'trajectory|sweep', 'what to compute')
         call table%add('study.title', scene%title, what='one line on the scene, for tables and figures')
 
-        associate (shapes => shape_infos())
-            call table%add('top.shape', scene%shape, &
-                           shape_by_inertia // '|' // join(shapes%name, '|'), &
-                           'how the body is given: by its mass properties or by a shape')
-        end associate
+        call table%add('top.shape', scene%shape, &
+                       shape_by_inertia // '|' // join(shape_infos%name, '|'), &
+                       'how the body is given: by its mass properties or by a shape')
         call table%add('top.mass', scene%mass, 'kg', '> 0', 'mass of the body')
         call table%add('top.inertia', scene%inertia, 'kg m^2', '> 0', &
                        'principal moments of inertia about body x, y, z')

@@ -39,22 +39,19 @@ module spintop_shapes
     !> Name of the shape that is given by its mass properties.
     character(*), parameter :: shape_by_inertia = 'inertia'
 
-contains
-
     !> All shapes with a formula.
-    pure function shape_infos() result(infos)
-        type(shape_info_t), allocatable :: infos(:)
-        infos = [ &
-            shape_info_t('spinning_wheel', 'disc at the end of a massless rod (the paper, Example 2)', &
-                         .false., .true., .true.), &
-            shape_info_t('ring', 'flat ring (gyroscope rotor) at the end of a massless rod', &
-                         .true., .true., .true.), &
-            shape_info_t('sphere', 'ball at the end of a massless rod', .false., .false., .true.), &
-            shape_info_t('cylinder', 'cylinder standing on the centre of its base', &
-                         .false., .true., .false.), &
-            shape_info_t('cone', 'cone standing on its apex; thickness is its height', &
-                         .false., .true., .false.)]
-    end function shape_infos
+    type(shape_info_t), parameter :: shape_infos(*) = [ &
+        shape_info_t('spinning_wheel', 'disc at the end of a massless rod (the paper, Example 2)', &
+                     .false., .true., .true.), &
+        shape_info_t('ring', 'flat ring (gyroscope rotor) at the end of a massless rod', &
+                     .true., .true., .true.), &
+        shape_info_t('sphere', 'ball at the end of a massless rod', .false., .false., .true.), &
+        shape_info_t('cylinder', 'cylinder standing on the centre of its base', &
+                     .false., .true., .false.), &
+        shape_info_t('cone', 'cone standing on its apex; thickness is its height', &
+                     .false., .true., .false.)]
+
+contains
 
     !> Volume, length and radii of inertia of a shape.
     pure type(solid_t) function build_shape(name, size) result(solid)

@@ -1,0 +1,89 @@
+!> The batch program: reads inputs, has their studies carried out, and ends with an exit code.
+program spintop_main
+    use, intrinsic :: iso_fortran_env, only: int64, output_unit, error_unit
+    use spintop_command_line, only: request_t, read_command_line, usage, action_check, action_list, &
+        action_help, action_version
+    use spintop_errors, only: error_t, exit_ok
+    use spintop_job, only: job_t
+    use spintop_listing, only: list_topic
+    use spintop_provenance, only: program_version, program_revision
+    use spintop_studies, only: prepare_jobs, run_job, explain_job
+    use spintop_text, only: string_t
+    implicit none
+    type(request_t) :: request
+    type(job_t), allocatable, target :: jobs(:)
+    type(string_t), allocatable :: lines(:)
+    type(error_t), allocatable :: error
+    integer :: code, worst, i
+
+    call read_command_line(request, error)
+    call end_on(error)
+    select case (request%action)
+    case (action_help)
+        write (output_unit, '(a)') (trim(usage(i)), i=1, size(usage))
+        call leave(exit_ok)
+    case (action_version)
+        write (output_unit, '(a)') 'spintop ' // program_version // ' (revision ' // program_revision() // ')'
+        call leave(exit_ok)
+    case (action_list)
+        call list_topic(request%topic, lines, error)
+        call end_on(error)
+        call show(lines)
+        call leave(exit_ok)
+    end select
+
+    call prepare_jobs(request%inputs, request%options, jobs, error)
+    call end_on(error)
+    worst = exit_ok
+    do i = 1, size(jobs)
+        if (jobs(i)%warnings /= '') write (error_unit, '(a)') jobs(i)%warnings
+        if (request%action == action_check) then
+            call explain_job(jobs(i), lines)
+            code = exit_ok
+        else
+            call run_job(jobs(i), request%options, lines, code, error)
+            if (allocated(error)) then
+                write (error_unit, '(a)') error%message
+                code = error%code
+            end if
+        end if
+        call show(lines)
+        worst = max(worst, code)
+    end do
+    call leave(worst)
+
+contains
+
+    !> Writes lines to standard output.
+    subroutine show(lines)
+        type(string_t), allocatable, intent(in) :: lines(:)
+        integer :: line
+        if (.not. allocated(lines)) return
+        do line = 1, size(lines)
+            write (output_unit, '(a)') lines(line)%text
+        end do
+    end subroutine show
+
+    !> Ends the program if there is an error.
+    subroutine end_on(error)
+        type(error_t), allocatable, intent(in) :: error
+        if (.not. allocated(error)) return
+        write (error_unit, '(a)') error%message
+        call leave(error%code)
+    end subroutine end_on
+
+    !> Ends the program with an exit code, without the notes that STOP may print.
+    subroutine leave(code)
+        integer, intent(in) :: code
+        interface
+            subroutine c_exit(code) bind(c, name='exit')
+                use, intrinsic :: iso_c_binding, only: c_int
+                integer(c_int), value :: code
+            end subroutine c_exit
+        end interface
+        flush (output_unit)
+        flush (error_unit)
+        call c_exit(code)
+    end subroutine leave
+
+end program spintop_main

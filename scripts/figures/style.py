@@ -1,0 +1,158 @@
+"""What all figures share: look, title, footer with the provenance, saving."""
+
+import os
+import textwrap
+import warnings
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, MultipleLocator
+
+from figures.table import Table
+
+WIDTH = 7.2
+"""Width of a figure in inches: a page's text column, so that nothing is scaled down."""
+
+LINES = (
+    {"color": "#12355b", "linestyle": "-"},
+    {"color": "#d1641b", "linestyle": "--"},
+    {"color": "#5aa9a3", "linestyle": "-."},
+    {"color": "#8a6fae", "linestyle": ":"},
+)
+"""Lines that differ in colour, in lightness and in dashes."""
+
+FAINT = "0.8"
+GREY = "0.35"
+
+WIDE_RANGE = 1e3
+"""A quantity whose largest size is this many times its usual one is drawn on a log axis."""
+
+DECADES = 30
+"""Most decades on a log axis."""
+
+MANY_POINTS = 20_000
+"""Longer lines are stored as pixels in an SVG."""
+
+RIGHT_ANGLES = (1, 2, 5, 10, 15, 30, 45, 90, 180, 360, 720)
+
+mpl.rcParams.update(
+    {
+        "font.size": 10,
+        "axes.labelsize": 10,
+        "xtick.labelsize": 9,
+        "ytick.labelsize": 9,
+        "legend.fontsize": 9,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.linewidth": 0.8,
+        "axes.formatter.limits": (-3, 4),
+        "axes.formatter.use_mathtext": True,
+        "lines.linewidth": 1.2,
+        "legend.frameon": False,
+        "agg.path.chunksize": 10_000,
+        "svg.hashsalt": "spintop",
+    }
+)
+warnings.filterwarnings("ignore", message="Glyph .* missing")
+
+
+def new_figure(table: Table, what: str, height: float, width: float = WIDTH) -> Figure:
+    """A figure with its title above, and below it where the table comes from."""
+    figure = Figure(figsize=(width, height), layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06, hspace=0.04)
+    figure.suptitle(what, x=0.012, ha="left", fontsize=11, fontweight="bold", parse_math=False)
+    figure.supxlabel(
+        footer(table, int(width * 15)), x=0.012, ha="left", fontsize=9, color=GREY, parse_math=False
+    )
+    return figure
+
+
+def footer(table: Table, width: int) -> str:
+    """Title, run, program and revision, and how the run ended if not well."""
+    header = table.header
+    lines = textwrap.wrap(table.title, width)
+    run = describe_run(table)
+    if table.status not in (None, "ok"):
+        run += f"; ended with status {table.status} s"
+    lines += textwrap.wrap(run[0].upper() + run[1:], width)
+    lines.append(f"{header['program']}, revision {header.get('revision', 'unknown')}")
+    return "\n".join(lines)
+
+
+def describe_run(table: Table) -> str:
+    """Formulation, method, and steps or tolerances, in words."""
+    method = table.setting("integration.method")
+    if method == "exact":
+        return "exact motion"
+    words = [f"formulation {table.setting('integration.formulation')}", f"method {method}"]
+    if butcher := table.setting("integration.table"):
+        words.append(f"table {butcher}")
+    if steps := table.setting("integration.steps"):
+        words.append(f"{steps} steps")
+    elif step := table.setting("integration.step"):
+        words.append(f"steps of {step} s")
+    elif method != "auto":
+        words += describe_tolerances(table)
+    return ", ".join(words)
+
+
+def describe_tolerances(table: Table) -> list[str]:
+    """The tolerances that the input gives."""
+    given = [
+        f"{kind} tolerance {value}"
+        for kind in ("relative", "absolute")
+        if (value := table.setting(f"integration.{kind}_tolerance"))
+    ]
+    return given or ["default tolerances"]
+
+
+def with_unit(name: str, unit: str) -> str:
+    """The label of an axis."""
+    return f"{name} ({unit})" if unit else name
+
+
+def draw_line(axes: Axes, x: np.ndarray, y: np.ndarray, line: int = 0, **options: object) -> None:
+    """Draw a curve; what is not finite is left out."""
+    finite = np.where(np.isfinite(y), y, np.nan)
+    axes.plot(x, finite, **LINES[line], rasterized=len(y) > MANY_POINTS, **options)
+
+
+def has_wide_range(y: np.ndarray) -> bool:
+    """Whether a linear axis would show nothing but the largest values."""
+    sizes = np.abs(y[np.isfinite(y) & (y != 0)])
+    return sizes.size > 0 and sizes.max() > WIDE_RANGE * np.median(sizes)
+
+
+def draw_sizes(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
+    """Draw absolute values on a log axis."""
+    sizes = np.where((y != 0) & np.isfinite(y), np.abs(y), np.nan)
+    axes.set_yscale("log")
+    draw_line(axes, x, sizes)
+    low, high = np.nanmin(sizes), np.nanmax(sizes)
+    low = max(low, high * 10.0**-DECADES)
+    axes.set_ylim(low / 3, min(high * 3, 1e308))
+    axes.yaxis.set_major_locator(LogLocator(numticks=7))
+
+
+def set_degree_ticks(axes: Axes, degrees: np.ndarray) -> None:
+    """Ticks at round parts or multiples of a turn, six at most."""
+    span = np.ptp(degrees[np.isfinite(degrees)])
+    step = next((step for step in RIGHT_ANGLES if span <= 5 * step), None)
+    if step is not None and span > 2 * RIGHT_ANGLES[0]:
+        axes.yaxis.set_major_locator(MultipleLocator(step))
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure; a file of that name is replaced when the new one is complete."""
+    part = path.with_name(path.name + ".part")
+    kind = path.suffix[1:]
+    try:
+        figure.savefig(
+            part, format=kind, dpi=150, metadata={"Date": None} if kind == "svg" else None
+        )
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)

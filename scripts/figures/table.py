@@ -1,0 +1,152 @@
+"""Reading a table of spintop: its head of `#` lines, its rows, its status."""
+
+import io
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+
+TEXT_COLUMNS = ("status", "notes")
+VALUE = re.compile(r"'((?:[^']|'')*)'|([^\s,]+)")
+ASSIGNMENT = re.compile(r"([a-z]\w*(?:\([^)]*\))?)\s*=\s*(.*)", re.IGNORECASE)
+COLUMN = re.compile(r"(\S+?)(?:\s+\[(.*?)\])?:")
+
+
+class TableError(Exception):
+    """What is wrong with a table, in one line."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table that was read.
+
+    `header` holds the `key: value` lines of its head, `settings` the resolved input by
+    `group.key`, `units` those of the columns, `status` how a trajectory ended.
+    """
+
+    path: Path
+    header: dict[str, str]
+    settings: dict[str, list[str]]
+    units: dict[str, str]
+    rows: pd.DataFrame
+    status: str | None
+
+    @property
+    def title(self) -> str:
+        """The title that the input gives."""
+        return self.header.get("title", "")
+
+    def setting(self, key: str) -> str:
+        """The first value of a setting, such as study.kind; empty if it has none."""
+        return self.settings.get(key, [""])[0]
+
+    def holds(self, *columns: str) -> bool:
+        """Whether these columns are there and each has a finite value."""
+        return not self.lacks(*columns)
+
+    def lacks(self, *columns: str) -> str:
+        """Why these columns cannot be drawn; empty if they can."""
+        missing = [name for name in columns if name not in self.rows]
+        if missing:
+            return f"has no column {', '.join(missing)}"
+        # The largest number less itself is nan where it is infinite.
+        empty = [name for name in columns if not (self.rows[name] - self.rows[name] == 0).any()]
+        if empty:
+            return f"has no number in column {', '.join(empty)}"
+        return ""
+
+    def axes(self) -> list[str]:
+        """The swept parameters: the columns between `case` and `status`."""
+        names = list(self.rows.columns)
+        if names[0] != "case" or "status" not in names:
+            return []
+        return names[1 : names.index("status")]
+
+
+def read_table(path: Path) -> Table:
+    """Read a table, or raise a TableError that says why it is none."""
+    try:
+        text = path.read_text(encoding="utf-8", errors="replace")
+    except OSError as error:
+        raise TableError((error.strerror or str(error)).lower()) from error
+    lines = text.splitlines() if "\r\n" in text else text.split("\n")
+    first = next((i for i, line in enumerate(lines) if not line.startswith("#")), len(lines))
+    header, settings, units = read_head([line[1:].strip() for line in lines[:first]])
+    if not header.get("program", "").startswith("spintop"):
+        raise TableError("is no table of spintop: its head names no program")
+    if not text.endswith("\n"):
+        raise TableError("is cut short: its last line has no end")
+    body = [line for line in lines[first:] if line and not line.startswith("#")]
+    last = [line[1:].strip() for line in lines[first:] if line.startswith("#")]
+    status = next((line[7:].strip() for line in last if line.startswith("status:")), None)
+    if settings.get("study.kind") == ["trajectory"] and status is None:
+        raise TableError("is cut short: its last line, the status, is missing")
+    if not body:
+        raise TableError("is cut short: it names no columns")
+    rows = read_rows(body, first + 1)
+    if rows.empty:
+        raise TableError("has no rows" + (f" (status: {status})" if status else ""))
+    return Table(path, header, settings, units, rows, status)
+
+
+def read_head(lines: list[str]) -> tuple[dict[str, str], dict[str, list[str]], dict[str, str]]:
+    """The `key: value` lines of a head, the resolved input, and the units of the columns."""
+    header: dict[str, str] = {}
+    settings: dict[str, list[str]] = {}
+    units: dict[str, str] = {}
+    group = key = ""
+    in_columns = False
+    for line in lines:
+        assignment = ASSIGNMENT.fullmatch(line)
+        if line.startswith("&"):
+            group, key = line[1:].strip().lower(), ""
+        elif line == "/":
+            group = ""
+        elif group and assignment:
+            key = f"{group}.{assignment[1].lower()}"
+            settings[key] = read_values(assignment[2])
+        elif group and key:
+            settings[key] += read_values(line)
+        elif line == "columns:":
+            in_columns = True
+        elif in_columns and (column := COLUMN.match(line)):
+            units[column[1]] = column[2] or ""
+        elif ":" in line:
+            name, _, value = line.partition(":")
+            header[name.strip().lower()] = value.strip()
+    return header, settings, units
+
+
+def read_values(text: str) -> list[str]:
+    """The values of a namelist assignment, without their quotes."""
+    return [
+        (match[2] or match[1].replace("''", "'")) if match[2] else match[1].replace("''", "'")
+        for match in VALUE.finditer(text)
+    ]
+
+
+def read_rows(body: list[str], first: int) -> pd.DataFrame:
+    """The rows below the line of column names, which is line `first` of the file."""
+    names = body[0].split(",")
+    for number, line in enumerate(body[1:], start=first + 1):
+        cells = line.count(",") + 1
+        if cells != len(names):
+            raise TableError(f"line {number} has {cells} cells in place of {len(names)}")
+    rows = pd.read_csv(io.StringIO("\n".join(body)), float_precision="round_trip")
+    for name in rows:
+        if name in TEXT_COLUMNS:
+            rows[name] = rows[name].fillna("").astype(str)
+        elif not pd.api.types.is_numeric_dtype(rows[name]):
+            bad = next(i for i, cell in enumerate(rows[name]) if is_text(cell))
+            raise TableError(f"line {first + 1 + bad}: {rows[name][bad]!r} in {name} is no number")
+    return rows
+
+
+def is_text(cell: object) -> bool:
+    """Whether a cell holds something that is no number."""
+    try:
+        float(cell)
+    except ValueError:
+        return True
+    return False

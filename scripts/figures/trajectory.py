@@ -1,0 +1,185 @@
+"""The figures of a trajectory, which show the motion against time or in space."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d import Axes3D
+
+from figures.style import (
+    FAINT,
+    GREY,
+    LINES,
+    WIDTH,
+    describe_run,
+    draw_line,
+    draw_sizes,
+    has_wide_range,
+    new_figure,
+    set_degree_ticks,
+    with_unit,
+)
+from figures.table import Table
+
+TIME = "time t (s)"
+
+
+def numbers(table: Table, column: str) -> np.ndarray:
+    """A column as an array."""
+    return table.rows[column].to_numpy(float)
+
+
+def four_panels(table: Table, what: str) -> tuple[Figure, list[Axes]]:
+    """A figure with four panels over the same time."""
+    figure = new_figure(table, what, height=5.4)
+    axes = figure.subplots(2, 2, sharex=True)
+    for panel in axes[1]:
+        panel.set_xlabel(TIME)
+    for panel in axes.flat:
+        panel.margins(x=0.01)
+    return figure, list(axes.flat)
+
+
+def draw_residuals(table: Table) -> Figure:
+    """R1, R2, R3 and R4 against time (Figures 2 to 7 of the paper)."""
+    figure, panels = four_panels(table, f"Residuals: {describe_run(table)}")
+    t = numbers(table, "t")
+    for name, axes in zip(("R1", "R2", "R3", "R4"), panels, strict=True):
+        y = numbers(table, name)
+        label = f"$R_{name[1]}$"
+        if not np.any(y):
+            draw_line(axes, t, y)
+            axes.set_yticks([0])
+            axes.text(0.5, 0.6, "zero throughout", transform=axes.transAxes, ha="center")
+        elif has_wide_range(y):
+            draw_sizes(axes, t, y)
+            label = f"$|R_{name[1]}|$"
+        else:
+            axes.axhline(0, color=FAINT, linewidth=0.8)
+            draw_line(axes, t, y)
+        axes.set_ylabel(with_unit(label, table.units.get(name, "")))
+    return figure
+
+
+def draw_angles(table: Table) -> Figure:
+    """Euler angles and height of the centre of mass against time (Figure 8)."""
+    figure, panels = four_panels(table, "Euler angles and height of the centre of mass")
+    t = numbers(table, "t")
+    symbols = {"phi": r"precession $\phi$", "theta": r"inclination $\theta$", "psi": r"spin $\psi$"}
+    for (name, symbol), axes in zip(symbols.items(), panels, strict=False):
+        degrees = np.degrees(numbers(table, name))
+        draw_line(axes, t, degrees)
+        set_degree_ticks(axes, degrees)
+        axes.set_ylabel(f"{symbol} (degrees)")
+        if name == "theta":
+            mark_extremes(axes, degrees, "°")
+    height = numbers(table, "com_z")
+    draw_line(panels[3], t, height)
+    panels[3].set_ylabel("height above the pivot (m)")
+    mark_extremes(panels[3], height, " m")
+    return figure
+
+
+def mark_extremes(axes: Axes, y: np.ndarray, unit: str) -> None:
+    """Faint lines at the least and the largest value, with their numbers."""
+    low, high = np.nanmin(y), np.nanmax(y)
+    room = 0.16 * (high - low or 1)
+    axes.set_ylim(low - room, high + room)
+    for value, side in ((low, "top"), (high, "bottom")):
+        axes.axhline(value, color=FAINT, linewidth=0.8, zorder=0)
+        axes.text(
+            0.99,
+            value,
+            f"{value:.2f}{unit}" if unit == "°" else f"{value:.5f}{unit}",
+            transform=axes.get_yaxis_transform(),
+            ha="right",
+            va=side,
+            fontsize=9,
+            color=GREY,
+        )
+
+
+def draw_forces(table: Table) -> Figure:
+    """Support force and energies against time (Figure 9)."""
+    figure, panels = four_panels(table, "Support force on the top, and its energy")
+    t = numbers(table, "t")
+    for name, axes in zip(("x", "y", "z"), panels, strict=False):
+        axes.axhline(0, color=FAINT, linewidth=0.8)
+        draw_line(axes, t, numbers(table, f"force_{name}"))
+        axes.set_ylabel(f"$F_{name}$ (N)" + (", upward" if name == "z" else ""))
+    for line, name in enumerate(("energy", "kinetic", "potential")):
+        label = "total" if name == "energy" else name
+        draw_line(panels[3], t, numbers(table, name), line, label=label)
+    panels[3].set_ylabel("energy (J)")
+    panels[3].legend(
+        loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, columnspacing=1.2, borderpad=0
+    )
+    return figure
+
+
+def draw_path(table: Table) -> Figure:
+    """Path of the centre of mass, in space and from above (Figure 11)."""
+    figure = new_figure(table, "Path of the centre of mass", height=4.6)
+    x, y, z = (numbers(table, f"com_{name}") for name in "xyz")
+    radius = float(np.nanmedian(np.sqrt(x**2 + y**2 + z**2)))
+    space = figure.add_subplot(1, 2, 1, projection="3d")
+    draw_path_in_space(space, x, y, z, radius)
+    above = figure.add_subplot(1, 2, 2)
+    draw_path_from_above(above, x, y)
+    return figure
+
+
+def draw_path_in_space(
+    axes: Axes3D, x: np.ndarray, y: np.ndarray, z: np.ndarray, radius: float
+) -> None:
+    """The path on the sphere on which the centre of mass moves."""
+    around, down = np.linspace(0, 2 * np.pi, 73), np.linspace(0, np.pi, 37)
+    axes.plot_wireframe(
+        radius * np.outer(np.sin(down), np.cos(around)),
+        radius * np.outer(np.sin(down), np.sin(around)),
+        radius * np.outer(np.cos(down), np.ones_like(around)),
+        rstride=6,
+        cstride=6,
+        color=FAINT,
+        linewidth=0.4,
+    )
+    draw_line(axes, x, y, zs=z, linewidth=1.0) if False else axes.plot(
+        x, y, z, **LINES[0], linewidth=1.0
+    )
+    axes.plot(0, 0, 0, "k+")
+    mark_ends(axes, x, y, z)
+    axes.set(xlim=(-radius, radius), ylim=(-radius, radius), zlim=(-radius, radius))
+    axes.set_box_aspect((1, 1, 1))
+    axes.set(xlabel="x (m)", ylabel="y (m)", zlabel="z (m)")
+
+
+def draw_path_from_above(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
+    """The path in the horizontal plane, as large as it is."""
+    draw_line(axes, x, y, linewidth=1.0)
+    axes.plot(0, 0, "k+")
+    mark_ends(axes, x, y)
+    axes.set_aspect("equal")
+    axes.set(xlabel="x (m)", ylabel="y (m)")
+
+
+def mark_ends(axes: Axes, *path: np.ndarray) -> None:
+    """Mark where the path begins and ends."""
+    for place, marker, label in ((0, "o", "start"), (-1, "s", "end")):
+        axes.plot(*([c[place]] for c in path), marker, color=LINES[1]["color"], label=label)
+
+
+def draw_error(table: Table) -> Figure:
+    """Orientation error against time, which the residuals do not show, and R4 below it."""
+    has_energy = table.holds("R4") and bool(table.rows["R4"].any())
+    figure = new_figure(
+        table, f"Error of the orientation: {describe_run(table)}", 5.0 if has_energy else 3.6, WIDTH
+    )
+    panels = figure.subplots(1 + has_energy, 1, sharex=True, squeeze=False)[:, 0]
+    t = numbers(table, "t")
+    draw_sizes(panels[0], t, numbers(table, "orientation_error"))
+    panels[0].set_ylabel("angle from the exact\norientation (rad)")
+    if has_energy:
+        draw_sizes(panels[1], t, numbers(table, "R4"))
+        panels[1].set_ylabel(f"change of energy\n$|R_4|$ ({table.units.get('R4', 'J')})")
+    panels[-1].set_xlabel(TIME)
+    panels[-1].margins(x=0.01)
+    return figure

@@ -1,0 +1,157 @@
+!> How accurate an answer can be at all when its data are double precision numbers.
+!>
+!> Rounding the data to double moves the answer whatever the method: little for a steady
+!> precession, hopelessly far for a top that lingers near the upright. The floor at a time is how
+!> far the attitude turns when each datum moves by half a unit in the last place, combined as
+!> independent errors. It is found from exact motions of slightly displaced data.
+module spintop_conditioning
+    use spintop_kinds, only: dp, pi, epsilon_dp
+    use spintop_status, only: status_ok
+    use spintop_attitude, only: rotation_angle
+    use spintop_body, only: body_t
+    use spintop_motion, only: motion_t, motion_from_angles
+    use spintop_regular_start, only: rates_describe
+    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
+    implicit none
+    private
+    public :: conditioning_t, prepare_conditioning, double_floor
+
+    !> Relative displacement of each datum: large enough that the rounding of the attitude does not
+    !> matter, small enough for floors up to 0.1 rad (beyond, displaced motions have no relation to
+    !> each other, and the value says no more than that).
+    real(dp), parameter :: displacement = 8 * epsilon_dp
+    !> Relative error of a rounded datum.
+    real(dp), parameter :: rounding = epsilon_dp / 2
+    !> Data of a start at most: four of the attitude, three rates.
+    integer, parameter :: most_data = 3 + 7
+
+    !> The exact motion of a start and those of its displaced data.
+    type :: conditioning_t
+        private
+        type(exact_motion_t) :: exact
+        integer :: count = 0
+        type(exact_motion_t) :: displaced(most_data)
+        real(dp) :: weight(most_data) = 0
+        !> Floor of what does not change in time: phi and psi at the start, rad.
+        real(dp) :: constant = 0
+    contains
+        procedure :: floor_at
+    end type conditioning_t
+
+contains
+
+    !> Sets up the displaced motions. `status` as in `prepare_exact_motion`.
+    pure subroutine prepare_conditioning(body, start, conditioning, status)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        type(conditioning_t), intent(out) :: conditioning
+        integer, intent(out) :: status
+        type(body_t) :: displaced
+
+        call prepare_exact_motion(body, start, conditioning%exact, status)
+        if (status /= status_ok) return
+
+        displaced = body
+        displaced%inertia(1:2) = displaced_value(body%inertia(1:2))
+        call add(conditioning, displaced, start, 1.0_dp)
+        displaced = body
+        displaced%inertia(3) = displaced_value(body%inertia(3))
+        call add(conditioning, displaced, start, 1.0_dp)
+        ! Mass, gravity and height of the centre of mass act through their product only.
+        displaced = body
+        displaced%gravity = displaced_value(body%gravity)
+        call add(conditioning, displaced, start, sqrt(3.0_dp))
+
+        if (rates_describe(start)) then
+            call displace_angles(conditioning, body, start)
+        else
+            call displace_quaternion(conditioning, body, start)
+        end if
+    end subroutine prepare_conditioning
+
+    !> Data of a start that is given by angles and rates.
+    pure subroutine displace_angles(conditioning, body, start)
+        type(conditioning_t), intent(inout) :: conditioning
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        real(dp) :: angle(3), rate(3)
+        integer :: n
+        angle = start%angle
+        angle(2) = displaced_value(angle(2))
+        ! Turned the other way where the axis would pass the pole and phi jump.
+        if (angle(2) > pi) angle(2) = start%angle(2) * (1 - displacement)
+        call add(conditioning, body, motion_from_angles(start%t, angle, start%rate), 1.0_dp)
+        do n = 1, 3
+            rate = start%rate
+            rate(n) = displaced_value(rate(n))
+            call add(conditioning, body, motion_from_angles(start%t, start%angle, rate), 1.0_dp)
+        end do
+        conditioning%constant = rounding * hypot(start%angle(1), start%angle(3))
+    end subroutine displace_angles
+
+    !> Data of a start that is given by quaternion and omega.
+    pure subroutine displace_quaternion(conditioning, body, start)
+        type(conditioning_t), intent(inout) :: conditioning
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        type(motion_t) :: displaced
+        integer :: n
+        do n = 1, 4
+            displaced = start
+            displaced%quaternion(n) = displaced_value(start%quaternion(n))
+            call add(conditioning, body, displaced, 1.0_dp)
+        end do
+        do n = 1, 3
+            displaced = start
+            displaced%omega(n) = displaced_value(start%omega(n))
+            call add(conditioning, body, displaced, 1.0_dp)
+        end do
+    end subroutine displace_quaternion
+
+    !> Adds the exact motion of displaced data.
+    pure subroutine add(conditioning, body, start, weight)
+        type(conditioning_t), intent(inout) :: conditioning
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        real(dp), intent(in) :: weight
+        integer :: status, n
+        n = conditioning%count + 1
+        call prepare_exact_motion(body, start, conditioning%displaced(n), status)
+        if (status /= status_ok) return
+        conditioning%count = n
+        conditioning%weight(n) = weight * rounding / displacement
+    end subroutine add
+
+    elemental real(dp) function displaced_value(x)
+        real(dp), intent(in) :: x
+        displaced_value = x * (1 + displacement)
+    end function displaced_value
+
+    !> How far rounding of the data turns the attitude at time t (s), rad.
+    pure real(dp) function floor_at(self, t) result(angle)
+        class(conditioning_t), intent(in) :: self
+        real(dp), intent(in) :: t
+        real(dp) :: q(4), turned(most_data)
+        integer :: n
+        q = self%exact%quaternion_at(t)
+        turned = 0
+        do n = 1, self%count
+            turned(n) = self%weight(n) * rotation_angle(q, self%displaced(n)%quaternion_at(t))
+        end do
+        angle = hypot(norm2(turned), self%constant)
+    end function floor_at
+
+    !> How far rounding of the data turns the attitude at time t (s), rad; 0 for data without an
+    !> exact motion. For many times, prepare once.
+    pure real(dp) function double_floor(body, start, t) result(angle)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        real(dp), intent(in) :: t
+        type(conditioning_t) :: conditioning
+        integer :: status
+        call prepare_conditioning(body, start, conditioning, status)
+        angle = 0
+        if (status == status_ok) angle = conditioning%floor_at(t)
+    end function double_floor
+
+end module spintop_conditioning

@@ -1,0 +1,66 @@
+!> Lines of text that grow in number.
+module spintop_line_list
+    use spintop_text, only: string_t
+    implicit none
+    private
+    public :: line_list_t
+
+    !> Lines are broken before this column where that is possible.
+    integer, parameter :: line_width = 96
+
+    type :: line_list_t
+        integer :: count = 0
+        type(string_t), allocatable, private :: line(:)
+    contains
+        procedure :: add
+        procedure :: add_words
+        procedure :: get
+    end type line_list_t
+
+contains
+
+    subroutine add(self, line)
+        class(line_list_t), intent(inout) :: self
+        character(*), intent(in) :: line
+        type(string_t), allocatable :: more(:)
+
+        if (.not. allocated(self%line)) allocate (self%line(64))
+        if (self%count == size(self%line)) then
+            allocate (more(2 * self%count))
+            more(:self%count) = self%line
+            call move_alloc(more, self%line)
+        end if
+        self%count = self%count + 1
+        self%line(self%count)%text = line
+    end subroutine add
+
+    !> Adds words in a list with commas behind a start, on as many lines as they need.
+    subroutine add_words(self, start, words)
+        class(line_list_t), intent(inout) :: self
+        character(*), intent(in) :: start
+        type(string_t), intent(in) :: words(:)
+        character(:), allocatable :: line, word
+        integer :: i
+
+        line = start
+        do i = 1, size(words)
+            word = words(i)%text
+            if (i < size(words)) word = word // ','
+            if (i > 1 .and. len(line) + len(word) > line_width) then
+                call self%add(trim(line))
+                line = repeat(' ', len(start))
+            end if
+            line = line // word // ' '
+        end do
+        call self%add(trim(line))
+    end subroutine add_words
+
+    !> All lines so far.
+    subroutine get(self, lines)
+        class(line_list_t), intent(in) :: self
+        type(string_t), allocatable, intent(out) :: lines(:)
+        allocate (lines(self%count))
+        if (self%count > 0) lines = self%line(:self%count)
+    end subroutine get
+
+end module spintop_line_list

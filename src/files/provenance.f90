@@ -1,0 +1,70 @@
+!> Where a result comes from: program, build and input, as the head of every table.
+module spintop_provenance
+    use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_null_char, c_ptr
+    use, intrinsic :: iso_fortran_env, only: compiler_options, compiler_version
+    use spintop_line_list, only: line_list_t
+    use spintop_system, only: utc_now
+    use spintop_text, only: string_t
+    implicit none
+    private
+    public :: program_version, program_revision, describe_provenance
+
+    !> Version of the program.
+    character(*), parameter :: program_version = '0.1.0'
+
+    interface
+        !> The git revision of the sources, ended by a null character.
+        function c_revision() bind(C, name='spintop_revision')
+            import :: c_ptr
+            type(c_ptr) :: c_revision
+        end function c_revision
+    end interface
+
+contains
+
+    !> The git revision that was built, or 'unknown'.
+    function program_revision() result(revision)
+        character(:), allocatable :: revision
+        integer, parameter :: longest = 128
+        character(c_char), pointer :: letters(:)
+        integer :: i
+
+        revision = ''
+        call c_f_pointer(c_revision(), letters, [longest])
+        do i = 1, longest
+            if (letters(i) == c_null_char) exit
+            revision = revision // letters(i)
+        end do
+    end function program_revision
+
+    !> The comment lines at the head of a table: `key: value`, then the input, then the columns.
+    subroutine describe_provenance(title, input, names, units, meanings, dated, lines)
+        character(*), intent(in) :: title
+        type(string_t), intent(in) :: input(:)    !! the resolved namelist
+        character(*), intent(in) :: names(:), units(:), meanings(:) !! of the columns
+        logical, intent(in) :: dated              !! whether to give the date
+        type(string_t), allocatable, intent(out) :: lines(:)
+        type(line_list_t) :: text
+        character(:), allocatable :: unit
+        integer :: i
+
+        if (title /= '') call text%add('title: ' // trim(title))
+        call text%add('program: spintop ' // program_version)
+        call text%add('revision: ' // program_revision())
+        call text%add('compiler: ' // compiler_version())
+        call text%add('options: ' // compiler_options())
+        if (dated) call text%add('date: ' // utc_now())
+        call text%add('input:')
+        do i = 1, size(input)
+            call text%add('    ' // input(i)%text)
+        end do
+        call text%add('columns:')
+        do i = 1, size(names)
+            unit = ''
+            if (units(i) /= '') unit = ' [' // trim(units(i)) // ']'
+            call text%add('    ' // trim(names(i)) // unit // ': ' // trim(meanings(i)))
+        end do
+        call text%get(lines)
+    end subroutine describe_provenance
+
+end module spintop_provenance

@@ -1,0 +1,126 @@
+!> Rows of a table as text, in memory. Independent of any file: threads may each fill their own.
+!>
+!>     call rows%put_integer(number)
+!>     call rows%put_reals(values)
+!>     call rows%put_text('ok')
+!>     call rows%end_row()
+module spintop_text_buffer
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_kinds, only: dp
+    use spintop_text, only: real_width, to_text, write_reals
+    implicit none
+    private
+    public :: text_buffer_t
+
+    type :: text_buffer_t
+        integer :: length = 0 !! bytes so far
+        character(:), allocatable, private :: room
+        logical, private :: in_row = .false.
+    contains
+        procedure :: put_reals
+        procedure :: put_integer
+        procedure :: put_text
+        procedure :: end_row
+        procedure :: append
+        procedure :: contents
+        procedure :: clear
+        procedure, private :: start_cell
+        procedure, private :: reserve
+    end type text_buffer_t
+
+contains
+
+    !> Real cells, in the shortest form that reads back to the same bits; `nan` and `inf` as such.
+    subroutine put_reals(self, values)
+        class(text_buffer_t), intent(inout) :: self
+        real(dp), intent(in), contiguous :: values(:)
+        integer :: written
+
+        if (size(values) == 0) return
+        call self%start_cell()
+        call self%reserve((real_width + 1) * size(values))
+        call write_reals(values, self%room(self%length + 1:), written)
+        self%length = self%length + written
+    end subroutine put_reals
+
+    !> An integer cell.
+    subroutine put_integer(self, value)
+        class(text_buffer_t), intent(inout) :: self
+        integer(int64), intent(in) :: value
+        call self%start_cell()
+        call self%append(to_text(value))
+    end subroutine put_integer
+
+    !> A text cell. It is plain: a comma becomes a semicolon, quotes a back quote, and what else
+    !> would break a table (`#`, line ends, control characters) a blank.
+    subroutine put_text(self, text)
+        class(text_buffer_t), intent(inout) :: self
+        character(*), intent(in) :: text
+        character(len(text)) :: cell
+        integer :: i
+
+        cell = text
+        do i = 1, len(text)
+            select case (text(i:i))
+            case (',')
+                cell(i:i) = ';'
+            case ('''', '"')
+                cell(i:i) = '`'
+            case ('#', achar(0):achar(31), achar(127))
+                cell(i:i) = ' '
+            end select
+        end do
+        call self%start_cell()
+        call self%append(trim(cell))
+    end subroutine put_text
+
+    subroutine end_row(self)
+        class(text_buffer_t), intent(inout) :: self
+        call self%append(new_line('a'))
+        self%in_row = .false.
+    end subroutine end_row
+
+    !> Any text, as it is.
+    subroutine append(self, text)
+        class(text_buffer_t), intent(inout) :: self
+        character(*), intent(in) :: text
+        call self%reserve(len(text))
+        self%room(self%length + 1:self%length + len(text)) = text
+        self%length = self%length + len(text)
+    end subroutine append
+
+    function contents(self) result(text)
+        class(text_buffer_t), intent(in) :: self
+        character(:), allocatable :: text
+        text = ''
+        if (self%length > 0) text = self%room(:self%length)
+    end function contents
+
+    !> Empties the buffer, but keeps its memory.
+    subroutine clear(self)
+        class(text_buffer_t), intent(inout) :: self
+        self%length = 0
+        self%in_row = .false.
+    end subroutine clear
+
+    subroutine start_cell(self)
+        class(text_buffer_t), intent(inout) :: self
+        if (self%in_row) call self%append(',')
+        self%in_row = .true.
+    end subroutine start_cell
+
+    !> Makes sure that there is room for more bytes.
+    subroutine reserve(self, more)
+        class(text_buffer_t), intent(inout) :: self
+        integer, intent(in) :: more
+        character(:), allocatable :: larger
+        integer, parameter :: least = 4096
+
+        if (.not. allocated(self%room)) allocate (character(least) :: self%room)
+        if (self%length + more <= len(self%room)) return
+        allocate (character(2 * (self%length + more)) :: larger)
+        larger(:self%length) = self%room(:self%length)
+        call move_alloc(larger, self%room)
+    end subroutine reserve
+
+end module spintop_text_buffer

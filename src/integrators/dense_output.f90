@@ -1,0 +1,113 @@
+!> Dense output for Runge-Kutta methods that bring none of their own.
+!>
+!> A step's ends and slopes give the cubic Hermite polynomial, with an error of order h^4. Slopes
+!> taken on it raise the degree: level m puts m slopes between the ends, taken on the polynomial of
+!> level m-1, and has an error of order h^(m+4) (Enright, Jackson, Norsett and Thomsen, ACM TOMS 12,
+!> 1986). Up to level m that costs m(m+1)/2 right-hand sides a step, whatever the number of samples.
+module spintop_dense_output
+    use spintop_kinds, only: dp
+    use spintop_formulation, only: formulation_t, max_states
+    use spintop_lapack, only: dgetrf, dgetrs
+    use spintop_stepper, only: workspace_t
+    use spintop_status, only: status_ok
+    implicit none
+    private
+    public :: dense_output_t
+
+    !> Highest level, and degree of its polynomial.
+    integer, parameter :: max_level = 4, max_degree = max_level + 3
+    !> Coefficients that the conditions at the nodes and at the end of the step determine.
+    integer, parameter :: max_unknowns = max_level + 2
+
+    !> The polynomial of one step, and what it takes to find it.
+    type :: dense_output_t
+        private
+        integer :: level = 0
+        !> Factors of the conditions of each level.
+        real(dp) :: factors(max_unknowns, max_unknowns, 0:max_level) = 0
+        integer :: pivots(max_unknowns, 0:max_level) = 0
+        !> The polynomial is sum_k coefficient(:, k) s^k, s = 0 .. 1 over the step.
+        real(dp) :: coefficient(max_states, 0:max_degree) = 0
+        integer :: degree = 3
+    contains
+        procedure :: set_order
+        procedure :: fit
+        procedure :: at
+    end type dense_output_t
+
+contains
+
+    !> Prepares for a method of an order: the error within a step gets that order too.
+    subroutine set_order(self, order)
+        class(dense_output_t), intent(inout) :: self
+        integer, intent(in) :: order
+        integer :: level, node, k, failure
+
+        self%level = max(0, min(order - 4, max_level))
+        do level = 0, self%level
+            associate (conditions => self%factors(:, :, level))
+                ! The unknowns are the coefficients of s^2, s^3, ...: row 1 is the value at the
+                ! end, row 2 the slope there, the others the slopes between.
+                conditions(1, 1:level + 2) = 1
+                do k = 2, level + 3
+                    conditions(2, k - 1) = k
+                    do node = 1, level
+                        conditions(node + 2, k - 1) = k * place(node, level)**(k - 1)
+                    end do
+                end do
+            end associate
+            call dgetrf(level + 2, level + 2, self%factors(:, :, level), max_unknowns, &
+                        self%pivots(:, level), failure)
+        end do
+    end subroutine set_order
+
+    !> Where a node lies in the step. An odd number of nodes is shifted: with symmetric ones the
+    !> slopes alone would give the value at the end (Simpson's rule), and the conditions depend on
+    !> each other.
+    pure real(dp) function place(node, level)
+        integer, intent(in) :: node, level
+        place = (node - mod(level, 2) / 3.0_dp) / (level + 1)
+    end function place
+
+    !> Finds the polynomial of the last step of `work`, which began with the slope `slope_last`.
+    !> Where a slope between does not exist, the degree stays what it is by then.
+    subroutine fit(self, formulation, work, slope_last)
+        class(dense_output_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: slope_last(max_states)
+        real(dp) :: h, slope(max_states), conditions(max_unknowns, max_states)
+        integer :: level, node, status, failure
+
+        h = work%t - work%t_last
+        self%coefficient = 0
+        self%coefficient(:, 0) = work%y_last
+        self%coefficient(:, 1) = h * slope_last
+        do level = 0, self%level
+            conditions(1, :) = work%y - work%y_last - h * slope_last
+            conditions(2, :) = h * (work%slope - slope_last)
+            do node = 1, level
+                call work%evaluate(formulation, self%at(place(node, level)), slope, status)
+                if (status /= status_ok) return
+                conditions(node + 2, :) = h * (slope - slope_last)
+            end do
+            call dgetrs('N', level + 2, max_states, self%factors(:, :, level), max_unknowns, &
+                        self%pivots(:, level), conditions, max_unknowns, failure)
+            self%degree = level + 3
+            self%coefficient(:, 2:self%degree) = transpose(conditions(1:level + 2, :))
+        end do
+    end subroutine fit
+
+    !> The state at a fraction of the step.
+    pure function at(self, fraction) result(y)
+        class(dense_output_t), intent(in) :: self
+        real(dp), intent(in) :: fraction
+        real(dp) :: y(max_states)
+        integer :: k
+        y = self%coefficient(:, self%degree)
+        do k = self%degree - 1, 0, -1
+            y = y * fraction + self%coefficient(:, k)
+        end do
+    end function at
+
+end module spintop_dense_output

@@ -1,0 +1,132 @@
+!> What `spintop list` shows: the registries and tables themselves, as aligned text.
+module spintop_listing
+    use spintop_arkode_tables, only: arkode_table_names
+    use spintop_columns, only: trajectory_columns
+    use spintop_errors, only: error_t, input_error
+    use spintop_formulations, only: formulation_infos
+    use spintop_formulation, only: formulation_info_t
+    use spintop_methods, only: method_infos
+    use spintop_parameter_print, only: list_parameters
+    use spintop_parameters, only: parameter_table_t
+    use spintop_scene, only: scene_t, describe_scene
+    use spintop_shapes, only: shape_infos, shape_by_inertia
+    use spintop_stepper, only: method_info_t
+    use spintop_sweep_columns, only: sweep_columns
+    use spintop_text, only: string_t, nearest_word, join, to_text
+    implicit none
+    private
+    public :: list_topic, topics
+
+    !> What can be listed.
+    character(*), parameter :: topics(*) = [character(12) :: &
+        'methods', 'formulations', 'columns', 'shapes', 'parameters']
+
+contains
+
+    !> The lines of a topic.
+    subroutine list_topic(topic, lines, error)
+        character(*), intent(in) :: topic
+        type(string_t), allocatable, intent(out) :: lines(:)
+        type(error_t), allocatable, intent(out) :: error
+        type(scene_t), target :: scene
+        type(parameter_table_t) :: table
+        type(string_t), allocatable :: known(:)
+        character(:), allocatable :: hint
+        integer :: i
+
+        allocate (lines(0))
+        select case (topic)
+        case ('methods')
+            call list_methods(lines)
+        case ('formulations')
+            call list_formulations(lines)
+        case ('columns')
+            lines = [string_t('columns of a trajectory')]
+            do i = 1, size(trajectory_columns)
+                call add(lines, trajectory_columns(i)%name, trajectory_columns(i)%unit, &
+                         trajectory_columns(i)%what)
+            end do
+            lines = [lines, string_t(''), string_t('columns of a sweep, besides case, the swept &
+                     &parameters, status and notes')]
+            do i = 1, size(sweep_columns)
+                call add(lines, sweep_columns(i)%name, sweep_columns(i)%unit, sweep_columns(i)%what)
+            end do
+        case ('shapes')
+            call add(lines, shape_by_inertia, '', &
+                     'given by mass, inertia(3) and length or centre_of_mass(3) (the default)')
+            do i = 1, size(shape_infos)
+                call add(lines, shape_infos(i)%name, '', trim(shape_infos(i)%what) // &
+                         '; needs mass or density, radius' // &
+                         trim(merge(', inner_radius', '              ', shape_infos(i)%needs_inner_radius)) // &
+                         trim(merge(', thickness', '           ', shape_infos(i)%needs_thickness)) // &
+                         trim(merge(', rod_length', '            ', shape_infos(i)%needs_rod_length)))
+            end do
+        case ('parameters')
+            call describe_scene(scene, table)
+            call list_parameters(table, lines)
+        case default
+            allocate (known(size(topics)))
+            do i = 1, size(topics)
+                known(i)%text = trim(topics(i))
+            end do
+            hint = nearest_word(topic, known)
+            if (hint /= '') hint = "; did you mean '" // hint // "'?"
+            error = input_error("spintop: cannot list '" // topic // "'" // hint // &
+                                ' (there are ' // join(known, ', ') // ')')
+        end select
+    end subroutine list_topic
+
+    subroutine list_methods(lines)
+        type(string_t), allocatable, intent(inout) :: lines(:)
+        type(method_info_t), allocatable :: methods(:)
+        integer :: i
+
+        allocate (methods, source=method_infos())
+        call add(lines, 'auto', '', 'the cheapest adequate one (the default)')
+        call add(lines, 'exact', '', 'closed form of the undamped symmetric top: any instant, no steps')
+        do i = 1, size(methods)
+            call add(lines, methods(i)%name, kind_of(methods(i)), methods(i)%what)
+        end do
+        lines = [lines, string_t(''), &
+                 string_t("tables of arkode_erk:  " // join(arkode_table_names(.false.), ', ')), &
+                 string_t("tables of arkode_dirk: " // join(arkode_table_names(.true.), ', '))]
+    end subroutine list_methods
+
+    !> Order and kind of steps in a word.
+    function kind_of(method) result(text)
+        type(method_info_t), intent(in) :: method
+        character(:), allocatable :: text
+        text = ''
+        if (method%order > 0) text = 'order ' // to_text(method%order)
+        if (method%adaptive) text = text // ' adaptive'
+        if (method%fixed_step) text = text // ' fixed'
+        text = trim(adjustl(text))
+    end function kind_of
+
+    subroutine list_formulations(lines)
+        type(string_t), allocatable, intent(inout) :: lines(:)
+        type(formulation_info_t), allocatable :: forms(:)
+        integer :: i
+        allocate (forms, source=formulation_infos())
+        call add(lines, 'auto', '', 'the one that suits the method and the body (the default)')
+        do i = 1, size(forms)
+            call add(lines, forms(i)%name, '', forms(i)%what)
+        end do
+    end subroutine list_formulations
+
+    !> A line of name, second column and meaning.
+    subroutine add(lines, name, second, what)
+        type(string_t), allocatable, intent(inout) :: lines(:)
+        character(*), intent(in) :: name, second, what
+        character(28) :: first_column
+        character(16) :: second_column
+        first_column = name
+        second_column = second
+        if (second == '') then
+            lines = [lines, string_t('  ' // first_column // trim(what))]
+        else
+            lines = [lines, string_t('  ' // first_column // second_column // trim(what))]
+        end if
+    end subroutine add
+
+end module spintop_listing

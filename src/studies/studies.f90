@@ -1,0 +1,108 @@
+!> Studies as a user asks for them: inputs made into jobs, jobs checked, explained and run.
+module spintop_studies
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_errors, only: error_t, exit_ok, exit_failed, input_error
+    use spintop_job, only: job_t, options_t, prepare_job
+    use spintop_parameter_print, only: print_namelist
+    use spintop_status, only: status_ok, last_status
+    use spintop_summary, only: summary_t
+    use spintop_sweep, only: run_sweep
+    use spintop_system, only: make_folder
+    use spintop_text, only: string_t, to_text
+    use spintop_trajectory, only: run_trajectory
+    !$ use omp_lib, only: omp_set_num_threads
+    implicit none
+    private
+    public :: prepare_jobs, run_job, explain_job
+
+contains
+
+    !> Reads and checks all inputs before any is run; the error tells of all that is wrong.
+    subroutine prepare_jobs(inputs, options, jobs, error)
+        type(string_t), intent(in) :: inputs(:)
+        type(options_t), intent(in) :: options
+        type(job_t), allocatable, target, intent(out) :: jobs(:)
+        type(error_t), allocatable, intent(out) :: error
+        type(error_t), allocatable :: problem
+        integer :: i, k
+
+        allocate (jobs(size(inputs)))
+        do i = 1, size(inputs)
+            call prepare_job(inputs(i)%text, options, jobs(i), problem)
+            if (.not. allocated(problem)) then
+                do k = 1, i - 1
+                    if (.not. allocated(jobs(k)%output)) cycle
+                    if (jobs(k)%output == jobs(i)%output) then
+                        problem = input_error(inputs(i)%text // ': error: its table ' // jobs(i)%output &
+                            // ' is also that of ' // inputs(k)%text // '; set output.file in one of them')
+                    end if
+                end do
+            end if
+            if (.not. allocated(problem)) cycle
+            if (allocated(error)) then
+                error%message = error%message // new_line('a') // problem%message
+                error%code = max(error%code, problem%code)
+            else
+                error = problem
+            end if
+        end do
+    end subroutine prepare_jobs
+
+    !> Runs a job, shows its progress, and gives the lines of its summary and its exit code.
+    subroutine run_job(job, options, lines, code, error)
+        type(job_t), target, intent(inout) :: job
+        type(options_t), intent(in) :: options
+        type(string_t), allocatable, intent(out) :: lines(:)
+        integer, intent(out) :: code
+        type(error_t), allocatable, intent(out) :: error
+        type(summary_t) :: summary
+        integer(int64) :: counts(0:last_status)
+        integer :: status
+
+        code = exit_ok
+        call make_folder(options%output, error)
+        if (allocated(error)) return
+        !$ if (options%threads > 0) call omp_set_num_threads(options%threads)
+        if (job%scene%kind == 'sweep') then
+            call run_sweep(job, options, summary, counts, error)
+            if (any(counts(status_ok + 1:) > 0)) code = exit_failed
+        else
+            call run_trajectory(job, options, summary, status, error)
+            if (status /= status_ok) code = exit_failed
+        end if
+        if (allocated(summary%lines)) call move_alloc(summary%lines, lines)
+    end subroutine run_job
+
+    !> The resolved input, complete and runnable, headed by what will be computed and why.
+    subroutine explain_job(job, lines)
+        type(job_t), intent(in) :: job
+        type(string_t), allocatable, intent(out) :: lines(:)
+        type(summary_t) :: summary
+        type(string_t), allocatable :: input(:)
+        integer :: i
+
+        call summary%headline(job%input // ': ' // what())
+        call summary%describe_plan(job%plan)
+        call summary%describe_motion(job%case)
+        do i = 1, size(summary%lines)
+            summary%lines(i)%text = '! ' // summary%lines(i)%text
+        end do
+        call print_namelist(job%table, input)
+        lines = [summary%lines, input]
+
+    contains
+
+        function what()
+            character(:), allocatable :: what
+            if (job%scene%kind == 'sweep') then
+                what = 'a sweep of ' // to_text(job%axes%cases) // ' cases, of which this is the first'
+            else
+                what = 'a trajectory of ' // to_text(job%plan%samples) // ' rows over ' &
+                       // to_text(job%case%t_end) // ' s'
+            end if
+            what = what // ' -> ' // job%output
+        end function what
+
+    end subroutine explain_job
+
+end module spintop_studies

@@ -1,0 +1,115 @@
+!> The short summary of a study on standard output.
+module spintop_summary
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_kinds, only: dp, degree
+    use spintop_body, only: body_t
+    use spintop_case, only: case_t
+    use spintop_fast_top, only: fast_top_t, fast_top
+    use spintop_motion, only: motion_t
+    use spintop_nutation, only: nutation_t, find_nutation, class_name
+    use spintop_plan, only: plan_t
+    use spintop_quantities, only: kinetic_energy, potential_energy, vertical_momentum
+    use spintop_sleeping_top, only: critical_omega3
+    use spintop_status, only: status_ok
+    use spintop_stepper, only: counts_t
+    use spintop_text, only: to_text, string_t
+    implicit none
+    private
+    public :: summary_t, digits
+
+    !> Lines of text, each with a keyword.
+    type :: summary_t
+        type(string_t), allocatable :: lines(:)
+    contains
+        procedure :: headline
+        procedure :: add
+        procedure :: describe_plan
+        procedure :: describe_motion
+        procedure :: describe_cost
+    end type summary_t
+
+contains
+
+    !> The first line.
+    subroutine headline(self, text)
+        class(summary_t), intent(inout) :: self
+        character(*), intent(in) :: text
+        self%lines = [string_t(text)]
+    end subroutine headline
+
+    !> A line with its keyword.
+    subroutine add(self, keyword, text)
+        class(summary_t), intent(inout) :: self
+        character(*), intent(in) :: keyword, text
+        character(10) :: column
+        column = keyword
+        self%lines = [self%lines, string_t('  ' // column // text)]
+    end subroutine add
+
+    !> Model and method, and why.
+    subroutine describe_plan(self, plan)
+        class(summary_t), intent(inout) :: self
+        type(plan_t), intent(in) :: plan
+        call self%add('model', plan%model)
+        call self%add('method', plan%method)
+    end subroutine describe_plan
+
+    !> What is known of the motion without following it.
+    subroutine describe_motion(self, case)
+        class(summary_t), intent(inout) :: self
+        type(case_t), intent(in) :: case
+        type(nutation_t) :: nutation
+        type(fast_top_t) :: fast
+        integer :: status
+
+        associate (body => case%body, start => case%start)
+            call self%add('constants', 'c1 = Lz = ' // digits(vertical_momentum(body, start)) // ' J s, c2 = E = ' &
+                          // digits(kinetic_energy(body, start) + potential_energy(body, start)) // ' J')
+            if (.not. body%is_lagrange()) return
+            call find_nutation(body, start, nutation, status)
+            if (status /= status_ok) return
+            call self%add('motion', class_name(nutation%class) // ', theta from ' &
+                // digits(nutation%theta_min / degree) // ' to ' // digits(nutation%theta_max / degree) &
+                // ' deg, largest phi_rate ' // digits(nutation%phi_rate_max) // ' rad/s')
+            call self%add('nutation', 'period ' // digits(nutation%period) // ' s, precession ' &
+                // digits(nutation%precession / degree) // ' deg and spin ' &
+                // digits(nutation%spin / degree) // ' deg a nutation')
+            if (.not. body%mgl() > 0) return
+            call self%add('upright', 'a sleeping top is stable from omega3 = ' &
+                // digits(critical_omega3(body)) // ' rad/s; here omega3 = ' // digits(start%omega(3)))
+            fast = fast_top(body, start%angle(2), start%omega(3))
+            call self%add('fast top', '(I3 omega3)^2/(2 I1 m g l) = ' // digits(fast%ratio) &
+                // ' (much greater than 1 for a fast top; the paper takes I3 omega3^2/(4 m g l) = ' &
+                // digits(fast%ratio_of_paper) // ')')
+        end associate
+    end subroutine describe_motion
+
+    !> Steps and evaluations of a run; output points of a method with its own convention for them.
+    subroutine describe_cost(self, counts, refine)
+        class(summary_t), intent(inout) :: self
+        type(counts_t), intent(in) :: counts
+        integer, intent(in) :: refine
+        character(:), allocatable :: text
+        text = to_text(counts%steps) // ' steps, ' // to_text(counts%rejected) // ' rejected, ' &
+               // to_text(counts%evaluations) // ' right-hand sides'
+        if (counts%jacobians > 0) text = text // ', ' // to_text(counts%jacobians) // ' Jacobians'
+        if (counts%clipped > 0) text = text // ', ' // to_text(counts%clipped) // ' negative radicands clipped'
+        if (refine > 0) text = text // ', ' // to_text(refine * counts%steps + 1) // ' output points at ' &
+                               // to_text(refine) // ' a step'
+        call self%add('cost', text)
+    end subroutine describe_cost
+
+    !> A number with the digits a reader wants, in decimal or scientific form.
+    function digits(value) result(text)
+        real(dp), intent(in) :: value
+        character(:), allocatable :: text
+        character(40) :: buffer
+        if (abs(value) > 0 .and. (abs(value) < 1.0e-3_dp .or. abs(value) >= 1.0e6_dp)) then
+            write (buffer, '(es16.9)') value
+        else
+            write (buffer, '(f24.10)') value
+        end if
+        text = trim(adjustl(buffer))
+    end function digits
+
+end module spintop_summary

@@ -1,0 +1,154 @@
+!> The trajectory study: one motion, one table.
+module spintop_trajectory
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_kinds, only: dp
+    use spintop_columns, only: column_computer_t, trajectory_columns
+    use spintop_errors, only: error_t
+    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
+    use spintop_formulation, only: formulation_t, max_states
+    use spintop_integration, only: integrate, observer_t, outcome_t
+    use spintop_job, only: job_t, options_t
+    use spintop_motion, only: motion_t
+    use spintop_plan, only: sample_time, sample_times
+    use spintop_progress, only: progress_t
+    use spintop_parameter_print, only: print_namelist
+    use spintop_provenance, only: describe_provenance
+    use spintop_status, only: status_ok, status_name, status_meaning
+    use spintop_summary, only: summary_t, digits
+    use spintop_system, only: seconds
+    use spintop_table_file, only: table_file_t
+    use spintop_text, only: to_text, string_t
+    implicit none
+    private
+    public :: run_trajectory
+
+    !> Writes a row for each motion it is shown.
+    type, extends(observer_t) :: writer_t
+        type(column_computer_t) :: columns
+        type(table_file_t) :: file
+        type(progress_t) :: progress
+        real(dp) :: t_end = 0
+        !> Rows of the whole table.
+        integer(int64) :: total = 0
+        !> Motion last written; its angles keep those of the next continuous.
+        type(motion_t) :: last
+        integer :: rows = 0
+        type(error_t), allocatable :: error
+    contains
+        procedure :: observe
+        procedure :: write_row
+    end type writer_t
+
+contains
+
+    !> Computes a trajectory and writes its table. A motion that fails on the way has its rows so
+    !> far; `status` says how it ended.
+    subroutine run_trajectory(job, options, summary, status, error)
+        type(job_t), intent(inout) :: job
+        type(options_t), intent(in) :: options
+        type(summary_t), intent(out) :: summary
+        integer, intent(out) :: status
+        type(error_t), allocatable, intent(out) :: error
+        type(writer_t) :: writer
+        type(exact_motion_t) :: exact
+        type(outcome_t) :: outcome
+        type(string_t), allocatable :: input(:), header(:)
+        type(string_t) :: trailer(1)
+        real(dp) :: began, elapsed
+        integer :: exact_status
+
+        status = status_ok
+        associate (case => job%case, plan => job%plan)
+            writer%t_end = case%t_end
+            writer%last = case%start
+            writer%total = plan%samples
+            call writer%progress%start(job%name, 'rows', writer%total, options%quiet, options%progress)
+            call prepare_exact_motion(case%body, case%start, exact, exact_status)
+            call writer%columns%set(job%columns, case%body, case%start, exact)
+            associate (columns => trajectory_columns(job%columns))
+                call print_namelist(job%table, input)
+                call describe_provenance(job%scene%title, input, columns%name, columns%unit, &
+                                         columns%what, dated=.true., lines=header)
+                call writer%file%create(job%output, header, columns%name, error)
+            end associate
+            if (allocated(error)) return
+
+            began = seconds()
+            if (plan%exact) then
+                call sample_exactly(exact, exact_status, case%t_end, plan%samples, writer, outcome)
+            else
+                call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, &
+                               sample_times(case%t_end, plan%samples), writer, outcome)
+            end if
+            elapsed = seconds() - began
+            call writer%progress%finish()
+            status = outcome%status
+            if (allocated(writer%error)) then
+                call move_alloc(writer%error, error)
+            else
+                trailer(1)%text = status_line(outcome)
+                call writer%file%finish(trailer, error)
+            end if
+            if (allocated(error)) then
+                call writer%file%discard()
+                return
+            end if
+
+            call summary%headline(job%input // ': trajectory of ' // to_text(writer%rows) // ' rows -> ' // job%output)
+            call summary%describe_plan(plan)
+            call summary%describe_motion(case)
+            if (.not. plan%exact) then
+                call summary%describe_cost(outcome%counts, plan%stepper%info%refine)
+            end if
+            call summary%add('time', digits(elapsed) // ' s for ' // digits(outcome%t) // ' s of motion')
+            call summary%add('status', status_name(status) // ' at t = ' // to_text(outcome%t) // ': ' &
+                             // status_meaning(status))
+        end associate
+    end subroutine run_trajectory
+
+    !> The exact motion at equally spaced times.
+    subroutine sample_exactly(exact, exact_status, t_end, samples, writer, outcome)
+        type(exact_motion_t), intent(in) :: exact
+        integer, intent(in) :: exact_status, samples
+        real(dp), intent(in) :: t_end
+        type(writer_t), intent(inout) :: writer
+        type(outcome_t), intent(out) :: outcome
+        integer :: i
+
+        outcome%status = exact_status
+        if (exact_status /= status_ok) return
+        do i = 1, samples
+            call writer%write_row(exact%at(sample_time(t_end, samples, i)))
+            if (writer%has_enough) exit
+        end do
+        outcome%t = t_end
+    end subroutine sample_exactly
+
+    !> Last line of a trajectory table.
+    function status_line(outcome) result(line)
+        type(outcome_t), intent(in) :: outcome
+        character(:), allocatable :: line
+        line = 'status: ' // status_name(outcome%status)
+        if (outcome%status /= status_ok) line = line // ' at t = ' // to_text(outcome%t)
+    end function status_line
+
+    !> Writes the row of a state of a formulation.
+    subroutine observe(self, formulation, t, y)
+        class(writer_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: t, y(max_states)
+        call self%write_row(formulation%motion(t, y, self%last%angle))
+    end subroutine observe
+
+    !> Writes the row of a motion.
+    subroutine write_row(self, motion)
+        class(writer_t), intent(inout) :: self
+        type(motion_t), intent(in) :: motion
+        self%last = motion
+        self%rows = self%rows + 1
+        call self%file%add_row(self%columns%row(motion), self%error)
+        self%has_enough = allocated(self%error)
+        call self%progress%update(int(motion%t / self%t_end * self%total, int64))
+    end subroutine write_row
+
+end module spintop_trajectory

@@ -120,10 +120,7 @@ def read_head(lines: list[str]) -> tuple[dict[str, str], dict[str, list[str]], d
 
 def read_values(text: str) -> list[str]:
     """The values of a namelist assignment, without their quotes."""
-    return [
-        (match[2] or match[1].replace("''", "'")) if match[2] else match[1].replace("''", "'")
-        for match in VALUE.finditer(text)
-    ]
+    return [word or quoted.replace("''", "'") for quoted, word in VALUE.findall(text)]
 
 
 def read_rows(body: list[str], first: int) -> pd.DataFrame:

@@ -9,7 +9,6 @@ from figures.style import (
     FAINT,
     GREY,
     LINES,
-    WIDTH,
     describe_run,
     draw_line,
     draw_sizes,
@@ -142,9 +141,7 @@ def draw_path_in_space(
         color=FAINT,
         linewidth=0.4,
     )
-    draw_line(axes, x, y, zs=z, linewidth=1.0) if False else axes.plot(
-        x, y, z, **LINES[0], linewidth=1.0
-    )
+    axes.plot(x, y, z, **LINES[0], linewidth=1.0)
     axes.plot(0, 0, 0, "k+")
     mark_ends(axes, x, y, z)
     axes.set(xlim=(-radius, radius), ylim=(-radius, radius), zlim=(-radius, radius))
@@ -171,7 +168,7 @@ def draw_error(table: Table) -> Figure:
     """Orientation error against time, which the residuals do not show, and R4 below it."""
     has_energy = table.holds("R4") and bool(table.rows["R4"].any())
     figure = new_figure(
-        table, f"Error of the orientation: {describe_run(table)}", 5.0 if has_energy else 3.6, WIDTH
+        table, f"Error of the orientation: {describe_run(table)}", 5.0 if has_energy else 3.6
     )
     panels = figure.subplots(1 + has_energy, 1, sharex=True, squeeze=False)[:, 0]
     t = numbers(table, "t")

@@ -26,9 +26,6 @@ module spintop_turning_points
         real(xp) :: frequency = 0
     end type turning_points_t
 
-    !> Laguerre's method converges cubically here: ten times what it ever took.
-    integer, parameter :: most_iterations = 60
-
 contains
 
     !> Finds the turning points of a start.
@@ -157,22 +154,26 @@ contains
     end subroutine start_from_lowest
 
     !> Laguerre's method to an outermost real root of sum c(n) x^n, c(3) >= 0, from outside:
-    !> upward to the lowest (direction 1) or downward to the highest root (direction -1). It never
-    !> passes the root, so a step the other way is rounding and the end.
+    !> upward to the lowest (direction 1) or downward to the highest root (direction -1). Only
+    !> rounding carries it past the root: back and forth it then settles to a relative precision,
+    !> also where the root is tiny against the first guess.
     pure subroutine walk_to_root(c, direction, x)
         real(xp), intent(in) :: c(0:3)
         integer, intent(in) :: direction
         real(xp), intent(inout) :: x
+        integer, parameter :: most_iterations = 60, most_returns = 3
         real(xp) :: g, slope, curvature, step
-        integer :: n
+        integer :: n, returns
+        returns = 0
         do n = 1, most_iterations
             g = c(0) + x * (c(1) + x * (c(2) + x * c(3)))
             slope = c(1) + x * (2 * c(2) + x * 3 * c(3))
             curvature = 2 * c(2) + 6 * c(3) * x
             step = -quotient(3 * g, slope + sqrt(max(4 * slope**2 - 6 * g * curvature, 0.0_xp)))
-            if (.not. direction * step > 0) exit
             x = x + step
             if (abs(step) <= epsilon(x) * abs(x)) exit
+            if (direction * step < 0) returns = returns + 1
+            if (returns > most_returns) exit
         end do
     end subroutine walk_to_root
 

@@ -9,7 +9,7 @@ module spintop_arkode_memory
     use, intrinsic :: iso_fortran_env, only: int64
     use farkode_arkstep_mod
     use farkode_mod, only: ARK_ADAPT_I, ARK_MEM_FAIL, ARK_ONE_STEP, ARKODE_DIRK_NONE, ARKODE_ERK_NONE
-    use fnvector_serial_mod, only: FN_VMake_Serial
+    use fnvector_serial_mod, only: FN_VMake_Serial, FN_VEnableLinearCombination_Serial
     use fsundials_context_mod, only: FSUNContext_Create, FSUNContext_Free
     use fsundials_linearsolver_mod, only: SUNLinearSolver, FSUNLinSolFree
     use fsundials_matrix_mod, only: SUNMatrix, FSUNMatDestroy
@@ -103,6 +103,7 @@ contains
         call self%keep(FSUNContext_Create(c_null_ptr, self%context))
         if (self%flag < 0) return
         self%state_vector => FN_VMake_Serial(n, self%state, self%context)
+        call self%keep(FN_VEnableLinearCombination_Serial(self%state_vector, 1_c_int))
         if (table%implicit) then
             self%integrator = FARKStepCreate(c_null_funptr, c_funloc(rhs), work%t, &
                                              self%state_vector, self%context)

@@ -1,0 +1,125 @@
+"""Which figures there are, and to which tables they belong."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from matplotlib.figure import Figure
+
+from figures import table1
+from figures.sweep import draw_sweep, good_rows, sweep_columns
+from figures.table import Table
+from figures.trajectory import (
+    draw_angles,
+    draw_error,
+    draw_forces,
+    draw_path,
+    draw_residuals,
+)
+
+
+class FigureKind(NamedTuple):
+    """A figure: the study and the columns it is made of, and what else it asks of a table."""
+
+    name: str
+    what: str
+    kind: str
+    columns: tuple[str, ...]
+    draw: Callable[[Table], Figure]
+    objection: Callable[[Table], str] = lambda table: ""
+    """Why a table with these columns has no such figure; empty if it has."""
+
+    def refusal(self, table: Table) -> str:
+        """Why the figure does not belong to a table; empty if it does."""
+        if table.setting("study.kind") != self.kind:
+            return f"is not the table of a {self.kind}"
+        return self.objection(table) or table.lacks(*self.columns)
+
+    def is_expected(self, table: Table) -> bool:
+        """Whether the table has all columns, so that it is an error if they hold no number."""
+        return (
+            table.setting("study.kind") == self.kind
+            and set(self.columns) <= set(table.rows.columns)
+            and not self.objection(table)
+        )
+
+
+def object_to_error(table: Table) -> str:
+    """An error is drawn on a log axis."""
+    errors = table.rows.get("orientation_error")
+    if errors is not None and not (errors > 0).any():
+        return "has no error above zero in column orientation_error"
+    return ""
+
+
+def object_to_sweep(table: Table) -> str:
+    """The curves are over one parameter, through the cases that succeeded."""
+    if len(table.axes()) != 1:
+        return "is a sweep over more than one parameter"
+    if good_rows(table).empty:
+        return "has no case that succeeded"
+    return ""
+
+
+def object_to_table1(table: Table) -> str:
+    """The page is for a sweep over the spin ratio that fits on it."""
+    if table.axes() != ["initial.spin_ratio"]:
+        return "is not a sweep over initial.spin_ratio alone"
+    if len(table.rows) > table1.MOST_ROWS:
+        return f"has more rows than fit on a page ({table1.MOST_ROWS})"
+    return ""
+
+
+FIGURES = (
+    FigureKind(
+        "residuals",
+        "residuals R1 to R4 against time (Figures 2 to 7)",
+        "trajectory",
+        ("t", "R1", "R2", "R3", "R4"),
+        draw_residuals,
+    ),
+    FigureKind(
+        "angles",
+        "angles and height of the centre of mass against time (Figure 8)",
+        "trajectory",
+        ("t", "phi", "theta", "psi", "com_z"),
+        draw_angles,
+    ),
+    FigureKind(
+        "forces",
+        "support force and energies against time (Figure 9)",
+        "trajectory",
+        ("t", "force_x", "force_y", "force_z", "energy", "kinetic", "potential"),
+        draw_forces,
+    ),
+    FigureKind(
+        "path",
+        "path of the centre of mass in space and from above (Figure 11)",
+        "trajectory",
+        ("com_x", "com_y", "com_z"),
+        draw_path,
+    ),
+    FigureKind(
+        "error",
+        "orientation error against time",
+        "trajectory",
+        ("t", "orientation_error"),
+        draw_error,
+        object_to_error,
+    ),
+    FigureKind(
+        "sweep",
+        "formulas for a fast top and exact values against the swept parameter",
+        "sweep",
+        tuple(sweep_columns()),
+        draw_sweep,
+        object_to_sweep,
+    ),
+    FigureKind(
+        "table1",
+        "the same as a page, where the spin ratio is swept (Table 1)",
+        "sweep",
+        tuple(column.column for column in table1.COLUMNS),
+        table1.draw_table1,
+        object_to_table1,
+    ),
+)

@@ -1,0 +1,118 @@
+"""The figure of a sweep over one parameter: the paper's formulas beside the exact values."""
+
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogFormatter
+
+from figures.style import FAINT, LINES, new_figure, with_unit
+from figures.table import Table
+
+NAMES = {
+    "initial.spin_ratio": r"spin ratio $\lambda=\omega_3\,/\sqrt{4mgl/I_3}$",
+    "initial.omega3": r"$\omega_3$",
+    "initial.theta": r"initial inclination $\theta_0$",
+    "initial.theta_deg": r"initial inclination $\theta_0$",
+}
+"""How parameters are written; the others stand by their keys."""
+
+FORMULA = "_fast_top"
+"""Ending of the columns that hold the paper's formula for a fast top."""
+
+WIDE_AXIS = 12
+"""Values over a larger ratio stand on a log axis."""
+
+
+class Quantity(NamedTuple):
+    """A quantity that the paper has a formula for."""
+
+    column: str
+    label: str
+    equation: str
+
+
+QUANTITIES = (
+    Quantity("delta_u", r"swing $\Delta u$ of $\cos\theta$", "Eq 29"),
+    Quantity("nutation_rate", "nutation rate", "Eq 30"),
+    Quantity("precession_rate", "mean precession rate", "Eq 32"),
+    Quantity("nutations_per_turn", "nutations per turn", "Eq 54"),
+)
+AZIMUTH = "azimuth_after_period_deg"
+
+
+def sweep_columns() -> list[str]:
+    """The columns that the figure is made of."""
+    pairs = [[q.column, q.column + FORMULA] for q in QUANTITIES]
+    return [*sum(pairs, []), AZIMUTH]
+
+
+def good_rows(table: Table) -> pd.DataFrame:
+    """The cases that succeeded, by the swept parameter."""
+    rows = table.rows[table.rows["status"] == "ok"]
+    return rows.sort_values(table.axes()[0], kind="stable")
+
+
+def draw_sweep(table: Table) -> Figure:
+    """The paper's formulas and the exact values against the swept parameter."""
+    figure = new_figure(table, "Formulas for a fast top against the exact motion", height=7.4)
+    panels = figure.subplots(3, 2, sharex=True)
+    parameter = table.axes()[0]
+    rows = good_rows(table)
+    x = rows[parameter].to_numpy(float)
+    for quantity, axes in zip(QUANTITIES, panels.flat, strict=False):
+        draw_quantity(axes, x, rows, quantity, table.units.get(quantity.column, ""))
+    draw_azimuth(panels[2, 0], x, rows[AZIMUTH].to_numpy(float))
+    draw_deviations(panels[2, 1], x, rows)
+    label = with_unit(NAMES.get(parameter, parameter), table.units.get(parameter, ""))
+    for axes in panels[2]:
+        axes.set_xlabel(label, parse_math=parameter in NAMES)
+    if is_wide(x):
+        panels[0, 0].set_xscale("log")
+        panels[2, 0].xaxis.set_major_formatter(LogFormatter())
+    return figure
+
+
+def is_wide(values: np.ndarray) -> bool:
+    """Whether values belong on a log axis."""
+    finite = values[np.isfinite(values)]
+    return finite.size > 1 and finite.min() > 0 and finite.max() > WIDE_AXIS * finite.min()
+
+
+def draw_quantity(
+    axes: Axes, x: np.ndarray, rows: pd.DataFrame, quantity: Quantity, unit: str
+) -> None:
+    """A quantity by the paper's formula, and exact."""
+    exact = rows[quantity.column].to_numpy(float)
+    formula = rows[quantity.column + FORMULA].to_numpy(float)
+    axes.plot(x, formula, marker="s", markersize=4, mfc="white", **LINES[1], label=f"paper's {quantity.equation}")
+    axes.plot(x, exact, marker="o", markersize=3, **LINES[0], label="exact")
+    if is_wide(np.concatenate([exact, formula])):
+        axes.set_yscale("log")
+    axes.set_ylabel(with_unit(quantity.label, unit))
+    axes.legend()
+
+
+def draw_azimuth(axes: Axes, x: np.ndarray, azimuth: np.ndarray) -> None:
+    """The azimuth after T_p, which the paper's Eq 32 makes a full turn."""
+    axes.plot(x, np.full_like(x, 360), **LINES[1], label="paper's Eq 32: a full turn")
+    axes.plot(x, azimuth, marker="o", markersize=3, **LINES[0], label="computed by the run")
+    axes.set_ylabel("azimuth after $T_p$ (degrees)")
+    axes.legend()
+
+
+def draw_deviations(axes: Axes, x: np.ndarray, rows: pd.DataFrame) -> None:
+    """How far each formula is from the exact value."""
+    for line, quantity in zip(LINES, QUANTITIES, strict=True):
+        exact = rows[quantity.column].to_numpy(float)
+        formula = rows[quantity.column + FORMULA].to_numpy(float)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            deviation = np.abs(formula / exact - 1)
+        deviation[~(deviation > 0)] = np.nan
+        axes.plot(x, deviation, **line, label=quantity.equation)
+    axes.set_yscale("log")
+    axes.axhline(0.01, color=FAINT, linewidth=0.8)
+    axes.set_ylabel("relative error of the formula")
+    axes.legend(ncols=2)

@@ -53,6 +53,7 @@ mpl.rcParams.update(
         "lines.linewidth": 1.2,
         "legend.frameon": False,
         "agg.path.chunksize": 10_000,
+        "savefig.dpi": 150,
         "svg.hashsalt": "spintop",
     }
 )
@@ -62,7 +63,7 @@ warnings.filterwarnings("ignore", message="Glyph .* missing")
 def new_figure(table: Table, what: str, height: float, width: float = WIDTH) -> Figure:
     """A figure with its title above, and below it where the table comes from."""
     figure = Figure(figsize=(width, height), layout="constrained")
-    figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06, hspace=0.04)
+    figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06, hspace=0.03)
     figure.suptitle(what, x=0.012, ha="left", fontsize=11, fontweight="bold", parse_math=False)
     figure.supxlabel(
         footer(table, int(width * 15)), x=0.012, ha="left", fontsize=9, color=GREY, parse_math=False
@@ -87,7 +88,10 @@ def describe_run(table: Table) -> str:
     method = table.setting("integration.method")
     if method == "exact":
         return "exact motion"
-    words = [f"formulation {table.setting('integration.formulation')}", f"method {method}"]
+    formulation = table.setting("integration.formulation")
+    if method == formulation == "auto":
+        return "formulation and method chosen by the program"
+    words = [f"formulation {formulation}", f"method {method}"]
     if butcher := table.setting("integration.table"):
         words.append(f"table {butcher}")
     if steps := table.setting("integration.steps"):
@@ -127,8 +131,9 @@ def has_wide_range(y: np.ndarray) -> bool:
 
 
 def draw_sizes(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
-    """Draw absolute values on a log axis."""
-    sizes = np.where((y != 0) & np.isfinite(y), np.abs(y), np.nan)
+    """Draw absolute values on a log axis, without those that are zero."""
+    x, sizes = x[y != 0], np.abs(y[y != 0])
+    sizes[~np.isfinite(sizes)] = np.nan
     axes.set_yscale("log")
     draw_line(axes, x, sizes)
     low, high = np.nanmin(sizes), np.nanmax(sizes)
@@ -146,13 +151,13 @@ def set_degree_ticks(axes: Axes, degrees: np.ndarray) -> None:
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a figure; a file of that name is replaced when the new one is complete."""
+    """Write a figure to a PNG or SVG file, which is replaced when the new one is complete."""
     part = path.with_name(path.name + ".part")
     kind = path.suffix[1:]
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")  # laid out once is enough
     try:
-        figure.savefig(
-            part, format=kind, dpi=150, metadata={"Date": None} if kind == "svg" else None
-        )
+        figure.savefig(part, format=kind, metadata={"Date": None} if kind == "svg" else None)
         os.replace(part, path)
     finally:
         part.unlink(missing_ok=True)

@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogFormatter
+from matplotlib.ticker import FuncFormatter
 
-from figures.style import FAINT, LINES, new_figure, with_unit
+from figures.style import LINES, new_figure, with_unit
 from figures.table import Table
 
 NAMES = {
@@ -45,8 +45,8 @@ AZIMUTH = "azimuth_after_period_deg"
 
 def sweep_columns() -> list[str]:
     """The columns that the figure is made of."""
-    pairs = [[q.column, q.column + FORMULA] for q in QUANTITIES]
-    return [*sum(pairs, []), AZIMUTH]
+    pairs = [q.column + ending for q in QUANTITIES for ending in ("", FORMULA)]
+    return [*pairs, AZIMUTH]
 
 
 def good_rows(table: Table) -> pd.DataFrame:
@@ -69,9 +69,10 @@ def draw_sweep(table: Table) -> Figure:
     label = with_unit(NAMES.get(parameter, parameter), table.units.get(parameter, ""))
     for axes in panels[2]:
         axes.set_xlabel(label, parse_math=parameter in NAMES)
+    figure.align_ylabels()
     if is_wide(x):
         panels[0, 0].set_xscale("log")
-        panels[2, 0].xaxis.set_major_formatter(LogFormatter())
+        panels[2, 0].xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     return figure
 
 
@@ -87,7 +88,15 @@ def draw_quantity(
     """A quantity by the paper's formula, and exact."""
     exact = rows[quantity.column].to_numpy(float)
     formula = rows[quantity.column + FORMULA].to_numpy(float)
-    axes.plot(x, formula, marker="s", markersize=4, mfc="white", **LINES[1], label=f"paper's {quantity.equation}")
+    axes.plot(
+        x,
+        formula,
+        marker="s",
+        markersize=4,
+        mfc="white",
+        **LINES[1],
+        label=f"paper's {quantity.equation}",
+    )
     axes.plot(x, exact, marker="o", markersize=3, **LINES[0], label="exact")
     if is_wide(np.concatenate([exact, formula])):
         axes.set_yscale("log")
@@ -113,6 +122,5 @@ def draw_deviations(axes: Axes, x: np.ndarray, rows: pd.DataFrame) -> None:
         deviation[~(deviation > 0)] = np.nan
         axes.plot(x, deviation, **line, label=quantity.equation)
     axes.set_yscale("log")
-    axes.axhline(0.01, color=FAINT, linewidth=0.8)
     axes.set_ylabel("relative error of the formula")
     axes.legend(ncols=2)

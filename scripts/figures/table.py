@@ -130,10 +130,10 @@ def read_rows(body: list[str], first: int) -> pd.DataFrame:
         cells = line.count(",") + 1
         if cells != len(names):
             raise TableError(f"line {number} has {cells} cells in place of {len(names)}")
-    rows = pd.read_csv(io.StringIO("\n".join(body)), float_precision="round_trip")
+    rows = pd.read_csv(io.StringIO("\n".join(body)), dtype=dict.fromkeys(TEXT_COLUMNS, str))
     for name in rows:
         if name in TEXT_COLUMNS:
-            rows[name] = rows[name].fillna("").astype(str)
+            rows[name] = rows[name].fillna("")
         elif not pd.api.types.is_numeric_dtype(rows[name]):
             bad = next(i for i, cell in enumerate(rows[name]) if is_text(cell))
             raise TableError(f"line {first + 1 + bad}: {rows[name][bad]!r} in {name} is no number")

@@ -16,6 +16,9 @@ MOST_ROWS = 60
 ROW_HEIGHT = 0.215
 """In inches."""
 
+HEADS = 4.0
+"""Height of the heads, in rows."""
+
 
 class Column(NamedTuple):
     """A column of the page: its place from the left (its right edge, inches) and its heads."""
@@ -27,30 +30,36 @@ class Column(NamedTuple):
 
 
 COLUMNS = (
-    Column(0.75, "initial.spin_ratio", "", r"$\lambda$"),
-    Column(1.85, "delta_u_fast_top", r"swing $\Delta u$ of $\cos\theta$", "paper, Eq 29"),
-    Column(2.75, "delta_u", r"swing $\Delta u$ of $\cos\theta$", "exact"),
-    Column(3.85, "nutation_rate_fast_top", "nutation rate (rad/s)", "paper, Eq 30"),
-    Column(4.70, "nutation_rate", "nutation rate (rad/s)", "exact"),
-    Column(5.80, "precession_rate_fast_top", "precession rate (rad/s)", "paper, Eq 32"),
-    Column(6.65, "precession_rate", "precession rate (rad/s)", "exact"),
-    Column(7.75, "nutations_per_turn_fast_top", "nutations per turn", "paper, Eq 54"),
-    Column(8.60, "nutations_per_turn", "nutations per turn", "exact"),
-    Column(9.70, "azimuth_after_period_deg", "azimuth\nafter $T_p$ (degrees)", "this run"),
-    Column(10.65, "phi_rate_max", "largest\n$\\dot\\phi$ (rad/s)", "exact"),
-    Column(11.65, "fast_top_ratio", "$(I_3\\omega_3)^2$\n/$(2I_1mgl)$", "exact"),
+    Column(0.60, "initial.spin_ratio", "", r"$\lambda$"),
+    Column(1.70, "delta_u_fast_top", r"swing $\Delta u$ of $\cos\theta$", "paper, Eq 29"),
+    Column(2.50, "delta_u", r"swing $\Delta u$ of $\cos\theta$", "exact"),
+    Column(3.70, "nutation_rate_fast_top", "nutation rate (rad/s)", "paper, Eq 30"),
+    Column(4.50, "nutation_rate", "nutation rate (rad/s)", "exact"),
+    Column(5.70, "precession_rate_fast_top", "precession rate (rad/s)", "paper, Eq 32"),
+    Column(6.50, "precession_rate", "precession rate (rad/s)", "exact"),
+    Column(7.70, "nutations_per_turn_fast_top", "nutations per turn", "paper, Eq 54"),
+    Column(8.50, "nutations_per_turn", "nutations per turn", "exact"),
+    Column(9.60, "azimuth_after_period_deg", "azimuth after\n$T_p$ (degrees)", "this run"),
+    Column(10.60, "phi_rate_max", "largest\n$\\dot\\phi$ (rad/s)", "exact"),
+    Column(11.70, "fast_top_ratio", "$(I_3\\omega_3)^2$ over\n$2I_1mgl$", "large: fast"),
 )
-PAGE_WIDTH = 12.0
+PAGE_WIDTH = 11.8
+
+LEGEND = (
+    "paper: its formula for a fast top; exact: closed form of the whole motion; this run: by "
+    "formulation and method below (a full turn, 360, by Eq 32)."
+)
 
 
 def draw_table1(table: Table) -> Figure:
     """The page."""
-    notes = notes_on(table.rows)
-    lines = len(table.rows) + len(notes) + 6
+    notes = [LEGEND, *notes_on(table.rows)]
+    bottom = HEADS + 0.4 + len(table.rows)
+    lines = bottom + 0.5 + len(notes)
     figure = new_figure(
         table,
         "Table 1: formulas for a fast top beside the exact motion",
-        height=lines * ROW_HEIGHT + 1.1,
+        height=lines * ROW_HEIGHT + 1.2,
         width=PAGE_WIDTH,
     )
     axes = figure.subplots()
@@ -58,8 +67,7 @@ def draw_table1(table: Table) -> Figure:
     axes.set(xlim=(0, PAGE_WIDTH), ylim=(lines, 0))
     write_heads(axes)
     for number, (_, row) in enumerate(table.rows.iterrows()):
-        write_row(axes, 4.5 + number, row)
-    bottom = 4.0 + len(table.rows)
+        write_row(axes, HEADS + 0.7 + number, row)
     axes.axhline(bottom, color="black", linewidth=1.2)
     for number, note in enumerate(notes):
         axes.text(0.1, bottom + 0.8 + number, note, va="center", parse_math=False, fontsize=9)
@@ -78,7 +86,7 @@ def write_heads(axes: Axes) -> None:
             axes.plot([left, right], [2.4, 2.4], color="black", linewidth=0.6)
     for column in COLUMNS:
         axes.text(column.right, 3.2, column.head, ha="right", va="center")
-    axes.axhline(4.0, color="black", linewidth=0.8)
+    axes.axhline(HEADS, color="black", linewidth=0.8)
 
 
 def write_row(axes: Axes, height: float, row: pd.Series) -> None:
@@ -96,22 +104,23 @@ def write_row(axes: Axes, height: float, row: pd.Series) -> None:
 def as_text(value: float) -> str:
     """Five significant digits; a dash where there is no value."""
     if not math.isfinite(value):
-        return "–"
+        return "\N{EN DASH}"
     if value == 0 or 1e-3 <= abs(value) < 1e6:
         decimals = 4 - math.floor(math.log10(abs(value))) if value else 0
-        return f"{value:.{max(decimals, 0)}f}".replace("-", "−")
+        return f"{value:.{max(decimals, 0)}f}".replace("-", "\N{MINUS SIGN}")
     mantissa, exponent = f"{value:.4e}".split("e")
     return rf"${mantissa}\cdot 10^{{{int(exponent)}}}$"
 
 
 def notes_on(rows: pd.DataFrame) -> list[str]:
     """What the marks of the page mean, each reason once."""
+    reasons = rows["notes"] if "notes" in rows else rows["status"].map(lambda _: "")
     notes = []
-    failed = rows[rows["status"] != "ok"]
-    for status, cases in failed.groupby("status", sort=False):
-        notes.append(f"* {status}: λ = {', '.join(f'{x:g}' for x in cases[COLUMNS[0].column])}")
-    reasons = rows["notes"] if "notes" in rows else pd.Series(dtype=str)
-    for reason, cases in rows.groupby(reasons, sort=False):
+    for (status, reason), cases in rows.groupby([rows["status"], reasons], sort=False):
+        mark, words = ("", []) if status == "ok" else ("* ", [status])
         if reason:
-            notes.append(f"λ = {', '.join(f'{x:g}' for x in cases[COLUMNS[0].column])}: {reason}")
+            words.append(reason)
+        if words:
+            ratios = ", ".join(f"{ratio:g}" for ratio in cases[COLUMNS[0].column])
+            notes.append(f"{mark}λ = {ratios}: {': '.join(words)}")
     return notes

@@ -3,6 +3,7 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import Axes3D
 
 from figures.style import (
@@ -56,6 +57,7 @@ def draw_residuals(table: Table) -> Figure:
             axes.axhline(0, color=FAINT, linewidth=0.8)
             draw_line(axes, t, y)
         axes.set_ylabel(with_unit(label, table.units.get(name, "")))
+    figure.align_ylabels()
     return figure
 
 
@@ -75,6 +77,7 @@ def draw_angles(table: Table) -> Figure:
     draw_line(panels[3], t, height)
     panels[3].set_ylabel("height above the pivot (m)")
     mark_extremes(panels[3], height, " m")
+    figure.align_ylabels()
     return figure
 
 
@@ -83,13 +86,15 @@ def mark_extremes(axes: Axes, y: np.ndarray, unit: str) -> None:
     low, high = np.nanmin(y), np.nanmax(y)
     room = 0.16 * (high - low or 1)
     axes.set_ylim(low - room, high + room)
-    for value, side in ((low, "top"), (high, "bottom")):
+    decimals = 2 if unit == "°" else 5
+    for value, side, shift in ((low, "top", -2), (high, "bottom", 2)):
         axes.axhline(value, color=FAINT, linewidth=0.8, zorder=0)
-        axes.text(
-            0.99,
-            value,
-            f"{value:.2f}{unit}" if unit == "°" else f"{value:.5f}{unit}",
-            transform=axes.get_yaxis_transform(),
+        axes.annotate(
+            f"{value:.{decimals}f}{unit}".replace("-", "\N{MINUS SIGN}"),
+            (0.99, value),
+            xycoords=axes.get_yaxis_transform(),
+            xytext=(0, shift),
+            textcoords="offset points",
             ha="right",
             va=side,
             fontsize=9,
@@ -112,56 +117,63 @@ def draw_forces(table: Table) -> Figure:
     panels[3].legend(
         loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, columnspacing=1.2, borderpad=0
     )
+    figure.align_ylabels()
     return figure
 
 
 def draw_path(table: Table) -> Figure:
     """Path of the centre of mass, in space and from above (Figure 11)."""
-    figure = new_figure(table, "Path of the centre of mass", height=4.6)
+    figure = new_figure(table, "Path of the centre of mass", height=4.5)
     x, y, z = (numbers(table, f"com_{name}") for name in "xyz")
     radius = float(np.nanmedian(np.sqrt(x**2 + y**2 + z**2)))
+    room = min(1.1 * float(np.nanmax(np.hypot(x, y))), radius)
+    if np.nanmin(z) < 0 < np.nanmax(z) or room == 0:
+        room = radius
     space = figure.add_subplot(1, 2, 1, projection="3d")
-    draw_path_in_space(space, x, y, z, radius)
+    draw_sphere(space, radius, room, upper=np.nanmax(z) > 0)
+    space.plot(x, y, z, **LINES[0])
+    mark_ends(space, x, y, z)
+    space.set(xlabel="x (m)", ylabel="y (m)", zlabel="z (m)", title="in space")
     above = figure.add_subplot(1, 2, 2)
-    draw_path_from_above(above, x, y)
+    around = np.linspace(0, 2 * np.pi, 181)
+    above.plot(radius * np.cos(around), radius * np.sin(around), color=FAINT, linewidth=0.8)
+    draw_line(above, x, y)
+    above.plot(0, 0, "+", color=GREY)
+    mark_ends(above, x, y)
+    side = 1.04 * room
+    above.set(xlim=(-side, side), ylim=(-side, side), aspect="equal")
+    above.set(xlabel="x (m)", ylabel="y (m)", title="from above")
+    above.legend(loc="center", handletextpad=0.1)
     return figure
 
 
-def draw_path_in_space(
-    axes: Axes3D, x: np.ndarray, y: np.ndarray, z: np.ndarray, radius: float
-) -> None:
-    """The path on the sphere on which the centre of mass moves."""
-    around, down = np.linspace(0, 2 * np.pi, 73), np.linspace(0, np.pi, 37)
+def draw_sphere(axes: Axes3D, radius: float, room: float, upper: bool) -> None:
+    """The sphere of the centre of mass or, if `room` is less than its radius, that cap of it."""
+    down = np.linspace(0, np.arcsin(room / radius) if room < radius else np.pi, 49)
+    around = np.linspace(0, 2 * np.pi, 73)
+    height = radius * np.outer(np.cos(down), np.ones_like(around))
     axes.plot_wireframe(
         radius * np.outer(np.sin(down), np.cos(around)),
         radius * np.outer(np.sin(down), np.sin(around)),
-        radius * np.outer(np.cos(down), np.ones_like(around)),
-        rstride=6,
+        height if upper else -height,
+        rstride=8,
         cstride=6,
         color=FAINT,
-        linewidth=0.4,
+        linewidth=0.5,
     )
-    axes.plot(x, y, z, **LINES[0], linewidth=1.0)
-    axes.plot(0, 0, 0, "k+")
-    mark_ends(axes, x, y, z)
-    axes.set(xlim=(-radius, radius), ylim=(-radius, radius), zlim=(-radius, radius))
-    axes.set_box_aspect((1, 1, 1))
-    axes.set(xlabel="x (m)", ylabel="y (m)", zlabel="z (m)")
-
-
-def draw_path_from_above(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
-    """The path in the horizontal plane, as large as it is."""
-    draw_line(axes, x, y, linewidth=1.0)
-    axes.plot(0, 0, "k+")
-    mark_ends(axes, x, y)
+    axes.set(xlim=(-room, room), ylim=(-room, room))
     axes.set_aspect("equal")
-    axes.set(xlabel="x (m)", ylabel="y (m)")
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        axis.set_major_locator(MaxNLocator(3))
+        axis.pane.set_visible(False)
+    axes.grid(visible=False)
 
 
 def mark_ends(axes: Axes, *path: np.ndarray) -> None:
     """Mark where the path begins and ends."""
-    for place, marker, label in ((0, "o", "start"), (-1, "s", "end")):
-        axes.plot(*([c[place]] for c in path), marker, color=LINES[1]["color"], label=label)
+    for place, marker, label in ((0, "o", "start"), (-1, "D", "end")):
+        ends = [component[place : place + 1 or None] for component in path]
+        axes.plot(*ends, marker, markersize=5, color=LINES[1]["color"], mec="white", label=label)
 
 
 def draw_error(table: Table) -> Figure:
@@ -172,11 +184,13 @@ def draw_error(table: Table) -> Figure:
     )
     panels = figure.subplots(1 + has_energy, 1, sharex=True, squeeze=False)[:, 0]
     t = numbers(table, "t")
+    for axes in panels:
+        axes.margins(x=0.01)
     draw_sizes(panels[0], t, numbers(table, "orientation_error"))
     panels[0].set_ylabel("angle from the exact\norientation (rad)")
     if has_energy:
         draw_sizes(panels[1], t, numbers(table, "R4"))
         panels[1].set_ylabel(f"change of energy\n$|R_4|$ ({table.units.get('R4', 'J')})")
     panels[-1].set_xlabel(TIME)
-    panels[-1].margins(x=0.01)
+    figure.align_ylabels()
     return figure

@@ -60,7 +60,8 @@ contains
         else if (dimensions /= parameter%rank) then
             call self%refuse(parameter, diagnostics, self%place, 'bad subscript of ' // &
                 parameter%key, 'write ' // example(parameter) // '; strides are not supported')
-        else if (parameter%rank == 2 .and. bounds(1, 1) /= bounds(2, 1)) then
+        else if (parameter%rank == 2 .and. &
+            (bounds(1, 1) < 1 .or. bounds(1, 1) /= bounds(2, 1))) then
             call self%refuse(parameter, diagnostics, self%place, &
                 'one row at a time', 'write ' // example(parameter))
         else

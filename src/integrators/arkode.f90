@@ -97,6 +97,8 @@ contains
 
         select type (work)
         class is (arkode_workspace_t)
+            call adopt_state(formulation, work, status)
+            if (status /= status_ok) return
             if (self%controls%steps > 0) then
                 call advance_on_grid(self, formulation, work, status)
             else
@@ -104,6 +106,21 @@ contains
             end if
         end select
     end subroutine advance
+
+    !> Goes on from `work%y` where the caller has changed it since the last step.
+    subroutine adopt_state(formulation, work, status)
+        class(formulation_t), intent(in) :: formulation
+        class(arkode_workspace_t), intent(inout) :: work
+        integer, intent(out) :: status
+
+        status = status_ok
+        associate (now => work%memory%now)
+            if (all(is_equal(work%y, now%y))) return
+            now%y = work%y
+            call now%evaluate(formulation, now%y, now%slope, status)
+        end associate
+        call work%memory%restart()
+    end subroutine adopt_state
 
     !> A step on the grid of equal steps while the equations last, ever shorter ones as they end.
     subroutine advance_on_grid(self, formulation, work, status)

@@ -4,13 +4,15 @@ module spintop_columns
     use spintop_kinds, only: dp
     use spintop_attitude, only: rotation_angle, vertical_from_quaternion, to_space
     use spintop_body, only: body_t
-    use spintop_exact_motion, only: exact_motion_t
+    use spintop_conditioning, only: conditioning_t, prepare_conditioning
+    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t
     use spintop_quantities, only: kinetic_energy, potential_energy, vertical_momentum, &
         axial_momentum, euler_residuals, support_force, axis_tip
     implicit none
     private
     public :: column_t, column_computer_t, trajectory_columns, default_trajectory_columns
+    public :: needs_exact_motion
 
     !> What a table says of a column.
     type :: column_t
@@ -23,7 +25,8 @@ module spintop_columns
 
     integer, parameter :: group_angles = 1, group_omega = 2, group_quaternion = 3, &
         group_vertical = 4, group_axis = 5, group_centre = 6, group_energy = 7, group_momenta = 8, &
-        group_residuals = 9, group_force = 10, group_oracle = 11, groups = 11
+        group_residuals = 9, group_force = 10, group_oracle = 11, group_floor = 12, &
+        groups = group_floor
 
     !> All columns, in the order of the table's documentation.
     type(column_t), parameter :: trajectory_columns(*) = [ &
@@ -68,13 +71,15 @@ module spintop_columns
                  group_force), &
         column_t('force_n', 'N', 'support force along the line of nodes', group_force), &
         column_t('orientation_error', 'rad', 'angle of the turn from the exact attitude', group_oracle), &
-        column_t('tip_error', '', 'distance of the axis tip from the exact one', group_oracle)]
+        column_t('tip_error', '', 'distance of the axis tip from the exact one', group_oracle), &
+        column_t('double_floor', 'rad', 'how far rounding of the data alone turns the attitude', &
+                 group_floor)]
 
     !> Columns of the table when none are named.
     character(*), parameter :: default_trajectory_columns(*) = [character(20) :: &
         't', 'phi', 'theta', 'psi', 'phi_rate', 'theta_rate', 'psi_rate', 'com_x', 'com_y', 'com_z', &
         'kinetic', 'potential', 'energy', 'R1', 'R2', 'R3', 'R4', 'force_x', 'force_y', 'force_z', &
-        'orientation_error']
+        'orientation_error', 'double_floor']
 
     !> Computes the chosen columns of a motion.
     type :: column_computer_t
@@ -88,47 +93,45 @@ module spintop_columns
         !> Energy and vertical momentum of the start, and the scale of the energy error.
         real(dp) :: energy = 0, momentum = 0, energy_scale = 1
         !> The exact motion, where there is one.
-        type(exact_motion_t), allocatable :: oracle
+        type(exact_motion_t) :: oracle
+        type(conditioning_t) :: conditioning
     contains
         procedure :: set
         procedure :: row
-        procedure :: needs_oracle
     end type column_computer_t
 
 contains
 
-    !> Chooses columns by their place in `trajectory_columns` and takes the start's invariants. With
-    !> an exact motion as `oracle` the errors against it can be chosen.
-    subroutine set(self, chosen, body, start, oracle)
+    !> Chooses columns by their place in `trajectory_columns` and takes the start's invariants.
+    !> Columns that `needs_exact_motion` are for bodies that have one.
+    subroutine set(self, chosen, body, start)
         class(column_computer_t), intent(out) :: self
         integer, intent(in) :: chosen(:)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
-        type(exact_motion_t), intent(in), optional :: oracle
-        integer :: i, group
+        integer :: i, group, status
 
         self%body = body
         self%chosen = chosen
-        associate (columns => trajectory_columns)
-            do i = 1, size(columns)
-                group = columns(i)%group
-                if (self%first(group) == 0) self%first(group) = i
-                self%last(group) = i
-            end do
-            self%wanted(columns(chosen)%group) = .true.
-        end associate
+        do i = 1, size(trajectory_columns)
+            group = trajectory_columns(i)%group
+            if (self%first(group) == 0) self%first(group) = i
+            self%last(group) = i
+        end do
+        self%wanted(trajectory_columns(chosen)%group) = .true.
         self%energy = kinetic_energy(body, start) + potential_energy(body, start)
         self%momentum = vertical_momentum(body, start)
         self%energy_scale = kinetic_energy(body, start) &
                             + body%mass * body%gravity * norm2(body%centre_of_mass)
-        if (present(oracle)) self%oracle = oracle
+        if (self%wanted(group_oracle)) call prepare_exact_motion(body, start, self%oracle, status)
+        if (self%wanted(group_floor)) call prepare_conditioning(body, start, self%conditioning, status)
     end subroutine set
 
-    !> Whether a chosen column compares with the exact motion.
-    pure logical function needs_oracle(self)
-        class(column_computer_t), intent(in) :: self
-        needs_oracle = self%wanted(group_oracle)
-    end function needs_oracle
+    !> Whether a column compares with the exact motion.
+    elemental logical function needs_exact_motion(column)
+        type(column_t), intent(in) :: column
+        needs_exact_motion = column%group == group_oracle .or. column%group == group_floor
+    end function needs_exact_motion
 
     !> The chosen columns of a motion.
     function row(self, motion) result(values)
@@ -168,6 +171,8 @@ contains
                     slice = with_cylindrical(support_force(self%body, motion), motion%angle(1))
                 case (group_oracle)
                     slice = errors_against(self%oracle%at(motion%t), motion, self%body)
+                case (group_floor)
+                    slice = self%conditioning%floor_at(motion%t)
                 end select
             end associate
         end do

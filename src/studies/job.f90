@@ -2,7 +2,7 @@
 module spintop_job
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t, make_case
-    use spintop_columns, only: trajectory_columns, default_trajectory_columns
+    use spintop_columns, only: trajectory_columns, default_trajectory_columns, needs_exact_motion
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t
     use spintop_namelist, only: read_namelist
@@ -65,8 +65,8 @@ contains
         if (allocated(error)) return
         call read_namelist(input, options%overrides, job%table, diagnostics, error)
         if (allocated(error)) return
-        call choose_columns(job, problems)
         if (.not. diagnostics%has_errors()) call plan_job(job, problems)
+        call choose_columns(job, problems)
         call problems%tell(job%table, diagnostics)
         call diagnostics%raise(error)
         if (allocated(error)) return
@@ -118,13 +118,15 @@ contains
             if (job%scene%kind == 'sweep') then
                 job%columns = [(i, i=1, size(known))]
             else
-                allocate (job%columns(0))
-                do i = 1, size(default_trajectory_columns)
-                    job%columns = [job%columns, place_of(default_trajectory_columns(i))]
-                end do
+                job%columns = [(place_of(default_trajectory_columns(i)), &
+                                i=1, size(default_trajectory_columns))]
+                job%columns = pack(job%columns, can_have(job%columns))
             end if
+            ! The exact motion compared with itself says nothing.
+            if (job%plan%exact) job%columns = pack(job%columns, job%columns /= place_of('orientation_error'))
         else if (job%scene%columns(1) == 'all') then
             job%columns = [(i, i=1, size(known))]
+            if (job%scene%kind /= 'sweep') job%columns = pack(job%columns, can_have(job%columns))
         else
             allocate (job%columns(0))
             do i = 1, size(job%scene%columns)
@@ -151,6 +153,13 @@ contains
             end do
         end function place_of
 
+        !> Whether the trajectory can have a column: some compare with an exact motion.
+        elemental logical function can_have(place)
+            integer, intent(in) :: place
+            can_have = job%case%body%is_lagrange() &
+                       .or. .not. needs_exact_motion(trajectory_columns(place))
+        end function can_have
+
         subroutine take_column(name)
             character(*), intent(in) :: name
             character(:), allocatable :: hint
@@ -165,6 +174,12 @@ contains
                 call problems%add('output.columns', "column '" // name // "' is named twice", &
                                   'name it once')
             else
+                if (job%scene%kind /= 'sweep' .and. .not. problems%any()) then
+                    if (.not. can_have(place)) then
+                        call problems%add('output.columns', "column '" // name // "' compares with the exact &
+                            &motion, and this body has none", 'leave it out')
+                    end if
+                end if
                 job%columns = [job%columns, place]
             end if
         end subroutine take_column

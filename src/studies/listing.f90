@@ -88,8 +88,8 @@ contains
             call add(lines, methods(i)%name, kind_of(methods(i)), methods(i)%what)
         end do
         lines = [lines, string_t(''), &
-                 string_t("tables of arkode_erk:  " // join(arkode_table_names(.false.), ', ')), &
-                 string_t("tables of arkode_dirk: " // join(arkode_table_names(.true.), ', '))]
+                 string_t('tables of arkode_erk:  ' // join(arkode_table_names(.false.), ', ')), &
+                 string_t('tables of arkode_dirk: ' // join(arkode_table_names(.true.), ', '))]
     end subroutine list_methods
 
     !> Order and kind of steps in a word.

@@ -4,6 +4,7 @@ module spintop_sweep_case
     use spintop_compare, only: is_finite
     use spintop_attitude, only: rotation_angle
     use spintop_case, only: case_t
+    use spintop_conditioning, only: double_floor
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_fast_top, only: fast_top_t, fast_top
     use spintop_formulation, only: formulation_t, max_states
@@ -14,7 +15,7 @@ module spintop_sweep_case
     use spintop_quantities, only: kinetic_energy, potential_energy
     use spintop_status, only: status_ok, status_meaning
     use spintop_sweep_columns, only: sweep_columns, sweep_groups, group_nutation, &
-        group_fast_top, group_period, group_end, group_energy, group_oracle, group_cost
+        group_fast_top, group_period, group_end, group_energy, group_oracle, group_cost, group_floor
     use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
     implicit none
     private
@@ -55,6 +56,9 @@ contains
         status = status_ok
         if (wanted(group_nutation)) call describe_nutation(case, values, note)
         if (wanted(group_fast_top)) call describe_fast_top(case, values, note)
+        if (wanted(group_floor) .and. case%body%is_lagrange()) then
+            call set(values, 'double_floor', double_floor(case%body, case%start, case%t_end))
+        end if
         if (any(wanted([group_period, group_end, group_energy, group_oracle, group_cost]))) then
             call follow(case, plan, wanted, values, status, note)
         end if

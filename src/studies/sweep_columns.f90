@@ -5,7 +5,7 @@ module spintop_sweep_columns
     private
     public :: sweep_column_t, sweep_columns
     public :: group_nutation, group_fast_top, group_period, group_end, group_energy, group_oracle, &
-        group_cost, sweep_groups
+        group_cost, group_floor, sweep_groups
 
     !> What a table says of a quantity.
     type :: sweep_column_t
@@ -17,9 +17,9 @@ module spintop_sweep_columns
     end type sweep_column_t
 
     !> The whole nutation; the paper's formulas; the azimuth after a period; the end of the span;
-    !> the largest energy error; the comparison with the exact motion; what it cost.
+    !> the largest energy error; the comparison with the exact motion; what it cost; the accuracy that the data allow.
     integer, parameter :: group_nutation = 1, group_fast_top = 2, group_period = 3, group_end = 4, &
-        group_energy = 5, group_oracle = 6, group_cost = 7, sweep_groups = 7
+        group_energy = 5, group_oracle = 6, group_cost = 7, group_floor = 8, sweep_groups = 8
 
     !> All quantities, in the order of the table's documentation.
     type(sweep_column_t), parameter :: sweep_columns(*) = [ &
@@ -47,6 +47,7 @@ module spintop_sweep_columns
         sweep_column_t('theta_rate_end', 'rad/s', 'nutation rate at the end of the span', group_end), &
         sweep_column_t('energy_error_max', '', 'largest relative energy error in the span', group_energy), &
         sweep_column_t('orientation_error', 'rad', 'angle from the exact attitude at the end', group_oracle), &
+        sweep_column_t('double_floor', 'rad', 'how far rounding of the data alone turns that attitude', group_floor), &
         sweep_column_t('evaluations', '', 'right-hand sides evaluated', group_cost)]
 
 end module spintop_sweep_columns

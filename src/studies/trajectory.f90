@@ -2,6 +2,7 @@
 module spintop_trajectory
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
+    use spintop_case, only: case_t
     use spintop_columns, only: column_computer_t, trajectory_columns
     use spintop_errors, only: error_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
@@ -50,12 +51,10 @@ contains
         integer, intent(out) :: status
         type(error_t), allocatable, intent(out) :: error
         type(writer_t) :: writer
-        type(exact_motion_t) :: exact
         type(outcome_t) :: outcome
         type(string_t), allocatable :: input(:), header(:)
         type(string_t) :: trailer(1)
         real(dp) :: began, elapsed
-        integer :: exact_status
 
         status = status_ok
         associate (case => job%case, plan => job%plan)
@@ -63,8 +62,7 @@ contains
             writer%last = case%start
             writer%total = plan%samples
             call writer%progress%start(job%name, 'rows', writer%total, options%quiet, options%progress)
-            call prepare_exact_motion(case%body, case%start, exact, exact_status)
-            call writer%columns%set(job%columns, case%body, case%start, exact)
+            call writer%columns%set(job%columns, case%body, case%start)
             associate (columns => trajectory_columns(job%columns))
                 call print_namelist(job%table, input)
                 call describe_provenance(job%scene%title, input, columns%name, columns%unit, &
@@ -75,7 +73,7 @@ contains
 
             began = seconds()
             if (plan%exact) then
-                call sample_exactly(exact, exact_status, case%t_end, plan%samples, writer, outcome)
+                call sample_exactly(case, plan%samples, writer, outcome)
             else
                 call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, &
                                sample_times(case%t_end, plan%samples), writer, outcome)
@@ -107,21 +105,21 @@ contains
     end subroutine run_trajectory
 
     !> The exact motion at equally spaced times.
-    subroutine sample_exactly(exact, exact_status, t_end, samples, writer, outcome)
-        type(exact_motion_t), intent(in) :: exact
-        integer, intent(in) :: exact_status, samples
-        real(dp), intent(in) :: t_end
+    subroutine sample_exactly(case, samples, writer, outcome)
+        type(case_t), intent(in) :: case
+        integer, intent(in) :: samples
         type(writer_t), intent(inout) :: writer
         type(outcome_t), intent(out) :: outcome
+        type(exact_motion_t) :: exact
         integer :: i
 
-        outcome%status = exact_status
-        if (exact_status /= status_ok) return
+        call prepare_exact_motion(case%body, case%start, exact, outcome%status)
+        if (outcome%status /= status_ok) return
         do i = 1, samples
-            call writer%write_row(exact%at(sample_time(t_end, samples, i)))
+            call writer%write_row(exact%at(sample_time(case%t_end, samples, i)))
             if (writer%has_enough) exit
         end do
-        outcome%t = t_end
+        outcome%t = case%t_end
     end subroutine sample_exactly
 
     !> Last line of a trajectory table.

@@ -70,6 +70,8 @@ contains
             case ('cone')
                 solid = solid_t(pi * r**2 * h / 3, 3 * h / 4, 3 * (4 * r**2 + h**2) / 80, &
                                 3 * r**2 / 10)
+            case default
+                solid = solid_t()
             end select
         end associate
     end function build_shape

@@ -1,0 +1,29 @@
+!> The library's face: what a program that uses spintop needs.
+!>
+!>     type(body_t) :: body
+!>     type(exact_motion_t) :: exact
+!>     body%inertia = [0.875_dp, 0.875_dp, 0.25_dp]
+!>     body%centre_of_mass(3) = sqrt(0.75_dp)
+!>     call prepare_exact_motion(body, motion_from_angles(0.0_dp, angle, rate), exact, status)
+!>     motion = exact%at(2.0_dp)
+module spintop
+    use spintop_kinds, only: dp
+    use spintop_errors, only: error_t
+    use spintop_status, only: status_ok, status_name, status_meaning
+    use spintop_body, only: body_t
+    use spintop_motion, only: motion_t, motion_from_angles, motion_from_quaternion
+    use spintop_quantities, only: kinetic_energy, potential_energy, vertical_momentum, &
+        axial_momentum, euler_residuals, support_force, axis_tip
+    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
+    use spintop_nutation, only: nutation_t, find_nutation, class_name
+    use spintop_steady_precession, only: steady_rates, steady_rates_at_spin
+    use spintop_sleeping_top, only: critical_omega3, sleeping_eigenvalues
+    use spintop_fast_top, only: fast_top_t, fast_top
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_states
+    use spintop_formulations, only: formulation_infos, create_formulation
+    use spintop_stepper, only: stepper_t, method_info_t, controls_t, workspace_t, counts_t
+    use spintop_methods, only: method_infos, create_stepper
+    use spintop_integration, only: integrate, observer_t, outcome_t
+    implicit none
+    public
+end module spintop

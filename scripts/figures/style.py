@@ -42,6 +42,7 @@ mpl.rcParams.update(
     {
         "font.size": 10,
         "axes.labelsize": 10,
+        "axes.titlesize": 10,
         "xtick.labelsize": 9,
         "ytick.labelsize": 9,
         "legend.fontsize": 9,
@@ -49,7 +50,6 @@ mpl.rcParams.update(
         "axes.spines.right": False,
         "axes.linewidth": 0.8,
         "axes.formatter.limits": (-3, 4),
-        "axes.formatter.use_mathtext": True,
         "lines.linewidth": 1.2,
         "legend.frameon": False,
         "agg.path.chunksize": 10_000,

@@ -115,7 +115,12 @@ def draw_forces(table: Table) -> Figure:
         draw_line(panels[3], t, numbers(table, name), line, label=label)
     panels[3].set_ylabel("energy (J)")
     panels[3].legend(
-        loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, columnspacing=1.2, borderpad=0
+        loc="lower right",
+        bbox_to_anchor=(1.03, 1.0),
+        ncols=3,
+        handlelength=1.6,
+        columnspacing=1.0,
+        borderpad=0,
     )
     figure.align_ylabels()
     return figure
@@ -124,6 +129,7 @@ def draw_forces(table: Table) -> Figure:
 def draw_path(table: Table) -> Figure:
     """Path of the centre of mass, in space and from above (Figure 11)."""
     figure = new_figure(table, "Path of the centre of mass", height=4.5)
+    figure.get_layout_engine().set(wspace=0.14)
     x, y, z = (numbers(table, f"com_{name}") for name in "xyz")
     radius = float(np.nanmedian(np.sqrt(x**2 + y**2 + z**2)))
     room = min(1.1 * float(np.nanmax(np.hypot(x, y))), radius)
@@ -134,6 +140,7 @@ def draw_path(table: Table) -> Figure:
     space.plot(x, y, z, **LINES[0])
     mark_ends(space, x, y, z)
     space.set(xlabel="x (m)", ylabel="y (m)", zlabel="z (m)", title="in space")
+    space.zaxis.labelpad = -2
     above = figure.add_subplot(1, 2, 2)
     around = np.linspace(0, 2 * np.pi, 181)
     above.plot(radius * np.cos(around), radius * np.sin(around), color=FAINT, linewidth=0.8)
@@ -142,8 +149,11 @@ def draw_path(table: Table) -> Figure:
     mark_ends(above, x, y)
     side = 1.04 * room
     above.set(xlim=(-side, side), ylim=(-side, side), aspect="equal")
-    above.set(xlabel="x (m)", ylabel="y (m)", title="from above")
-    above.legend(loc="center", handletextpad=0.1)
+    above.set(xlabel="x (m)", ylabel="y (m)")
+    above.set_title("from above", loc="left")
+    above.legend(
+        loc="lower right", bbox_to_anchor=(1.03, 0.99), ncols=2, handletextpad=0.1, borderpad=0
+    )
     return figure
 
 
@@ -163,8 +173,9 @@ def draw_sphere(axes: Axes3D, radius: float, room: float, upper: bool) -> None:
     )
     axes.set(xlim=(-room, room), ylim=(-room, room))
     axes.set_aspect("equal")
+    flat = np.ptp(height) < 0.5 * room
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-        axis.set_major_locator(MaxNLocator(3))
+        axis.set_major_locator(MaxNLocator(1 if flat and axis is axes.zaxis else 3))
         axis.pane.set_visible(False)
     axes.grid(visible=False)
 

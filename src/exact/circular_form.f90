@@ -21,7 +21,10 @@ module spintop_circular_form
     !> Coefficients of the theta functions of one motion.
     type :: circular_form_t
         private
-        !> U = 1 + sum upper_even(n) cos 2nz - i upper_odd(n) sin 2nz, L alike.
+        !> U = upper_least - sum 2 upper_even(n) sin(nz)^2 + i upper_odd(n) sin 2nz,
+        !> L = lower_least - sum 2 lower_even(n) sin(ny)^2 + i lower_odd(n) sin 2nz, y = pi/2 - |z|:
+        !> written from their least values, at z = 0 and y = 0, for digits close to a pole.
+        real(dp) :: upper_least = 1, lower_least = 1
         real(dp), dimension(last) :: upper_even = 0, upper_odd = 0, lower_even = 0, lower_odd = 0
         !> W = theta_4 = 1 + sum divisor(n) cos 2nz.
         real(dp) :: divisor(last) = 0
@@ -87,6 +90,8 @@ contains
 
             clock%upper_amplitude = real(sqrt(p2 / 2) * theta3 / bottom%norm, dp)
             clock%lower_amplitude = real(sqrt(m1 / 2) * theta4 / top%norm, dp)
+            form%upper_least = real(sqrt(p1 / p2 * kc) * bottom%norm, dp)
+            form%lower_least = real(quotient(sqrt(d2) * top%norm, sqrt(m1 * kc)), dp)
             clock%start = start_argument(start, points, q)
         end associate
 
@@ -97,7 +102,7 @@ contains
             form%upper_even(n) = real(alternating(n) * ratio * bottom%sums(n), dp)
             form%upper_odd(n) = real(alternating(n) * ratio * upper_sign &
                                      * bottom%differences(n), dp)
-            form%lower_even(n) = real(ratio * top%sums(n), dp)
+            form%lower_even(n) = real(alternating(n) * ratio * top%sums(n), dp)
             form%lower_odd(n) = real(ratio * lower_sign * top%differences(n), dp)
             form%divisor(n) = real(2 * alternating(n) * q**(n * n), dp)
         end do
@@ -208,49 +213,51 @@ contains
     end function slope_at_top
 
     !> The theta functions at the argument z, |z| <= pi/2.
-    pure subroutine evaluate_circular_form(form, z, theta)
+    pure subroutine evaluate_circular_form(form, z, from_top, theta)
         type(circular_form_t), intent(in) :: form
-        real(dp), intent(in) :: z
+        real(dp), intent(in) :: z, from_top  !! from_top: pi/2 - |z|, to full relative precision
         type(theta_values_t), intent(out) :: theta
-        real(dp) :: c(0:last), s(0:last), sine, cosine, t1, tc
+        real(dp), dimension(last) :: c, s, from_bottom_squared, from_top_squared
+        real(dp) :: sine, cosine
         integer :: n
 
-        sine = sin(z)
-        cosine = cos(z)
-        ! cos and sin of 2nz; then sin (2n+1)z / sin z and cos (2n+1)z / cos z.
-        c(0:1) = [1.0_dp, (cosine - sine) * (cosine + sine)]
-        s(0:1) = [0.0_dp, 2 * sine * cosine]
-        do n = 1, last - 1
-            c(n + 1) = 2 * c(1) * c(n) - c(n - 1)
-            s(n + 1) = 2 * c(1) * s(n) - s(n - 1)
-        end do
-        associate (c1 => c(1), c2 => c(2), c3 => c(3))
-            t1 = sine * (form%sn(0) + form%sn(1) * (2 * c1 + 1) &
-                + form%sn(2) * (2 * (c2 + c1) + 1) + form%sn(3) * (2 * (c3 + c2 + c1) + 1))
-            tc = cosine * (form%cn(0) + form%cn(1) * (2 * c1 - 1) &
-                + form%cn(2) * (2 * (c2 - c1) + 1) + form%cn(3) * (2 * (c3 - c2 + c1) - 1))
-        end associate
+        if (abs(z) < from_top) then
+            sine = sin(z)
+            cosine = cos(z)
+        else
+            sine = sign(cos(from_top), z)
+            cosine = sin(from_top)
+        end if
+        ! cos 2nz and sin 2nz; 2 sin(nz)^2 and 2 sin(n from_top)^2.
+        c(1) = (cosine - sine) * (cosine + sine)
+        s(1) = 2 * sine * cosine
+        c(2) = 2 * c(1)**2 - 1
+        s(2) = 2 * c(1) * s(1)
+        c(3) = 2 * c(1) * c(2) - c(1)
+        s(3) = 2 * c(1) * s(2) - s(1)
+        from_bottom_squared = 2 * [sine, s(1), sine * (2 * c(1) + 1)]**2
+        from_top_squared = 2 * [cosine, s(1), cosine * (2 * c(1) - 1)]**2
 
-        theta%upper = 1
-        theta%lower = 1
+        theta%upper = cmplx(form%upper_least - dot_product(form%upper_even, from_bottom_squared), &
+                            -dot_product(form%upper_odd, s), dp)
+        theta%lower = cmplx(form%lower_least - dot_product(form%lower_even, from_top_squared), &
+                            -dot_product(form%lower_odd, s), dp)
+        theta%divisor = 1 + dot_product(form%divisor, c)
         theta%upper_slope = 0
         theta%lower_slope = 0
-        theta%divisor = 1
         theta%divisor_slope = 0
         do n = 1, last
-            theta%upper = theta%upper + cmplx(form%upper_even(n) * c(n), &
-                                              -form%upper_odd(n) * s(n), dp)
-            theta%lower = theta%lower + cmplx(form%lower_even(n) * c(n), &
-                                              -form%lower_odd(n) * s(n), dp)
             theta%upper_slope = theta%upper_slope - 2 * n * cmplx(form%upper_even(n) * s(n), &
                                                                   form%upper_odd(n) * c(n), dp)
-            theta%lower_slope = theta%lower_slope - 2 * n * cmplx(form%lower_even(n) * s(n), &
-                                                                  form%lower_odd(n) * c(n), dp)
-            theta%divisor = theta%divisor + form%divisor(n) * c(n)
+            theta%lower_slope = theta%lower_slope - 2 * n &
+                * cmplx(alternating(n) * form%lower_even(n) * s(n), form%lower_odd(n) * c(n), dp)
             theta%divisor_slope = theta%divisor_slope - 2 * n * form%divisor(n) * s(n)
         end do
-        theta%sn = t1 / theta%divisor
-        theta%cn = tc / theta%divisor
+        ! sin (2n+1)z and cos (2n+1)z, for n > 0, are sin z and cos z times a sum of cosines.
+        theta%sn = sine / theta%divisor * (form%sn(0) + form%sn(1) * (2 * c(1) + 1) &
+            + form%sn(2) * (2 * (c(2) + c(1)) + 1) + form%sn(3) * (2 * (c(3) + c(2) + c(1)) + 1))
+        theta%cn = cosine / theta%divisor * (form%cn(0) + form%cn(1) * (2 * c(1) - 1) &
+            + form%cn(2) * (2 * (c(2) - c(1)) + 1) + form%cn(3) * (2 * (c(3) - c(2) + c(1)) - 1))
     end subroutine evaluate_circular_form
 
 end module spintop_circular_form

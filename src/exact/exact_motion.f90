@@ -133,7 +133,7 @@ contains
     pure subroutine set_phases(start, exact)
         type(regular_start_t), intent(in) :: start
         type(exact_motion_t), intent(inout) :: exact
-        real(dp) :: z
+        real(dp) :: z, from_top
         real(xp) :: nutations, upper_then, lower_then
         type(theta_values_t) :: theta
 
@@ -143,10 +143,10 @@ contains
             exact%sum_rate = clock%sum_rate
             exact%difference_rate = 2 * start%half() + clock%upper_rate - clock%lower_rate
 
-            call exact%theta%locate(0.0_xp, z, nutations)
+            call exact%theta%locate(0.0_xp, z, from_top, nutations)
             exact%tops_before = nutations
             exact%bottoms_before = merge(nutations, nutations - 1, z >= 0)
-            call exact%theta%evaluate(z, theta)
+            call exact%theta%evaluate(z, from_top, theta)
             exact%upper_phase = phase_constant(theta%upper, theta%upper_slope, clock%upper_rate, &
                                                start%upper, start%upper_rate)
             exact%lower_phase = phase_constant(theta%lower, theta%lower_slope, clock%lower_rate, &
@@ -215,7 +215,7 @@ contains
         class(exact_motion_t), intent(in) :: self
         real(dp), intent(in) :: t
         type(attitude_t), intent(out) :: now
-        real(dp) :: z
+        real(dp) :: z, from_top
 
         now%elapsed = t - self%time
         if (self%theta%regime == regime_resting) then
@@ -225,8 +225,8 @@ contains
         end if
 
         associate (clock => self%theta%clock)
-            call self%theta%locate(now%elapsed, z, now%nutations)
-            call self%theta%evaluate(z, now%theta)
+            call self%theta%locate(now%elapsed, z, from_top, now%nutations)
+            call self%theta%evaluate(z, from_top, now%theta)
             now%rising = z >= 0
             now%upper_turn = unit(self%upper_phase + self%upper_rate * now%elapsed &
                                   + now%nutations * clock%upper_step) &

@@ -17,20 +17,23 @@ module spintop_hyperbolic_form
     !> Number of the last term of a series: the next adds at most 2e-22.
     integer, parameter :: last = 3
 
-    !> Coefficients of the theta functions of one motion. All are scaled by exp(-|z|): with
-    !> p = q' exp(2|z|) <= 1, a term in cosh 2nz or cosh (2n+1)z goes with p^n.
+    !> Coefficients of the theta functions of one motion, for arguments z and y = H - |z| from the
+    !> lower and from the upper turning point, H = pi K/(2 K'). All are scaled by exp(-|z|); with
+    !> e = exp(-2|z|) and p = exp(-2y) = q'/e the terms go with powers of p and e, at most 1.
     type :: hyperbolic_form_t
         private
-        !> K pi/(2 K'): z at the upper turning point; huge on the separatrix.
-        real(dp) :: half_period = huge(1.0_dp)
-        !> W = sum_n divisor(n) p^n cosh (2n+1)z.
-        real(dp) :: divisor(0:last) = 0
-        !> U = sum_n p^n [upper_even(n) cosh (2n+1)z + i upper_odd(n) sinh (2n+1)z].
+        !> W = sum_n powers(n) p^n cosh_(2n+1)(z), where cosh_m(z) = exp(-m|z|) cosh(mz).
+        real(dp) :: powers(0:last) = 0
+        !> U = sum_n p^n [upper_even(n) cosh_(2n+1)(z) + i upper_odd(n) sinh_(2n+1)(z)].
         real(dp), dimension(0:last) :: upper_even = 0, upper_odd = 0
-        !> L = exp(-|z|) + sum_n p^n [lower_even(n) cosh 2nz + i lower_odd(n) sinh 2nz].
-        real(dp), dimension(last) :: lower_even = 0, lower_odd = 0
-        !> cn W = cn_scale [exp(-|z|) + sum_n (-p)^n cn(n) cosh 2nz], sn W = sn_scale Sh(z).
-        real(dp) :: cn(last) = 0, cn_scale = 1, sn_scale = 1
+        !> L = exp(-|z|) lower_turn
+        !>     * sum_n e^n [lower_even(n) cosh_(2n+1)(y) - i lower_odd(n) sinh_(2n+1)(y)]
+        !> on the way up, its conjugate on the way down.
+        real(dp), dimension(0:last) :: lower_even = 0, lower_odd = 0
+        complex(dp) :: lower_turn = 1
+        !> sn W = sn_scale sum_n (-1)^n powers(n) p^n sinh_(2n+1)(z), and
+        !> cn W = cn_scale exp(-|z|) sum_n (-1)^n powers(n) e^n sinh_(2n+1)(y).
+        real(dp) :: sn_scale = 1, cn_scale = 1
     end type hyperbolic_form_t
 
     !> Where a pole of the sphere lies: at the imaginary argument i v.
@@ -43,6 +46,7 @@ module spintop_hyperbolic_form
     end type pole_t
 
     integer, parameter :: n_(last) = [1, 2, 3]
+    integer, parameter :: odd(0:last) = [1, 3, 5, 7], alternating(0:last) = [1, -1, 1, -1]
 
 contains
 
@@ -67,7 +71,6 @@ contains
                 clock%half_period = -log(q) / 2
                 clock%period = 2 * clock%half_period
                 clock%per_period = 1 / clock%period
-                form%half_period = real(clock%half_period, dp)
             end if
 
             bottom = pole_at(q, sqrt(k * points%beta_u3_minus_u1), &
@@ -90,16 +93,16 @@ contains
         end associate
 
         form%sn_scale = real(1 / sqrt(k), dp)
-        form%cn_scale = real(cosh_sum_at_0 / (sqrt(k) * theta3), dp)
+        form%cn_scale = real(2 * cosh_sum_at_0 / (sqrt(k) * theta3), dp)
+        form%lower_turn = cmplx(2 * top%cosines(1), 2 * lower_sign * top%sines(1), dp)
         do n = 0, last
-            form%divisor(n) = real(q**(n * n), dp)
-            form%upper_even(n) = real(q**(n * n) * bottom%cosines(2 * n + 1), dp)
-            form%upper_odd(n) = real(q**(n * n) * upper_sign * bottom%sines(2 * n + 1), dp)
-        end do
-        do n = 1, last
-            form%lower_even(n) = real(2 * q**(n * n - n) * top%cosines(2 * n), dp)
-            form%lower_odd(n) = real(2 * q**(n * n - n) * lower_sign * top%sines(2 * n), dp)
-            form%cn(n) = real(2 * (-1)**n * q**(n * n - n), dp)
+            associate (power => q**(n * n), m => 2 * n + 1)
+                form%powers(n) = real(power, dp)
+                form%upper_even(n) = real(power * bottom%cosines(m), dp)
+                form%upper_odd(n) = real(power * upper_sign * bottom%sines(m), dp)
+                form%lower_even(n) = real(power * top%cosines(m), dp)
+                form%lower_odd(n) = real(power * lower_sign * top%sines(m), dp)
+            end associate
         end do
     end subroutine prepare_hyperbolic_form
 
@@ -197,53 +200,66 @@ contains
         z = asinh(s)
     end function inverse_sc
 
-    !> The theta functions at the argument z, |z| <= the half period, all scaled by exp(-|z|).
-    pure subroutine evaluate_hyperbolic_form(form, z, theta)
+    !> The theta functions at the argument z, |z| <= H, all scaled by exp(-|z|).
+    pure subroutine evaluate_hyperbolic_form(form, z, from_top, theta)
         type(hyperbolic_form_t), intent(in) :: form
-        real(dp), intent(in) :: z
+        real(dp), intent(in) :: z, from_top  !! from_top: H - |z|, to full relative precision
         type(theta_values_t), intent(out) :: theta
-        real(dp) :: decay, decay2, p, power, cosh_n, sinh_n, sinh_sum, theta4
-        integer :: n
+        complex(dp) :: lower, lower_slope
+        real(dp) :: decay, e, p, cosh_n(0:last), sinh_n(0:last), weight(0:last)
 
         decay = exp(-abs(z))
-        decay2 = decay**2
-        p = exp(2 * (abs(z) - form%half_period))
+        e = decay**2
+        p = exp(-2 * from_top)
 
-        theta%upper = 0
-        theta%upper_slope = 0
-        theta%lower_slope = 0
-        theta%divisor = 0
-        theta%divisor_slope = 0
-        sinh_sum = 0
-        power = 1
-        do n = 0, last
-            cosh_n = power * (1 + decay2**(2 * n + 1)) / 2
-            sinh_n = sign(power * (1 - decay2**(2 * n + 1)) / 2, z)
-            theta%divisor = theta%divisor + form%divisor(n) * cosh_n
-            theta%divisor_slope = theta%divisor_slope + (2 * n + 1) * form%divisor(n) * sinh_n
-            sinh_sum = sinh_sum + (-1)**n * form%divisor(n) * sinh_n
-            theta%upper = theta%upper + cmplx(form%upper_even(n) * cosh_n, &
-                                              form%upper_odd(n) * sinh_n, dp)
-            theta%upper_slope = theta%upper_slope + (2 * n + 1) &
-                * cmplx(form%upper_even(n) * sinh_n, form%upper_odd(n) * cosh_n, dp)
-            power = power * p
-        end do
+        call scaled_hyperbolics(e, rise(abs(z), e), cosh_n, sinh_n)
+        sinh_n = sign(sinh_n, z)
+        weight = [1.0_dp, p, p**2, p**3]
+        cosh_n = weight * cosh_n
+        sinh_n = weight * sinh_n
+        theta%divisor = dot_product(form%powers, cosh_n)
+        theta%divisor_slope = dot_product(odd * form%powers, sinh_n)
+        theta%upper = cmplx(dot_product(form%upper_even, cosh_n), &
+                            dot_product(form%upper_odd, sinh_n), dp)
+        theta%upper_slope = cmplx(dot_product(odd * form%upper_even, sinh_n), &
+                                  dot_product(odd * form%upper_odd, cosh_n), dp)
+        theta%sn = form%sn_scale * dot_product(alternating * form%powers, sinh_n) / theta%divisor
 
-        theta%lower = decay
-        theta4 = decay
-        power = decay
-        do n = 1, last
-            power = power * p
-            cosh_n = power * (1 + decay2**(2 * n)) / 2
-            sinh_n = sign(power * (1 - decay2**(2 * n)) / 2, z)
-            theta%lower = theta%lower + cmplx(form%lower_even(n) * cosh_n, &
-                                              form%lower_odd(n) * sinh_n, dp)
-            theta%lower_slope = theta%lower_slope + 2 * n &
-                * cmplx(form%lower_even(n) * sinh_n, form%lower_odd(n) * cosh_n, dp)
-            theta4 = theta4 + form%cn(n) * cosh_n
-        end do
-        theta%sn = form%sn_scale * sinh_sum / theta%divisor
-        theta%cn = form%cn_scale * theta4 / theta%divisor
+        call scaled_hyperbolics(p, rise(from_top, p), cosh_n, sinh_n)
+        weight = [1.0_dp, e, e**2, e**3]
+        cosh_n = weight * cosh_n
+        sinh_n = weight * sinh_n
+        lower = cmplx(dot_product(form%lower_even, cosh_n), &
+                      -dot_product(form%lower_odd, sinh_n), dp)
+        lower_slope = lower + cmplx(-dot_product(odd * form%lower_even, sinh_n), &
+                                    dot_product(odd * form%lower_odd, cosh_n), dp)
+        theta%lower = decay * form%lower_turn * lower
+        theta%lower_slope = decay * form%lower_turn * lower_slope
+        if (z < 0) then
+            theta%lower = conjg(theta%lower)
+            theta%lower_slope = -conjg(theta%lower_slope)
+        end if
+        theta%cn = form%cn_scale * decay * dot_product(alternating * form%powers, sinh_n) &
+                   / theta%divisor
     end subroutine evaluate_hyperbolic_form
+
+    !> exp(-mx) cosh(mx) and exp(-mx) sinh(mx) for m = 1, 3, 5, 7 and x >= 0, from e = exp(-2x) and
+    !> 1 - e.
+    pure subroutine scaled_hyperbolics(e, one_minus_e, cosh_n, sinh_n)
+        real(dp), intent(in) :: e, one_minus_e
+        real(dp), intent(out) :: cosh_n(0:last), sinh_n(0:last)
+        cosh_n = (1 + [e, e**3, e**5, e**7]) / 2
+        sinh_n(0) = one_minus_e / 2
+        sinh_n(1) = sinh_n(0) * (1 + e * (1 + e))
+        sinh_n(2) = sinh_n(1) + sinh_n(0) * e**3 * (1 + e)
+        sinh_n(3) = sinh_n(2) + sinh_n(0) * e**5 * (1 + e)
+    end subroutine scaled_hyperbolics
+
+    !> 1 - e for e = exp(-2x), x >= 0, to full relative precision.
+    elemental real(dp) function rise(x, e)
+        real(dp), intent(in) :: x, e
+        rise = 1 - e
+        if (x < 0.25_dp) rise = 2 * sqrt(e) * sinh(x)
+    end function rise
 
 end module spintop_hyperbolic_form

@@ -21,6 +21,9 @@ module spintop_theta_motion
     !> k^2 > 1/2, the separatrix included: the complementary nome in hyperbolic functions.
     integer, parameter :: regime_hyperbolic = 3
 
+    !> Argument from the upper turning point on the separatrix, which it never reaches.
+    real(dp), parameter :: never = 1e6_dp
+
     !> The theta functions of one motion. Immutable after its preparation.
     type :: theta_motion_t
         integer :: regime = regime_resting
@@ -80,34 +83,37 @@ contains
     end function prepare_theta_motion
 
     !> The argument a time `elapsed` (s) after the start, reduced by whole nutations.
-    pure subroutine locate(self, elapsed, z, nutations)
+    pure subroutine locate(self, elapsed, z, from_top, nutations)
         class(theta_motion_t), intent(in) :: self
         real(xp), intent(in) :: elapsed
         real(dp), intent(out) :: z          !! within half a period of zero
+        real(dp), intent(out) :: from_top   !! half a period less |z|
         real(xp), intent(out) :: nutations  !! whole nutations left out
         real(xp) :: argument
         associate (clock => self%clock)
             argument = clock%start + clock%rate * elapsed
             nutations = 0
+            from_top = never
             if (clock%period > 0) then
                 nutations = nearest_whole(argument * clock%per_period)
                 ! The bounds matter only for times so large that no digit of z is left.
                 argument = argument - nutations * clock%period
                 argument = max(-clock%half_period, min(clock%half_period, argument))
+                from_top = real(clock%half_period - abs(argument), dp)
             end if
             z = real(argument, dp)
         end associate
     end subroutine locate
 
     !> The theta functions at the reduced argument z.
-    pure subroutine evaluate(self, z, theta)
+    pure subroutine evaluate(self, z, from_top, theta)
         class(theta_motion_t), intent(in) :: self
-        real(dp), intent(in) :: z
+        real(dp), intent(in) :: z, from_top  !! as `locate` gives them
         type(theta_values_t), intent(out) :: theta
         if (self%regime == regime_circular) then
-            call evaluate_circular_form(self%circular, z, theta)
+            call evaluate_circular_form(self%circular, z, from_top, theta)
         else
-            call evaluate_hyperbolic_form(self%hyperbolic, z, theta)
+            call evaluate_hyperbolic_form(self%hyperbolic, z, from_top, theta)
         end if
     end subroutine evaluate
 

@@ -22,7 +22,7 @@ module spintop_arkode_memory
     use spintop_compare, only: is_equal, is_finite
     use spintop_dense_output, only: dense_output_t
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
-    use spintop_kinds, only: dp, epsilon_dp
+    use spintop_kinds, only: dp
     use spintop_status, only: status_ok, status_outside, status_non_finite
     use spintop_stepper, only: workspace_t, controls_t
     implicit none
@@ -68,11 +68,14 @@ module spintop_arkode_memory
     !> of the span to the rounding of the time.
     integer(c_int), parameter :: most_failures = 60
     !> Newton or fixed-point iterations a stage.
-    integer(c_int), parameter :: newton_limit = 12, fixed_point_limit = 200
+    integer(c_int), parameter :: newton_limit = 30, fixed_point_limit = 200
+    !> Growth of a correction in fixed-point iteration that does not yet count as divergence.
+    real(c_double), parameter :: growth_allowed = 100
     !> What is left of a stage's equation may be this share of the tolerance.
     real(c_double), parameter :: stage_share = 1.0e-2_c_double
-    !> Tolerance of the stages' equations with equal steps, where the user's means nothing.
-    real(c_double), parameter :: fixed_step_tolerance = 100 * epsilon_dp
+    !> The tolerance that stages share in with equal steps, where the user's means nothing: still
+    !> above the rounding of a stiff slope.
+    real(c_double), parameter :: fixed_step_tolerance = 1.0e-11_c_double
     !> Returns of a callback: go on, try a shorter step, give up.
     integer(c_int), parameter :: go_on = 0, retry = 1, give_up = -1
 
@@ -174,6 +177,8 @@ contains
                                                                   self%context)
                 call self%keep(FARKStepSetNonlinearSolver(ark, self%nonlinear_solver))
                 call self%keep(FARKStepSetMaxNonlinIters(ark, fixed_point_limit))
+                ! A correction of an angle makes a larger one of its rate before both shrink.
+                call self%keep(FARKStepSetNonlinRDiv(ark, growth_allowed))
             else
                 self%matrix => FSUNDenseMatrix(n, n, self%context)
                 self%linear_solver => FSUNLinSol_Dense(self%state_vector, self%matrix, self%context)

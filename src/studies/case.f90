@@ -24,12 +24,18 @@ module spintop_case
 
 contains
 
-    !> The case of a scene; without errors in `problems` it is complete.
-    subroutine make_case(scene, case, problems)
+    !> The case of a scene; without errors in `problems` it is complete. With `same_body` the body
+    !> that the case has is kept.
+    subroutine make_case(scene, case, problems, same_body)
         type(scene_t), intent(in) :: scene
-        type(case_t), intent(out) :: case
+        type(case_t), intent(inout) :: case
         type(problems_t), intent(inout) :: problems
-        call make_body(scene, case%body, problems)
+        logical, intent(in), optional :: same_body
+        logical :: keep
+
+        keep = .false.
+        if (present(same_body)) keep = same_body
+        if (.not. keep) call make_body(scene, case%body, problems)
         if (problems%any()) return
         call make_start(scene, case%body, case%start, problems)
         if (problems%any()) return

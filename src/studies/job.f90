@@ -10,8 +10,8 @@ module spintop_job
     use spintop_plan, only: plan_t, make_plan
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t, describe_scene
-    use spintop_sweep_axes, only: axes_t, make_axes
-    use spintop_sweep_columns, only: sweep_columns
+    use spintop_sweep_axes, only: axes_t, make_axes, put_values
+    use spintop_sweep_columns, only: sweep_columns, q_double_floor
     use spintop_text, only: string_t, nearest_word
     implicit none
     private
@@ -92,7 +92,7 @@ contains
             call make_axes(job%scene, job%table, job%axes, problems)
             if (problems%any()) return
             call describe_scene(first, first_table)
-            call job%axes%apply(1_int64, first_table)
+            call put_values(job%axes%slots_in(first_table), job%axes%values_of(1_int64))
         else if (any(job%scene%parameter /= '')) then
             call problems%add('sweep', 'a trajectory has no axes', "set study.kind = 'sweep'")
         end if
@@ -117,6 +117,8 @@ contains
         if (all(job%scene%columns == '')) then
             if (job%scene%kind == 'sweep') then
                 job%columns = [(i, i=1, size(known))]
+                ! What costs ten times the rest is for those who name it.
+                job%columns = pack(job%columns, job%columns /= q_double_floor)
             else
                 job%columns = [(place_of(default_trajectory_columns(i)), &
                                 i=1, size(default_trajectory_columns))]

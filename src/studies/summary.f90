@@ -15,7 +15,7 @@ module spintop_summary
     use spintop_text, only: to_text, string_t
     implicit none
     private
-    public :: summary_t, digits
+    public :: summary_t, digits, rounded
 
     !> Lines of text, each with a keyword.
     type :: summary_t
@@ -111,5 +111,24 @@ contains
         end if
         text = trim(adjustl(buffer))
     end function digits
+
+    !> A measured number with four digits; measurements mean no more.
+    function rounded(value) result(text)
+        real(dp), intent(in) :: value
+        character(:), allocatable :: text
+        integer, parameter :: significant = 4
+        character(32) :: buffer
+        integer :: exponent
+        exponent = 0
+        if (value > 0 .and. value <= huge(value)) exponent = floor(log10(value))
+        if (exponent < -6 .or. exponent > 12) then
+            write (buffer, '(es10.3)') value
+        else
+            write (buffer, '(i0)') max(0, significant - 1 - exponent)
+            write (buffer, '(f24.' // trim(buffer) // ')') value
+        end if
+        text = trim(adjustl(buffer))
+        if (text(len(text):) == '.') text = text(:len(text) - 1)
+    end function rounded
 
 end module spintop_summary

@@ -6,6 +6,7 @@ module spintop_sweep
     use spintop_case, only: case_t, make_case
     use spintop_errors, only: error_t
     use spintop_job, only: job_t, options_t
+    use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: parameter_table_t
     use spintop_plan, only: plan_t, make_plan
     use spintop_problems, only: problems_t
@@ -14,93 +15,126 @@ module spintop_sweep
     use spintop_provenance, only: describe_provenance
     use spintop_scene, only: scene_t, describe_scene
     use spintop_status, only: status_ok, status_bad_input, status_name, status_meaning, last_status
-    use spintop_summary, only: summary_t, digits
-    use spintop_sweep_axes, only: axes_t
-    use spintop_sweep_case, only: compute_case, quantities
-    use spintop_sweep_columns, only: sweep_column_t, sweep_columns, sweep_groups
-    use spintop_system, only: seconds
+    use spintop_summary, only: summary_t, rounded
+    use spintop_sweep_axes, only: put_values
+    use spintop_sweep_case, only: compute_case
+    use spintop_sweep_columns, only: sweep_column_t, sweep_columns, sweep_groups, quantities
+    use spintop_system, only: seconds, peak_memory
     use spintop_table_file, only: table_file_t
     use spintop_text, only: to_text, string_t
     use spintop_text_buffer, only: text_buffer_t
+    !$ use omp_lib, only: omp_get_num_threads, omp_get_thread_num
     implicit none
     private
     public :: run_sweep
 
-    !> Cases that a thread computes before it hands in their rows.
-    integer(int64), parameter :: block_size = 64
+    !> Cases that a thread computes before it hands in their rows: as many as fit the fast memory
+    !> where cases cost little, few where they cost much.
+    integer, parameter :: block_of_exact = 512, block_of_stepping = 16
 
     !> What a thread needs of its own to make and compute cases.
     type :: worker_t
         type(scene_t) :: scene
-        type(parameter_table_t) :: table
+        type(number_slot_t), allocatable :: slots(:)
+        type(case_t) :: case
         type(plan_t) :: plan
-        !> Swept parameters are among those that a plan is made of.
-        logical :: replan = .false.
+        !> The swept parameters leave the body, or the plan, as it is.
+        logical :: same_body = .false., same_plan = .false.
         !> Whether the plan was made for a top whose exact motion is known.
         logical :: for_lagrange = .false.
+        !> Which groups of quantities are wanted.
+        logical :: wanted(sweep_groups) = .false.
+        !> Cases of each status, and seconds spent on making, computing and formatting them.
+        integer(int64) :: counts(0:last_status) = 0
+        real(dp) :: making = 0, computing = 0, formatting = 0
     end type worker_t
 
 contains
 
-    !> Computes all cases and writes the table; `failures` counts the cases of each status.
-    subroutine run_sweep(job, options, summary, failures, error)
+    !> Computes all cases and writes the table; `counts` are the cases of each status.
+    subroutine run_sweep(job, options, summary, counts, error)
         type(job_t), intent(inout) :: job
         type(options_t), intent(in) :: options
         type(summary_t), intent(out) :: summary
-        integer(int64), intent(out) :: failures(0:last_status)
+        integer(int64), intent(out) :: counts(0:last_status)
         type(error_t), allocatable, intent(out) :: error
         type(table_file_t) :: file
         type(progress_t) :: progress
         type(worker_t), allocatable, target :: worker
         type(text_buffer_t) :: rows
         type(string_t) :: no_lines(0)
-        integer(int64) :: block, blocks, counts(0:last_status)
-        real(dp) :: began, elapsed
-        logical :: wanted(sweep_groups), broken
-        integer :: status
+        integer(int64) :: block, blocks, size_of_block
+        real(dp) :: began, writing, times(3)
+        logical :: broken
+        integer :: threads
 
-        failures = 0
+        counts = 0
         call create_table(job, file, error)
         if (allocated(error)) return
-        wanted = .false.
-        wanted(sweep_columns(job%columns)%group) = .true.
         call progress%start(job%name, 'cases', job%axes%cases, options%quiet, options%progress)
         broken = .false.
-        counts = 0
-        blocks = (job%axes%cases + block_size - 1) / block_size
+        size_of_block = merge(block_of_exact, block_of_stepping, job%plan%exact)
+        blocks = (job%axes%cases + size_of_block - 1) / size_of_block
+        times = 0
+        writing = 0
+        threads = 1
         began = seconds()
-        !$omp parallel private(worker, rows) reduction(+:counts)
+        !$omp parallel private(worker, rows) reduction(+:counts, times)
+        !$ if (omp_get_thread_num() == 0) threads = omp_get_num_threads()
         allocate (worker)
         call prepare_worker(job, worker)
         !$omp do schedule(dynamic) ordered
         do block = 1, blocks
-            if (.not. broken) call compute_block(job, worker, wanted, block, rows, counts)
+            if (.not. broken) then
+                call compute_block(job, worker, (block - 1) * size_of_block + 1, &
+                                   min(block * size_of_block, job%axes%cases), rows)
+            end if
             !$omp ordered
+            writing = writing - seconds()
             if (.not. broken) call file%put_block(rows, error)
             broken = allocated(error)
-            call progress%update(min(block * block_size, job%axes%cases))
+            writing = writing + seconds()
+            call progress%update(min(block * size_of_block, job%axes%cases))
             !$omp end ordered
         end do
         !$omp end do
+        counts = counts + worker%counts
+        times = times + [worker%making, worker%computing, worker%formatting]
         !$omp end parallel
         call progress%finish()
-        elapsed = seconds() - began
+        writing = writing - seconds()
         if (.not. allocated(error)) call file%finish(no_lines, error)
         if (allocated(error)) then
             call file%discard()
             return
         end if
-        failures = counts
+        writing = writing + seconds()
+        call describe_sweep(job, counts, threads, seconds() - began, times, writing, summary)
+    end subroutine run_sweep
+
+    !> The summary: plan, cases by status, time by part.
+    subroutine describe_sweep(job, counts, threads, elapsed, times, writing, summary)
+        type(job_t), intent(in) :: job
+        integer(int64), intent(in) :: counts(0:last_status)
+        integer, intent(in) :: threads
+        real(dp), intent(in) :: elapsed, times(3), writing
+        type(summary_t), intent(out) :: summary
+        integer :: status
 
         call summary%headline(job%input // ': sweep of ' // to_text(job%axes%cases) // ' cases -> ' // job%output)
         call summary%describe_plan(job%plan)
-        call summary%add('time', digits(elapsed) // ' s, ' // digits(job%axes%cases / elapsed) // ' cases/s')
+        call summary%add('time', rounded(elapsed) // ' s on ' // to_text(threads) // ' threads, ' &
+            // rounded(job%axes%cases / elapsed) // ' cases/s')
+        call summary%add('parts', 'making cases ' // rounded(times(1)) // ' s, computing ' &
+            // rounded(times(2)) // ' s (' // rounded(job%axes%cases / times(2)) // ' cases/s a thread), formatting ' &
+            // rounded(times(3)) // ' s, all threads together; writing ' // rounded(writing) // ' s')
+        call summary%add('memory', rounded(peak_memory() / 1.0e6_dp) // ' MB at most')
         do status = status_ok, last_status
             if (counts(status) == 0) cycle
             call summary%add('status', to_text(counts(status)) // ' ' // status_name(status) // ': ' &
                              // status_meaning(status))
         end do
-    end subroutine run_sweep
+    end subroutine describe_sweep
 
     !> Starts the table: case, swept parameters, status, quantities, notes.
     subroutine create_table(job, file, error)
@@ -137,73 +171,79 @@ contains
         base = name(:index(name // '(', '(') - 1)
     end function base_of
 
-    !> A scene and a plan of the thread's own.
+    !> A scene, a case and a plan of the thread's own.
     subroutine prepare_worker(job, worker)
         type(job_t), intent(in) :: job
         type(worker_t), target, intent(inout) :: worker
-        integer :: i
+        type(parameter_table_t) :: table
         worker%scene = job%scene
-        call describe_scene(worker%scene, worker%table)
+        call describe_scene(worker%scene, table)
+        allocate (worker%slots, source=job%axes%slots_in(table))
+        worker%case = job%case
         worker%plan = job%plan
+        worker%same_body = .not. job%axes%varies('top')
+        worker%same_plan = .not. job%axes%varies('integration')
         worker%for_lagrange = job%case%body%is_lagrange()
-        do i = 1, size(job%axes%axis)
-            worker%replan = worker%replan .or. index(job%axes%axis(i)%name, 'integration.') == 1
-        end do
+        worker%wanted(sweep_columns(job%columns)%group) = .true.
     end subroutine prepare_worker
 
-    !> Rows of the cases of a block.
-    subroutine compute_block(job, worker, wanted, block, rows, counts)
+    !> Rows of the cases from `first` to `last`.
+    subroutine compute_block(job, worker, first, last, rows)
         type(job_t), intent(in) :: job
         type(worker_t), target, intent(inout) :: worker
-        logical, intent(in) :: wanted(sweep_groups)
-        integer(int64), intent(in) :: block
+        integer(int64), intent(in) :: first, last
         type(text_buffer_t), intent(inout) :: rows
-        integer(int64), intent(inout) :: counts(0:last_status)
         real(dp) :: values(quantities)
         character(:), allocatable :: note
         integer(int64) :: number
         integer :: status
+        real(dp) :: moment
 
         call rows%clear()
-        do number = (block - 1) * block_size + 1, min(block * block_size, job%axes%cases)
-            call job%axes%apply(number, worker%table)
-            call make_and_compute(worker, wanted, values, status, note)
+        do number = first, last
+            moment = seconds()
+            call put_values(worker%slots, job%axes%values_of(number))
+            call make_worker_case(worker, status, note)
+            worker%making = worker%making + (seconds() - moment)
+            moment = seconds()
+            if (status == status_ok) then
+                call compute_case(worker%case, worker%plan, worker%wanted, values, status, note)
+            else
+                values = ieee_value(0.0_dp, ieee_quiet_nan)
+            end if
+            worker%computing = worker%computing + (seconds() - moment)
+            moment = seconds()
             call rows%put_integer(number)
             call rows%put_reals(job%axes%values_of(number))
             call rows%put_text(status_name(status))
             call rows%put_reals(values(job%columns))
             call rows%put_text(note)
             call rows%end_row()
-            counts(status) = counts(status) + 1
+            worker%formatting = worker%formatting + (seconds() - moment)
+            worker%counts(status) = worker%counts(status) + 1
         end do
     end subroutine compute_block
 
-    !> Makes the case of the worker's scene and computes it.
-    subroutine make_and_compute(worker, wanted, values, status, note)
+    !> Makes the case of the worker's scene, and a plan where the last one does not fit it.
+    subroutine make_worker_case(worker, status, note)
         type(worker_t), intent(inout) :: worker
-        logical, intent(in) :: wanted(sweep_groups)
-        real(dp), intent(out) :: values(quantities)
         integer, intent(out) :: status
         character(:), allocatable, intent(out) :: note
-        type(case_t) :: case
         type(problems_t) :: problems
 
-        call make_case(worker%scene, case, problems)
+        status = status_ok
+        call make_case(worker%scene, worker%case, problems, worker%same_body)
         if (.not. problems%any()) then
-            if (worker%replan .or. (case%body%is_lagrange() .neqv. worker%for_lagrange)) then
-                call make_plan(worker%scene, case, worker%plan, problems)
-                worker%for_lagrange = case%body%is_lagrange()
+            if (.not. worker%same_plan .or. (worker%case%body%is_lagrange() .neqv. worker%for_lagrange)) then
+                call make_plan(worker%scene, worker%case, worker%plan, problems)
+                worker%for_lagrange = worker%case%body%is_lagrange()
                 ! After a plan that failed the next case needs one of its own.
                 if (problems%any()) worker%for_lagrange = .not. worker%for_lagrange
             end if
         end if
-        if (problems%any()) then
-            values = ieee_value(0.0_dp, ieee_quiet_nan)
-            status = status_bad_input
-            note = problems%first()
-        else
-            call compute_case(case, worker%plan, wanted, values, status, note)
-        end if
-    end subroutine make_and_compute
+        if (.not. problems%any()) return
+        status = status_bad_input
+        note = problems%first()
+    end subroutine make_worker_case
 
 end module spintop_sweep

@@ -10,12 +10,17 @@ module spintop_sweep_axes
     use spintop_text, only: to_text
     implicit none
     private
-    public :: axes_t, make_axes
+    public :: axes_t, make_axes, put_values
 
-    !> The values of one parameter.
+    !> The values of one parameter: listed, or equally spaced (in their logarithm).
     type :: axis_t
         character(:), allocatable :: name
-        real(dp), allocatable :: values(:)
+        integer :: count = 0
+        real(dp), allocatable :: listed(:)
+        real(dp) :: from = 0, to = 0
+        logical :: logarithmic = .false.
+    contains
+        procedure :: value
     end type axis_t
 
     !> The grid of all combinations; the last axis varies fastest.
@@ -24,7 +29,8 @@ module spintop_sweep_axes
         integer(int64) :: cases = 0
     contains
         procedure :: values_of
-        procedure :: apply
+        procedure :: slots_in
+        procedure :: varies
     end type axes_t
 
 contains
@@ -51,7 +57,7 @@ contains
         do i = 1, count
             call make_axis(i, axes%axis(i))
             if (problems%any()) cycle
-            axes%cases = axes%cases * size(axes%axis(i)%values)
+            axes%cases = axes%cases * axes%axis(i)%count
         end do
 
     contains
@@ -93,7 +99,8 @@ contains
                     call problems%add('sweep.values', 'the values of axis ' // to_text(i) // &
                                       ' are given twice', 'give either values, or from, to and count')
                 end if
-                axis%values = scene%values(i, :listed)
+                axis%listed = scene%values(i, :listed)
+                axis%count = listed
             else if (is_set(scene%from(i)) .and. is_set(scene%to(i)) &
                      .and. scene%count(i) /= unset_integer) then
                 call space_values(i, axis)
@@ -102,38 +109,58 @@ contains
                                   'give values, or from, to and count')
                 return
             end if
-            do k = 1, size(axis%values)
-                problem = slot%refusal(axis%values(k))
-                if (problem == '') cycle
-                call problems%add('sweep.parameter' // subscript, problem, 'change the values of the axis')
-                exit
-            end do
+            call check_values(slot, axis, subscript)
         end subroutine make_axis
 
         !> Values equally spaced, or with equal ratios.
         subroutine space_values(i, axis)
             integer, intent(in) :: i
             type(axis_t), intent(inout) :: axis
-            integer :: k
-            associate (from => scene%from(i), to => scene%to(i), n => scene%count(i))
-                allocate (axis%values(n))
-                if (scene%spacing(i) == 'log' .and. .not. (from > 0 .and. to > 0)) then
-                    call problems%add('sweep.spacing', 'logarithmic spacing needs positive ends', &
-                                      "take spacing = 'linear' or other ends")
-                    return
-                end if
-                do k = 1, n
-                    if (scene%spacing(i) == 'log') then
-                        axis%values(k) = from * (to / from)**(real(k - 1, dp) / max(1, n - 1))
-                    else
-                        axis%values(k) = from + (to - from) * (real(k - 1, dp) / max(1, n - 1))
-                    end if
-                end do
-                if (n > 1) axis%values(n) = to
-            end associate
+            axis%from = scene%from(i)
+            axis%to = scene%to(i)
+            axis%count = scene%count(i)
+            axis%logarithmic = scene%spacing(i) == 'log'
+            if (axis%logarithmic .and. .not. (axis%from > 0 .and. axis%to > 0)) then
+                call problems%add('sweep.spacing', 'logarithmic spacing needs positive ends', &
+                                  "take spacing = 'linear' or other ends")
+            end if
         end subroutine space_values
 
+        !> Every listed value, or both ends of an interval, must be in the parameter's range.
+        subroutine check_values(slot, axis, subscript)
+            type(number_slot_t), intent(in) :: slot
+            type(axis_t), intent(in) :: axis
+            character(*), intent(in) :: subscript
+            character(:), allocatable :: problem
+            integer :: k
+            do k = 1, axis%count, merge(1, max(1, axis%count - 1), allocated(axis%listed))
+                problem = slot%refusal(axis%value(k))
+                if (problem == '') cycle
+                call problems%add('sweep.parameter' // subscript, problem, 'change the values of the axis')
+                return
+            end do
+        end subroutine check_values
+
     end subroutine make_axes
+
+    !> Value number k of an axis.
+    elemental real(dp) function value(self, k)
+        class(axis_t), intent(in) :: self
+        integer, intent(in) :: k
+        real(dp) :: fraction
+        if (allocated(self%listed)) then
+            value = self%listed(k)
+        else if (k == self%count .and. k > 1) then
+            value = self%to
+        else
+            fraction = real(k - 1, dp) / max(1, self%count - 1)
+            if (self%logarithmic) then
+                value = self%from * (self%to / self%from)**fraction
+            else
+                value = self%from + (self%to - self%from) * fraction
+            end if
+        end if
+    end function value
 
     !> Number of leading values that are given.
     pure integer function count_listed(values) result(count)
@@ -153,26 +180,46 @@ contains
         integer :: i
         rest = number - 1
         do i = size(self%axis), 1, -1
-            n = size(self%axis(i)%values)
-            values(i) = self%axis(i)%values(mod(rest, n) + 1)
+            n = self%axis(i)%count
+            values(i) = self%axis(i)%value(int(mod(rest, n)) + 1)
             rest = rest / n
         end do
     end function values_of
 
-    !> Puts the values of a case into the scene that a table describes.
-    subroutine apply(self, number, table)
+    !> Where the values of the axes go in the scene that a table describes.
+    function slots_in(self, table) result(slots)
         class(axes_t), intent(in) :: self
-        integer(int64), intent(in) :: number
-        type(parameter_table_t), intent(inout) :: table
-        type(number_slot_t) :: slot
+        type(parameter_table_t), intent(in) :: table
+        type(number_slot_t), allocatable :: slots(:)
         character(:), allocatable :: problem
-        real(dp) :: values(size(self%axis))
         integer :: i
-        values = self%values_of(number)
-        do i = 1, size(values)
-            call table%find_number(self%axis(i)%name, slot, problem)
+        allocate (slots(size(self%axis)))
+        do i = 1, size(slots)
+            call table%find_number(self%axis(i)%name, slots(i), problem)
+        end do
+    end function slots_in
+
+    !> Puts the values of a case into the slots of a scene.
+    subroutine put_values(slots, values)
+        type(number_slot_t), intent(in) :: slots(:)
+        real(dp), intent(in) :: values(:)
+        type(number_slot_t) :: slot
+        integer :: i
+        do i = 1, size(slots)
+            slot = slots(i)
             call slot%put(values(i))
         end do
-    end subroutine apply
+    end subroutine put_values
+
+    !> Whether a parameter of a group varies.
+    pure logical function varies(self, group)
+        class(axes_t), intent(in) :: self
+        character(*), intent(in) :: group
+        integer :: i
+        varies = .false.
+        do i = 1, size(self%axis)
+            varies = varies .or. index(self%axis(i)%name, group // '.') == 1
+        end do
+    end function varies
 
 end module spintop_sweep_axes

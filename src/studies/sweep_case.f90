@@ -14,15 +14,11 @@ module spintop_sweep_case
     use spintop_plan, only: plan_t, sample_times
     use spintop_quantities, only: kinetic_energy, potential_energy
     use spintop_status, only: status_ok, status_meaning
-    use spintop_sweep_columns, only: sweep_columns, sweep_groups, group_nutation, &
-        group_fast_top, group_period, group_end, group_energy, group_oracle, group_cost, group_floor
+    use spintop_sweep_columns
     use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
     implicit none
     private
-    public :: compute_case, quantities
-
-    !> Number of quantities of a case.
-    integer, parameter :: quantities = size(sweep_columns)
+    public :: compute_case
 
     !> What the trajectory of a case shows.
     type, extends(observer_t) :: witness_t
@@ -57,7 +53,7 @@ contains
         if (wanted(group_nutation)) call describe_nutation(case, values, note)
         if (wanted(group_fast_top)) call describe_fast_top(case, values, note)
         if (wanted(group_floor) .and. case%body%is_lagrange()) then
-            call set(values, 'double_floor', double_floor(case%body, case%start, case%t_end))
+            values(q_double_floor) = double_floor(case%body, case%start, case%t_end)
         end if
         if (any(wanted([group_period, group_end, group_energy, group_oracle, group_cost]))) then
             call follow(case, plan, wanted, values, status, note)
@@ -82,26 +78,26 @@ contains
             call add_note(note, 'no nutation: ' // status_meaning(status))
             return
         end if
-        call set(values, 'theta_min', nutation%theta_min)
-        call set(values, 'theta_max', nutation%theta_max)
-        call set(values, 'delta_u', nutation%delta_u)
-        call set(values, 'phi_rate_max', nutation%phi_rate_max)
-        call set(values, 'com_z_min', case%body%centre_of_mass(3) * cos(nutation%theta_max))
+        values(q_theta_min) = nutation%theta_min
+        values(q_theta_max) = nutation%theta_max
+        values(q_delta_u) = nutation%delta_u
+        values(q_phi_rate_max) = nutation%phi_rate_max
+        values(q_com_z_min) = case%body%centre_of_mass(3) * cos(nutation%theta_max)
         if (.not. is_finite(nutation%period)) then
             call add_note(note, 'no nutation period: the axis approaches the upright for ever')
             return
         end if
-        call set(values, 'nutation_period', nutation%period)
-        call set(values, 'nutation_rate', 2 * pi / nutation%period)
-        call set(values, 'precession_per_nutation', nutation%precession)
-        call set(values, 'precession_rate', nutation%precession_rate)
+        values(q_nutation_period) = nutation%period
+        values(q_nutation_rate) = 2 * pi / nutation%period
+        values(q_precession_per_nutation) = nutation%precession
+        values(q_precession_rate) = nutation%precession_rate
         if (abs(nutation%precession) > 0) then
-            call set(values, 'nutations_per_turn', 2 * pi / abs(nutation%precession))
+            values(q_nutations_per_turn) = 2 * pi / abs(nutation%precession)
         else
             call add_note(note, 'no nutations per turn: no precession')
         end if
         if (precession_period(case) > 0) then
-            call set(values, 'nutations_in_period', precession_period(case) / nutation%period)
+            values(q_nutations_in_period) = precession_period(case) / nutation%period
         end if
     end subroutine describe_nutation
 
@@ -117,12 +113,12 @@ contains
             return
         end if
         motion = fast_top(case%body, case%start%angle(2), case%start%omega(3))
-        call set(values, 'delta_u_fast_top', motion%delta_u)
-        call set(values, 'nutation_rate_fast_top', motion%nutation_rate)
-        call set(values, 'precession_rate_fast_top', motion%precession_rate)
-        call set(values, 'nutations_per_turn_fast_top', motion%nutations_per_turn)
-        call set(values, 'precession_period', precession_period(case))
-        call set(values, 'fast_top_ratio', motion%ratio)
+        values(q_delta_u_fast_top) = motion%delta_u
+        values(q_nutation_rate_fast_top) = motion%nutation_rate
+        values(q_precession_rate_fast_top) = motion%precession_rate
+        values(q_nutations_per_turn_fast_top) = motion%nutations_per_turn
+        values(q_precession_period) = precession_period(case)
+        values(q_fast_top_ratio) = motion%ratio
     end subroutine describe_fast_top
 
     !> The paper's T_p, s; 0 without spin or weight, negative for no top.
@@ -171,9 +167,9 @@ contains
         end if
 
         status = outcome%status
-        call set(values, 'evaluations', real(outcome%counts%evaluations, dp))
+        values(q_evaluations) = real(outcome%counts%evaluations, dp)
         if (witness%saw_period) then
-            call set(values, 'azimuth_after_period_deg', witness%azimuth_at_period / degree)
+            values(q_azimuth_after_period_deg) = witness%azimuth_at_period / degree
         else if (wanted(group_period)) then
             call add_note(note, 'no azimuth after a period: the span does not reach T_p at a step')
         end if
@@ -181,15 +177,14 @@ contains
             call add_note(note, status_meaning(status))
             return
         end if
-        call set(values, 'theta_end', witness%last%angle(2))
-        call set(values, 'phi_end', witness%last%angle(1))
-        call set(values, 'psi_end', witness%last%angle(3))
-        call set(values, 'theta_rate_end', witness%last%rate(2))
-        call set(values, 'energy_error_max', witness%energy_error)
+        values(q_theta_end) = witness%last%angle(2)
+        values(q_phi_end) = witness%last%angle(1)
+        values(q_psi_end) = witness%last%angle(3)
+        values(q_theta_rate_end) = witness%last%rate(2)
+        values(q_energy_error_max) = witness%energy_error
         if (wanted(group_oracle) .and. case%body%is_lagrange() .and. exact_status == status_ok) then
             truth = exact%at(case%t_end)
-            call set(values, 'orientation_error', &
-                     rotation_angle(truth%quaternion, witness%last%quaternion))
+            values(q_orientation_error) = rotation_angle(truth%quaternion, witness%last%quaternion)
         end if
     end subroutine follow
 
@@ -248,17 +243,6 @@ contains
             self%azimuth_at_period = motion%angle(1) - self%case%start%angle(1)
         end if
     end subroutine look
-
-    !> Sets a quantity by its name.
-    subroutine set(values, name, value)
-        real(dp), intent(inout) :: values(quantities)
-        character(*), intent(in) :: name
-        real(dp), intent(in) :: value
-        integer :: i
-        do i = 1, quantities
-            if (sweep_columns(i)%name == name) values(i) = value
-        end do
-    end subroutine set
 
     !> Adds a reason to the notes of a case.
     subroutine add_note(note, reason)

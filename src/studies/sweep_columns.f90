@@ -7,6 +7,15 @@ module spintop_sweep_columns
     public :: group_nutation, group_fast_top, group_period, group_end, group_energy, group_oracle, &
         group_cost, group_floor, sweep_groups
 
+    public :: quantities
+    public :: q_theta_min, q_theta_max, q_delta_u, q_delta_u_fast_top, q_nutation_period
+    public :: q_nutation_rate, q_nutation_rate_fast_top, q_precession_per_nutation
+    public :: q_precession_rate, q_precession_rate_fast_top, q_nutations_per_turn
+    public :: q_nutations_per_turn_fast_top, q_precession_period, q_azimuth_after_period_deg
+    public :: q_nutations_in_period, q_phi_rate_max, q_fast_top_ratio, q_com_z_min, q_theta_end
+    public :: q_phi_end, q_psi_end, q_theta_rate_end, q_energy_error_max, q_orientation_error
+    public :: q_double_floor, q_evaluations
+
     !> What a table says of a quantity.
     type :: sweep_column_t
         character(28) :: name
@@ -21,8 +30,22 @@ module spintop_sweep_columns
     integer, parameter :: group_nutation = 1, group_fast_top = 2, group_period = 3, group_end = 4, &
         group_energy = 5, group_oracle = 6, group_cost = 7, group_floor = 8, sweep_groups = 8
 
+    !> Places of the quantities in the table below, which has them in this order.
+    enum, bind(C)
+        enumerator :: q_theta_min = 1
+        enumerator :: q_theta_max, q_delta_u, q_delta_u_fast_top, q_nutation_period
+        enumerator :: q_nutation_rate, q_nutation_rate_fast_top, q_precession_per_nutation
+        enumerator :: q_precession_rate, q_precession_rate_fast_top, q_nutations_per_turn
+        enumerator :: q_nutations_per_turn_fast_top, q_precession_period
+        enumerator :: q_azimuth_after_period_deg, q_nutations_in_period, q_phi_rate_max
+        enumerator :: q_fast_top_ratio, q_com_z_min, q_theta_end, q_phi_end, q_psi_end
+        enumerator :: q_theta_rate_end, q_energy_error_max, q_orientation_error, q_double_floor
+        enumerator :: q_evaluations
+    end enum
+    integer, parameter :: quantities = q_evaluations
+
     !> All quantities, in the order of the table's documentation.
-    type(sweep_column_t), parameter :: sweep_columns(*) = [ &
+    type(sweep_column_t), parameter :: sweep_columns(quantities) = [ &
         sweep_column_t('theta_min', 'rad', 'least inclination', group_nutation), &
         sweep_column_t('theta_max', 'rad', 'largest inclination', group_nutation), &
         sweep_column_t('delta_u', '', 'swing of cos(theta)', group_nutation), &

@@ -27,26 +27,32 @@ class FigureKind(NamedTuple):
     draw: Callable[[Table], Figure]
     objection: Callable[[Table], str] = lambda table: ""
     """Why a table with these columns has no such figure; empty if it has."""
+    sparse: bool = False
+    """Whether some of the columns may have no numbers."""
 
     def refusal(self, table: Table) -> str:
         """Why the figure does not belong to a table; empty if it does."""
         if table.setting("study.kind") != self.kind:
             return f"is not the table of a {self.kind}"
-        return self.objection(table) or table.lacks(*self.columns)
+        if missing := table.missing(self.columns):
+            return f"has no column {', '.join(missing)}"
+        empty = table.empty(self.columns)
+        if empty and not (self.sparse and len(empty) < len(self.columns)):
+            return f"has no number in column {', '.join(empty)}"
+        return self.objection(table)
 
     def is_expected(self, table: Table) -> bool:
         """Whether the table has all columns, so that it is an error if they hold no number."""
         return (
             table.setting("study.kind") == self.kind
-            and set(self.columns) <= set(table.rows.columns)
+            and not table.missing(self.columns)
             and not self.objection(table)
         )
 
 
 def object_to_error(table: Table) -> str:
     """An error is drawn on a log axis."""
-    errors = table.rows.get("orientation_error")
-    if errors is not None and not (errors > 0).any():
+    if not (table.rows["orientation_error"] > 0).any():
         return "has no error above zero in column orientation_error"
     return ""
 
@@ -113,6 +119,7 @@ FIGURES = (
         tuple(sweep_columns()),
         draw_sweep,
         object_to_sweep,
+        sparse=True,
     ),
     FigureKind(
         "table1",
@@ -121,5 +128,6 @@ FIGURES = (
         tuple(column.column for column in table1.COLUMNS),
         table1.draw_table1,
         object_to_table1,
+        sparse=True,
     ),
 )

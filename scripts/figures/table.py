@@ -2,9 +2,11 @@
 
 import io
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 TEXT_COLUMNS = ("status", "notes")
@@ -41,20 +43,14 @@ class Table:
         """The first value of a setting, such as study.kind; empty if it has none."""
         return self.settings.get(key, [""])[0]
 
-    def holds(self, *columns: str) -> bool:
-        """Whether these columns are there and each has a finite value."""
-        return not self.lacks(*columns)
+    def missing(self, columns: Iterable[str]) -> list[str]:
+        """Those of these columns that are not there."""
+        return [name for name in columns if name not in self.rows]
 
-    def lacks(self, *columns: str) -> str:
-        """Why these columns cannot be drawn; empty if they can."""
-        missing = [name for name in columns if name not in self.rows]
-        if missing:
-            return f"has no column {', '.join(missing)}"
-        # The largest number less itself is nan where it is infinite.
-        empty = [name for name in columns if not (self.rows[name] - self.rows[name] == 0).any()]
-        if empty:
-            return f"has no number in column {', '.join(empty)}"
-        return ""
+    def empty(self, columns: Iterable[str]) -> list[str]:
+        """Those of these columns that are there but have no finite number."""
+        there = [name for name in columns if name in self.rows]
+        return [name for name in there if not np.isfinite(self.rows[name]).any()]
 
     def axes(self) -> list[str]:
         """The swept parameters: the columns between `case` and `status`."""
@@ -131,7 +127,7 @@ def read_rows(body: list[str], first: int) -> pd.DataFrame:
         if cells != len(names):
             raise TableError(f"line {number} has {cells} cells in place of {len(names)}")
     rows = pd.read_csv(io.StringIO("\n".join(body)), dtype=dict.fromkeys(TEXT_COLUMNS, str))
-    for name in rows:
+    for name in rows if len(rows) else ():
         if name in TEXT_COLUMNS:
             rows[name] = rows[name].fillna("")
         elif not pd.api.types.is_numeric_dtype(rows[name]):

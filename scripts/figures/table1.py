@@ -1,6 +1,7 @@
 """The paper's Table 1 as a page: formulas for a fast top, exact values, the run's azimuth."""
 
 import math
+import textwrap
 from typing import NamedTuple
 
 import pandas as pd
@@ -44,6 +45,7 @@ COLUMNS = (
     Column(11.70, "fast_top_ratio", "$(I_3\\omega_3)^2$ over\n$2I_1mgl$", "large: fast"),
 )
 PAGE_WIDTH = 11.8
+PAGE_LETTERS = 150
 
 LEGEND = (
     "paper: its formula for a fast top; exact: closed form of the whole motion; this run: by "
@@ -53,7 +55,11 @@ LEGEND = (
 
 def draw_table1(table: Table) -> Figure:
     """The page."""
-    notes = [LEGEND, *notes_on(table.rows)]
+    notes = [
+        line
+        for note in (LEGEND, *notes_on(table.rows))
+        for line in textwrap.wrap(note, PAGE_LETTERS)
+    ]
     bottom = HEADS + 0.4 + len(table.rows)
     lines = bottom + 0.5 + len(notes)
     figure = new_figure(

@@ -139,8 +139,12 @@ def draw_path(table: Table) -> Figure:
     draw_sphere(space, radius, room, upper=np.nanmax(z) > 0)
     space.plot(x, y, z, **LINES[0])
     mark_ends(space, x, y, z)
-    space.set(xlabel="x (m)", ylabel="y (m)", zlabel="z (m)", title="in space")
-    space.zaxis.labelpad = -2
+    space.set(xlabel="x (m)", ylabel="y (m)")
+    if room < radius:  # a cap may be too flat for an axis
+        space.set_zticks([])
+        space.set_title(f"in space, z from {np.nanmin(z):.4g} to {np.nanmax(z):.4g} m")
+    else:
+        space.set(zlabel="z (m)", title="in space")
     above = figure.add_subplot(1, 2, 2)
     around = np.linspace(0, 2 * np.pi, 181)
     above.plot(radius * np.cos(around), radius * np.sin(around), color=FAINT, linewidth=0.8)
@@ -173,9 +177,8 @@ def draw_sphere(axes: Axes3D, radius: float, room: float, upper: bool) -> None:
     )
     axes.set(xlim=(-room, room), ylim=(-room, room))
     axes.set_aspect("equal")
-    flat = np.ptp(height) < 0.5 * room
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-        axis.set_major_locator(MaxNLocator(1 if flat and axis is axes.zaxis else 3))
+        axis.set_major_locator(MaxNLocator(3))
         axis.pane.set_visible(False)
     axes.grid(visible=False)
 
@@ -189,7 +192,7 @@ def mark_ends(axes: Axes, *path: np.ndarray) -> None:
 
 def draw_error(table: Table) -> Figure:
     """Orientation error against time, which the residuals do not show, and R4 below it."""
-    has_energy = table.holds("R4") and bool(table.rows["R4"].any())
+    has_energy = "R4" in table.rows and bool(table.rows["R4"].any())
     figure = new_figure(
         table, f"Error of the orientation: {describe_run(table)}", 5.0 if has_energy else 3.6
     )

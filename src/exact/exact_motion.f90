@@ -181,9 +181,9 @@ contains
 
     end subroutine set_phases
 
-    !> The motion at time t, s. Rates of phi and psi at an exact passage of a pole, where they do
-    !> not exist, are those of the limit of passing ever closer.
-    pure type(motion_t) function at(self, t) result(motion)
+    !> The motion at time t, s, or at an array of times. Rates of phi and psi at an exact passage of
+    !> a pole, where they do not exist, are those of the limit of passing ever closer.
+    elemental type(motion_t) function at(self, t) result(motion)
         class(exact_motion_t), intent(in) :: self
         real(dp), intent(in) :: t
         type(attitude_t) :: attitude

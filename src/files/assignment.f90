@@ -157,8 +157,9 @@ contains
                 to_text(parameter%places(self%row, i)%line))
             return
         end do
-        if (self%whole .and. parameter%elements == leading_elements) &
+        if (self%whole .and. parameter%elements == leading_elements) then
             call parameter%clear_row(self%row)
+        end if
         parameter%key_place = self%place
     end subroutine begin
 
@@ -181,8 +182,9 @@ contains
                 hint = 'it takes ' // values(self%last - self%first + 1)
                 if (self%last == self%first .and. parameter%rank > 0) hint = hint // '; several: ' &
                     // parameter%key // ' = ..., or ' // example(parameter)
-                if (token%touches .and. parameter%kind == kind_text) &
+                if (token%touches .and. parameter%kind == kind_text) then
                     hint = hint // '; a quote inside a text is written twice'
+                end if
                 call self%refuse(parameter, diagnostics, token%place, &
                     'too many values for ' // parameter%key, hint)
                 return

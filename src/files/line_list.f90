@@ -14,6 +14,7 @@ module spintop_line_list
     contains
         procedure :: add
         procedure :: add_words
+        procedure :: add_paragraph
         procedure :: get
     end type line_list_t
 
@@ -54,6 +55,22 @@ contains
         end do
         call self%add(trim(line))
     end subroutine add_words
+
+    !> Adds a paragraph, broken at blanks; each of its lines begins with `start`.
+    subroutine add_paragraph(self, start, paragraph)
+        class(line_list_t), intent(inout) :: self
+        character(*), intent(in) :: start, paragraph
+        character(:), allocatable :: rest
+        integer :: break
+        rest = trim(paragraph)
+        do while (len(start) + len(rest) > line_width)
+            break = index(rest(:line_width - len(start)), ' ', back=.true.)
+            if (break == 0) exit
+            call self%add(start // rest(:break - 1))
+            rest = rest(break + 1:)
+        end do
+        call self%add(start // rest)
+    end subroutine add_paragraph
 
     !> All lines so far.
     subroutine get(self, lines)

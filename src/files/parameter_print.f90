@@ -97,8 +97,9 @@ contains
             end do
             call text%add(trim(line))
             if (i == 0) cycle
-            if (size(table%parameters(i)%choices) > 0) &
+            if (size(table%parameters(i)%choices) > 0) then
                 call text%add_words('    one of: ', table%parameters(i)%choices)
+            end if
         end do
         call text%get(lines)
     end subroutine list_parameters

@@ -284,8 +284,9 @@ contains
         else
             call self%locate(name, number, row, column, problem)
             if (problem /= '') return
-            if (self%parameters(number)%is_given(row, column)) &
+            if (self%parameters(number)%is_given(row, column)) then
                 place = self%parameters(number)%places(row, column)
+            end if
         end if
     end function place_of
 

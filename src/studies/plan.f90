@@ -24,6 +24,10 @@ module spintop_plan
     !> A span this close to a whole number of steps has that number.
     real(dp), parameter :: step_slack = 1.0e-9_dp
 
+    !> The body that `body_t%is_lagrange` is about.
+    character(*), parameter :: known_for = 'an undamped symmetric top with its centre of mass on &
+        &body z, at or above the pivot'
+
     !> How a case is computed.
     type :: plan_t
         !> By the exact motion; without formulation and stepper then.
@@ -34,8 +38,8 @@ module spintop_plan
         real(dp) :: step = 0
         !> Rows of the table.
         integer :: samples = default_samples
-        !> What was chosen and why, one sentence each.
-        character(:), allocatable :: model, method
+        !> What was chosen, and why, in sentences.
+        character(:), allocatable :: model, method, reason
     contains
         procedure :: fit_steps
         procedure :: is_adaptive
@@ -73,28 +77,39 @@ contains
         select case (scene%method)
         case ('exact')
             plan%exact = .true.
-            plan%method = 'the exact motion was asked for'
+            plan%reason = 'The exact motion was asked for.'
             if (.not. body%is_lagrange()) then
-                call problems%add('integration.method', 'the exact motion is known for an undamped &
-                    &symmetric top with its centre of mass on body z, at or above the pivot', &
-                    "take method = 'auto'")
+                call problems%add('integration.method', 'the exact motion is known for ' // known_for, &
+                                  "take method = 'auto'")
             end if
         case ('auto')
-            plan%exact = body%is_lagrange() .and. scene%formulation == 'auto' .and. &
-                         scene%steps == unset_integer .and. .not. is_set(scene%step)
+            plan%exact = body%is_lagrange() .and. .not. any([scene%formulation /= 'auto', &
+                scene%table /= '', scene%steps /= unset_integer, is_set(scene%step)])
             if (plan%exact) then
-                plan%method = 'exact motion: the body is an undamped symmetric top, so closed forms give &
-                    &every instant at once and no step is taken'
+                plan%reason = 'The body is ' // known_for // ', so its motion is known in closed form: &
+                    &good to rounding at any time, at a cost that does not depend on the time span. No step is taken.'
             else
                 call create_stepper(default_stepper, plan%stepper)
-                plan%method = default_stepper // ': the default where steps must be taken'
+                if (body%is_lagrange()) then
+                    plan%reason = 'The input names a formulation, a table or steps, so the motion is integrated &
+                        &step by step, though it is known in closed form.'
+                else
+                    plan%reason = 'The body is not ' // known_for // ', so there is no closed form and the motion &
+                        &is integrated step by step.'
+                end if
+                plan%reason = plan%reason // ' ' // default_stepper // ' is the default for that.'
             end if
         case default
             call create_stepper(trim(scene%method), plan%stepper)
-            plan%method = trim(scene%method) // ' was asked for: ' // trim(plan%stepper%info%what)
+            plan%reason = 'Method ' // trim(scene%method) // ' was asked for.'
         end select
+        if (allocated(plan%stepper)) then
+            plan%method = trim(plan%stepper%info%name) // ': ' // trim(plan%stepper%info%what)
+        else
+            plan%method = 'exact'
+        end if
         if (plan%exact) then
-            plan%model = 'closed form of a symmetric top'
+            plan%model = 'closed form of a symmetric top in theta functions'
             call refuse('integration.formulation', scene%formulation /= 'auto')
             call refuse('integration.steps', scene%steps /= unset_integer)
             call refuse('integration.step', is_set(scene%step))
@@ -122,17 +137,16 @@ contains
 
         if (scene%formulation == 'auto') then
             call create_formulation(default_formulation, plan%formulation)
-            plan%model = default_formulation // ': the default where steps must be taken'
+            plan%reason = plan%reason // ' The equations are those of ' // default_formulation // ', the default.'
         else
             call create_formulation(trim(scene%formulation), plan%formulation)
-            info = plan%formulation%info()
-            plan%model = trim(scene%formulation) // ' was asked for: ' // trim(info%what)
+            plan%reason = plan%reason // ' Formulation ' // trim(scene%formulation) // ' was asked for.'
         end if
         info = plan%formulation%info()
+        plan%model = trim(info%name) // ': ' // trim(info%what)
         if (info%symmetric_only .and. .not. body%is_lagrange()) then
-            call problems%add('integration.formulation', 'formulation ' // trim(info%name) // &
-                ' holds for an undamped symmetric top with its centre of mass on body z, at or above &
-                &the pivot', 'I1 = I2, no damping, no centre of mass off body z')
+            call problems%add('integration.formulation', 'formulation ' // trim(info%name) // ' holds for ' &
+                              // known_for, 'I1 = I2, no damping, no centre of mass off body z')
         end if
     end subroutine choose_formulation
 
@@ -172,6 +186,13 @@ contains
             end if
             call check_table(info%takes_table, info%implicit)
             controls%table = scene%table
+            if (controls%steps > 0 .or. plan%step > 0) then
+                plan%method = plan%method // ', equal steps'
+            else
+                plan%method = plan%method // ', relative tolerance ' // to_text(controls%relative_tolerance) &
+                              // ', absolute ' // to_text(controls%absolute_tolerance)
+            end if
+            if (controls%table /= '') plan%method = plan%method // ', table ' // trim(controls%table)
         end associate
 
     contains

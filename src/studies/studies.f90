@@ -3,10 +3,12 @@ module spintop_studies
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, exit_ok, exit_failed, input_error
     use spintop_job, only: job_t, options_t, prepare_job
+    use spintop_line_list, only: line_list_t
     use spintop_parameter_print, only: print_namelist
     use spintop_status, only: status_ok, last_status
     use spintop_summary, only: summary_t
     use spintop_sweep, only: run_sweep
+    use spintop_sweep_columns, only: sweep_columns, group_nutation, group_fast_top
     use spintop_system, only: make_folder
     use spintop_text, only: string_t, to_text
     use spintop_trajectory, only: run_trajectory
@@ -79,16 +81,23 @@ contains
         type(string_t), allocatable, intent(out) :: lines(:)
         type(summary_t) :: summary
         type(string_t), allocatable :: input(:)
+        type(line_list_t) :: text
         integer :: i
 
         call summary%headline(job%input // ': ' // what())
         call summary%describe_plan(job%plan)
         call summary%describe_motion(job%case)
         do i = 1, size(summary%lines)
-            summary%lines(i)%text = '! ' // summary%lines(i)%text
+            call text%add('! ' // summary%lines(i)%text)
         end do
+        call text%add('!')
+        call text%add_paragraph('! ', job%plan%reason // remark_on_columns())
+        call text%add('')
         call print_namelist(job%table, input)
-        lines = [summary%lines, input]
+        do i = 1, size(input)
+            call text%add(input(i)%text)
+        end do
+        call text%get(lines)
 
     contains
 
@@ -102,6 +111,18 @@ contains
             end if
             what = what // ' -> ' // job%output
         end function what
+
+        !> Whether a sweep follows its cases in time.
+        function remark_on_columns() result(remark)
+            character(:), allocatable :: remark
+            remark = ''
+            if (job%scene%kind /= 'sweep') return
+            associate (groups => sweep_columns(job%columns)%group)
+                if (all(groups == group_nutation .or. groups == group_fast_top)) then
+                    remark = ' The columns asked for need the whole nutation only: no case is followed in time.'
+                end if
+            end associate
+        end function remark_on_columns
 
     end subroutine explain_job
 

@@ -1,0 +1,97 @@
+!> The largest support forces of a symmetric top without damping, without any time.
+!>
+!> The size of the force at O depends on the inclination alone. With the symmetry axis e the centre
+!> of mass has the acceleration l e'' (Newton and Euler's equations),
+!>
+!>     e'' = -K e + a e x e' - (beta/2) (z - u e),    K = |e'|^2 = K0 - beta (u-u0),
+!>
+!> so that both the vertical force and the square of the total force are quadratic in u.
+module spintop_force_extremes
+    use spintop_kinds, only: dp, xp
+    use spintop_status, only: status_ok
+    use spintop_body, only: body_t
+    use spintop_motion, only: motion_t
+    use spintop_regular_start, only: regular_start_t, find_regular_start
+    use spintop_turning_points, only: turning_points_t, find_turning_points
+    implicit none
+    private
+    public :: force_extremes_t, find_force_extremes
+
+    !> Extremes of the support force over a nutation, N.
+    type :: force_extremes_t
+        !> Smallest and largest upward force.
+        real(dp) :: lowest_vertical = 0, highest_vertical = 0
+        !> Largest size of the force.
+        real(dp) :: largest = 0
+    end type force_extremes_t
+
+contains
+
+    !> Finds the extremes for a start. `status` as in `find_regular_start`.
+    pure subroutine find_force_extremes(body, start, extremes, status)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        type(force_extremes_t), intent(out) :: extremes
+        integer, intent(out) :: status
+        type(regular_start_t) :: regular
+        type(turning_points_t) :: points
+        real(xp) :: vertical(3), turning_y
+
+        call find_regular_start(body, start, regular, status)
+        if (status /= status_ok) return
+        points = find_turning_points(regular)
+        associate (y1 => points%y1, y2 => points%y2)
+            vertical(1:2) = [vertical_force(body, regular, y1), vertical_force(body, regular, y2)]
+            vertical(3) = vertical(1)
+            ! u'' = f'(u)/2 is least where f'' = 0, if the motion comes by.
+            if (regular%beta > 0) then
+                turning_y = -g2(regular) / (3 * regular%beta)
+                if (turning_y > y1 .and. turning_y < y2) &
+                    vertical(3) = vertical_force(body, regular, turning_y)
+            end if
+            extremes%lowest_vertical = real(minval(vertical), dp)
+            extremes%highest_vertical = real(maxval(vertical), dp)
+            ! Its square is convex in u: largest at a turning point.
+            extremes%largest = real(max(total_force(body, regular, y1), &
+                                        total_force(body, regular, y2)), dp)
+        end associate
+    end subroutine find_force_extremes
+
+    !> Upward force at u = u0 + y, N: m (g + l u''), u'' = f'(u)/2.
+    pure real(xp) function vertical_force(body, start, y) result(force)
+        type(body_t), intent(in) :: body
+        type(regular_start_t), intent(in) :: start
+        real(xp), intent(in) :: y
+        real(xp) :: g1
+        g1 = -2 * start%u * start%swing_squared - start%beta * start%sine_squared &
+             + 2 * start%a * start%turn
+        force = body%mass * (body%gravity + body%centre_of_mass(3) &
+                             * (3 * start%beta * y**2 + 2 * g2(start) * y + g1) / 2)
+    end function vertical_force
+
+    !> Size of the force at u = u0 + y, N: its part along the axis, m (g u - l K), and that across.
+    pure real(xp) function total_force(body, start, y) result(force)
+        type(body_t), intent(in) :: body
+        type(regular_start_t), intent(in) :: start
+        real(xp), intent(in) :: y
+        real(xp) :: u, sine_squared, swing_squared, turn, length, along, weight, lift
+        length = body%centre_of_mass(3)
+        u = start%u + y
+        sine_squared = (start%one_minus_u - y) * (start%one_plus_u + y)
+        swing_squared = start%swing_squared - start%beta * y
+        turn = start%turn - start%a * y
+        along = body%gravity * u - length * swing_squared
+        weight = body%gravity - length * start%beta / 2
+        lift = length * start%a
+        ! Across: weight (z - u e) + lift e x e', with (e x e').z = phi' sin(theta)^2.
+        force = body%mass * sqrt(max(along**2 + weight**2 * sine_squared &
+                                     + 2 * weight * lift * turn + lift**2 * swing_squared, 0.0_xp))
+    end function total_force
+
+    !> Coefficient of y^2 of the cubic f.
+    pure real(xp) function g2(start)
+        type(regular_start_t), intent(in) :: start
+        g2 = 2 * start%beta * start%u - start%swing_squared - start%a**2
+    end function g2
+
+end module spintop_force_extremes

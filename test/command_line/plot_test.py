@@ -1,0 +1,286 @@
+"""Tests of scripts/plot: reading tables, choosing figures, drawing them, complaining."""
+
+import contextlib
+import io
+import math
+import os
+import runpy
+import subprocess
+import sys
+import tempfile
+import unittest
+import unittest.mock
+import xml.etree.ElementTree
+from pathlib import Path
+
+SCRIPTS = Path(__file__).resolve().parent.parent.parent / "scripts"
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(SCRIPTS))
+
+from figures.registry import FIGURES  # noqa: E402
+from figures.style import describe_run  # noqa: E402
+from figures.table import TableError, read_table  # noqa: E402
+from figures.table1 import as_text, notes_on  # noqa: E402
+
+HEAD = """\
+# title: A top, {kind}: $5
+# program: spintop 0.1.0
+# revision: 0123456789ab-dirty
+# compiler: GCC version 12.2.0
+# options: -O3
+# input:
+#     &study
+#         kind = '{kind}'
+#         title = 'It''s a top, = {kind}'
+#     /
+#     &integration
+#         formulation = 'lagrange'
+#         method = 'rk4'
+#         steps = 992
+#     /
+#     &sweep
+#         values(1,:) = 0.5, 1.0,
+#                       2.0
+#     /
+# columns:
+#     t [s]: time
+#     force_x [kg m/s^2]: support force: x
+"""
+
+TRAJECTORY = [
+    *("t", "phi", "theta", "psi", "com_x", "com_y", "com_z", "kinetic", "potential", "energy"),
+    *("R1", "R2", "R3", "R4", "force_x", "force_y", "force_z", "orientation_error"),
+]
+SWEEP = [
+    *("case", "initial.spin_ratio", "status", "delta_u", "delta_u_fast_top", "nutation_rate"),
+    *("nutation_rate_fast_top", "precession_rate", "precession_rate_fast_top"),
+    *("nutations_per_turn", "nutations_per_turn_fast_top", "azimuth_after_period_deg"),
+    *("phi_rate_max", "fast_top_ratio", "notes"),
+]
+
+
+def a_trajectory(columns: list[str] = TRAJECTORY, count: int = 40, **other: object) -> str:
+    """A steady precession as a table; `other` gives columns other values."""
+    lines = [HEAD.format(kind="trajectory") + ",".join(columns)]
+    for i in range(count):
+        t = 0.1 * i
+        known = {"t": t, "phi": t, "theta": 0.5, "psi": 9 * t, "R4": 1e-12 * t, "R3": 0.0}
+        known |= {"com_x": 0.5 * math.sin(t), "com_y": -0.5 * math.cos(t), "com_z": 0.8}
+        known |= {"orientation_error": 1e-9 * t} | other
+        lines.append(",".join(repr(known.get(name, 1.0)) for name in columns))
+    return "\n".join([*lines, "# status: ok", ""])
+
+
+def a_sweep(parameter: str = "initial.spin_ratio", status: str = "ok", cases: int = 4) -> str:
+    """A sweep as a table; the last case has the status."""
+    names = [parameter if name == "initial.spin_ratio" else name for name in SWEEP]
+    lines = [HEAD.format(kind="sweep") + ",".join(names)]
+    for i in range(1, cases + 1):
+        good = i < cases or status == "ok"
+        numbers = [repr(0.5 * i if good else math.nan)] * (len(names) - 4)
+        lines.append(",".join([str(i), repr(i / 2), "ok" if good else status, *numbers, ""]))
+    return "\n".join([*lines, ""])
+
+
+class TableCase(unittest.TestCase):
+    """Works in a folder that goes away, whose name has a space."""
+
+    def setUp(self) -> None:
+        """Make the folder."""
+        folder = tempfile.TemporaryDirectory(prefix="plot test ")
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def put(self, name: str, text: str) -> Path:
+        """Write a table."""
+        path = self.folder / name
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    def plot(self, *arguments: str | Path, **environment: str) -> subprocess.CompletedProcess:
+        """Run scripts/plot."""
+        command = [sys.executable, SCRIPTS / "plot", *arguments]
+        return subprocess.run(
+            command, capture_output=True, text=True, check=False, env=os.environ | environment
+        )
+
+    def call(self, *arguments: str | Path) -> tuple[int, str]:
+        """Run its main procedure here, which is faster; give exit code and standard error."""
+        script = str(SCRIPTS / "plot")
+        main = runpy.run_path(script)["main"]
+        output, complaints = io.TextIOWrapper(io.BytesIO()), io.StringIO()
+        with (
+            unittest.mock.patch("sys.argv", [script, *map(str, arguments)]),
+            contextlib.redirect_stdout(output),
+            contextlib.redirect_stderr(complaints),
+        ):
+            try:
+                code = main()
+            except SystemExit as end:
+                code = end.code
+        return code, complaints.getvalue()
+
+
+class ReaderTest(TableCase):
+    """The reader takes good tables, and says in a line what is wrong with others."""
+
+    def test_head(self) -> None:
+        """Key lines, settings over several lines, quotes in quotes, units."""
+        table = read_table(self.put("a.csv", a_trajectory()))
+        self.assertEqual(table.title, "A top, trajectory: $5")
+        self.assertEqual(table.header["revision"], "0123456789ab-dirty")
+        self.assertEqual(table.setting("study.title"), "It's a top, = trajectory")
+        self.assertEqual(table.settings["sweep.values(1,:)"], ["0.5", "1.0", "2.0"])
+        self.assertEqual(table.units, {"t": "s", "force_x": "kg m/s^2"})
+        self.assertEqual(table.status, "ok")
+        self.assertEqual(table.rows["phi"][3], 0.1 * 3)
+        self.assertEqual(describe_run(table), "formulation lagrange, method rk4, 992 steps")
+
+    def test_numbers_keep_their_bits(self) -> None:
+        """Numbers of 17 digits, huge ones and what is none are read as they were written."""
+        for value in (0.1 + 0.2, 1e100, 5e-324, -0.0, math.inf, math.pi):
+            table = read_table(self.put("a.csv", a_trajectory(count=1, R1=value)))
+            self.assertEqual(table.rows["R1"][0].hex(), value.hex())
+        table = read_table(self.put("a.csv", a_trajectory(count=1, R1=math.nan)))
+        self.assertTrue(math.isnan(table.rows["R1"][0]))
+
+    def test_bad_tables(self) -> None:
+        """What is wrong is told, with the line where there is one."""
+        good = a_trajectory()
+        bad = {
+            "": "no table of spintop",
+            "a,b\n1,2\n": "no table of spintop",
+            "\0\1\2\n": "no table of spintop",
+            HEAD.format(kind="trajectory")
+            + "t\n# status: pole at t = 0\n": "no rows.*pole at t = 0",
+            HEAD.format(kind="sweep"): "names no columns",
+            good.removesuffix("# status: ok\n"): "the status, is missing",
+            good[:-200] + "\n# status: ok\n": r"line 6\d has \d+ cells in place of 18",
+            good[:-100]: "its last line has no end",
+            good.replace("9.0,", "9.0x,", 1): "line 3[34]: '9.0x' in psi is no number",
+        }
+        for text, message in bad.items():
+            with self.subTest(message), self.assertRaisesRegex(TableError, message):
+                read_table(self.put("bad.csv", text))
+        with self.assertRaisesRegex(TableError, "no such file"):
+            read_table(self.folder / "missing.csv")
+        with self.assertRaisesRegex(TableError, "is a directory"):
+            read_table(self.folder)
+
+
+class ChoiceTest(TableCase):
+    """The table decides which figures belong to it."""
+
+    def figures_of(self, text: str) -> str:
+        """Names of the figures that belong to a table."""
+        table = read_table(self.put("table1_path.csv", text))
+        return " ".join(kind.name for kind in FIGURES if not kind.refusal(table))
+
+    def test_trajectory(self) -> None:
+        """Its columns, and numbers in them, bring the figures."""
+        self.assertEqual(self.figures_of(a_trajectory()), "residuals angles forces path error")
+        self.assertEqual(self.figures_of(a_trajectory(TRAJECTORY[:7])), "angles path")
+        self.assertEqual(self.figures_of(a_trajectory(["t", "phi"])), "")
+        without = a_trajectory(orientation_error=math.nan, R1=math.nan)
+        self.assertEqual(self.figures_of(without), "angles forces path")
+        self.assertNotIn("error", self.figures_of(a_trajectory(orientation_error=0.0)))
+
+    def test_sweep(self) -> None:
+        """A page for the spin ratio, curves for any one parameter."""
+        self.assertEqual(self.figures_of(a_sweep()), "sweep table1")
+        self.assertEqual(self.figures_of(a_sweep("top.inertia(2)")), "sweep")
+        self.assertEqual(self.figures_of(a_sweep(cases=61)), "sweep")
+        self.assertEqual(
+            self.figures_of(a_sweep("top.mass,top.length").replace(",ok", ",1,ok")), ""
+        )
+        self.assertEqual(self.figures_of(a_sweep(cases=1, status="pole")), "table1")
+        self.assertEqual(self.figures_of(a_sweep().replace("1.5", "nan")), "sweep table1")
+
+
+class PageTest(TableCase):
+    """The cells and notes of the Table 1 page."""
+
+    def test_numbers(self) -> None:
+        """Five digits; powers of ten at the ends; a dash for what does not exist."""
+        values = {428.0976: "428.10", 1.0: "1.0000", 0.00272092: "0.0027209", 0.0: "0"}
+        for value, text in values.items():
+            self.assertEqual(as_text(value), text)
+        self.assertEqual(as_text(9.3984e-5), r"$9.3984\cdot 10^{-5}$")
+        self.assertEqual(as_text(math.nan), "\N{EN DASH}")
+
+    def test_failures_are_marked(self) -> None:
+        """A case that failed has a note with its status and the reason."""
+        text = a_sweep(status="step_limit").replace("nan,\n", "nan,no more steps\n")
+        table = read_table(self.put("a.csv", text))
+        self.assertEqual(notes_on(table.rows), ["* \u03bb = 2: step_limit: no more steps"])
+
+
+class DrawTest(TableCase):
+    """Runs the script."""
+
+    def check_pictures(self, folder: Path, expected: set[str]) -> None:
+        """The folder holds these figures, as PNG and SVG with something on them."""
+        names = {path.name for path in folder.iterdir() if path.suffix != ".csv"}
+        self.assertEqual(names, {f"{name}.{end}" for name in expected for end in ("png", "svg")})
+        for path in (folder / name for name in names):
+            data = path.read_bytes()
+            self.assertGreater(len(data), 10_000)
+            if path.suffix == ".png":
+                self.assertTrue(data.startswith(b"\x89PNG\r\n\x1a\n"))
+            else:
+                self.assertTrue(xml.etree.ElementTree.fromstring(data).tag.endswith("svg"))
+
+    def test_trajectory_beside_its_table(self) -> None:
+        """All figures, in a locale with decimal commas, of a run that overflowed."""
+        wild = a_trajectory(count=20).splitlines()
+        wild[-2] = wild[-2].replace("1.0,1.0,1.0", "1e+300,-inf,1e+100")
+        table = self.put(
+            "two words.csv", "\n".join([*wild[:-1], "# status: non_finite at t = 1", ""])
+        )
+        result = self.plot(table, LC_ALL="de_DE.UTF-8")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        names = ("residuals", "angles", "forces", "path", "error")
+        self.check_pictures(self.folder, {f"two words_{name}" for name in names})
+        self.assertEqual(len(result.stdout.splitlines()), 10)
+        self.assertFalse(list(SCRIPTS.rglob("__pycache__")))
+
+    def test_sweep_in_folder_beside_bad_tables(self) -> None:
+        """What can be drawn is drawn, the rest is told, a line each."""
+        good = self.put("good.csv", a_sweep(status="step_limit"))
+        empty = self.put("empty.csv", HEAD.format(kind="sweep") + "case\n")
+        output = self.folder / "a new" / "folder"
+        code, complaints = self.call("-o", output, self.folder / "missing.csv", empty, good)
+        self.assertEqual(code, 2)
+        self.assertEqual(
+            complaints.splitlines(),
+            [
+                f"scripts/plot: {self.folder / 'missing.csv'}: no such file or directory",
+                f"scripts/plot: {empty}: has no rows",
+            ],
+        )
+        self.check_pictures(output, {"good_sweep", "good_table1"})
+
+    def test_refusals(self) -> None:
+        """A wrong name, a column without numbers, a clash and a folder that cannot be."""
+        table = self.put("a.csv", a_trajectory(["t", "R1", "R2", "R3", "R4"], R2=math.nan))
+        (self.folder / "b").mkdir()
+        clash = self.put("b/a.csv", a_sweep())
+        blocked = table / "folder"
+        expected = {
+            ("--figure", "pie", table): (2, "invalid choice: 'pie'"),
+            ("--figure", "path", table): (2, "a.csv: has no column com_x, com_y, com_z: no path"),
+            (table,): (2, "a.csv: has no number in column R2: no residuals figure"),
+            ("-o", self.folder / "c", table, clash): (2, "would replace those of"),
+            ("-o", blocked, clash): (4, f"cannot write to {blocked}: "),
+            (): (2, "TABLE.csv"),
+        }
+        for arguments, (code, message) in expected.items():
+            with self.subTest(arguments=arguments):
+                result, complaint = self.call(*arguments)
+                self.assertEqual(result, code)
+                self.assertIn(message, complaint)
+        self.check_pictures(self.folder / "b", set())
+
+
+if __name__ == "__main__":
+    unittest.main()

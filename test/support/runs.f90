@@ -1,0 +1,151 @@
+!> Runs of a stepper without an observer, step by step, and what the tests measure on them.
+module runs
+    use spintop_kinds, only: dp
+    use spintop_attitude, only: rotation_angle
+    use spintop_body, only: body_t
+    use spintop_formulation, only: formulation_t, max_states
+    use spintop_formulations, only: create_formulation
+    use spintop_methods, only: create_stepper
+    use spintop_motion, only: motion_t, motion_from_angles
+    use spintop_status, only: status_ok
+    use spintop_stepper, only: counts_t, stepper_t, workspace_t
+    implicit none
+    private
+    public :: run_t, carry, carry_from, reference_state, smooth_body, smooth_start, prepare_smooth
+    public :: attitude_error, observed_order, flow
+
+    !> How a run ended.
+    type :: run_t
+        integer :: status = status_ok
+        real(dp) :: t = 0, y(max_states) = 0
+        type(counts_t) :: counts
+        !> Steps whose time is not that of the grid of equal steps.
+        integer :: off_grid = 0
+    end type run_t
+
+contains
+
+    !> A top that turns smoothly, away from the poles.
+    pure type(body_t) function smooth_body() result(body)
+        body%mass = 1
+        body%inertia = [1.0_dp, 1.0_dp, 0.8_dp]
+        body%centre_of_mass = [0.0_dp, 0.0_dp, 0.5_dp]
+        body%gravity = 2
+    end function smooth_body
+
+    !> Its start, in the midst of a nutation.
+    pure type(motion_t) function smooth_start() result(start)
+        start = motion_from_angles(0.0_dp, [0.1_dp, 1.0_dp, 0.3_dp], [0.3_dp, 0.2_dp, 1.0_dp])
+    end function smooth_start
+
+    !> The smooth top under a formulation.
+    subroutine prepare_smooth(name, formulation, y)
+        character(*), intent(in) :: name
+        class(formulation_t), allocatable, intent(out) :: formulation
+        real(dp), intent(out) :: y(max_states)
+        integer :: status
+        call create_formulation(name, formulation)
+        call formulation%prepare(smooth_body(), smooth_start(), y, status)
+    end subroutine prepare_smooth
+
+    !> Carries the state `y` over `t_end` seconds, or until it fails.
+    type(run_t) function carry(stepper, formulation, y, t_end) result(run)
+        class(stepper_t), intent(in) :: stepper
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: y(max_states), t_end
+        class(workspace_t), allocatable :: work
+        call stepper%new_workspace(work)
+        call carry_from(stepper, formulation, y, t_end, work, run)
+    end function carry
+
+    !> The same in a workspace that may have been used before.
+    subroutine carry_from(stepper, formulation, y, t_end, work, run)
+        class(stepper_t), intent(in) :: stepper
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: y(max_states), t_end
+        class(workspace_t), intent(inout) :: work
+        type(run_t), intent(out) :: run
+        real(dp) :: grid_time
+
+        work%t = 0
+        work%y = y
+        work%t_end = t_end
+        work%grid = 0
+        work%counts = counts_t()
+        call stepper%begin(formulation, work, run%status)
+        do while (run%status == status_ok .and. work%t < t_end)
+            call stepper%advance(formulation, work, run%status)
+            if (run%status /= status_ok .or. stepper%controls%steps == 0) cycle
+            grid_time = t_end * work%counts%steps / stepper%controls%steps
+            if (abs(work%t - grid_time) > 2 * spacing(grid_time)) run%off_grid = run%off_grid + 1
+        end do
+        run%t = work%t
+        run%y = work%y
+        run%counts = work%counts
+    end subroutine carry_from
+
+    !> The state after `t_end` seconds, to rounding.
+    function reference_state(formulation, y, t_end) result(y_end)
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: y(max_states), t_end
+        real(dp) :: y_end(max_states)
+        class(stepper_t), allocatable :: stepper
+        type(run_t) :: run
+        call create_stepper('arkode_erk', stepper)
+        stepper%controls%table = 'arkode_fehlberg_13_7_8'
+        stepper%controls%steps = 400
+        run = carry(stepper, formulation, y, t_end)
+        y_end = run%y
+    end function reference_state
+
+    !> Angle between the attitude of a state and a quaternion, rad.
+    real(dp) function attitude_error(formulation, y, quaternion) result(error)
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: y(max_states), quaternion(4)
+        type(motion_t) :: motion
+        motion = formulation%motion(0.0_dp, y, [0.0_dp, 0.0_dp, 0.0_dp])
+        error = rotation_angle(motion%quaternion, quaternion)
+    end function attitude_error
+
+    !> Order of convergence of a method with equal steps: steps are halved until the error is
+    !> small, and the last two errors compared.
+    real(dp) function observed_order(method, table) result(order)
+        character(*), intent(in) :: method, table
+        real(dp), parameter :: t_end = 4, small = 1.0e-8_dp
+        integer, parameter :: most_steps = 1024
+        class(stepper_t), allocatable :: stepper
+        class(formulation_t), allocatable :: formulation
+        type(run_t) :: run
+        real(dp) :: y(max_states), exact(max_states), error, previous
+
+        call prepare_smooth('lagrange', formulation, y)
+        exact = reference_state(formulation, y, t_end)
+        call create_stepper(method, stepper)
+        stepper%controls%table = table
+        stepper%controls%steps = 8
+        error = 1
+        do
+            previous = error
+            run = carry(stepper, formulation, y, t_end)
+            error = norm2(run%y - exact)
+            if (run%status /= status_ok) error = 1
+            if (error < small .or. stepper%controls%steps >= most_steps) exit
+            stepper%controls%steps = 2 * stepper%controls%steps
+        end do
+        order = log(previous / error) / log(2.0_dp)
+    end function observed_order
+
+    !> The state a short time h later, by one classical Runge-Kutta step.
+    function flow(formulation, y, h) result(y_new)
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: y(max_states), h
+        real(dp) :: y_new(max_states), k(max_states, 4)
+        integer :: status
+        call formulation%derivative(y, k(:, 1), status)
+        call formulation%derivative(y + h / 2 * k(:, 1), k(:, 2), status)
+        call formulation%derivative(y + h / 2 * k(:, 2), k(:, 3), status)
+        call formulation%derivative(y + h * k(:, 3), k(:, 4), status)
+        y_new = y + h / 6 * (k(:, 1) + 2 * k(:, 2) + 2 * k(:, 3) + k(:, 4))
+    end function flow
+
+end module runs

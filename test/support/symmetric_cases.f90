@@ -1,0 +1,104 @@
+!> Reference motions of symmetric tops: body, start and rows of test/reference/NAME.csv.
+module symmetric_cases
+    use spintop_kinds, only: dp
+    use spintop_body, only: body_t
+    use spintop_motion, only: motion_t, motion_from_angles
+    use reference_rows, only: reference_t, read_reference
+    implicit none
+    private
+    public :: symmetric_case_t, read_symmetric_case, case_names
+
+    !> All the reference cases: to 30 digits, by elliptic functions and by Taylor series.
+    character(*), parameter :: case_names(*) = [character(24) :: 'a1_slow_top', &
+        'a1b_slow_top_l1', 'a2_wheel_corrected_lam1', 'a2_wheel_corrected_lam10', &
+        'a2_wheel_paper_lam0.5', 'a2_wheel_paper_lam1', 'a2_wheel_paper_lam2', &
+        'b_exact_pole_0', 'b_gimbal_0_1e-3', 'b_gimbal_0_1e-6', 'b_gimbal_pi_1e-6', &
+        'c_homoclinic_out', 'c_sleep_stable_th1e-6', 'c_sleep_th1e-3', &
+        'd_fast_corrected_lam100', 'e_near_regular', 'e_regular_fast_60deg', &
+        'e_regular_slow_60deg', 'f_cusp', 'f_loop', 'g_plane_libration', 'g_spherical', &
+        'h_slow_top_long', 'i_oblate', 'i_rod', 'j_regular_fast_120deg']
+
+    !> A reference motion. Quantities that a case does not have are huge.
+    type :: symmetric_case_t
+        type(body_t) :: body
+        type(motion_t) :: start
+        real(dp) :: period = huge(1.0_dp), precession = huge(1.0_dp), spin = huge(1.0_dp)
+        type(reference_t) :: table
+    contains
+        procedure :: row
+        procedure :: floor_of
+    end type symmetric_case_t
+
+contains
+
+    subroutine read_symmetric_case(name, case)
+        character(*), intent(in) :: name
+        type(symmetric_case_t), intent(out) :: case
+        real(dp) :: angle(3), rate(3), value
+        character(256) :: line
+        integer :: unit, status, equals
+
+        angle = 0
+        rate = 0
+        open (newunit=unit, file='test/reference/' // trim(name) // '.csv', status='old', &
+              action='read')
+        do
+            read (unit, '(a)') line
+            if (line(1:1) /= '#') exit
+            equals = index(line, ' = ')
+            if (equals == 0) cycle
+            read (line(equals + 3:), *, iostat=status) value
+            if (status /= 0) cycle
+            select case (line(3:equals))
+            case ('I1')
+                case%body%inertia(1:2) = value
+            case ('I3')
+                case%body%inertia(3) = value
+            case ('m')
+                case%body%mass = value
+            case ('g')
+                case%body%gravity = value
+            case ('l')
+                case%body%centre_of_mass(3) = value
+            case ('theta')
+                angle(2) = value
+            case ('phidot')
+                rate(1) = value
+            case ('thetadot')
+                rate(2) = value
+            case ('psidot')
+                rate(3) = value
+            case ('nutation_period')
+                case%period = value
+            case ('precession_per_nutation')
+                case%precession = value
+            case ('spin_per_nutation')
+                case%spin = value
+            end select
+        end do
+        close (unit)
+        case%start = motion_from_angles(0.0_dp, angle, rate)
+        call read_reference(trim(name), case%table)
+    end subroutine read_symmetric_case
+
+    !> The motion of a row; accelerations are left zero.
+    type(motion_t) function row(self, i)
+        class(symmetric_case_t), intent(in) :: self
+        integer, intent(in) :: i
+        associate (v => self%table%values(i, :))
+            row%t = v(1)
+            row%angle = v([3, 2, 4])
+            row%rate = v([6, 5, 7])
+            row%omega = v(8:10)
+            row%quaternion = v(14:17)
+        end associate
+    end function row
+
+    !> How far rounding of the data turns the attitude in a row, rad.
+    real(dp) function floor_of(self, i)
+        class(symmetric_case_t), intent(in) :: self
+        integer, intent(in) :: i
+        floor_of = self%table%values(i, size(self%table%values, 2))
+    end function floor_of
+
+end module symmetric_cases

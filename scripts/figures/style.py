@@ -27,11 +27,9 @@ LINES = (
 FAINT = "0.8"
 GREY = "0.35"
 
-WIDE_RANGE = 1e3
-"""A quantity whose largest size is this many times its usual one is drawn on a log axis."""
-
-DECADES = 30
-"""Most decades on a log axis."""
+WIDE_RANGE, USUAL = 3e4, 0.2
+"""A quantity goes on a log axis if its largest size is more than so many times the size that it
+exceeds in all but this part of the rows. The paper's residuals stay on linear ones, as printed."""
 
 MANY_POINTS = 20_000
 """Longer lines are stored as pixels in an SVG."""
@@ -64,7 +62,8 @@ def new_figure(table: Table, what: str, height: float, width: float = WIDTH) -> 
     """A figure with its title above, and below it where the table comes from."""
     figure = Figure(figsize=(width, height), layout="constrained")
     figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06, hspace=0.03)
-    figure.suptitle(what, x=0.012, ha="left", fontsize=11, fontweight="bold", parse_math=False)
+    title = textwrap.fill(what, int(width * 10.3))
+    figure.suptitle(title, x=0.012, ha="left", fontsize=11, fontweight="bold", parse_math=False)
     figure.supxlabel(
         footer(table, int(width * 15)), x=0.012, ha="left", fontsize=9, color=GREY, parse_math=False
     )
@@ -77,7 +76,8 @@ def footer(table: Table, width: int) -> str:
     lines = textwrap.wrap(table.title, width)
     run = describe_run(table)
     if table.status not in (None, "ok"):
-        run += f"; ended with status {table.status} s"
+        name, _, time = table.status.partition(" at t = ")
+        run += f"; ended with status {name}" + (f" at t = {float(time):.6g} s" if time else "")
     lines += textwrap.wrap(run[0].upper() + run[1:], width)
     lines.append(f"{header['program']}, revision {header.get('revision', 'unknown')}")
     return "\n".join(lines)
@@ -127,7 +127,7 @@ def draw_line(axes: Axes, x: np.ndarray, y: np.ndarray, line: int = 0, **options
 def has_wide_range(y: np.ndarray) -> bool:
     """Whether a linear axis would show nothing but the largest values."""
     sizes = np.abs(y[np.isfinite(y) & (y != 0)])
-    return sizes.size > 0 and sizes.max() > WIDE_RANGE * np.median(sizes)
+    return sizes.size > 0 and sizes.max() / WIDE_RANGE > np.quantile(sizes, USUAL)
 
 
 def draw_sizes(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
@@ -136,9 +136,7 @@ def draw_sizes(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
     sizes[~np.isfinite(sizes)] = np.nan
     axes.set_yscale("log")
     draw_line(axes, x, sizes)
-    low, high = np.nanmin(sizes), np.nanmax(sizes)
-    low = max(low, high * 10.0**-DECADES)
-    axes.set_ylim(low / 3, min(high * 3, 1e308))
+    axes.set_ylim(max(np.nanmin(sizes) / 3, 1e-307), min(np.nanmax(sizes) * 3, 1e308))
     axes.yaxis.set_major_locator(LogLocator(numticks=7))
 
 

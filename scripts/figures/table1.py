@@ -1,5 +1,6 @@
 """The paper's Table 1 as a page: formulas for a fast top, exact values, the run's azimuth."""
 
+import itertools
 import math
 import textwrap
 from typing import NamedTuple
@@ -22,30 +23,31 @@ HEADS = 4.0
 
 
 class Column(NamedTuple):
-    """A column of the page: its place from the left (its right edge, inches) and its heads."""
+    """A column of the page: its width in inches, which table column it shows, and its heads."""
 
-    right: float
+    width: float
     column: str
     group: str
     head: str
 
 
 COLUMNS = (
-    Column(0.60, "initial.spin_ratio", "", r"$\lambda$"),
-    Column(1.70, "delta_u_fast_top", r"swing $\Delta u$ of $\cos\theta$", "paper, Eq 29"),
-    Column(2.50, "delta_u", r"swing $\Delta u$ of $\cos\theta$", "exact"),
-    Column(3.70, "nutation_rate_fast_top", "nutation rate (rad/s)", "paper, Eq 30"),
-    Column(4.50, "nutation_rate", "nutation rate (rad/s)", "exact"),
-    Column(5.70, "precession_rate_fast_top", "precession rate (rad/s)", "paper, Eq 32"),
-    Column(6.50, "precession_rate", "precession rate (rad/s)", "exact"),
-    Column(7.70, "nutations_per_turn_fast_top", "nutations per turn", "paper, Eq 54"),
-    Column(8.50, "nutations_per_turn", "nutations per turn", "exact"),
-    Column(9.60, "azimuth_after_period_deg", "azimuth after\n$T_p$ (degrees)", "this run"),
-    Column(10.60, "phi_rate_max", "largest\n$\\dot\\phi$ (rad/s)", "exact"),
-    Column(11.70, "fast_top_ratio", "$(I_3\\omega_3)^2$ over\n$2I_1mgl$", "large: fast"),
+    Column(0.6, "initial.spin_ratio", "", r"$\lambda$"),
+    Column(1.2, "delta_u_fast_top", r"swing $\Delta u$ of $\cos\theta$", "paper, Eq 29"),
+    Column(0.98, "delta_u", r"swing $\Delta u$ of $\cos\theta$", "exact"),
+    Column(1.2, "nutation_rate_fast_top", "nutation rate (rad/s)", "paper, Eq 30"),
+    Column(0.98, "nutation_rate", "nutation rate (rad/s)", "exact"),
+    Column(1.2, "precession_rate_fast_top", "precession rate (rad/s)", "paper, Eq 32"),
+    Column(0.98, "precession_rate", "precession rate (rad/s)", "exact"),
+    Column(1.2, "nutations_per_turn_fast_top", "nutations per turn", "paper, Eq 54"),
+    Column(0.98, "nutations_per_turn", "nutations per turn", "exact"),
+    Column(1.15, "azimuth_after_period_deg", "azimuth after\n$T_p$ (degrees)", "this run"),
+    Column(1.0, "phi_rate_max", "largest\n$\\dot\\phi$ (rad/s)", "exact"),
+    Column(1.15, "fast_top_ratio", "$(I_3\\omega_3)^2$ over\n$2I_1mgl$", "large: fast"),
 )
-PAGE_WIDTH = 11.8
-PAGE_LETTERS = 150
+RIGHT_EDGES = dict(zip(COLUMNS, itertools.accumulate(c.width for c in COLUMNS), strict=True))
+PAGE_WIDTH = sum(column.width for column in COLUMNS) + 0.1
+PAGE_LETTERS = 160
 
 LEGEND = (
     "paper: its formula for a fast top; exact: closed form of the whole motion; this run: by "
@@ -85,13 +87,13 @@ def write_heads(axes: Axes) -> None:
     axes.axhline(0.2, color="black", linewidth=1.2)
     for group in dict.fromkeys(column.group for column in COLUMNS):
         members = [column for column in COLUMNS if column.group == group]
-        right = members[-1].right
-        left = members[0].right - 0.85
+        right = RIGHT_EDGES[members[-1]]
+        left = RIGHT_EDGES[members[0]] - 0.85
         axes.text((left + right) / 2, 1.4, group, ha="center", va="center")
         if len(members) > 1:
             axes.plot([left, right], [2.4, 2.4], color="black", linewidth=0.6)
     for column in COLUMNS:
-        axes.text(column.right, 3.2, column.head, ha="right", va="center")
+        axes.text(RIGHT_EDGES[column], 3.2, column.head, ha="right", va="center")
     axes.axhline(HEADS, color="black", linewidth=0.8)
 
 
@@ -103,7 +105,12 @@ def write_row(axes: Axes, height: float, row: pd.Series) -> None:
         if column is COLUMNS[0]:
             text = f"{row[column.column]:g}" + ("*" if failed else "")
         axes.text(
-            column.right, height, text, ha="right", va="center", color=GREY if failed else "black"
+            RIGHT_EDGES[column],
+            height,
+            text,
+            ha="right",
+            va="center",
+            color=GREY if failed else "black",
         )
 
 

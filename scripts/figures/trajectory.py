@@ -141,6 +141,7 @@ def draw_path(table: Table) -> Figure:
     mark_ends(space, x, y, z)
     space.set(xlabel="x (m)", ylabel="y (m)")
     if room < radius:  # a cap may be too flat for an axis
+        space.xaxis.labelpad = space.yaxis.labelpad = 9
         space.set_zticks([])
         space.set_title(f"in space, z from {np.nanmin(z):.4g} to {np.nanmax(z):.4g} m")
     else:
@@ -194,7 +195,7 @@ def draw_error(table: Table) -> Figure:
     """Orientation error against time, which the residuals do not show, and R4 below it."""
     has_energy = "R4" in table.rows and bool(table.rows["R4"].any())
     figure = new_figure(
-        table, f"Error of the orientation: {describe_run(table)}", 5.0 if has_energy else 3.6
+        table, f"Orientation error: {describe_run(table)}", 5.0 if has_energy else 3.6
     )
     panels = figure.subplots(1 + has_energy, 1, sharex=True, squeeze=False)[:, 0]
     t = numbers(table, "t")

@@ -308,6 +308,8 @@ contains
             if (abs(next - x) <= tolerance * min(x, 1 - x)) exit
             x = next
         end do
+        top = real(points%one_minus_u2, dp) + d * (1 - x)
+        bottom = real(points%one_plus_u1, dp) + d * x
         ! Products in pairs: they stay regular where the motion passes a pole.
         rate = 2 * real(points%frequency, dp) * d * sqrt((1 - k2 * x) * (x / bottom) &
                                                          * ((1 - x) / top))

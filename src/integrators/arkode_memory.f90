@@ -75,7 +75,7 @@ module spintop_arkode_memory
     real(c_double), parameter :: stage_share = 1.0e-2_c_double
     !> The tolerance that stages share in with equal steps, where the user's means nothing: still
     !> above the rounding of a stiff slope.
-    real(c_double), parameter :: fixed_step_tolerance = 1.0e-11_c_double
+    real(c_double), parameter :: fixed_step_tolerance = 1.0e-12_c_double
     !> Returns of a callback: go on, try a shorter step, give up.
     integer(c_int), parameter :: go_on = 0, retry = 1, give_up = -1
 

@@ -5,6 +5,7 @@ module spintop_trajectory
     use spintop_case, only: case_t
     use spintop_columns, only: column_computer_t, trajectory_columns
     use spintop_errors, only: error_t
+    use spintop_exact_cost, only: measure_exact_cost
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_formulation, only: formulation_t, max_states
     use spintop_integration, only: integrate, observer_t, outcome_t
@@ -54,7 +55,7 @@ contains
         type(outcome_t) :: outcome
         type(string_t), allocatable :: input(:), header(:)
         type(string_t) :: trailer(1)
-        real(dp) :: began, elapsed
+        real(dp) :: began, elapsed, setup, sample
 
         status = status_ok
         associate (case => job%case, plan => job%plan)
@@ -95,7 +96,11 @@ contains
             call summary%headline(job%input // ': trajectory of ' // to_text(writer%rows) // ' rows -> ' // job%output)
             call summary%describe_plan(plan)
             call summary%describe_motion(case)
-            if (.not. plan%exact) then
+            if (plan%exact) then
+                call measure_exact_cost(case, setup, sample)
+                call summary%add('cost', rounded(1.0e6_dp * setup) // ' us for the set-up, ' &
+                                 // rounded(1.0e6_dp * sample) // ' us a sample')
+            else
                 call summary%describe_cost(outcome%counts, plan%stepper%info%refine)
             end if
             call summary%add('time', rounded(elapsed) // ' s for ' // digits(outcome%t) // ' s of motion')

@@ -1,0 +1,46 @@
+!> What the exact motion costs here and now: set-up and sample, measured in the process.
+module spintop_exact_cost
+    use spintop_kinds, only: dp
+    use spintop_case, only: case_t
+    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
+    use spintop_motion, only: motion_t
+    use spintop_system, only: seconds
+    implicit none
+    private
+    public :: measure_exact_cost
+
+    !> Each time is the least of so many repeats, of so many calls each.
+    integer, parameter :: repeats = 7, setups = 50, samples = 500
+
+contains
+
+    !> Seconds of a set-up, and of the motion (angles, rates, quaternion, acceleration) at a time.
+    subroutine measure_exact_cost(case, setup, sample)
+        type(case_t), intent(in) :: case
+        real(dp), intent(out) :: setup, sample
+        type(exact_motion_t) :: exact
+        type(motion_t) :: motion
+        real(dp) :: began, unused
+        integer :: repeat, i, status
+
+        setup = huge(setup)
+        sample = huge(sample)
+        unused = 0
+        do repeat = 1, repeats
+            began = seconds()
+            do i = 1, setups
+                call prepare_exact_motion(case%body, case%start, exact, status)
+            end do
+            setup = min(setup, (seconds() - began) / setups)
+            began = seconds()
+            do i = 1, samples
+                motion = exact%at(case%t_end * i / samples)
+                unused = unused + motion%quaternion(1)
+            end do
+            sample = min(sample, (seconds() - began) / samples)
+        end do
+        ! A sum that is looked at keeps the compiler from dropping the work.
+        if (unused > huge(unused)) sample = unused
+    end subroutine measure_exact_cost
+
+end module spintop_exact_cost

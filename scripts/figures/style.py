@@ -1,6 +1,7 @@
 """What all figures share: look, title, footer with the provenance, saving."""
 
 import os
+import re
 import textwrap
 import warnings
 from pathlib import Path
@@ -76,8 +77,8 @@ def footer(table: Table, width: int) -> str:
     lines = textwrap.wrap(table.title, width)
     run = describe_run(table)
     if table.status not in (None, "ok"):
-        name, _, time = table.status.partition(" at t = ")
-        run += f"; ended with status {name}" + (f" at t = {float(time):.6g} s" if time else "")
+        status = re.sub(r"\d+\.\d{6,}", lambda time: f"{float(time[0]):.6g}", table.status)
+        run += f"; ended with status {status} s"
     lines += textwrap.wrap(run[0].upper() + run[1:], width)
     lines.append(f"{header['program']}, revision {header.get('revision', 'unknown')}")
     return "\n".join(lines)

@@ -297,8 +297,11 @@ contains
             dn = sqrt(self%complement_squared + self%k_squared * theta%cn**2)
             u_rate = 2 * self%u2_minus_u1 * self%frequency * theta%sn * theta%cn * dn
             motion%rate(1) = self%phi_rate(y, one_minus_u, one_plus_u)
-            motion%rate(2) = merge(-u_rate / sine, sqrt(self%swing_squared &
-                                                        - 2 * self%half_beta * y), sine > 0)
+            if (sine > 0) then
+                motion%rate(2) = -u_rate / sine
+            else
+                motion%rate(2) = sqrt(self%swing_squared - 2 * self%half_beta * y)
+            end if
             motion%rate(3) = self%omega3 - motion%rate(1) * (one_plus_u - one_minus_u) / 2
         end associate
     end subroutine add_angles

@@ -90,8 +90,10 @@ def describe_run(table: Table) -> str:
     if method == "exact":
         return "exact motion"
     formulation = table.setting("integration.formulation")
-    if method == formulation == "auto":
-        return "formulation and method chosen by the program"
+    if "auto" in (method, formulation):
+        formulation, method = (table.header.get(name, "").split(":")[0] for name in ("model", "method"))
+        if method == "exact":
+            return "exact motion"
     words = [f"formulation {formulation}", f"method {method}"]
     if butcher := table.setting("integration.table"):
         words.append(f"table {butcher}")
@@ -99,7 +101,7 @@ def describe_run(table: Table) -> str:
         words.append(f"{steps} steps")
     elif step := table.setting("integration.step"):
         words.append(f"steps of {step} s")
-    elif method != "auto":
+    else:
         words += describe_tolerances(table)
     return ", ".join(words)
 

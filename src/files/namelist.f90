@@ -23,7 +23,7 @@ module spintop_namelist
     public :: read_namelist
 
     !> No honest input is larger (bytes).
-    integer, parameter :: largest_file = 16 * 1024 * 1024
+    integer, parameter :: largest_file = 1024 * 1024
 
 contains
 

@@ -38,8 +38,9 @@ contains
     end function program_revision
 
     !> The comment lines at the head of a table: `key: value`, then the input, then the columns.
-    subroutine describe_provenance(title, input, names, units, meanings, dated, lines)
+    subroutine describe_provenance(title, model, method, input, names, units, meanings, dated, lines)
         character(*), intent(in) :: title
+        character(*), intent(in) :: model, method !! what computed the table
         type(string_t), intent(in) :: input(:)    !! the resolved namelist
         character(*), intent(in) :: names(:), units(:), meanings(:) !! of the columns
         logical, intent(in) :: dated              !! whether to give the date
@@ -54,6 +55,8 @@ contains
         call text%add('compiler: ' // compiler_version())
         call text%add('options: ' // compiler_options())
         if (dated) call text%add('date: ' // utc_now())
+        call text%add('model: ' // model)
+        call text%add('method: ' // method)
         call text%add('input:')
         do i = 1, size(input)
             call text%add('    ' // input(i)%text)

@@ -159,8 +159,8 @@ contains
         columns(axes + 3:size(columns) - 1) = sweep_columns(job%columns)
         columns(size(columns)) = sweep_column_t('notes', '', 'why a quantity does not exist', 0)
         call print_namelist(job%table, input)
-        call describe_provenance(job%scene%title, input, columns%name, columns%unit, columns%what, &
-                                 dated=.false., lines=header)
+        call describe_provenance(job%scene%title, job%plan%model, job%plan%method, input, columns%name, &
+                                 columns%unit, columns%what, dated=.false., lines=header)
         call file%create(job%output, header, columns%name, error)
     end subroutine create_table
 

@@ -66,8 +66,8 @@ contains
             call writer%columns%set(job%columns, case%body, case%start)
             associate (columns => trajectory_columns(job%columns))
                 call print_namelist(job%table, input)
-                call describe_provenance(job%scene%title, input, columns%name, columns%unit, &
-                                         columns%what, dated=.true., lines=header)
+                call describe_provenance(job%scene%title, plan%model, plan%method, input, columns%name, &
+                                         columns%unit, columns%what, dated=.true., lines=header)
                 call writer%file%create(job%output, header, columns%name, error)
             end associate
             if (allocated(error)) return

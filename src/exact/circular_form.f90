@@ -21,9 +21,10 @@ module spintop_circular_form
     !> Coefficients of the theta functions of one motion.
     type :: circular_form_t
         private
-        !> U = upper_least - sum 2 upper_even(n) sin(nz)^2 + i upper_odd(n) sin 2nz,
-        !> L = lower_least - sum 2 lower_even(n) sin(ny)^2 + i lower_odd(n) sin 2nz, y = pi/2 - |z|:
-        !> written from their least values, at z = 0 and y = 0, for digits close to a pole.
+        !> U = upper_least - sum [2 upper_even(n) sin(nz)^2 + i upper_odd(n) sin 2nz] and
+        !> L = lower_least - sum [2 lower_even(n) sin(ny)^2 + i lower_odd(n) sin 2nz], where
+        !> y = pi/2 - |z|: counted from their least values, at z = 0 and at y = 0, which may be
+        !> zero, so that no digit is lost close to a pole.
         real(dp) :: upper_least = 1, lower_least = 1
         real(dp), dimension(last) :: upper_even = 0, upper_odd = 0, lower_even = 0, lower_odd = 0
         !> W = theta_4 = 1 + sum divisor(n) cos 2nz.
@@ -53,7 +54,7 @@ contains
         type(theta_clock_t), intent(out) :: clock
         type(circular_form_t), intent(out) :: form
         type(pole_t) :: bottom, top
-        real(xp) :: q, theta3, theta4, theta2, upper_sign, lower_sign, ratio, x
+        real(xp) :: q, theta3, theta4, theta2, upper_sign, lower_sign, power, x
         integer :: n
 
         associate (k2 => points%k_squared, kc => points%complement, d => points%u2_minus_u1, &
@@ -90,20 +91,18 @@ contains
 
             clock%upper_amplitude = real(sqrt(p2 / 2) * theta3 / bottom%norm, dp)
             clock%lower_amplitude = real(sqrt(m1 / 2) * theta4 / top%norm, dp)
-            form%upper_least = real(sqrt(p1 / p2 * kc) * bottom%norm, dp)
+            form%upper_least = real(sqrt(quotient(p1 * kc, p2)) * bottom%norm, dp)
             form%lower_least = real(quotient(sqrt(d2) * top%norm, sqrt(m1 * kc)), dp)
             clock%start = start_argument(start, points, q)
         end associate
 
-        ratio = 1
         theta2 = 1 + q**2 + q**6 + q**12
         do n = 1, last
-            ratio = q**(n * n - n)
-            form%upper_even(n) = real(alternating(n) * ratio * bottom%sums(n), dp)
-            form%upper_odd(n) = real(alternating(n) * ratio * upper_sign &
-                                     * bottom%differences(n), dp)
-            form%lower_even(n) = real(alternating(n) * ratio * top%sums(n), dp)
-            form%lower_odd(n) = real(ratio * lower_sign * top%differences(n), dp)
+            power = alternating(n) * q**(n * n - n)
+            form%upper_even(n) = real(power * bottom%sums(n), dp)
+            form%upper_odd(n) = real(power * upper_sign * bottom%differences(n), dp)
+            form%lower_even(n) = real(power * top%sums(n), dp)
+            form%lower_odd(n) = real(alternating(n) * power * lower_sign * top%differences(n), dp)
             form%divisor(n) = real(2 * alternating(n) * q**(n * n), dp)
         end do
         do n = 0, last

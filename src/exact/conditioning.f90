@@ -17,9 +17,9 @@ module spintop_conditioning
     public :: conditioning_t, prepare_conditioning, double_floor
 
     !> Relative displacement of each datum: large enough that the rounding of the attitude does not
-    !> matter, small enough for floors up to 0.1 rad (beyond, displaced motions have no relation to
-    !> each other, and the value says no more than that).
-    real(dp), parameter :: displacement = 8 * epsilon_dp
+    !> matter, small enough for floors up to `hopeless`, rad (beyond, displaced motions have no
+    !> relation to each other, and the value says no more than that).
+    real(dp), parameter :: displacement = 8 * epsilon_dp, hopeless = 0.1_dp
     !> Relative error of a rounded datum.
     real(dp), parameter :: rounding = epsilon_dp / 2
     !> Data of a start at most: four of the attitude, three rates.
@@ -34,6 +34,8 @@ module spintop_conditioning
         real(dp) :: weight(most_data) = 0
         !> Floor of what does not change in time: phi and psi at the start, rad.
         real(dp) :: constant = 0
+        !> Time of the start, s, and its angular velocity, rad/s.
+        real(dp) :: time = 0, rate = 0
     contains
         procedure :: floor_at
     end type conditioning_t
@@ -51,6 +53,8 @@ contains
         call prepare_exact_motion(body, start, conditioning%exact, status)
         if (status /= status_ok) return
 
+        conditioning%time = start%t
+        conditioning%rate = norm2(start%omega)
         displaced = body
         displaced%inertia(1:2) = displaced_value(body%inertia(1:2))
         call add(conditioning, displaced, start, 1.0_dp)
@@ -131,7 +135,7 @@ contains
     pure real(dp) function floor_at(self, t) result(angle)
         class(conditioning_t), intent(in) :: self
         real(dp), intent(in) :: t
-        real(dp) :: q(4), turned(most_data)
+        real(dp) :: q(4), turned(most_data), turning
         integer :: n
         q = self%exact%quaternion_at(t)
         turned = 0
@@ -139,6 +143,10 @@ contains
             turned(n) = self%weight(n) * rotation_angle(q, self%displaced(n)%quaternion_at(t))
         end do
         angle = hypot(norm2(turned), self%constant)
+        ! Displaced by whole turns and more, motions may look alike by chance.
+        turning = rounding * self%rate * abs(t - self%time)
+        if (turning > hopeless) angle = max(angle, turning)
+        angle = min(angle, pi)
     end function floor_at
 
     !> How far rounding of the data turns the attitude at time t (s), rad; 0 for data without an

@@ -51,7 +51,6 @@ contains
             return
         end if
         call scanner%next(token)
-        self%place%width = token%place%column - self%place%column + 1
         call read_bounds(scanner, bounds, dimensions, token)
         self%place%width = token%place%column - self%place%column + 1
         if (parameter%rank == 0) then

@@ -3,7 +3,7 @@ module spintop_value_list
     use spintop_assignment, only: assignment_t
     use spintop_diagnostics, only: diagnostics_t
     use spintop_literals, only: read_integer
-    use spintop_parameter, only: kind_text, parameter_t
+    use spintop_parameter, only: kind_text, parameter_t, quoted
     use spintop_parameters, only: parameter_table_t
     use spintop_scanner, only: scanner_t, token_comma, token_end, token_group, token_slash, &
         token_string, token_t, token_word
@@ -42,7 +42,7 @@ contains
                     'a slash inside a value', 'a number, not an expression; a text in quotes')
             case default
                 call assignment%refuse(parameter, diagnostics, token%place, &
-                    'unexpected ' // scanner%word(token))
+                    'unexpected ' // quoted(scanner%word(token)))
             end select
             after_value = token%kind /= token_comma
         end do

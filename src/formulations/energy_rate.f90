@@ -3,7 +3,7 @@
 !> They hold between two turning points of theta. There theta' = 0 is a rest state of the equation,
 !> though not of the top: a start on it departs by Taylor's series, and the end is reported.
 module spintop_energy_rate
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, epsilon_dp
     use spintop_compare, only: is_zero
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
@@ -48,7 +48,9 @@ contains
         type(motion_t), intent(in) :: start
         real(dp), intent(out) :: y(max_states)
         integer, intent(out) :: status
-        real(dp) :: pull
+        !> Rounding of theta'' in units of the spacing of its terms.
+        real(dp), parameter :: rounding = 16
+        real(dp) :: pull, terms
 
         self%body = body
         call self%top%set(body, start)
@@ -57,7 +59,12 @@ contains
         status = merge(status_pole, status_ok, at_pole(start%angle(2)))
         pull = start%rate(2)
         self%starts_at_rest = is_zero(pull)
-        if (self%starts_at_rest) pull = self%top%theta_acceleration(start%angle(2), start%rate(1))
+        if (self%starts_at_rest) then
+            pull = self%top%theta_acceleration(start%angle(2), start%rate(1))
+            terms = abs(start%rate(1)) * (abs(start%rate(1)) + abs(self%top%a)) + self%top%beta / 2
+            terms = terms * abs(sin(start%angle(2)))
+            if (abs(pull) <= rounding * epsilon_dp * terms) pull = 0
+        end if
         self%branch = sign(1.0_dp, pull)
         if (is_zero(pull)) self%branch = 0
     end subroutine prepare

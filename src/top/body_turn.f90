@@ -1,0 +1,144 @@
+!> Turns of the body axes that make a top of Lagrange of a body whose axis of symmetry is body x or
+!> y, or whose centre of mass lies below the pivot on body z.
+!>
+!> The turned axes have the symmetry along z and the centre of mass at or above the pivot; what is
+!> computed in them is turned back to the axes in which the body was given.
+module spintop_body_turn
+    use spintop_kinds, only: dp, pi
+    use spintop_attitude, only: quaternion_product, conjugate_quaternion, &
+        angles_from_quaternion, rates_from_omega
+    use spintop_body, only: body_t
+    use spintop_motion, only: motion_t, motion_from_angles, motion_from_quaternion
+    implicit none
+    private
+    public :: body_turn_t, find_body_turn
+
+    !> A turn of the body axes by a quaternion: v turned = p v conj(p).
+    type :: body_turn_t
+        !> The axis of symmetry was body x, y or z (1, 2, 3); 0 for no turn at all.
+        integer :: axis = 0
+        !> The axis points the other way after the turn.
+        logical :: flipped = .false.
+        real(dp), private :: p(4) = [1, 0, 0, 0]
+    contains
+        procedure :: is_turned
+        procedure :: turned_body
+        procedure :: turned_motion
+        procedure :: back
+        procedure, private :: vector
+    end type body_turn_t
+
+    !> Half a turn about x: y and z change sign.
+    real(dp), parameter :: flip(4) = [0, 1, 0, 0]
+    !> The cyclic exchanges that bring body x, y, z to z.
+    real(dp), parameter :: exchange(4, 3) = reshape([ &
+        0.5_dp, -0.5_dp, -0.5_dp, -0.5_dp, 0.5_dp, 0.5_dp, 0.5_dp, 0.5_dp, &
+        1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], [4, 3])
+
+contains
+
+    !> The turn that makes a top of Lagrange of the body; none if it is one, or cannot be.
+    pure type(body_turn_t) function find_body_turn(body) result(turn)
+        type(body_t), intent(in) :: body
+        type(body_turn_t) :: trial
+        type(body_t) :: turned
+        integer :: axis, sense
+
+        if (body%is_lagrange()) return
+        do axis = 3, 1, -1
+            do sense = 1, 2
+                trial%axis = axis
+                trial%flipped = sense == 2
+                trial%p = exchange(:, axis)
+                if (trial%flipped) trial%p = quaternion_product(flip, trial%p)
+                turned = trial%turned_body(body)
+                if (.not. turned%is_lagrange()) cycle
+                turn = trial
+                return
+            end do
+        end do
+    end function find_body_turn
+
+    !> Whether there is a turn.
+    elemental logical function is_turned(self)
+        class(body_turn_t), intent(in) :: self
+        is_turned = self%axis > 0
+    end function is_turned
+
+    !> The body in turned axes.
+    pure type(body_t) function turned_body(self, body) result(turned)
+        class(body_turn_t), intent(in) :: self
+        type(body_t), intent(in) :: body
+        turned = body
+        if (self%axis == 0) return
+        turned%inertia = exchanged(self%axis, body%inertia)
+        turned%damping = exchanged(self%axis, body%damping)
+        turned%centre_of_mass = self%vector(body%centre_of_mass)
+    end function turned_body
+
+    !> Components in the order that brings `axis` to z.
+    pure function exchanged(axis, v) result(w)
+        integer, intent(in) :: axis
+        real(dp), intent(in) :: v(3)
+        real(dp) :: w(3)
+        w = cshift(v, axis)
+    end function exchanged
+
+    !> A vector in turned axes, without rounding.
+    pure function vector(self, v) result(w)
+        class(body_turn_t), intent(in) :: self
+        real(dp), intent(in) :: v(3)
+        real(dp) :: w(3)
+        w = exchanged(self%axis, v)
+        if (self%flipped) w(2:3) = -w(2:3)
+    end function vector
+
+    !> A motion in turned axes.
+    pure type(motion_t) function turned_motion(self, motion) result(turned)
+        class(body_turn_t), intent(in) :: self
+        type(motion_t), intent(in) :: motion
+        turned = motion
+        if (self%axis == 3) then
+            turned = motion_from_angles(motion%t, [motion%angle(1) + pi, pi - motion%angle(2), &
+                -motion%angle(3) - pi], [motion%rate(1), -motion%rate(2), -motion%rate(3)])
+        else if (self%axis > 0) then
+            turned = motion_from_quaternion(motion%t, &
+                quaternion_product(motion%quaternion, conjugate_quaternion(self%p)), &
+                self%vector(motion%omega), motion%angle)
+        end if
+        if (self%axis > 0) turned%omega = self%vector(motion%omega)
+    end function turned_motion
+
+    !> A motion in turned axes seen in the axes in which the body was given; phi and psi next to
+    !> those of `near`.
+    pure type(motion_t) function back(self, motion, near) result(seen)
+        class(body_turn_t), intent(in) :: self
+        type(motion_t), intent(in) :: motion
+        real(dp), intent(in) :: near(3)
+        seen = motion
+        if (self%axis == 0) return
+        seen%quaternion = quaternion_product(motion%quaternion, self%p)
+        seen%omega = given_vector(motion%omega)
+        seen%omega_rate = given_vector(motion%omega_rate)
+        if (self%axis == 3) then
+            seen%angle = [motion%angle(1) - pi, pi - motion%angle(2), -(motion%angle(3) + pi)]
+            seen%rate = [motion%rate(1), -motion%rate(2), -motion%rate(3)]
+        else
+            seen%angle = angles_from_quaternion(seen%quaternion, near)
+            seen%rate = rates_from_omega(seen%angle, seen%omega)
+        end if
+
+    contains
+
+        !> A vector of turned axes in the given ones.
+        pure function given_vector(w) result(v)
+            real(dp), intent(in) :: w(3)
+            real(dp) :: v(3)
+            v = w
+            if (self%flipped) v(2:3) = -v(2:3)
+            v = cshift(v, -self%axis)
+        end function given_vector
+
+    end function back
+
+end module spintop_body_turn

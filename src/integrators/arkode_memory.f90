@@ -7,7 +7,16 @@ module spintop_arkode_memory
     use, intrinsic :: iso_c_binding, only: c_double, c_funloc, c_int, c_int64_t, c_loc, &
         c_long, c_null_funptr, c_null_ptr, c_associated, c_f_pointer, c_ptr
     use, intrinsic :: iso_fortran_env, only: int64
-    use farkode_arkstep_mod
+    use farkode_arkstep_mod, only: &
+        FARKStepCreate, FARKStepEvolve, FARKStepFree, FARKStepGetCurrentStep, &
+        FARKStepGetNumJacEvals, FARKStepGetNumStepAttempts, FARKStepGetNumSteps, FARKStepReset, &
+        FARKStepSStolerances, FARKStepSetAdaptivityMethod, FARKStepSetDeduceImplicitRhs, &
+        FARKStepSetErrHandlerFn, FARKStepSetFixedStep, FARKStepSetInitStep, &
+        FARKStepSetInterpolantDegree, FARKStepSetJacEvalFrequency, FARKStepSetLSetupFrequency, &
+        FARKStepSetLinearSolver, FARKStepSetMaxConvFails, FARKStepSetMaxErrTestFails, &
+        FARKStepSetMaxNonlinIters, FARKStepSetMaxNumSteps, FARKStepSetNonlinConvCoef, &
+        FARKStepSetNonlinRDiv, FARKStepSetNonlinearSolver, FARKStepSetPostprocessStepFn, &
+        FARKStepSetStopTime, FARKStepSetTableNum, FARKStepSetUserData
     use farkode_mod, only: ARK_ADAPT_I, ARK_MEM_FAIL, ARK_ONE_STEP, ARKODE_DIRK_NONE, ARKODE_ERK_NONE
     use fnvector_serial_mod, only: FN_VMake_Serial
     use fsundials_context_mod, only: FSUNContext_Create, FSUNContext_Free

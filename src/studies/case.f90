@@ -3,6 +3,7 @@ module spintop_case
     use spintop_kinds, only: dp, pi
     use spintop_compare, only: is_zero, is_finite
     use spintop_body, only: body_t
+    use spintop_body_turn, only: body_turn_t, find_body_turn
     use spintop_body_of_scene, only: make_body, is_set
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, find_nutation
@@ -16,8 +17,13 @@ module spintop_case
 
     !> A body, its start, and how long to follow it.
     type :: case_t
+        !> Body and start in the axes of the computation.
         type(body_t) :: body
         type(motion_t) :: start
+        !> Body and start in the axes in which they were given, and the turn from those.
+        type(body_t) :: given_body
+        type(motion_t) :: given_start
+        type(body_turn_t) :: turn
         !> Time span, s.
         real(dp) :: t_end = 0
     end type case_t
@@ -35,10 +41,15 @@ contains
 
         keep = .false.
         if (present(same_body)) keep = same_body
-        if (.not. keep) call make_body(scene, case%body, problems)
+        if (.not. keep) then
+            call make_body(scene, case%given_body, problems)
+            if (problems%any()) return
+            case%turn = find_body_turn(case%given_body)
+            case%body = case%turn%turned_body(case%given_body)
+        end if
+        call make_start(scene, case%given_body, case%given_start, problems)
         if (problems%any()) return
-        call make_start(scene, case%body, case%start, problems)
-        if (problems%any()) return
+        case%start = case%turn%turned_motion(case%given_start)
         call make_span(scene, case, problems)
     end subroutine make_case
 

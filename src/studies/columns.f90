@@ -4,6 +4,7 @@ module spintop_columns
     use spintop_kinds, only: dp
     use spintop_attitude, only: rotation_angle, vertical_from_quaternion, to_space
     use spintop_body, only: body_t
+    use spintop_case, only: case_t
     use spintop_conditioning, only: conditioning_t, prepare_conditioning
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t
@@ -84,7 +85,9 @@ module spintop_columns
     !> Computes the chosen columns of a motion.
     type :: column_computer_t
         private
-        type(body_t) :: body
+        type(case_t) :: case
+        !> Angles of the last row; those of the next are continuous with them.
+        real(dp) :: near(3) = 0
         !> Where the chosen columns stand among all.
         integer, allocatable :: chosen(:)
         !> Groups in use, and where each begins among all columns.
@@ -104,14 +107,14 @@ contains
 
     !> Chooses columns by their place in `trajectory_columns` and takes the start's invariants.
     !> Columns that `needs_exact_motion` are for bodies that have one.
-    subroutine set(self, chosen, body, start)
+    subroutine set(self, chosen, case)
         class(column_computer_t), intent(out) :: self
         integer, intent(in) :: chosen(:)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
+        type(case_t), intent(in) :: case
         integer :: i, group, status
 
-        self%body = body
+        self%case = case
+        self%near = case%given_start%angle
         self%chosen = chosen
         do i = 1, size(trajectory_columns)
             group = trajectory_columns(i)%group
@@ -119,12 +122,18 @@ contains
             self%last(group) = i
         end do
         self%wanted(trajectory_columns(chosen)%group) = .true.
-        self%energy = kinetic_energy(body, start) + potential_energy(body, start)
-        self%momentum = vertical_momentum(body, start)
-        self%energy_scale = kinetic_energy(body, start) &
-                            + body%mass * body%gravity * norm2(body%centre_of_mass)
-        if (self%wanted(group_oracle)) call prepare_exact_motion(body, start, self%oracle, status)
-        if (self%wanted(group_floor)) call prepare_conditioning(body, start, self%conditioning, status)
+        associate (body => case%given_body, start => case%given_start)
+            self%energy = kinetic_energy(body, start) + potential_energy(body, start)
+            self%momentum = vertical_momentum(body, start)
+            self%energy_scale = kinetic_energy(body, start) &
+                                + body%mass * body%gravity * norm2(body%centre_of_mass)
+        end associate
+        if (self%wanted(group_oracle)) then
+            call prepare_exact_motion(case%body, case%start, self%oracle, status)
+        end if
+        if (self%wanted(group_floor)) then
+            call prepare_conditioning(case%body, case%start, self%conditioning, status)
+        end if
     end subroutine set
 
     !> Whether a column compares with the exact motion.
@@ -133,16 +142,22 @@ contains
         needs_exact_motion = column%group == group_oracle .or. column%group == group_floor
     end function needs_exact_motion
 
-    !> The chosen columns of a motion.
-    function row(self, motion) result(values)
-        class(column_computer_t), intent(in) :: self
-        type(motion_t), intent(in) :: motion
+    !> The chosen columns of a motion, which is in the axes of the computation; all but the errors
+    !> are those of the body as it was given.
+    function row(self, computed) result(values)
+        class(column_computer_t), intent(inout) :: self
+        type(motion_t), intent(in) :: computed
         real(dp), allocatable :: values(:)
         real(dp) :: all_values(maxval(self%last)), kinetic, potential, drift
+        type(motion_t) :: motion
+        type(body_t) :: body
         integer :: group
 
-        kinetic = kinetic_energy(self%body, motion)
-        potential = potential_energy(self%body, motion)
+        body = self%case%given_body
+        motion = self%case%turn%back(computed, self%near)
+        self%near = motion%angle
+        kinetic = kinetic_energy(body, motion)
+        potential = potential_energy(body, motion)
         drift = kinetic + potential - self%energy
         do group = 1, groups
             if (.not. self%wanted(group)) cycle
@@ -159,18 +174,18 @@ contains
                 case (group_axis)
                     slice = to_space(motion%quaternion, [0.0_dp, 0.0_dp, 1.0_dp])
                 case (group_centre)
-                    slice = to_space(motion%quaternion, self%body%centre_of_mass)
+                    slice = to_space(motion%quaternion, body%centre_of_mass)
                 case (group_energy)
                     slice = [kinetic, potential, kinetic + potential, drift / self%energy_scale]
                 case (group_momenta)
-                    slice = [vertical_momentum(self%body, motion), axial_momentum(self%body, motion)]
+                    slice = [vertical_momentum(body, motion), axial_momentum(body, motion)]
                 case (group_residuals)
-                    slice(1:2) = first_two(euler_residuals(self%body, motion))
-                    slice(3:4) = [vertical_momentum(self%body, motion) - self%momentum, drift]
+                    slice(1:2) = first_two(euler_residuals(body, motion))
+                    slice(3:4) = [vertical_momentum(body, motion) - self%momentum, drift]
                 case (group_force)
-                    slice = with_cylindrical(support_force(self%body, motion), motion%angle(1))
+                    slice = with_cylindrical(support_force(body, motion), motion%angle(1))
                 case (group_oracle)
-                    slice = errors_against(self%oracle%at(motion%t), motion, self%body)
+                    slice = errors_against(self%oracle%at(computed%t), computed, self%case%body)
                 case (group_floor)
                     slice = self%conditioning%floor_at(motion%t)
                 end select

@@ -28,6 +28,8 @@ module spintop_plan
     character(*), parameter :: known_for = 'an undamped symmetric top with its centre of mass on &
         &body z, at or above the pivot'
 
+    character, parameter :: axis_letters(3) = ['x', 'y', 'z']
+
     !> How a case is computed.
     type :: plan_t
         !> By the exact motion; without formulation and stepper then.
@@ -56,6 +58,11 @@ contains
 
         call choose_method(scene, case%body, plan, problems)
         if (problems%any()) return
+        if (case%turn%is_turned()) then
+            plan%reason = plan%reason // ' The body is turned inside, so that its axis of symmetry, body ' &
+                // axis_letters(case%turn%axis) // ', becomes z with the centre of mass above the &
+                &pivot; the results are turned back.'
+        end if
         if (plan%exact) then
             if (scene%samples /= unset_integer) plan%samples = scene%samples
             return

@@ -62,6 +62,9 @@ contains
         type(fast_top_t) :: fast
         integer :: status
 
+        if (case%turn%is_turned()) then
+            call self%add('axes', 'the lines below are for the body turned inside, its centre of mass above the pivot')
+        end if
         associate (body => case%body, start => case%start)
             call self%add('constants', 'c1 = Lz = ' // digits(vertical_momentum(body, start)) // ' J s, c2 = E = ' &
                           // digits(kinetic_energy(body, start) + potential_energy(body, start)) // ' J')

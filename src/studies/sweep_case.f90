@@ -80,6 +80,10 @@ contains
         end if
         values(q_theta_min) = nutation%theta_min
         values(q_theta_max) = nutation%theta_max
+        if (case%turn%flipped) then
+            values(q_theta_min) = pi - nutation%theta_max
+            values(q_theta_max) = pi - nutation%theta_min
+        end if
         values(q_delta_u) = nutation%delta_u
         values(q_phi_rate_max) = nutation%phi_rate_max
         values(q_com_z_min) = case%body%centre_of_mass(3) * cos(nutation%theta_max)
@@ -139,7 +143,7 @@ contains
         character(:), allocatable, intent(inout) :: note
         type(witness_t) :: witness
         type(exact_motion_t) :: exact
-        type(motion_t) :: truth
+        type(motion_t) :: truth, seen
         type(outcome_t) :: outcome
         real(dp), allocatable :: times(:)
         integer :: i, exact_status
@@ -177,10 +181,11 @@ contains
             call add_note(note, status_meaning(status))
             return
         end if
-        values(q_theta_end) = witness%last%angle(2)
-        values(q_phi_end) = witness%last%angle(1)
-        values(q_psi_end) = witness%last%angle(3)
-        values(q_theta_rate_end) = witness%last%rate(2)
+        seen = case%turn%back(witness%last, case%given_start%angle)
+        values(q_theta_end) = seen%angle(2)
+        values(q_phi_end) = seen%angle(1)
+        values(q_psi_end) = seen%angle(3)
+        values(q_theta_rate_end) = seen%rate(2)
         values(q_energy_error_max) = witness%energy_error
         if (wanted(group_oracle) .and. case%body%is_lagrange() .and. exact_status == status_ok) then
             truth = exact%at(case%t_end)

@@ -63,7 +63,7 @@ contains
             writer%last = case%start
             writer%total = plan%samples
             call writer%progress%start(job%name, 'rows', writer%total, options%quiet, options%progress)
-            call writer%columns%set(job%columns, case%body, case%start)
+            call writer%columns%set(job%columns, case)
             associate (columns => trajectory_columns(job%columns))
                 call print_namelist(job%table, input)
                 call describe_provenance(job%scene%title, plan%model, plan%method, input, columns%name, &

@@ -103,7 +103,8 @@ def assertion(name: str, text: str, where: str) -> list[str]:
     if name == "assertRelativelyEqual" and "tolerance" not in text.lower():
         raise RefusedError("@assertRelativelyEqual needs tolerance=...")
     if operands == 2:
-        values = [f"boxed({value})" for value in values]
+        # In brackets, or gfortran 12 passes the wrong elements of a section like matrix(3, :).
+        values = [f"boxed(({value}))" for value in values]
     lines = [f"{argument}, &" for argument in values + options]
     return [f"call {name}( &", *lines, f"location={where})", "if (anyExceptions()) return"]
 

@@ -2,7 +2,7 @@
 module spintop_status
     implicit none
     private
-    public :: status_name, status_meaning
+    public :: status_name, status_meaning, status_names, status_meanings
     public :: status_ok, status_pole, status_non_finite, status_step_limit, status_not_converged
     public :: status_step_too_small, status_turning_point, status_outside, status_unsuitable
     public :: status_integrator, status_bad_input, last_status
@@ -20,11 +20,13 @@ module spintop_status
     integer, parameter :: status_bad_input = 10
     integer, parameter :: last_status = 10
 
-    character(*), parameter :: names(0:last_status) = [character(16) :: &
+    !> Names as they stand in tables, and a sentence for each. Threads take them from here: gfortran
+    !> keeps the length that a function of deferred length returns in memory shared by all threads.
+    character(*), parameter :: status_names(0:last_status) = [character(16) :: &
         'ok', 'pole', 'non_finite', 'step_limit', 'not_converged', 'step_too_small', &
         'turning_point', 'outside', 'unsuitable', 'integrator', 'bad_input']
 
-    character(*), parameter :: meanings(0:last_status) = [character(96) :: &
+    character(*), parameter :: status_meanings(0:last_status) = [character(96) :: &
         'completed', &
         'the axis is at a pole (sin theta = 0), where these equations are singular', &
         'a value overflowed or is not a number', &
@@ -43,14 +45,14 @@ contains
     pure function status_name(status) result(name)
         integer, intent(in) :: status
         character(:), allocatable :: name
-        name = trim(names(status))
+        name = trim(status_names(status))
     end function status_name
 
     !> One sentence that explains a status.
     pure function status_meaning(status) result(meaning)
         integer, intent(in) :: status
         character(:), allocatable :: meaning
-        meaning = trim(meanings(status))
+        meaning = trim(status_meanings(status))
     end function status_meaning
 
 end module spintop_status

@@ -1,7 +1,7 @@
 !> Runge-Kutta methods of SUNDIALS ARKODE, explicit and diagonally implicit, with the Butcher table
 !> chosen by name, adaptive or with equal steps.
 !>
-!> Hindmarsh, Serban, Reynolds and others, ACM TOMS 31 (2005) and 49 (2023).
+!> Reynolds, Gardner, Woodward and Chinomona, ACM TOMS 49 (2023).
 module spintop_arkode
     use, intrinsic :: iso_c_binding, only: c_int
     use spintop_arkode_memory, only: arkode_memory_t
@@ -38,8 +38,9 @@ module spintop_arkode
 
     !> What a step is cut to where the right-hand side failed in it.
     real(dp), parameter :: cut = 0.25_dp
-    !> Shortest step in units of the spacing of the time: ARKODE takes less for none.
-    real(dp), parameter :: smallest_spacings = 256
+    !> ARKODE controls no step shorter than this, in units of the spacing of the end of the span:
+    !> it takes a stop time so near for reached.
+    real(dp), parameter :: smallest_spacings = 512
 
 contains
 
@@ -116,6 +117,7 @@ contains
         status = status_ok
         associate (now => work%memory%now)
             if (all(is_equal(work%y, now%y))) return
+            now%t = work%t
             now%y = work%y
             call now%evaluate(formulation, now%y, now%slope, status)
         end associate
@@ -142,7 +144,7 @@ contains
             end if
             call work%memory%set_fixed_step(h)
             call take_step(work, t_new, status)
-            if (status == status_ok) work%t = t_new
+            if (status == status_ok) call set_time(work, t_new)
             if (status /= status_outside) exit
             work%grid = off_grid
             h = h / 2
@@ -158,21 +160,39 @@ contains
         class(formulation_t), intent(in) :: formulation
         class(arkode_workspace_t), intent(inout) :: work
         integer, intent(out) :: status
-        real(dp) :: stop_time, h
+        real(dp) :: stop_time, h, h_smallest
 
+        h_smallest = smallest_spacings * spacing(work%t_end)
         stop_time = min(work%t_end, work%t + share_of_time_left * formulation%time_left(work%y))
-        status = status_step_too_small
-        if (stop_time - work%t <= smallest_spacings * spacing(work%t)) return
+        if (stop_time - work%t <= h_smallest) then
+            call take_tiny_step(work, stop_time, status)
+            return
+        end if
         do
             call work%memory%set_stop_time(stop_time)
             call take_step(work, work%t_end, status)
             if (status == status_ok .or. work%memory%status == status_ok) exit
             h = cut * work%memory%last_step_tried()
             if (.not. h > 0) h = cut**2 * (stop_time - work%t)
-            if (h <= smallest_spacings * spacing(work%t)) exit
+            if (h <= h_smallest) exit
             call work%memory%restart(h)
         end do
     end subroutine advance_adaptively
+
+    !> A step too short for step control.
+    subroutine take_tiny_step(work, t_new, status)
+        class(arkode_workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: t_new
+        integer, intent(out) :: status
+
+        status = status_step_too_small
+        if (t_new <= work%t) return
+        call work%memory%restart()
+        call work%memory%set_fixed_step(t_new - work%t)
+        call take_step(work, t_new, status)
+        call work%memory%set_fixed_step(0.0_dp)
+        if (status == status_ok) call set_time(work, t_new)
+    end subroutine take_tiny_step
 
     !> One step of ARKODE towards `t_end`, and what comes of it.
     subroutine take_step(work, t_end, status)
@@ -194,6 +214,14 @@ contains
             work%slope = now%slope
         end associate
     end subroutine take_step
+
+    !> Gives a step's end the time it is meant to have: ARKODE sums its steps up, with rounding.
+    subroutine set_time(work, t)
+        class(arkode_workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: t
+        work%t = t
+        work%memory%now%t = t
+    end subroutine set_time
 
     !> The state at a time within the last step, to the order of the table (at least 4, at most 8).
     function interpolate(self, work, t) result(y)

@@ -212,7 +212,7 @@ contains
         if (present(h)) call self%keep(FARKStepSetInitStep(self%integrator, h))
     end subroutine restart
 
-    !> Takes step control off: the next steps have this size.
+    !> Takes step control off: the next steps have this size. With 0 step control is back.
     subroutine set_fixed_step(self, h)
         class(arkode_memory_t), intent(inout) :: self
         real(dp), intent(in) :: h

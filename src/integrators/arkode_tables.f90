@@ -1,7 +1,7 @@
 !> The Butcher tables of SUNDIALS ARKODE that are offered, by name.
 module spintop_arkode_tables
     use, intrinsic :: iso_c_binding, only: c_int
-    use spintop_text, only: string_t, lower_case
+    use spintop_text, only: string_t
     use farkode_mod, only: &
         ARKODE_HEUN_EULER_2_1_2, ARKODE_BOGACKI_SHAMPINE_4_2_3, ARKODE_ARK324L2SA_ERK_4_2_3, &
         ARKODE_ZONNEVELD_5_3_4, ARKODE_ARK436L2SA_ERK_6_3_4, ARKODE_SAYFY_ABURUB_6_3_4, &
@@ -108,7 +108,7 @@ contains
         character(:), allocatable :: wanted
         integer :: i
 
-        wanted = trim(lower_case(name))
+        wanted = trim(name)
         if (wanted == '') wanted = default_arkode_table(implicit_table)
         found = .false.
         do i = 1, size(arkode_tables)

@@ -79,6 +79,7 @@ contains
             end if
         else
             central = scene%inertia - steiner(body)
+            if (problems%any()) return
             if (any(central < -triangle_slack * scene%inertia) .or. breaks_triangle(central)) then
                 call problems%warn('top.inertia', 'no mass distribution has this inertia about the pivot &
                     &with its centre of mass there (is the term m l^2 missing?)', &
@@ -125,7 +126,8 @@ contains
         else if (.not. is_set(scene%mass) .and. .not. is_set(scene%density)) then
             call problems%add('top', 'neither mass nor density is given', 'give one of them')
         end if
-        if (is_set(scene%inner_radius) .and. scene%inner_radius >= scene%radius) then
+        if (is_set(scene%inner_radius) .and. is_set(scene%radius) &
+            .and. scene%inner_radius >= scene%radius) then
             call problems%add('top.inner_radius', 'the inner radius is not smaller than the radius', &
                               'the ring needs some width')
         end if

@@ -30,7 +30,7 @@ module spintop_case
 
 contains
 
-    !> The case of a scene; without errors in `problems` it is complete. With `same_body` the body
+    !> The case of a scene; without errors in `problems`, empty at first, it is complete. With `same_body` the body
     !> that the case has is kept.
     subroutine make_case(scene, case, problems, same_body)
         type(scene_t), intent(in) :: scene
@@ -43,13 +43,13 @@ contains
         if (present(same_body)) keep = same_body
         if (.not. keep) then
             call make_body(scene, case%given_body, problems)
-            if (problems%any()) return
-            case%turn = find_body_turn(case%given_body)
-            case%body = case%turn%turned_body(case%given_body)
+            if (.not. problems%any()) then
+                case%turn = find_body_turn(case%given_body)
+                case%body = case%turn%turned_body(case%given_body)
+            end if
         end if
-        call make_start(scene, case%given_body, case%given_start, problems)
-        if (problems%any()) return
-        case%start = case%turn%turned_motion(case%given_start)
+        call make_start(scene, case%given_body, .not. problems%any(), case%given_start, problems)
+        if (.not. problems%any()) case%start = case%turn%turned_motion(case%given_start)
         call make_span(scene, case, problems)
     end subroutine make_case
 
@@ -65,6 +65,7 @@ contains
             call problems%add('span', 'the time span is not given', ways)
         case (1)
             if (is_set(scene%t_end)) case%t_end = scene%t_end
+            if (problems%any()) return ! the other spans need a body and a start
             if (is_set(scene%nutations)) call count_nutations(scene%nutations, case, problems)
             if (is_set(scene%precessions)) call count_precessions(scene%precessions, case, problems)
         case default

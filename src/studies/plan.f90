@@ -12,7 +12,7 @@ module spintop_plan
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
     use spintop_stepper, only: stepper_t, controls_t
-    use spintop_text, only: to_text, nearest_word, string_t, join
+    use spintop_text, only: to_text, lower_case, nearest_word, string_t, join
     implicit none
     private
     public :: plan_t, make_plan, sample_time, sample_times
@@ -121,6 +121,10 @@ contains
             call refuse('integration.steps', scene%steps /= unset_integer)
             call refuse('integration.step', is_set(scene%step))
             call refuse('integration.table', scene%table /= '')
+            if (scene%method /= 'exact') return
+            call refuse('integration.relative_tolerance', is_set(scene%relative_tolerance))
+            call refuse('integration.absolute_tolerance', is_set(scene%absolute_tolerance))
+            call refuse('integration.solver', scene%solver /= 'newton')
         end if
 
     contains
@@ -192,7 +196,7 @@ contains
                 call problems%add('integration.solver', method // ' has nothing to solve', 'leave it out')
             end if
             call check_table(info%takes_table, info%implicit)
-            controls%table = scene%table
+            controls%table = lower_case(scene%table)
             if (controls%steps > 0 .or. plan%step > 0) then
                 plan%method = plan%method // ', equal steps'
             else
@@ -229,7 +233,7 @@ contains
             end if
             allocate (known, source=arkode_table_names(implicit))
             do i = 1, size(known)
-                if (known(i)%text == scene%table) return
+                if (known(i)%text == lower_case(scene%table)) return
             end do
             nearest = nearest_word(trim(scene%table), known)
             if (nearest /= '') nearest = "did you mean '" // nearest // "'? "
@@ -276,6 +280,8 @@ contains
     pure integer function nearest_divisor(number, near) result(divisor)
         integer, intent(in) :: number, near
         integer :: distance
+        divisor = number
+        if (near >= number) return
         do distance = 0, number
             divisor = near - distance
             if (divisor >= 1) then

@@ -1,6 +1,6 @@
 !> The start that a scene describes: attitude and angular velocity.
 module spintop_start_of_scene
-    use spintop_kinds, only: dp, degree
+    use spintop_kinds, only: dp, degree, epsilon_dp
     use spintop_compare, only: is_zero
     use spintop_attitude, only: rates_from_omega, omega_from_rates, quaternion_from_angles, &
         angles_from_quaternion
@@ -10,7 +10,6 @@ module spintop_start_of_scene
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
     use spintop_steady_precession, only: steady_rates, steady_rates_at_spin
-    use spintop_text, only: to_text
     implicit none
     private
     public :: make_start
@@ -22,18 +21,19 @@ module spintop_start_of_scene
 
 contains
 
-    !> The start of a scene, with what is wrong about it.
-    subroutine make_start(scene, body, start, problems)
+    !> The start of a scene, with what is wrong about it. Where the body is not known,
+    !> only what does not depend on it is checked.
+    subroutine make_start(scene, body, body_is_known, start, problems)
         type(scene_t), intent(in) :: scene
         type(body_t), intent(in) :: body
+        logical, intent(in) :: body_is_known
         type(motion_t), intent(out) :: start
         type(problems_t), intent(inout) :: problems
         call take_attitude(scene, start, problems)
-        if (problems%any()) return
         if (all(is_set(scene%omega))) then
             call take_omega(scene, start, problems)
         else
-            call take_rates(scene, body, start, problems)
+            call take_rates(scene, body, body_is_known, start, problems)
         end if
     end subroutine make_start
 
@@ -51,8 +51,8 @@ contains
             end if
             associate (length => norm2(scene%quaternion))
                 if (abs(length - 1) > unit_slack) then
-                    call problems%add('initial.quaternion', 'the quaternion has length ' &
-                                      // to_text(length), 'an attitude is a unit quaternion')
+                    call problems%add('initial.quaternion', 'the quaternion is not of length 1', &
+                                      'an attitude is a unit quaternion')
                     return
                 end if
                 start%quaternion = scene%quaternion / length
@@ -91,9 +91,10 @@ contains
     end subroutine take_omega
 
     !> Rates of the angles, the spin in one of three ways, precession by hand or steady.
-    subroutine take_rates(scene, body, start, problems)
+    subroutine take_rates(scene, body, body_is_known, start, problems)
         type(scene_t), intent(in) :: scene
         type(body_t), intent(in) :: body
+        logical, intent(in) :: body_is_known
         type(motion_t), intent(inout) :: start
         type(problems_t), intent(inout) :: problems
         real(dp) :: omega3
@@ -104,6 +105,7 @@ contains
                               'the spin is given twice', 'give one of psi_rate, omega3 and spin_ratio')
             return
         end if
+        if (.not. body_is_known) return
         by_omega3 = is_set(scene%omega3) .or. is_set(scene%spin_ratio)
         if (is_set(scene%omega3)) omega3 = scene%omega3
         if (is_set(scene%spin_ratio)) then
@@ -116,7 +118,7 @@ contains
         end if
 
         start%rate = merge(scene%rate, 0.0_dp, is_set(scene%rate))
-        if (scene%steady_precession /= 'none') then
+        if (scene%steady_precession /= 'none' .and. .not. problems%any()) then
             call take_steady_rate(scene, body, by_omega3, omega3, start, problems)
             if (problems%any()) return
         end if
@@ -154,6 +156,8 @@ contains
             call steady_rates_at_spin(body, start%angle(2), start%rate(3), rates, count)
         end if
         wanted = merge(1, 2, scene%steady_precession == 'slow')
+        ! The cosine of a right angle is not zero but the rounding of the angle.
+        if (abs(cos(start%angle(2))) <= epsilon_dp) count = min(count, 1)
         if (count == 0) then
             call problems%add('initial.steady_precession', 'the spin is too slow for steady precession at &
                 &this inclination', 'it needs omega3^2 >= 4 I1 m g l cos(theta)/I3^2')

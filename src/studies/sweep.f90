@@ -1,10 +1,10 @@
 !> The sweep study: a case for each combination of the axes, one row each, on all cores.
 module spintop_sweep
-    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_case, only: case_t, make_case
     use spintop_errors, only: error_t
+    use spintop_exact_block, only: exact_block_t, block_size
     use spintop_job, only: job_t, options_t
     use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: parameter_table_t
@@ -14,11 +14,15 @@ module spintop_sweep
     use spintop_parameter_print, only: print_namelist
     use spintop_provenance, only: describe_provenance
     use spintop_scene, only: scene_t, describe_scene
-    use spintop_status, only: status_ok, status_bad_input, status_name, status_meaning, last_status
+    use spintop_status, only: status_ok, status_bad_input, status_name, status_names, status_meaning, &
+        last_status
     use spintop_summary, only: summary_t, rounded
     use spintop_sweep_axes, only: put_values
-    use spintop_sweep_case, only: compute_case
-    use spintop_sweep_columns, only: sweep_column_t, sweep_columns, sweep_groups, quantities
+    use spintop_sweep_columns, only: sweep_column_t, sweep_columns, sweep_groups, quantities, &
+        group_end, group_energy, group_period
+    use spintop_sweep_exact, only: load_lane, unload_lane, kernel_runs
+    use spintop_sweep_quantities, only: no_values
+    use spintop_sweep_stepping, only: compute_stepping
     use spintop_system, only: seconds, peak_memory
     use spintop_table_file, only: table_file_t
     use spintop_text, only: to_text, string_t
@@ -28,9 +32,9 @@ module spintop_sweep
     private
     public :: run_sweep
 
-    !> Cases that a thread computes before it hands in their rows: as many as fit the fast memory
-    !> where cases cost little, few where they cost much.
-    integer, parameter :: block_of_exact = 512, block_of_stepping = 16
+    !> Cases that a thread computes before it hands in their rows, where cases cost much; where they
+    !> cost little these are as many as the exact motion takes at once.
+    integer, parameter :: block_of_stepping = 16
 
     !> What a thread needs of its own to make and compute cases.
     type :: worker_t
@@ -44,6 +48,13 @@ module spintop_sweep
         logical :: for_lagrange = .false.
         !> Which groups of quantities are wanted.
         logical :: wanted(sweep_groups) = .false.
+        !> The cases of a block: status, note, quantities, and lane in the block of the exact motion
+        !> (0 for cases without).
+        type(case_t) :: cases(block_size)
+        integer :: status(block_size) = status_ok, lane(block_size) = 0
+        type(string_t) :: note(block_size)
+        real(dp) :: values(quantities, block_size) = 0
+        type(exact_block_t) :: block
         !> Cases of each status, and seconds spent on making, computing and formatting them.
         integer(int64) :: counts(0:last_status) = 0
         real(dp) :: making = 0, computing = 0, formatting = 0
@@ -73,7 +84,7 @@ contains
         if (allocated(error)) return
         call progress%start(job%name, 'cases', job%axes%cases, options%quiet, options%progress)
         broken = .false.
-        size_of_block = merge(block_of_exact, block_of_stepping, job%plan%exact)
+        size_of_block = merge(block_size, block_of_stepping, job%plan%exact)
         blocks = (job%axes%cases + size_of_block - 1) / size_of_block
         times = 0
         writing = 0
@@ -187,41 +198,64 @@ contains
         worker%wanted(sweep_columns(job%columns)%group) = .true.
     end subroutine prepare_worker
 
-    !> Rows of the cases from `first` to `last`.
+    !> Rows of the cases from `first` to `last`. Cases known in closed form are computed together,
+    !> the others each when it is made, while its plan stands.
     subroutine compute_block(job, worker, first, last, rows)
         type(job_t), intent(in) :: job
         type(worker_t), target, intent(inout) :: worker
         integer(int64), intent(in) :: first, last
         type(text_buffer_t), intent(inout) :: rows
-        real(dp) :: values(quantities)
-        character(:), allocatable :: note
-        integer(int64) :: number
-        integer :: status
         real(dp) :: moment
+        integer :: k
 
-        call rows%clear()
-        do number = first, last
+        associate (n => int(last - first + 1), block => worker%block)
             moment = seconds()
-            call put_values(worker%slots, job%axes%values_of(number))
-            call make_worker_case(worker, status, note)
+            block%n = 0
+            do k = 1, n
+                call put_values(worker%slots, job%axes%values_of(first + k - 1))
+                call make_worker_case(worker, worker%status(k), worker%note(k)%text)
+                worker%cases(k) = worker%case
+                worker%lane(k) = 0
+                if (worker%status(k) /= status_ok) then
+                    worker%values(:, k) = no_values()
+                else if (worker%plan%exact) then
+                    block%n = block%n + 1
+                    worker%lane(k) = block%n
+                    call load_lane(worker%case, block, block%n)
+                else
+                    worker%making = worker%making + (seconds() - moment)
+                    moment = seconds()
+                    call compute_stepping(worker%case, worker%plan, worker%wanted, worker%values(:, k), &
+                                          worker%status(k), worker%note(k)%text)
+                    worker%computing = worker%computing + (seconds() - moment)
+                    moment = seconds()
+                end if
+            end do
             worker%making = worker%making + (seconds() - moment)
+
             moment = seconds()
-            if (status == status_ok) then
-                call compute_case(worker%case, worker%plan, worker%wanted, values, status, note)
-            else
-                values = ieee_value(0.0_dp, ieee_quiet_nan)
+            if (any(worker%lane(:n) > 0) .and. kernel_runs(worker%wanted)) then
+                call block%compute(any(worker%wanted([group_end, group_energy])), worker%wanted(group_period))
             end if
             worker%computing = worker%computing + (seconds() - moment)
+
             moment = seconds()
-            call rows%put_integer(number)
-            call rows%put_reals(job%axes%values_of(number))
-            call rows%put_text(status_name(status))
-            call rows%put_reals(values(job%columns))
-            call rows%put_text(note)
-            call rows%end_row()
+            call rows%clear()
+            do k = 1, n
+                if (worker%lane(k) > 0) then
+                    call unload_lane(worker%cases(k), block, worker%lane(k), worker%wanted, &
+                                     worker%values(:, k), worker%status(k), worker%note(k)%text)
+                end if
+                call rows%put_integer(first + k - 1)
+                call rows%put_reals(job%axes%values_of(first + k - 1))
+                call rows%put_text(trim(status_names(worker%status(k))))
+                call rows%put_reals(worker%values(job%columns, k))
+                call rows%put_text(worker%note(k)%text)
+                call rows%end_row()
+                worker%counts(worker%status(k)) = worker%counts(worker%status(k)) + 1
+            end do
             worker%formatting = worker%formatting + (seconds() - moment)
-            worker%counts(status) = worker%counts(status) + 1
-        end do
+        end associate
     end subroutine compute_block
 
     !> Makes the case of the worker's scene, and a plan where the last one does not fit it.
@@ -233,17 +267,21 @@ contains
 
         status = status_ok
         call make_case(worker%scene, worker%case, problems, worker%same_body)
-        if (.not. problems%any()) then
-            if (.not. worker%same_plan .or. (worker%case%body%is_lagrange() .neqv. worker%for_lagrange)) then
+        associate (is_lagrange => worker%case%body%is_lagrange())
+            if (.not. problems%any() .and. worker%same_plan .and. (is_lagrange .eqv. worker%for_lagrange)) return
+            ! Plans and problems are made of texts: see `status_names`.
+            !$omp critical (texts)
+            if (.not. problems%any()) then
                 call make_plan(worker%scene, worker%case, worker%plan, problems)
-                worker%for_lagrange = worker%case%body%is_lagrange()
                 ! After a plan that failed the next case needs one of its own.
-                if (problems%any()) worker%for_lagrange = .not. worker%for_lagrange
+                worker%for_lagrange = is_lagrange .neqv. problems%any()
             end if
-        end if
-        if (.not. problems%any()) return
-        status = status_bad_input
-        note = problems%first()
+            if (problems%any()) then
+                status = status_bad_input
+                note = problems%first()
+            end if
+            !$omp end critical (texts)
+        end associate
     end subroutine make_worker_case
 
 end module spintop_sweep

@@ -147,6 +147,7 @@ contains
     subroutine write_row(self, motion)
         class(writer_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion
+        if (self%has_enough) return
         self%last = motion
         self%rows = self%rows + 1
         call self%file%add_row(self%columns%row(motion), self%error)

@@ -29,7 +29,7 @@ contains
     !> phi + psi or phi - psi exists; the other combination is kept from `near`.
     pure function angles_from_quaternion(q, near) result(angle)
         real(dp), intent(in) :: q(4), near(3)
-        real(dp) :: angle(3), upper, lower, plus, minus, offset(2), half_turn
+        real(dp) :: angle(3), upper, lower, plus, minus, offset(2), flipped(2)
 
         upper = hypot(q(1), q(4))
         lower = hypot(q(2), q(3))
@@ -38,12 +38,9 @@ contains
         offset = 0
         if (upper > 0) offset(1) = nearest_turn(atan2(q(4), q(1)), plus) - plus
         if (lower > 0) offset(2) = nearest_turn(atan2(q(3), q(2)), minus) - minus
-        ! q and -q are one attitude: both half angles may move by pi together.
-        half_turn = nearest_turn(offset(1) + pi, 0.0_dp)
-        if (abs(half_turn) + abs(nearest_turn(offset(2) + pi, 0.0_dp)) < sum(abs(offset))) then
-            if (upper > 0) offset(1) = half_turn
-            if (lower > 0) offset(2) = nearest_turn(offset(2) + pi, 0.0_dp)
-        end if
+        ! q and -q are one attitude: both half angles, where they exist, may move by pi together.
+        flipped = merge(nearest_turn(offset + pi, 0.0_dp), 0.0_dp, [upper, lower] > 0)
+        if (sum(abs(flipped)) < sum(abs(offset))) offset = flipped
         plus = plus + offset(1)
         minus = minus + offset(2)
         angle = [plus + minus, 2 * atan2(lower, upper), plus - minus]

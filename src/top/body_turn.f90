@@ -22,6 +22,7 @@ module spintop_body_turn
         real(dp), private :: p(4) = [1, 0, 0, 0]
     contains
         procedure :: is_turned
+        procedure :: exchanges_axes
         procedure :: turned_body
         procedure :: turned_motion
         procedure :: back
@@ -64,6 +65,12 @@ contains
         class(body_turn_t), intent(in) :: self
         is_turned = self%axis > 0
     end function is_turned
+
+    !> Whether the axis of symmetry was not body z.
+    elemental logical function exchanges_axes(self)
+        class(body_turn_t), intent(in) :: self
+        exchanges_axes = self%axis == 1 .or. self%axis == 2
+    end function exchanges_axes
 
     !> The body in turned axes.
     pure type(body_t) function turned_body(self, body) result(turned)

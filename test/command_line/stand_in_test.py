@@ -64,6 +64,11 @@ class StandInTest(unittest.TestCase):
             [
                 a_test("passes", "@assertEqual('a, (b', ' a, (b')"),
                 a_test(
+                    "section",
+                    "real(kind(1d0)) :: m(2, 2) = reshape([1d0, 2d0, 3d0, 4d0], [2, 2])",
+                    "@assertEqual(m(2, :), -[-2d0, -4d0])",
+                ),
+                a_test(
                     "nan", "real(kind(1d0)) :: x = 0", "@assertEqual(1d0, x / x, tolerance=9d9)"
                 ),
                 a_test("shape", "@assertEqual([1, 2], [1])", "@assertFail('too late')"),
@@ -78,8 +83,8 @@ class StandInTest(unittest.TestCase):
         self.assertEqual(built.returncode, 0, built.stderr)
         result = self.call("./suite")
         self.assertEqual(result.returncode, 1)
-        self.assertEqual(result.stdout.splitlines()[-1], "suite: 1 passed, 5 failed")
-        self.assertIn("order (suite.pf:25): not 1 < 1 in element 2 | a message", result.stdout)
+        self.assertEqual(result.stdout.splitlines()[-1], "suite: 2 passed, 5 failed")
+        self.assertIn("order (suite.pf:30): not 1 < 1 in element 2 | a message", result.stdout)
         self.assertNotIn("too late", result.stdout)
 
 

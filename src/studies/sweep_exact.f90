@@ -1,0 +1,104 @@
+!> Cases of a sweep whose motion is known in closed form, many at once.
+module spintop_sweep_exact
+    use spintop_kinds, only: dp
+    use spintop_case, only: case_t
+    use spintop_conditioning, only: double_floor
+    use spintop_exact_block, only: exact_block_t, block_size
+    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
+    use spintop_motion, only: motion_t, motion_from_angles
+    use spintop_nutation, only: nutation_t
+    use spintop_status, only: status_ok, status_meanings
+    use spintop_sweep_columns
+    use spintop_sweep_quantities, only: no_values, put_nutation, put_fast_top, put_azimuth, put_end, &
+        precession_period, add_note
+    implicit none
+    private
+    public :: load_lane, unload_lane, kernel_runs
+
+contains
+
+    !> Puts a case into a lane of the block.
+    subroutine load_lane(case, block, lane)
+        type(case_t), intent(in) :: case
+        type(exact_block_t), intent(inout) :: block
+        integer, intent(in) :: lane
+        block%inertia1(lane) = case%body%inertia(1)
+        block%inertia3(lane) = case%body%inertia(3)
+        block%mgl(lane) = case%body%mgl()
+        block%phi(lane) = case%start%angle(1)
+        block%theta(lane) = case%start%angle(2)
+        block%psi(lane) = case%start%angle(3)
+        block%phi_rate(lane) = case%start%rate(1)
+        block%theta_rate(lane) = case%start%rate(2)
+        block%omega3(lane) = case%start%omega(3)
+        block%t_end(lane) = case%t_end
+        block%t_period(lane) = precession_period(case)
+    end subroutine load_lane
+
+    !> Whether the kernel has work with the groups wanted.
+    pure logical function kernel_runs(wanted)
+        logical, intent(in) :: wanted(sweep_groups)
+        kernel_runs = any(wanted([group_nutation, group_period, group_end, group_energy]))
+    end function kernel_runs
+
+    !> The quantities of the case in a lane of a computed block.
+    subroutine unload_lane(case, block, lane, wanted, values, status, note)
+        type(case_t), intent(in) :: case
+        type(exact_block_t), intent(in) :: block
+        integer, intent(in) :: lane
+        logical, intent(in) :: wanted(sweep_groups)
+        real(dp), intent(out) :: values(quantities)
+        integer, intent(out) :: status
+        character(:), allocatable, intent(inout) :: note
+        type(nutation_t) :: nutation
+
+        values = no_values()
+        note = ''
+        status = block%status(lane)
+        if (status /= status_ok) then
+            call add_note(note, trim(status_meanings(status)))
+            return
+        end if
+        if (wanted(group_nutation)) then
+            nutation%theta_min = block%theta_min(lane)
+            nutation%theta_max = block%theta_max(lane)
+            nutation%delta_u = block%delta_u(lane)
+            nutation%period = block%period(lane)
+            nutation%precession = block%precession(lane)
+            nutation%precession_rate = block%precession_rate(lane)
+            nutation%phi_rate_max = block%phi_rate_max(lane)
+            call put_nutation(case, nutation, values, note)
+        end if
+        if (wanted(group_fast_top)) call put_fast_top(case, values, note)
+        if (wanted(group_period)) then
+            call put_azimuth(block%t_period(lane) > 0, block%phi_at_period(lane), values, note)
+        end if
+        if (wanted(group_end) .or. wanted(group_energy)) then
+            call put_end(case, end_of_lane(case, block, lane), block%energy_error(lane), values)
+        end if
+        values(q_evaluations) = 0
+        values(q_orientation_error) = 0
+        if (wanted(group_floor)) then
+            values(q_double_floor) = double_floor(case%body, case%start, case%t_end)
+        end if
+    end subroutine unload_lane
+
+    !> The motion at the end of the span, as far as a sweep table shows it.
+    type(motion_t) function end_of_lane(case, block, lane) result(motion)
+        type(case_t), intent(in) :: case
+        type(exact_block_t), intent(in) :: block
+        integer, intent(in) :: lane
+        type(exact_motion_t) :: exact
+        integer :: status
+        if (case%turn%exchanges_axes()) then
+            ! Angles about another axis take the whole attitude.
+            call prepare_exact_motion(case%body, case%start, exact, status)
+            motion = exact%at(case%t_end)
+        else
+            motion%t = case%t_end
+            motion%angle = [block%phi_end(lane), block%theta_end(lane), block%psi_end(lane)]
+            motion%rate(2) = block%theta_rate_end(lane)
+        end if
+    end function end_of_lane
+
+end module spintop_sweep_exact

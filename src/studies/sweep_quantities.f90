@@ -1,0 +1,122 @@
+!> What a sweep table says of a case, from what was computed of it; a quantity that does not exist is
+!> NaN, with the reason in a note.
+module spintop_sweep_quantities
+    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
+    use spintop_kinds, only: dp, pi, degree
+    use spintop_compare, only: is_finite
+    use spintop_case, only: case_t
+    use spintop_fast_top, only: fast_top_t, fast_top
+    use spintop_motion, only: motion_t
+    use spintop_nutation, only: nutation_t
+    use spintop_sweep_columns
+    implicit none
+    private
+    public :: no_values, put_nutation, put_fast_top, put_azimuth, put_end, precession_period, add_note
+
+contains
+
+    !> No quantity at all.
+    pure function no_values() result(values)
+        real(dp) :: values(quantities)
+        values = ieee_value(0.0_dp, ieee_quiet_nan)
+    end function no_values
+
+    !> The whole nutation.
+    subroutine put_nutation(case, nutation, values, note)
+        type(case_t), intent(in) :: case
+        type(nutation_t), intent(in) :: nutation
+        real(dp), intent(inout) :: values(quantities)
+        character(:), allocatable, intent(inout) :: note
+
+        values(q_theta_min) = nutation%theta_min
+        values(q_theta_max) = nutation%theta_max
+        if (case%turn%flipped) then
+            values(q_theta_min) = pi - nutation%theta_max
+            values(q_theta_max) = pi - nutation%theta_min
+        end if
+        values(q_delta_u) = nutation%delta_u
+        values(q_phi_rate_max) = nutation%phi_rate_max
+        values(q_com_z_min) = case%body%centre_of_mass(3) * cos(nutation%theta_max)
+        if (.not. is_finite(nutation%period)) then
+            call add_note(note, 'no nutation period: the axis approaches the upright for ever')
+            return
+        end if
+        values(q_nutation_period) = nutation%period
+        values(q_nutation_rate) = 2 * pi / nutation%period
+        values(q_precession_per_nutation) = nutation%precession
+        values(q_precession_rate) = nutation%precession_rate
+        if (abs(nutation%precession) > 0) then
+            values(q_nutations_per_turn) = 2 * pi / abs(nutation%precession)
+        else
+            call add_note(note, 'no nutations per turn: no precession')
+        end if
+        if (precession_period(case) > 0) then
+            values(q_nutations_in_period) = precession_period(case) / nutation%period
+        end if
+    end subroutine put_nutation
+
+    !> The paper's formulas for a fast top.
+    subroutine put_fast_top(case, values, note)
+        type(case_t), intent(in) :: case
+        real(dp), intent(inout) :: values(quantities)
+        character(:), allocatable, intent(inout) :: note
+        type(fast_top_t) :: motion
+
+        if (.not. precession_period(case) > 0) then
+            call add_note(note, 'no fast-top formulas: they need a spin and a weight')
+            return
+        end if
+        motion = fast_top(case%body, case%start%angle(2), case%start%omega(3))
+        values(q_delta_u_fast_top) = motion%delta_u
+        values(q_nutation_rate_fast_top) = motion%nutation_rate
+        values(q_precession_rate_fast_top) = motion%precession_rate
+        values(q_nutations_per_turn_fast_top) = motion%nutations_per_turn
+        values(q_precession_period) = precession_period(case)
+        values(q_fast_top_ratio) = motion%ratio
+    end subroutine put_fast_top
+
+    !> The azimuth after T_p, given the change of phi by then (rad), if the motion was seen then.
+    subroutine put_azimuth(seen, azimuth, values, note)
+        logical, intent(in) :: seen
+        real(dp), intent(in) :: azimuth
+        real(dp), intent(inout) :: values(quantities)
+        character(:), allocatable, intent(inout) :: note
+        if (seen) then
+            values(q_azimuth_after_period_deg) = azimuth / degree
+        else
+            call add_note(note, 'no azimuth after a period: the span has no step at T_p')
+        end if
+    end subroutine put_azimuth
+
+    !> The end of the span: `motion` is in the axes of the computation.
+    subroutine put_end(case, motion, energy_error, values)
+        type(case_t), intent(in) :: case
+        type(motion_t), intent(in) :: motion
+        real(dp), intent(in) :: energy_error
+        real(dp), intent(inout) :: values(quantities)
+        type(motion_t) :: seen
+        seen = case%turn%back(motion, case%given_start%angle)
+        values(q_theta_end) = seen%angle(2)
+        values(q_phi_end) = seen%angle(1)
+        values(q_psi_end) = seen%angle(3)
+        values(q_theta_rate_end) = seen%rate(2)
+        values(q_energy_error_max) = energy_error
+    end subroutine put_end
+
+    !> The paper's T_p, s; 0 without spin or weight, negative for no top.
+    pure real(dp) function precession_period(case)
+        type(case_t), intent(in) :: case
+        precession_period = 0
+        if (.not. case%body%mgl() > 0) return
+        precession_period = 2 * pi * abs(case%body%inertia(3) * case%start%omega(3)) / case%body%mgl()
+    end function precession_period
+
+    !> Adds a reason to the notes of a case.
+    subroutine add_note(note, reason)
+        character(:), allocatable, intent(inout) :: note
+        character(*), intent(in) :: reason
+        if (note /= '') note = note // '; '
+        note = note // reason
+    end subroutine add_note
+
+end module spintop_sweep_quantities

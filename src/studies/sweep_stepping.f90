@@ -1,0 +1,174 @@
+!> A case of a sweep that is followed step by step.
+module spintop_sweep_stepping
+    use spintop_kinds, only: dp
+    use spintop_attitude, only: rotation_angle
+    use spintop_case, only: case_t
+    use spintop_conditioning, only: double_floor
+    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
+    use spintop_formulation, only: formulation_t, max_states
+    use spintop_integration, only: integrate, observer_t, outcome_t
+    use spintop_motion, only: motion_t
+    use spintop_nutation, only: nutation_t, find_nutation
+    use spintop_plan, only: plan_t, sample_times
+    use spintop_quantities, only: kinetic_energy, potential_energy
+    use spintop_status, only: status_ok, status_meanings
+    use spintop_sweep_columns
+    use spintop_sweep_quantities, only: no_values, put_nutation, put_fast_top, put_azimuth, put_end, &
+        precession_period, add_note
+    implicit none
+    private
+    public :: compute_stepping
+
+    !> What the trajectory of a case shows.
+    type, extends(observer_t) :: witness_t
+        type(case_t) :: case
+        !> Time of interest before the end, s.
+        real(dp) :: period = 0
+        logical :: saw_period = .false.
+        real(dp) :: azimuth_at_period = 0
+        real(dp) :: energy = 0, energy_scale = 1, energy_error = 0
+        !> Motion last seen.
+        type(motion_t) :: last
+    contains
+        procedure :: observe
+        procedure :: look
+    end type witness_t
+
+contains
+
+    !> The quantities of a case: those of the whole nutation from the closed form where there is
+    !> one, the others from the trajectory.
+    subroutine compute_stepping(case, plan, wanted, values, status, note)
+        type(case_t), intent(in) :: case
+        type(plan_t), intent(inout) :: plan
+        logical, intent(in) :: wanted(sweep_groups)
+        real(dp), intent(out) :: values(quantities)
+        integer, intent(out) :: status
+        character(:), allocatable, intent(out) :: note
+        type(nutation_t) :: nutation
+
+        values = no_values()
+        note = ''
+        status = status_ok
+        if (wanted(group_nutation)) then
+            if (case%body%is_lagrange()) then
+                call find_nutation(case%body, case%start, nutation, status)
+                if (status == status_ok) call put_nutation(case, nutation, values, note)
+            else
+                call add_note(note, 'no nutation: the body is no undamped symmetric top')
+            end if
+        end if
+        if (wanted(group_fast_top)) call put_fast_top(case, values, note)
+        if (any(wanted([group_period, group_end, group_energy, group_oracle, group_cost]))) then
+            call follow(case, plan, wanted, values, status, note)
+        end if
+    end subroutine compute_stepping
+
+    !> Follows the motion to the end of its span.
+    subroutine follow(case, plan, wanted, values, status, note)
+        type(case_t), intent(in) :: case
+        type(plan_t), intent(inout) :: plan
+        logical, intent(in) :: wanted(sweep_groups)
+        real(dp), intent(inout) :: values(quantities)
+        integer, intent(out) :: status
+        character(:), allocatable, intent(inout) :: note
+        type(witness_t) :: witness
+        type(outcome_t) :: outcome
+        real(dp), allocatable :: times(:)
+
+        call plan%fit_steps(case%t_end)
+        call begin_witness(case, witness)
+        times = [case%t_end]
+        if (wanted(group_energy)) times = sample_times(case%t_end, rows(plan))
+        if (wanted(group_period)) times = with_time(times, witness%period)
+        call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, times, &
+                       witness, outcome)
+        status = outcome%status
+        values(q_evaluations) = real(outcome%counts%evaluations, dp)
+        if (wanted(group_period)) then
+            call put_azimuth(witness%saw_period, witness%azimuth_at_period, values, note)
+        end if
+        if (status /= status_ok) then
+            call add_note(note, trim(status_meanings(status)))
+            return
+        end if
+        call put_end(case, witness%last, witness%energy_error, values)
+        if (case%body%is_lagrange()) call compare_with_exact(case, wanted, witness%last, values)
+    end subroutine follow
+
+    !> The error of the end against the exact motion, and what the data allow.
+    subroutine compare_with_exact(case, wanted, last, values)
+        type(case_t), intent(in) :: case
+        logical, intent(in) :: wanted(sweep_groups)
+        type(motion_t), intent(in) :: last
+        real(dp), intent(inout) :: values(quantities)
+        type(exact_motion_t) :: exact
+        integer :: status
+        if (wanted(group_oracle)) then
+            call prepare_exact_motion(case%body, case%start, exact, status)
+            if (status == status_ok) then
+                values(q_orientation_error) = rotation_angle(exact%quaternion_at(case%t_end), last%quaternion)
+            end if
+        end if
+        if (wanted(group_floor)) then
+            values(q_double_floor) = double_floor(case%body, case%start, case%t_end)
+        end if
+    end subroutine compare_with_exact
+
+    !> Rows over which the largest energy error is sought.
+    pure integer function rows(plan)
+        type(plan_t), intent(in) :: plan
+        rows = plan%samples
+        if (.not. plan%is_adaptive()) rows = plan%stepper%controls%steps + 1
+    end function rows
+
+    !> Times with one more in its place, if it lies within them.
+    pure function with_time(times, extra) result(more)
+        real(dp), intent(in) :: times(:), extra
+        real(dp), allocatable :: more(:)
+        more = times
+        if (extra > 0 .and. extra <= times(size(times)) .and. .not. any(matches(times, extra))) then
+            more = [pack(times, times < extra), extra, pack(times, times > extra)]
+        end if
+    end function with_time
+
+    !> Whether two times are the same to rounding.
+    elemental logical function matches(a, b)
+        real(dp), intent(in) :: a, b
+        matches = abs(a - b) <= 4 * spacing(max(a, b))
+    end function matches
+
+    subroutine begin_witness(case, witness)
+        type(case_t), intent(in) :: case
+        type(witness_t), intent(out) :: witness
+        witness%case = case
+        witness%last = case%start
+        witness%period = precession_period(case)
+        witness%energy = kinetic_energy(case%body, case%start) + potential_energy(case%body, case%start)
+        witness%energy_scale = kinetic_energy(case%body, case%start) &
+            + case%body%mass * case%body%gravity * norm2(case%body%centre_of_mass)
+    end subroutine begin_witness
+
+    !> Looks at a state of a formulation.
+    subroutine observe(self, formulation, t, y)
+        class(witness_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: t, y(max_states)
+        call self%look(formulation%motion(t, y, self%last%angle))
+    end subroutine observe
+
+    !> Looks at a motion.
+    subroutine look(self, motion)
+        class(witness_t), intent(inout) :: self
+        type(motion_t), intent(in) :: motion
+        real(dp) :: energy
+        self%last = motion
+        energy = kinetic_energy(self%case%body, motion) + potential_energy(self%case%body, motion)
+        self%energy_error = max(self%energy_error, abs(energy - self%energy) / self%energy_scale)
+        if (matches(motion%t, self%period)) then
+            self%saw_period = .true.
+            self%azimuth_at_period = motion%angle(1) - self%case%start%angle(1)
+        end if
+    end subroutine look
+
+end module spintop_sweep_stepping

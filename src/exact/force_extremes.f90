@@ -46,8 +46,9 @@ contains
             ! u'' = f'(u)/2 is least where f'' = 0, if the motion comes by.
             if (regular%beta > 0) then
                 turning_y = -g2(regular) / (3 * regular%beta)
-                if (turning_y > y1 .and. turning_y < y2) &
+                if (turning_y > y1 .and. turning_y < y2) then
                     vertical(3) = vertical_force(body, regular, turning_y)
+                end if
             end if
             extremes%lowest_vertical = real(minval(vertical), dp)
             extremes%highest_vertical = real(maxval(vertical), dp)

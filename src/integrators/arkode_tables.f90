@@ -20,9 +20,12 @@ module spintop_arkode_tables
     public :: arkode_table_t, arkode_tables, arkode_table_names, find_arkode_table
     public :: default_arkode_table
 
+    !> Longest name.
+    integer, parameter :: name_length = 32
+
     !> One table: its name is SUNDIALS' own in small letters.
     type :: arkode_table_t
-        character(32) :: name = ''
+        character(name_length) :: name = ''
         !> Number by which ARKODE knows it.
         integer(c_int) :: id = -1
         logical :: implicit = .false.
@@ -93,22 +96,23 @@ contains
     !> Name of the table that a method takes where the user names none.
     pure function default_arkode_table(implicit_table) result(name)
         logical, intent(in) :: implicit_table
-        character(:), allocatable :: name
+        character(name_length) :: name
         name = 'arkode_fehlberg_13_7_8'
         if (implicit_table) name = 'arkode_esdirk547l2sa2_7_4_5'
     end function default_arkode_table
 
-    !> The explicit or implicit table of a name (in any case of letters; '' for the default);
-    !> `found` tells whether there is one.
+    !> The explicit or implicit table of a name ('' for the default); `found` tells whether there
+    !> is one.
     pure subroutine find_arkode_table(name, implicit_table, table, found)
         character(*), intent(in) :: name
         logical, intent(in) :: implicit_table
         type(arkode_table_t), intent(out) :: table
         logical, intent(out) :: found
-        character(:), allocatable :: wanted
+        ! Of fixed length: runs on several threads come by here.
+        character(max(len(name), name_length)) :: wanted
         integer :: i
 
-        wanted = trim(name)
+        wanted = name
         if (wanted == '') wanted = default_arkode_table(implicit_table)
         found = .false.
         do i = 1, size(arkode_tables)

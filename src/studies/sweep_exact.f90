@@ -8,7 +8,9 @@ module spintop_sweep_exact
     use spintop_motion, only: motion_t, motion_from_angles
     use spintop_nutation, only: nutation_t
     use spintop_status, only: status_ok, status_meanings
-    use spintop_sweep_columns
+    use spintop_sweep_columns, only: quantities, group_nutation, group_fast_top, group_period, &
+        group_end, group_energy, group_floor, sweep_groups, q_orientation_error, q_double_floor, &
+        q_evaluations
     use spintop_sweep_quantities, only: no_values, put_nutation, put_fast_top, put_azimuth, put_end, &
         precession_period, add_note
     implicit none

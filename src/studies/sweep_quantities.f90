@@ -8,7 +8,12 @@ module spintop_sweep_quantities
     use spintop_fast_top, only: fast_top_t, fast_top
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t
-    use spintop_sweep_columns
+    use spintop_sweep_columns, only: quantities, q_theta_min, q_theta_max, q_delta_u, &
+        q_delta_u_fast_top, q_nutation_period, q_nutation_rate, q_nutation_rate_fast_top, &
+        q_precession_per_nutation, q_precession_rate, q_precession_rate_fast_top, &
+        q_nutations_per_turn, q_nutations_per_turn_fast_top, q_precession_period, &
+        q_azimuth_after_period_deg, q_nutations_in_period, q_phi_rate_max, q_fast_top_ratio, &
+        q_com_z_min, q_theta_end, q_phi_end, q_psi_end, q_theta_rate_end, q_energy_error_max
     implicit none
     private
     public :: no_values, put_nutation, put_fast_top, put_azimuth, put_end, precession_period, add_note

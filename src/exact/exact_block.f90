@@ -1,52 +1,38 @@
 !> The exact motion of many symmetric tops without damping at once, in double precision.
 !>
-!> The closed solution in circular functions (see `circular_form`, its symbols and those of
-!> `turning_points`) as stages, each a loop over lanes that becomes vector instructions: neither
-!> branches nor calls inside, few divisions and square roots. With terms up to the fifth multiple of
-!> the argument the series serve up to k^2 = 0.99. A case that the stages cannot give to
-!> `block_accuracy` goes to the scalar routine, which works in extended precision and in all forms.
+!> Cases go in strips through the stages of `exact_strip` and `exact_pole`: the closed solution in
+!> circular functions (`circular_form`), up to k^2 = 0.99, as loops that become vector instructions.
+!> A case that they may not give to `block_accuracy` goes to the scalar routine, which works in
+!> extended precision and in all forms. A case has the same bits wherever it stands in a block and
+!> whatever its neighbours are.
 !>
-!> A case has the same bits wherever it stands in a block and whatever its neighbours are.
-!>
-!> Sources: Klein and Sommerfeld, Ueber die Theorie des Kreisels, chapter VI; Whittaker and Watson,
-!> A Course of Modern Analysis, chapters XXI and XXII.
+!>     block%n = 2;  block%theta(1:2) = ...
+!>     call block%compute(wants_end=.true., wants_period=.false.)
+!>     if (block%status(1) == status_ok) then; ... = block%theta_max(1)
 module spintop_exact_block
     use spintop_kinds, only: dp, pi
-    use spintop_array_functions, only: find_circular, find_inclinations, find_arguments, &
-        largest_angle
+    use spintop_array_functions, only: find_circular, find_inclinations
     use spintop_body, only: body_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
+    use spintop_exact_pole, only: lanes, largest_nome, place_pole
+    use spintop_exact_strip, only: strip_t, find_roots, find_roots_of_moving, find_moduli, &
+        find_nome, find_start_phases, find_phases
     use spintop_motion, only: motion_t, motion_from_angles
     use spintop_quantities, only: kinetic_energy, potential_energy
-    use spintop_status, only: status_ok, status_non_finite
+    use spintop_status, only: status_ok
     implicit none
     private
     public :: exact_block_t, block_size, block_accuracy
 
-    !> Cases in a block.
+    !> Most cases in a block.
     integer, parameter :: block_size = 512
-    !> Largest error of a quantity, relative or in radians, whichever is larger, besides the
-    !> rounding of long phases: a few epsilon times the angle turned.
+    !> Largest error of a quantity, relative or in radians, whichever is larger, besides what a
+    !> change of all rates (or of the time) by four epsilons would do.
     real(dp), parameter :: block_accuracy = 5.0e-13_dp
 
-    !> Lanes that go through the stages together: their intermediate results fit the first cache.
-    integer, parameter :: lanes = 64
-    !> Largest nome for which the series below are complete, to 3e-14.
-    real(dp), parameter :: largest_nome = 0.27_dp
-    !> Least part that b - a (b + a) may keep of the terms it is the difference of. It tells how
-    !> close the axis comes to a pole.
+    !> Least part that b - a (b + a), the closeness of the axis to a pole, may keep of the terms it
+    !> is the difference of.
     real(dp), parameter :: least_difference = 1.0e-2_dp
-    !> Least square of a theta function, relative to its largest: around its zero, a pole of the
-    !> sphere, phi and psi turn fast.
-    real(dp), parameter :: least_theta = 1.0e-5_dp
-    !> Steps of Laguerre's method to the highest root, and the largest last one, relative to it.
-    integer, parameter :: laguerre_steps = 4
-    real(dp), parameter :: largest_last_step = 1.0e-6_dp
-    !> Least k'^2 of a motion whose roots come from Laguerre's method: the upper two close up.
-    real(dp), parameter :: least_gap = 0.03_dp
-    !> Steps of Newton's method to a pole's position, and the largest last one.
-    real(dp), parameter :: largest_newton_step = 1.0e-7_dp
-
     !> Cases, one per element of each array, SI units and radians. A thread that has many cases
     !> keeps one block, sets `n` and the data, and calls `compute`.
     type :: exact_block_t
@@ -74,6 +60,12 @@ module spintop_exact_block
         !> Cases that went to the scalar routine.
         integer :: fallbacks = 0
     contains
+        procedure :: compute
+        procedure, private :: fill_last_strip
+        procedure, private :: compute_alone
+    end type exact_block_t
+
+contains
         procedure :: compute
         procedure, private :: fill_last_strip
         procedure, private :: compute_alone
@@ -139,41 +131,43 @@ contains
         class(exact_block_t), intent(inout) :: self
         logical, intent(in) :: wants_end, wants_period
         type(strip_t) :: strip
-        integer :: first, i
-        logical :: moves
+        integer :: first, last, i
+        logical :: moves, is_end
 
         call self%fill_last_strip()
         self%fallbacks = 0
         do first = 1, self%n, lanes
+            last = first + lanes - 1
             call describe_start(self, first, strip)
             call find_roots(strip)
             moves = any(strip%g0 > 0)
             if (moves) call find_roots_of_moving(strip)
             call find_moduli(strip)
             call find_nome(strip)
-            call solve_position(strip%q, strip%bottom%excess, strip%bottom%position, strip%doubt)
-            call solve_position(strip%q, strip%top%excess, strip%top%position, strip%doubt)
-            call divide_thetas(strip%q, strip%bottom%position, strip%bottom%ratio)
-            call divide_thetas(strip%q, strip%top%position, strip%top%ratio)
-            call expand_pole(strip%q, strip%bottom)
-            call expand_pole(strip%q, strip%top)
+            call place_pole(strip%q, strip%bottom, strip%doubt)
+            call place_pole(strip%q, strip%top, strip%doubt)
             call describe_nutation(self, first, strip)
+            call find_turning_angles(self, first, strip, moves)
             if (wants_end .or. wants_period) then
-                if (moves) call find_start_argument(self, first, strip)
-                call find_start_phases(strip, moves)
+                call find_start_phases(strip, self%theta_rate(first:last), moves)
             end if
             if (wants_end) then
-                call find_phases(strip, self%t_end(first:first + lanes - 1))
+                call find_phases(strip, self%t_end(first:last))
                 call describe_end(self, first, strip)
             end if
             if (wants_period) then
-                call find_phases(strip, self%t_period(first:first + lanes - 1))
+                is_end = wants_end .and. all(abs(self%t_period(first:last) &
+                                                 - self%t_end(first:last)) <= 0)
+                if (.not. is_end) call find_phases(strip, self%t_period(first:last))
                 call describe_period(self, first, strip)
             end if
-            self%status(first:first + lanes - 1) = status_ok
+
+            self%status(first:last) = status_ok
             if (.not. any(strip%doubt > 0)) cycle
-            do i = first, min(first + lanes - 1, self%n)
-                if (strip%doubt(i - first + 1) > 0) call self%compute_alone(i, wants_end, wants_period)
+            do i = first, min(last, self%n)
+                if (strip%doubt(i - first + 1) > 0) then
+                    call self%compute_alone(i, wants_end, wants_period)
+                end if
             end do
         end do
     end subroutine compute
@@ -241,285 +235,6 @@ contains
             end associate
         end do
     end subroutine describe_start
-
-    !> The roots for a start at a turning point: the cubic is y times a quadratic.
-    subroutine find_roots(strip)
-        type(strip_t), intent(inout) :: strip
-        real(dp) :: half, per_half, other
-        logical :: falls
-        integer :: i
-        !$omp simd private(half, per_half, other, falls)
-        do i = 1, lanes
-            associate (g1 => strip%g1(i), g2 => strip%g2(i), beta => strip%beta(i))
-                half = (sqrt(max(g2**2 - 4 * beta * g1, 0.0_dp)) + abs(g2)) / 2
-                falls = g2 <= 0
-                ! One inverse serves both: 1/half, or 1/(half beta).
-                per_half = 1 / merge(half, half * beta, falls)
-                strip%beta_y3(i) = merge(half, -beta**2 * g1 * per_half, falls)
-                other = merge(g1, -half**2, falls) * per_half
-                strip%y1(i) = min(other, 0.0_dp)
-                strip%y2(i) = max(other, 0.0_dp)
-                strip%d(i) = abs(other)
-                strip%z0(i) = merge(pi / 2, 0.0_dp, other < 0)
-            end associate
-        end do
-    end subroutine find_roots
-
-    !> The roots of the cases that start between turning points: the highest by Laguerre's method
-    !> from that of the quadratic, which lies above it.
-    subroutine find_roots_of_moving(strip)
-        type(strip_t), intent(inout) :: strip
-        real(dp) :: y, c0, c1, g, slope, curvature, step, per_y, product, total, d, larger, smaller
-        logical :: moves
-        integer :: i, n
-        !$omp simd private(y, c0, c1, g, slope, curvature, step, per_y, product, total, d, larger, &
-        !$omp smaller, moves)
-        do i = 1, lanes
-            associate (g0 => strip%g0(i), g1 => strip%g1(i), g2 => strip%g2(i), &
-                       beta => strip%beta(i))
-                c0 = beta**2 * g0
-                c1 = beta * g1
-                y = strip%beta_y3(i)
-                step = 0
-                do n = 1, laguerre_steps
-                    g = c0 + y * (c1 + y * (g2 + y))
-                    slope = c1 + y * (2 * g2 + y * 3)
-                    curvature = 2 * g2 + 6 * y
-                    step = 3 * g / (slope + sqrt(max(4 * slope**2 - 6 * g * curvature, 0.0_dp)))
-                    y = y - step
-                end do
-                per_y = 1 / y
-                product = -g0 * per_y
-                total = (g1 - beta * product) * per_y
-                d = sqrt(total**2 - 4 * product)
-                larger = (total + sign(d, total)) / 2
-                smaller = product / larger
-                moves = g0 > 0
-                strip%beta_y3(i) = merge(y, strip%beta_y3(i), moves)
-                strip%y1(i) = merge(min(larger, smaller), strip%y1(i), moves)
-                strip%y2(i) = merge(max(larger, smaller), strip%y2(i), moves)
-                strip%d(i) = merge(d, strip%d(i), moves)
-                strip%doubt(i) = merge(1.0_dp, strip%doubt(i), &
-                    moves .and. (abs(step) > largest_last_step * y .or. &
-                    y - beta * strip%y2(i) < least_gap * (y - beta * strip%y1(i))))
-            end associate
-        end do
-    end subroutine find_roots_of_moving
-
-    !> Distances of the roots, moduli, and the turning angles' sines and cosines.
-    subroutine find_moduli(strip)
-        type(strip_t), intent(inout) :: strip
-        real(dp) :: bu, b1, bd3, larger, root, other_root, mp, bb, per_all, per_larger
-        logical :: u3_farther
-        integer :: i
-        !$omp simd private(bu, b1, bd3, larger, root, other_root, mp, bb, per_all, per_larger, &
-        !$omp u3_farther)
-        do i = 1, lanes
-            associate (beta => strip%beta(i), sh => strip%sh(i), ch => strip%ch(i), &
-                       b_minus_a => strip%b_minus_a(i), b_plus_a => strip%b_plus_a(i), &
-                       y1 => strip%y1(i), y2 => strip%y2(i), beta_y3 => strip%beta_y3(i), &
-                       m1 => strip%m1(i), d2 => strip%d2(i), p1 => strip%p1(i), &
-                       p2 => strip%p2(i), per_m1 => strip%per_m1(i), per_p2 => strip%per_p2(i), &
-                       per_bu => strip%per_bu(i), per_b1 => strip%per_b1(i))
-                m1 = sh - y1
-                p2 = ch + y2
-                bu = beta_y3 - beta * y1
-                b1 = beta_y3 + beta * ch
-                d2 = sh - y2
-                bd3 = beta_y3 - beta * sh
-                ! The larger of beta d2 and bd3 is exact; the other follows from f(1) = -(b-a)^2.
-                u3_farther = bd3 > beta * d2
-                larger = merge(bd3, m1 * d2, u3_farther)
-                mp = m1 * p2
-                bb = bu * b1
-                per_all = 1 / (mp * bb * larger)
-                per_larger = per_all * mp * bb
-                per_all = per_all * larger
-                per_m1 = per_all * bb * p2
-                per_p2 = per_all * bb * m1
-                per_bu = per_all * mp * b1
-                per_b1 = per_all * mp * bu
-                root = sqrt(larger)
-                other_root = abs(b_minus_a) * root * per_larger
-                strip%root_bd3(i) = merge(root, other_root, u3_farther)
-                strip%root_md(i) = merge(other_root, root, u3_farther)
-                bd3 = merge(bd3, other_root**2, u3_farther)
-                d2 = merge(other_root**2 * per_m1, d2, u3_farther)
-                p1 = b_plus_a**2 * per_p2 * per_b1
-
-                strip%root_b1(i) = sqrt(b1)
-                strip%k2(i) = beta * strip%d(i) * per_bu
-                strip%kc(i) = sqrt((beta * d2 + bd3) * per_bu)
-                strip%root_kc(i) = sqrt(strip%kc(i))
-                strip%bu(i) = bu
-            end associate
-        end do
-    end subroutine find_moduli
-
-    !> Nome, and the data of both poles.
-    subroutine find_nome(strip)
-        type(strip_t), intent(inout) :: strip
-        real(dp), parameter :: c(0:11) = [real(dp) :: 1, 2, 15, 150, 1707, 20910, 268616, 3567400, &
-            48555069, 673458874, 9481557398.0_dp, 135119529972.0_dp]
-        real(dp) :: plus_root, leading, t, series, root_bottom, root_top, sum_bottom, sum_top
-        real(dp) :: factor, per_all, per_factor, per_sums
-        integer :: i, n
-        !$omp simd private(plus_root, leading, t, series, root_bottom, root_top, sum_bottom, &
-        !$omp sum_top, factor, per_all, per_factor, per_sums)
-        do i = 1, lanes
-            associate (k2 => strip%k2(i), kc => strip%kc(i), root_kc => strip%root_kc(i), &
-                       d => strip%d(i), m1 => strip%m1(i), d2 => strip%d2(i), &
-                       p1 => strip%p1(i), p2 => strip%p2(i), q => strip%q(i), &
-                       bottom => strip%bottom, top => strip%top)
-                ! sqrt(k'/B1), sqrt(p1 p2 k') and sqrt(m1 d2 k').
-                strip%root_bu(i) = sqrt(strip%bu(i))
-                bottom%scale(i) = root_kc * strip%root_b1(i) * strip%per_b1(i)
-                root_bottom = abs(strip%b_plus_a(i)) * bottom%scale(i)
-                root_top = root_kc * strip%root_md(i)
-                sum_bottom = p2 + p1 * kc + 2 * root_bottom
-                sum_top = m1 * kc + d2 + 2 * root_top
-                plus_root = (1 + root_kc)**2
-                factor = (1 + kc) * plus_root
-
-                per_all = 1 / (factor * kc * sum_bottom * sum_top)
-                per_factor = per_all * kc * sum_bottom * sum_top
-                per_sums = per_all * factor * kc
-
-                leading = k2 / 2 * per_factor
-                t = leading**4
-                series = c(11)
-                do n = 10, 0, -1
-                    series = c(n) + t * series
-                end do
-                q = leading * series
-
-                bottom%excess(i) = (d + p1 * k2 * plus_root * per_factor) * sum_top * per_sums
-                top%excess(i) = d * (strip%root_bd3(i)**2 * strip%per_bu(i) + kc) &
-                                * plus_root * per_factor * sum_bottom * per_sums
-                bottom%scale(i) = bottom%scale(i) * strip%root_bu(i)
-                top%scale(i) = root_kc * strip%root_bd3(i) * strip%root_bu(i) * strip%per_bu(i) &
-                               * (per_all * factor * sum_bottom * sum_top)
-                bottom%nearest(i) = root_bottom * strip%per_p2(i)
-                top%nearest(i) = root_top * strip%per_m1(i) &
-                                 * (per_all * factor * sum_bottom * sum_top)
-                bottom%side(i) = sign(1.0_dp, strip%b_plus_a(i))
-                top%side(i) = sign(1.0_dp, strip%b_minus_a(i))
-            end associate
-        end do
-    end subroutine find_nome
-
-    !> Solves sum_{n odd} q^(n^2-n) h_n = excess (1 + sum_{n even} q^(n^2-n) h_n) for X = h_1,
-    !> h_n = 2 q^n cosh(2 n v): two steps of Newton's method, the second with a corrected inverse of
-    !> the first one's slope.
-    subroutine solve_position(q, excess, x, doubt)
-        real(dp), intent(in) :: q(lanes), excess(lanes)
-        real(dp), intent(out) :: x(lanes)
-        real(dp), intent(inout) :: doubt(lanes)
-        real(dp) :: q2, q4, q6, q12, q20, scale, r, y, y2, value, slope, per_slope
-        integer :: i, n
-        !$omp simd private(q2, q4, q6, q12, q20, scale, r, y, y2, value, slope, per_slope)
-        do i = 1, lanes
-            q2 = q(i)**2
-            q4 = q2**2
-            q6 = q2 * q4
-            q12 = q6**2
-            q20 = q12 * q4**2
-            ! The quadratic X - excess (1 - 2 q^4 + q^2 X^2) = 0 by its series.
-            scale = max(1 - 2 * q4, 0.2_dp)
-            r = min(excess(i)**2 * q2 * scale, 0.2_dp)
-            y = excess(i) * scale * (1 + r * (1 + r * (2 + r * (5 + r * (14 + r * 42)))))
-            value = 0
-            per_slope = 1
-            do n = 1, 2
-                y2 = y**2
-                value = y * (1 + q6 * (y2 - 3 * q2) + q20 * (y2 * (y2 - 5 * q2) + 5 * q4)) &
-                    - excess(i) * (1 + q2 * (y2 - 2 * q2) + q12 * (y2 * (y2 - 4 * q2) + 2 * q4))
-                slope = 1 + 3 * q6 * (y2 - q2) + 5 * q20 * (y2 * (y2 - 3 * q2) + q4) &
-                    - 2 * excess(i) * y * (q2 + 2 * q12 * (y2 - 2 * q2))
-                if (n == 1) per_slope = 1 / slope
-                if (n == 2) per_slope = per_slope * (2 - slope * per_slope)
-                y = y - value * per_slope
-            end do
-            x(i) = y
-            doubt(i) = merge(1.0_dp, doubt(i), abs(value) > largest_newton_step)
-        end do
-    end subroutine solve_position
-
-    !> A/B with A = 1 + sum q^(n^2) a_n, a_1 = X - q, and B = 1 + sum (-1)^n q^(n^2) b_n,
-    !> b_1 = X + q, both with x_(n+1) = X x_n - q^2 x_(n-1).
-    subroutine divide_thetas(q, x, ratio)
-        real(dp), intent(in) :: q(lanes), x(lanes)
-        real(dp), intent(out) :: ratio(lanes)
-        real(dp) :: q2, q4, q9, x2, a_odd, a_even, b_odd, b_even
-        real(dp) :: a1, a2, a3, a4, b1, b2, b3, b4
-        integer :: i
-        !$omp simd private(q2, q4, q9, x2, a_odd, a_even, b_odd, b_even, a1, a2, a3, a4, b1, b2, b3, b4)
-        do i = 1, lanes
-            q2 = q(i)**2
-            q4 = q2**2
-            q9 = q4**2 * q(i)
-            a1 = x(i) - q(i)
-            b1 = x(i) + q(i)
-            a2 = x(i) * a1 - q2
-            b2 = x(i) * b1 - q2
-            a3 = x(i) * a2 - q2 * a1
-            b3 = x(i) * b2 - q2 * b1
-            a4 = x(i) * a3 - q2 * a2
-            b4 = x(i) * b3 - q2 * b2
-            ratio(i) = (1 + q(i) * a1 + q4 * a2 + q9 * a3 + q4**4 * a4) &
-                     / (1 - q(i) * b1 + q4 * b2 - q9 * b3 + q4**4 * b4)
-        end do
-    end subroutine divide_thetas
-
-    !> The theta function of a pole from its position X.
-    subroutine expand_pole(q, pole)
-        real(dp), intent(in) :: q(lanes)
-        type(pole_t), intent(inout) :: pole
-        real(dp) :: q2, q6, q12, q20, x, x2, e1, e2, e3, e4, e5, o1, o2, o3, o4, o5
-        integer :: i
-        !$omp simd private(q2, q6, q12, q20, x, x2, e1, e2, e3, e4, e5, o1, o2, o3, o4, o5)
-        do i = 1, lanes
-            q2 = q(i)**2
-            q6 = q2**3
-            q12 = q6**2
-            q20 = q12 * q6 * q2
-            x = pole%position(i)
-            ! W^n + V^n and W^n - V^n, of W + V = X; not sqrt(X^2 - 4 q^2), which loses digits.
-            e1 = x
-            e2 = x * e1 - 2 * q2
-            e3 = x * e2 - q2 * e1
-            e4 = x * e3 - q2 * e2
-            e5 = x * e4 - q2 * e3
-            o1 = (x + 2 * q(i)) * pole%scale(i) * pole%ratio(i)
-            o2 = x * o1
-            o3 = x * o2 - q2 * o1
-            o4 = x * o3 - q2 * o2
-            o5 = x * o4 - q2 * o3
-            e2 = q2 * e2
-            e3 = q6 * e3
-            e4 = q12 * e4
-            e5 = q20 * e5
-            o2 = q2 * o2
-            o3 = q6 * o3
-            o4 = q12 * o4
-            o5 = q20 * o5
-            pole%farthest(i) = 1 + e1 + e2 + e3 + e4 + e5
-            pole%nearest(i) = pole%nearest(i) * pole%farthest(i)
-            pole%slope_farthest(i) = 2 * (o1 + 2 * o2 + 3 * o3 + 4 * o4 + 5 * o5)
-            pole%slope_nearest(i) = 2 * (o1 - 2 * o2 + 3 * o3 - 4 * o4 + 5 * o5)
-            ! sum (-1)^n e_n cos 2nz and sum (-1)^n o_n sin 2nz in powers of cos 2z.
-            pole%even(i, 0) = e1 - 2 * e2 + e3 + e5
-            pole%even(i, 1) = -2 * e2 + 4 * e3 - 4 * e5
-            pole%even(i, 2) = 4 * e3 - 8 * e4 - 4 * e5
-            pole%even(i, 3) = -8 * e4 + 16 * e5
-            pole%even(i, 4) = 16 * e5
-            pole%odd(i, 0) = o1 - o3 + o5
-            pole%odd(i, 1) = -2 * o2 + 4 * o4
-            pole%odd(i, 2) = 4 * o3 - 12 * o5
-            pole%odd(i, 3) = -8 * o4
-            pole%odd(i, 4) = 16 * o5
-        end do
-    end subroutine expand_pole
 
     !> Mean rates, and the quantities of a whole nutation.
     subroutine describe_nutation(block, first, strip)
@@ -592,9 +307,9 @@ contains
                 root_mp = sqrt(m1 * p2)
                 strip%sine_min(i) = strip%root_md(i) * root_mp * per_m1
                 strip%cosine_min(i) = (p2 - d2) / 2
-                strip%sine_max(i) = abs(b_plus_a) * strip%root_b1(i) * strip%per_b1(i) * root_mp * per_p2
-                strip%cosine_max(i) = (p1 - m1) / 2
-                block%u_min(j) = strip%cosine_max(i)
+                strip%sine_max(i) = abs(b_plus_a) * strip%root_b1(i) * strip%per_b1(i) &
+                                    * root_mp * per_p2
+                block%u_min(j) = (p1 - m1) / 2
                 block%delta_u(j) = strip%d(i)
                 block%period(j) = 2 * pi * theta3**2 * strip%root_bu(i) * strip%per_bu(i)
                 block%precession(j) = phi_speed * block%period(j)
@@ -608,101 +323,35 @@ contains
                         + strip%psi_speed(i)) <= huge(q))
             end associate
         end do
-        call find_inclinations(lanes, strip%sine_min, strip%cosine_min, &
-                               block%theta_min(first:first + lanes - 1))
-        call find_inclinations(lanes, strip%sine_max, strip%cosine_max, &
-                               block%theta_max(first:first + lanes - 1))
     end subroutine describe_nutation
 
-    !> The argument at the start of the cases that start between turning points: like a pole's
-    !> position, with X = 2 q cos 2z.
-    subroutine find_start_argument(block, first, strip)
-        class(exact_block_t), intent(in) :: block
+    !> Turning angles. A start at rest is one of them.
+    subroutine find_turning_angles(block, first, strip, moves)
+        class(exact_block_t), intent(inout) :: block
         integer, intent(in) :: first
-        type(strip_t), intent(inout) :: strip
-        real(dp), dimension(lanes) :: excess, position, ratio, sine, cosine, angle
-        real(dp) :: sn2, dn, per_plus, per_all
-        integer :: i
-        !$omp simd private(sn2, dn, per_plus, per_all)
+        type(strip_t), intent(in) :: strip
+        logical, intent(in) :: moves  !! whether some start is none
+        real(dp), dimension(lanes) :: sine, cosine, angle, other
+        integer :: i, j
+        !$omp simd private(j)
         do i = 1, lanes
-            associate (kc => strip%kc(i), k2 => strip%k2(i), d => strip%d(i))
-                per_all = 1 / (d * (1 + kc))
-                per_plus = per_all * d
-                sn2 = -strip%y1(i) * per_all * (1 + kc)
-                dn = sqrt(max(1 - k2 * sn2, 0.0_dp))
-                excess(i) = merge(k2 * (per_plus - sn2) / (dn + strip%root_kc(i))**2, 0.0_dp, &
-                                  strip%g0(i) > 0)
-            end associate
+            j = first - 1 + i
+            sine(i) = merge(strip%sine_max(i), strip%sine_min(i), strip%y1(i) < 0)
+            cosine(i) = merge(block%u_min(j), strip%cosine_min(i), strip%y1(i) < 0)
         end do
-        call solve_position(strip%q, excess, position, strip%doubt)
-        call divide_thetas(strip%q, position, ratio)
-        !$omp simd
+        call find_inclinations(lanes, sine, cosine, angle)
+        other = block%theta(first:first + lanes - 1)
+        if (moves) then
+            call find_inclinations(lanes, strip%sine_min, strip%cosine_min, sine)
+            other = merge(sine, other, strip%g0 > 0)
+        end if
+        !$omp simd private(j)
         do i = 1, lanes
-            sine(i) = strip%root_kc(i) * sqrt(-strip%y1(i)) * ratio(i)
-            cosine(i) = sqrt(strip%y2(i))
+            j = first - 1 + i
+            block%theta_min(j) = min(angle(i), other(i))
+            block%theta_max(j) = max(angle(i), other(i))
         end do
-        call find_arguments(lanes, cosine, sine, angle)
-        !$omp simd
-        do i = 1, lanes
-            strip%z0(i) = merge(sign(angle(i), -block%theta_rate(first - 1 + i)), strip%z0(i), &
-                                strip%g0(i) > 0)
-        end do
-    end subroutine find_start_argument
-
-    !> Arguments of the theta functions at the start: none at a turning point.
-    subroutine find_start_phases(strip, moves)
-        type(strip_t), intent(inout) :: strip
-        logical, intent(in) :: moves
-        real(dp), parameter :: start(lanes) = 0
-        strip%phi_start = 0
-        strip%psi_start = 0
-        if (.not. moves) return
-        call find_phases(strip, start)
-        strip%phi_start = merge(strip%phi_now, 0.0_dp, strip%g0 > 0)
-        strip%psi_start = merge(strip%psi_now, 0.0_dp, strip%g0 > 0)
-    end subroutine find_start_phases
-
-    !> The theta functions of both poles at the given times.
-    subroutine find_phases(strip, time)
-        type(strip_t), intent(inout) :: strip
-        real(dp), intent(in) :: time(lanes)
-        integer :: i
-        strip%z = strip%z0 + strip%zeta * time
-        call find_circular(lanes, strip%z, strip%sine2, strip%cosine2, strip%sine_of_2z)
-        call evaluate_pole(strip%bottom, strip%sine2, strip%cosine2, strip%sine_of_2z)
-        call evaluate_pole(strip%top, strip%cosine2, strip%sine2, strip%sine_of_2z)
-        call find_arguments(lanes, strip%bottom%re, strip%bottom%im, strip%bottom%argument)
-        call find_arguments(lanes, strip%top%re, strip%top%im, strip%top%argument)
-        !$omp simd
-        do i = 1, lanes
-            associate (bottom => strip%bottom, top => strip%top)
-                strip%phi_now(i) = bottom%side(i) * bottom%argument(i) &
-                                   - top%side(i) * top%argument(i)
-                strip%psi_now(i) = bottom%side(i) * bottom%argument(i) &
-                                   + top%side(i) * top%argument(i)
-                strip%doubt(i) = merge(strip%doubt(i), 1.0_dp, &
-                    abs(strip%z(i)) <= largest_angle .and. &
-                    bottom%re(i)**2 + bottom%im(i)**2 > least_theta * bottom%farthest(i)**2 .and. &
-                    top%re(i)**2 + top%im(i)**2 > least_theta * top%farthest(i)**2)
-            end associate
-        end do
-    end subroutine find_phases
-
-    !> Theta of a pole where `near` is sin(z)^2 or cos(z)^2 from it and `far` the other one.
-    subroutine evaluate_pole(pole, near, far, sine_of_2z)
-        type(pole_t), intent(inout) :: pole
-        real(dp), intent(in) :: near(lanes), far(lanes), sine_of_2z(lanes)
-        real(dp) :: c
-        integer :: i
-        !$omp simd private(c)
-        do i = 1, lanes
-            c = far(i) - near(i)
-            pole%re(i) = pole%nearest(i) + 2 * near(i) * (pole%even(i, 0) + c * (pole%even(i, 1) &
-                + c * (pole%even(i, 2) + c * (pole%even(i, 3) + c * pole%even(i, 4)))))
-            pole%im(i) = sine_of_2z(i) * (pole%odd(i, 0) + c * (pole%odd(i, 1) &
-                + c * (pole%odd(i, 2) + c * (pole%odd(i, 3) + c * pole%odd(i, 4)))))
-        end do
-    end subroutine evaluate_pole
+    end subroutine find_turning_angles
 
     !> The motion at the end of the span.
     subroutine describe_end(block, first, strip)
@@ -738,7 +387,7 @@ contains
                 minus = 2 * minus * root * per_all
                 turn = merge(strip%b_minus_a(i) + a * minus, strip%b_plus_a(i) - a * plus, &
                              cosine > 0)
-                sine_rate = turn * (bottom%weight(i) * 0 + 1) / sine
+                sine_rate = turn / sine
                 y = merge(strip%sh(i) - minus, plus - strip%ch(i), cosine > 0)
                 block%theta_rate_end(j) = theta_rate
                 block%energy_error(j) = abs(theta_rate**2 + sine_rate**2 - k0 + beta * y) &

@@ -91,7 +91,7 @@ contains
             real(dp) :: slack, shown
             slack = 0
             if (stepper%controls%steps > 0) slack = grid_slack * t_end / stepper%controls%steps
-            do while (next <= size(samples))
+            do while (next <= size(samples) .and. .not. observer%has_enough)
                 if (samples(next) > t + slack) exit
                 shown = samples(next)
                 if (abs(shown - t) <= slack) then
@@ -131,8 +131,13 @@ contains
         y = work%y
         call formulation%depart(y, h, departed)
         if (.not. departed) return
+        if (h > work%t_end) then
+            h = work%t_end
+            y = work%y
+            call formulation%depart(y, h, departed)
+        end if
         if (stepper%controls%steps == 0) then
-            do while (next <= size(samples))
+            do while (next <= size(samples) .and. .not. observer%has_enough)
                 if (samples(next) >= h) exit
                 call observe_departure(samples(next))
                 next = next + 1
@@ -163,7 +168,7 @@ contains
         class(workspace_t), intent(inout) :: work
         class(observer_t), intent(inout) :: observer
         integer, intent(inout) :: status
-        real(dp) :: left
+        real(dp) :: left, y(max_states)
 
         left = formulation%time_left(work%y)
         select case (status)
@@ -174,8 +179,10 @@ contains
         case default
             return
         end select
-        call formulation%arrive(work%y, left)
+        y = work%y
+        call formulation%arrive(y, left)
         if (work%t + left > work%t_end) return
+        work%y = y
         work%t = work%t + left
         status = status_turning_point
         call observer%observe(formulation, work%t, work%y)

@@ -90,6 +90,7 @@ contains
             t_new = work%t + h
             ! A step that nearly reaches the end is stretched to it.
             if (1.1_dp * h >= work%t_end - work%t .and. h < h_left) t_new = work%t_end
+            t_new = min(t_new, work%t_end)
             h = t_new - work%t
             call try_step(self, formulation, work, h, y_new, error, status)
             if (status == status_ok .and. error <= self%controls%relative_tolerance) exit

@@ -69,7 +69,8 @@ contains
             if (is_set(scene%nutations)) call count_nutations(scene%nutations, case, problems)
             if (is_set(scene%precessions)) call count_precessions(scene%precessions, case, problems)
         case default
-            call problems%add('span', 'the time span is given more than once', ways)
+            call problems%add(merge('span.precessions', 'span.nutations  ', is_set(scene%precessions)), &
+                              'the time span is given more than once', ways)
         end select
     end subroutine make_span
 

@@ -65,7 +65,7 @@ contains
         if (allocated(error)) return
         call read_namelist(input, options%overrides, job%table, diagnostics, error)
         if (allocated(error)) return
-        if (.not. diagnostics%has_errors()) call plan_job(job, problems)
+        call plan_job(job, problems)
         call choose_columns(job, problems)
         call problems%tell(job%table, diagnostics)
         call diagnostics%raise(error)

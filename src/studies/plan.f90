@@ -24,6 +24,10 @@ module spintop_plan
     !> A span this close to a whole number of steps has that number.
     real(dp), parameter :: step_slack = 1.0e-9_dp
 
+    !> Absolute tolerance over relative tolerance where only the latter is given (as in MATLAB's
+    !> defaults, 1e-3 and 1e-6).
+    real(dp), parameter :: absolute_share = 1.0e-3_dp
+
     !> The body that `body_t%is_lagrange` is about.
     character(*), parameter :: known_for = 'an undamped symmetric top with its centre of mass on &
         &body z, at or above the pivot'
@@ -185,9 +189,9 @@ contains
             if (is_set(scene%step)) plan%step = scene%step
 
             if (info%relative_tolerance > 0) controls%relative_tolerance = info%relative_tolerance
-            if (info%absolute_tolerance > 0) controls%absolute_tolerance = info%absolute_tolerance
             call take_tolerance('integration.relative_tolerance', scene%relative_tolerance, &
                                 controls%relative_tolerance)
+            controls%absolute_tolerance = absolute_share * controls%relative_tolerance
             call take_tolerance('integration.absolute_tolerance', scene%absolute_tolerance, &
                                 controls%absolute_tolerance)
             controls%max_steps = scene%max_steps

@@ -75,15 +75,20 @@ contains
         end do
     end function first
 
-    !> Shows the problems at the places where the input gave their parameters.
+    !> Shows the problems at the places where the input gave their parameters. Where the input could
+    !> not be read in full, those are left out that may follow from it: what is said to be missing
+    !> (the name is that of a group), and what is said of a value that could not be read.
     subroutine tell(self, table, diagnostics)
         class(problems_t), intent(in) :: self
         type(parameter_table_t), intent(in) :: table
         type(diagnostics_t), intent(inout) :: diagnostics
+        logical :: unread
         integer :: i
         if (.not. allocated(self%list)) return
+        unread = diagnostics%has_errors()
         do i = 1, size(self%list)
             associate (problem => self%list(i))
+                if (unread .and. .not. is_certain(table, problem%name)) cycle
                 if (problem%is_error) then
                     call diagnostics%error(table%place_of(problem%name), problem%message, problem%hint)
                 else
@@ -92,5 +97,15 @@ contains
             end associate
         end do
     end subroutine tell
+
+    !> Whether a parameter was given and read.
+    logical function is_certain(table, name)
+        type(parameter_table_t), intent(in) :: table
+        character(*), intent(in) :: name
+        integer :: number
+        is_certain = table%is_given(name)
+        number = table%find(name)
+        if (number > 0) is_certain = is_certain .and. .not. table%parameters(number)%faulty
+    end function is_certain
 
 end module spintop_problems

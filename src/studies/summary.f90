@@ -15,7 +15,7 @@ module spintop_summary
     use spintop_text, only: to_text, string_t
     implicit none
     private
-    public :: summary_t, digits, rounded
+    public :: summary_t, decimal, rounded
 
     !> Lines of text, each with a keyword.
     type :: summary_t
@@ -66,24 +66,24 @@ contains
             call self%add('axes', 'the lines below are for the body turned inside, its centre of mass above the pivot')
         end if
         associate (body => case%body, start => case%start)
-            call self%add('constants', 'c1 = Lz = ' // digits(vertical_momentum(body, start)) // ' J s, c2 = E = ' &
-                          // digits(kinetic_energy(body, start) + potential_energy(body, start)) // ' J')
+            call self%add('constants', 'c1 = Lz = ' // decimal(vertical_momentum(body, start)) // ' J s, c2 = E = ' &
+                          // decimal(kinetic_energy(body, start) + potential_energy(body, start)) // ' J')
             if (.not. body%is_lagrange()) return
             call find_nutation(body, start, nutation, status)
             if (status /= status_ok) return
             call self%add('motion', class_name(nutation%class) // ', theta from ' &
-                // digits(nutation%theta_min / degree) // ' to ' // digits(nutation%theta_max / degree) &
-                // ' deg, largest phi_rate ' // digits(nutation%phi_rate_max) // ' rad/s')
-            call self%add('nutation', 'period ' // digits(nutation%period) // ' s, precession ' &
-                // digits(nutation%precession / degree) // ' deg and spin ' &
-                // digits(nutation%spin / degree) // ' deg a nutation')
+                // decimal(nutation%theta_min / degree) // ' to ' // decimal(nutation%theta_max / degree) &
+                // ' deg, largest phi_rate ' // decimal(nutation%phi_rate_max) // ' rad/s')
+            call self%add('nutation', 'period ' // decimal(nutation%period) // ' s, precession ' &
+                // decimal(nutation%precession / degree) // ' deg and spin ' &
+                // decimal(nutation%spin / degree) // ' deg a nutation')
             if (.not. body%mgl() > 0) return
             call self%add('upright', 'a sleeping top is stable from omega3 = ' &
-                // digits(critical_omega3(body)) // ' rad/s; here omega3 = ' // digits(start%omega(3)))
+                // decimal(critical_omega3(body)) // ' rad/s; here omega3 = ' // decimal(start%omega(3)))
             fast = fast_top(body, start%angle(2), start%omega(3))
-            call self%add('fast top', '(I3 omega3)^2/(2 I1 m g l) = ' // digits(fast%ratio) &
+            call self%add('fast top', '(I3 omega3)^2/(2 I1 m g l) = ' // decimal(fast%ratio) &
                 // ' (much greater than 1 for a fast top; the paper takes I3 omega3^2/(4 m g l) = ' &
-                // digits(fast%ratio_of_paper) // ')')
+                // decimal(fast%ratio_of_paper) // ')')
         end associate
     end subroutine describe_motion
 
@@ -103,7 +103,7 @@ contains
     end subroutine describe_cost
 
     !> A number with the digits a reader wants, in decimal or scientific form.
-    function digits(value) result(text)
+    function decimal(value) result(text)
         real(dp), intent(in) :: value
         character(:), allocatable :: text
         character(40) :: buffer
@@ -113,7 +113,7 @@ contains
             write (buffer, '(f24.10)') value
         end if
         text = trim(adjustl(buffer))
-    end function digits
+    end function decimal
 
     !> A measured number with four digits; measurements mean no more.
     function rounded(value) result(text)

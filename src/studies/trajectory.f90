@@ -16,7 +16,7 @@ module spintop_trajectory
     use spintop_parameter_print, only: print_namelist
     use spintop_provenance, only: describe_provenance
     use spintop_status, only: status_ok, status_name, status_meaning
-    use spintop_summary, only: summary_t, digits, rounded
+    use spintop_summary, only: summary_t, decimal, rounded
     use spintop_system, only: seconds
     use spintop_table_file, only: table_file_t
     use spintop_text, only: to_text, string_t
@@ -103,7 +103,7 @@ contains
             else
                 call summary%describe_cost(outcome%counts, plan%stepper%info%refine)
             end if
-            call summary%add('time', rounded(elapsed) // ' s for ' // digits(outcome%t) // ' s of motion')
+            call summary%add('time', rounded(elapsed) // ' s for ' // decimal(outcome%t) // ' s of motion')
             call summary%add('status', status_name(status) // ' at t = ' // to_text(outcome%t) // ': ' &
                              // status_meaning(status))
         end associate

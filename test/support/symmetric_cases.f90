@@ -31,9 +31,9 @@ module symmetric_cases
 
 contains
 
-    subroutine read_symmetric_case(name, case)
+    subroutine read_symmetric_case(name, known)
         character(*), intent(in) :: name
-        type(symmetric_case_t), intent(out) :: case
+        type(symmetric_case_t), intent(out) :: known
         real(dp) :: angle(3), rate(3), value
         character(256) :: line
         integer :: unit, status, equals
@@ -51,15 +51,15 @@ contains
             if (status /= 0) cycle
             select case (line(3:equals))
             case ('I1')
-                case%body%inertia(1:2) = value
+                known%body%inertia(1:2) = value
             case ('I3')
-                case%body%inertia(3) = value
+                known%body%inertia(3) = value
             case ('m')
-                case%body%mass = value
+                known%body%mass = value
             case ('g')
-                case%body%gravity = value
+                known%body%gravity = value
             case ('l')
-                case%body%centre_of_mass(3) = value
+                known%body%centre_of_mass(3) = value
             case ('theta')
                 angle(2) = value
             case ('phidot')
@@ -69,16 +69,16 @@ contains
             case ('psidot')
                 rate(3) = value
             case ('nutation_period')
-                case%period = value
+                known%period = value
             case ('precession_per_nutation')
-                case%precession = value
+                known%precession = value
             case ('spin_per_nutation')
-                case%spin = value
+                known%spin = value
             end select
         end do
         close (unit)
-        case%start = motion_from_angles(0.0_dp, angle, rate)
-        call read_reference(trim(name), case%table)
+        known%start = motion_from_angles(0.0_dp, angle, rate)
+        call read_reference(trim(name), known%table)
     end subroutine read_symmetric_case
 
     !> The motion of a row; accelerations are left zero.

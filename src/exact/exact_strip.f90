@@ -1,0 +1,324 @@
+!> Many motions on their way from the start to the theta functions, in vector loops.
+!>
+!> The stages of `turning_points` and `circular_form` in double precision, each a loop over lanes
+!> with neither branches nor calls, few divisions and square roots: where several quotients are
+!> needed, one inverse of the product of all divisors serves them. Symbols as there; with u = u0 + y
+!> the nutation obeys u'^2 = beta y^3 + g2 y^2 + g1 y + g0.
+module spintop_exact_strip
+    use spintop_kinds, only: dp, pi
+    use spintop_array_functions, only: find_circular, find_arguments, largest_angle
+    use spintop_exact_pole, only: pole_t, lanes, solve_position, divide_thetas, evaluate_pole
+    implicit none
+    private
+    public :: strip_t, find_roots, find_roots_of_moving, find_moduli, find_nome, find_start_phases, &
+        find_phases
+
+    !> Steps of Laguerre's method to an outer root, and its largest last step, relative to the root:
+    !> the error left is about its third power.
+    integer, parameter :: laguerre_steps = 4
+    real(dp), parameter :: largest_last_step = 1.0e-6_dp
+
+    !> Least square of a theta function, relative to its largest: around its zero, the pole, phi and
+    !> psi turn fast.
+    real(dp), parameter :: least_theta = 1.0e-5_dp
+
+    !> The motions of a strip, one per lane.
+    type :: strip_t
+        !> More than 0 where the stages may not give the accuracy promised.
+        real(dp), dimension(lanes) :: doubt
+        !> a, beta, 1 - u0, 1 + u0, phi0' sin(theta0)^2, K0, b - a, b + a.
+        real(dp), dimension(lanes) :: a, beta, sh, ch, turn, k0, b_minus_a, b_plus_a
+        !> Coefficients of the cubic; its roots y1 and y2, their difference, and beta y3.
+        real(dp), dimension(lanes) :: g0, g1, g2, y1, y2, d, beta_y3
+        !> 1 - u1, 1 - u2, 1 + u1, 1 + u2, and two inverses.
+        real(dp), dimension(lanes) :: m1, d2, p1, p2, per_m1, per_p2
+        !> beta (u3 - u1), its root and inverse; the root and inverse of beta (1 + u3);
+        !> beta (u3 - 1) and its root; sqrt((1 - u1)(1 - u2)).
+        real(dp), dimension(lanes) :: bu, root_bu, per_bu, root_b1, per_b1, bd3, root_bd3, root_md
+        !> k^2, k', sqrt(k'), and the nome.
+        real(dp), dimension(lanes) :: k2, kc, root_kc, q
+        !> The poles theta = pi, below the motion, and theta = 0, above it.
+        type(pole_t) :: bottom, top
+        !> Argument of the theta functions at the start and its rate, mean rates of phi and psi, and
+        !> a factor of theta'.
+        real(dp), dimension(lanes) :: z0, zeta, phi_speed, psi_speed, swing
+        !> Sine and cosine of theta_min, sine of theta_max.
+        real(dp), dimension(lanes) :: sine_min, cosine_min, sine_max
+        !> Sum and difference of the theta functions' arguments, as they turn phi and psi, at the
+        !> start and at an instant.
+        real(dp), dimension(lanes) :: phi_start, psi_start, phi_now, psi_now
+        !> At the instant: the argument z, sin(z)^2, cos(z)^2 and sin 2z.
+        real(dp), dimension(lanes) :: z, sine2, cosine2, sine_of_2z
+    end type strip_t
+
+contains
+
+    !> The roots for a start at a turning point, where the cubic is y times a quadratic; and the
+    !> argument there.
+    pure subroutine find_roots(strip)
+        type(strip_t), intent(inout) :: strip
+        real(dp) :: half, per_half, other
+        logical :: falls
+        integer :: i
+        !$omp simd private(half, per_half, other, falls)
+        do i = 1, lanes
+            associate (g1 => strip%g1(i), g2 => strip%g2(i), beta => strip%beta(i))
+                half = (sqrt(max(g2**2 - 4 * beta * g1, 0.0_dp)) + abs(g2)) / 2
+                falls = g2 <= 0
+                ! 1/half, or 1/(half beta).
+                per_half = 1 / merge(half, half * beta, falls)
+                strip%beta_y3(i) = merge(half, -beta**2 * g1 * per_half, falls)
+                other = merge(g1, -half**2, falls) * per_half
+                strip%y1(i) = min(other, 0.0_dp)
+                strip%y2(i) = max(other, 0.0_dp)
+                strip%d(i) = abs(other)
+                strip%d2(i) = strip%sh(i) - strip%y2(i)
+                strip%bd3(i) = strip%beta_y3(i) - beta * strip%sh(i)
+                strip%z0(i) = merge(pi / 2, 0.0_dp, other < 0)
+            end associate
+        end do
+    end subroutine find_roots
+
+    !> The roots for starts between turning points (g0 > 0) instead: the highest one by Laguerre's
+    !> method, downwards from that of the quadratic, and the other two from their sum and product;
+    !> where the upper two may lie close together the lowest one, upwards from u = -1, and the
+    !> distances of the others from u = 1.
+    pure subroutine find_roots_of_moving(strip)
+        type(strip_t), intent(inout) :: strip
+        real(dp) :: c0, c1, c3, y, g, slope, curvature, step, per_y, product, total, d, larger
+        real(dp) :: smaller, per_by, energy, y1, y2, y3, d2, d3, excess, low_g0, per_last
+        logical :: moves, from_lowest
+        integer :: i, n
+        !$omp simd private(c0, c1, c3, y, g, slope, curvature, step, per_y, product, total, d, &
+        !$omp larger, smaller, per_by, energy, y1, y2, y3, d2, d3, excess, low_g0, per_last, moves, &
+        !$omp from_lowest)
+        do i = 1, lanes
+            associate (g0 => strip%g0(i), g1 => strip%g1(i), g2 => strip%g2(i), &
+                       beta => strip%beta(i), sh => strip%sh(i), ch => strip%ch(i))
+                moves = g0 > 0
+                ! The cubic is positive at its inflection.
+                from_lowest = moves .and. &
+                    g2 * (2 * g2**2 - 9 * beta * g1) + 27 * beta**2 * g0 > 0
+                ! In y from below, in beta y from above.
+                c0 = merge(g0, beta**2 * g0, from_lowest)
+                c1 = merge(g1, beta * g1, from_lowest)
+                c3 = merge(beta, 1.0_dp, from_lowest)
+                y = merge(-ch, strip%beta_y3(i), from_lowest)
+                step = 0
+                do n = 1, laguerre_steps
+                    g = c0 + y * (c1 + y * (g2 + y * c3))
+                    slope = c1 + y * (2 * g2 + y * 3 * c3)
+                    curvature = 2 * g2 + 6 * y * c3
+                    step = 3 * g / (slope + sqrt(max(4 * slope**2 - 6 * g * curvature, 0.0_dp)))
+                    y = y - step
+                end do
+                strip%doubt(i) = merge(1.0_dp, strip%doubt(i), &
+                                       moves .and. abs(step) > largest_last_step * abs(y))
+
+                per_y = 1 / y
+                product = -g0 * per_y
+                total = (g1 - beta * product) * per_y
+                d = sqrt(max(total**2 - 4 * product, 0.0_dp))
+                larger = (total + sign(d, total)) / 2
+                smaller = product / larger
+
+                ! u2 + u3 - 2 in two ways: the one with the smaller terms cancels less.
+                y1 = y
+                energy = strip%k0(i) + strip%a(i)**2
+                low_g0 = g0 * per_y
+                per_by = 1 / (beta * y1)
+                excess = merge((g1 + low_g0) * per_by - 2 * sh, energy * y1 * per_by - 2 - y1, &
+                    2 * sh - (abs(g1) - low_g0) * per_by < energy * y1 * per_by + 2 - y1)
+                total = strip%b_minus_a(i)**2 / (beta * (sh - y1))
+                d3 = (abs(excess) + sqrt(excess**2 + 4 * total)) / 2
+                per_last = total / d3
+                d2 = merge(per_last, d3, excess >= 0)
+                d3 = merge(d3, per_last, excess >= 0)
+                y3 = sh + d3
+                y2 = -low_g0 / (beta * y3)
+
+                strip%y1(i) = merge(merge(y1, min(larger, smaller), from_lowest), strip%y1(i), moves)
+                strip%y2(i) = merge(merge(y2, max(larger, smaller), from_lowest), strip%y2(i), moves)
+                strip%d(i) = merge(merge(y2 - y1, d, from_lowest), strip%d(i), moves)
+                strip%beta_y3(i) = merge(merge(beta * y3, y, from_lowest), strip%beta_y3(i), moves)
+                strip%d2(i) = merge(d2, sh - strip%y2(i), from_lowest)
+                strip%bd3(i) = merge(beta * d3, strip%beta_y3(i) - beta * sh, from_lowest)
+            end associate
+        end do
+    end subroutine find_roots_of_moving
+
+    !> Distances of the roots, and the moduli.
+    pure subroutine find_moduli(strip)
+        type(strip_t), intent(inout) :: strip
+        real(dp) :: b1, larger, root, other_root, mp, bb, per_all, per_larger
+        logical :: u3_farther
+        integer :: i
+        !$omp simd private(b1, larger, root, other_root, mp, bb, per_all, per_larger, u3_farther)
+        do i = 1, lanes
+            associate (beta => strip%beta(i), y1 => strip%y1(i), beta_y3 => strip%beta_y3(i), &
+                       m1 => strip%m1(i), d2 => strip%d2(i), p2 => strip%p2(i), &
+                       bu => strip%bu(i), bd3 => strip%bd3(i), per_m1 => strip%per_m1(i), &
+                       per_p2 => strip%per_p2(i), per_bu => strip%per_bu(i), &
+                       per_b1 => strip%per_b1(i))
+                m1 = strip%sh(i) - y1
+                p2 = strip%ch(i) + strip%y2(i)
+                bu = beta_y3 - beta * y1
+                b1 = beta_y3 + beta * strip%ch(i)
+                ! Of the distances of u2 and u3 from 1 the larger is exact; the other one follows
+                ! from f(1) = -(b-a)^2.
+                u3_farther = bd3 > beta * d2
+                larger = merge(bd3, m1 * d2, u3_farther)
+                mp = m1 * p2
+                bb = bu * b1
+                per_all = 1 / (mp * bb * larger)
+                per_larger = per_all * mp * bb
+                per_all = per_all * larger
+                per_m1 = per_all * bb * p2
+                per_p2 = per_all * bb * m1
+                per_bu = per_all * mp * b1
+                per_b1 = per_all * mp * bu
+                root = sqrt(larger)
+                other_root = abs(strip%b_minus_a(i)) * root * per_larger
+                strip%root_bd3(i) = merge(root, other_root, u3_farther)
+                strip%root_md(i) = merge(other_root, root, u3_farther)
+                bd3 = merge(bd3, other_root**2, u3_farther)
+                d2 = merge(other_root**2 * per_m1, d2, u3_farther)
+                strip%p1(i) = strip%b_plus_a(i)**2 * per_p2 * per_b1
+
+                strip%root_b1(i) = sqrt(b1)
+                strip%k2(i) = beta * strip%d(i) * per_bu
+                strip%kc(i) = sqrt((beta * d2 + bd3) * per_bu)
+                strip%root_kc(i) = sqrt(strip%kc(i))
+            end associate
+        end do
+    end subroutine find_moduli
+
+    !> The nome, and what the poles follow from.
+    pure subroutine find_nome(strip)
+        type(strip_t), intent(inout) :: strip
+        !> Of the nome's series in the fourth power of its leading term.
+        real(dp), parameter :: c(0:11) = [real(dp) :: 1, 2, 15, 150, 1707, 20910, 268616, 3567400, &
+            48555069, 673458874, 9481557398.0_dp, 135119529972.0_dp]
+        real(dp) :: plus_root, leading, t, series, root_bottom, root_top, sum_bottom, sum_top
+        real(dp) :: factor, per_all, per_factor, per_sums, per_kc
+        integer :: i, n
+        !$omp simd private(plus_root, leading, t, series, root_bottom, root_top, sum_bottom, &
+        !$omp sum_top, factor, per_all, per_factor, per_sums, per_kc)
+        do i = 1, lanes
+            associate (k2 => strip%k2(i), kc => strip%kc(i), root_kc => strip%root_kc(i), &
+                       d => strip%d(i), root_bu => strip%root_bu(i), bottom => strip%bottom, &
+                       top => strip%top)
+                root_bu = sqrt(strip%bu(i))
+                ! sqrt(k'/B1), sqrt(p1 p2 k') and sqrt(m1 d2 k').
+                bottom%scale(i) = root_kc * strip%root_b1(i) * strip%per_b1(i)
+                root_bottom = abs(strip%b_plus_a(i)) * bottom%scale(i)
+                root_top = root_kc * strip%root_md(i)
+                sum_bottom = strip%p2(i) + strip%p1(i) * kc + 2 * root_bottom
+                sum_top = strip%m1(i) * kc + strip%d2(i) + 2 * root_top
+                plus_root = (1 + root_kc)**2
+                factor = (1 + kc) * plus_root
+
+                per_all = 1 / (factor * kc * sum_bottom * sum_top)
+                per_factor = per_all * kc * sum_bottom * sum_top
+                per_kc = per_all * factor * sum_bottom * sum_top
+                per_sums = per_all * factor * kc
+
+                leading = k2 / 2 * per_factor
+                t = leading**4
+                series = c(11)
+                do n = 10, 0, -1
+                    series = c(n) + t * series
+                end do
+                strip%q(i) = leading * series
+
+                bottom%excess(i) = (d + strip%p1(i) * k2 * plus_root * per_factor) &
+                                   * sum_top * per_sums
+                top%excess(i) = d * (strip%bd3(i) * strip%per_bu(i) + kc) &
+                                * plus_root * per_factor * sum_bottom * per_sums
+                bottom%scale(i) = bottom%scale(i) * root_bu
+                top%scale(i) = root_kc * strip%root_bd3(i) * root_bu * strip%per_bu(i) * per_kc
+                bottom%nearest(i) = root_bottom * strip%per_p2(i)
+                top%nearest(i) = root_top * strip%per_m1(i) * per_kc
+                bottom%side(i) = sign(1.0_dp, strip%b_plus_a(i))
+                top%side(i) = sign(1.0_dp, strip%b_minus_a(i))
+            end associate
+        end do
+    end subroutine find_nome
+
+    !> Arguments of the theta functions at the start; none at a turning point.
+    pure subroutine find_start_phases(strip, theta_rate, moves)
+        type(strip_t), intent(inout) :: strip
+        real(dp), intent(in) :: theta_rate(lanes)
+        logical, intent(in) :: moves  !! whether some start is between turning points
+        real(dp) :: start(lanes)
+        strip%phi_start = 0
+        strip%psi_start = 0
+        if (.not. moves) return
+        call find_start_argument(strip, theta_rate)
+        start = 0
+        call find_phases(strip, start)
+        strip%phi_start = merge(strip%phi_now, 0.0_dp, strip%g0 > 0)
+        strip%psi_start = merge(strip%psi_now, 0.0_dp, strip%g0 > 0)
+    end subroutine find_start_phases
+
+    !> The argument at the start of the cases that start between turning points: like a pole's
+    !> position, with X = 2 q cos 2z.
+    pure subroutine find_start_argument(strip, theta_rate)
+        type(strip_t), intent(inout) :: strip
+        real(dp), intent(in) :: theta_rate(lanes)
+        real(dp), dimension(lanes) :: excess, position, ratio, sine, cosine, angle
+        real(dp) :: sn2, dn, per_plus, per_all
+        integer :: i
+        !$omp simd private(sn2, dn, per_plus, per_all)
+        do i = 1, lanes
+            associate (kc => strip%kc(i), k2 => strip%k2(i), d => strip%d(i))
+                per_all = 1 / (d * (1 + kc))
+                per_plus = per_all * d
+                sn2 = -strip%y1(i) * per_all * (1 + kc)
+                dn = sqrt(max(1 - k2 * sn2, 0.0_dp))
+                excess(i) = merge(k2 * (per_plus - sn2) / (dn + strip%root_kc(i))**2, 0.0_dp, &
+                                  strip%g0(i) > 0)
+            end associate
+        end do
+        call solve_position(strip%q, excess, position, strip%doubt)
+        call divide_thetas(strip%q, position, ratio)
+        !$omp simd
+        do i = 1, lanes
+            sine(i) = strip%root_kc(i) * sqrt(-strip%y1(i)) * ratio(i)
+            cosine(i) = sqrt(strip%y2(i))
+        end do
+        call find_arguments(lanes, cosine, sine, angle)
+        !$omp simd
+        do i = 1, lanes
+            strip%z0(i) = merge(sign(angle(i), -theta_rate(i)), strip%z0(i), &
+                                strip%g0(i) > 0)
+        end do
+    end subroutine find_start_argument
+
+    !> The theta functions of both poles at the given times.
+    pure subroutine find_phases(strip, time)
+        type(strip_t), intent(inout) :: strip
+        real(dp), intent(in) :: time(lanes)
+        integer :: i
+        strip%z = strip%z0 + strip%zeta * time
+        call find_circular(lanes, strip%z, strip%sine2, strip%cosine2, strip%sine_of_2z)
+        call evaluate_pole(strip%bottom, strip%sine2, strip%cosine2, strip%sine_of_2z)
+        call evaluate_pole(strip%top, strip%cosine2, strip%sine2, strip%sine_of_2z)
+        call find_arguments(lanes, strip%bottom%re, strip%bottom%im, strip%bottom%argument)
+        call find_arguments(lanes, strip%top%re, strip%top%im, strip%top%argument)
+        !$omp simd
+        do i = 1, lanes
+            associate (bottom => strip%bottom, top => strip%top)
+                strip%phi_now(i) = bottom%side(i) * bottom%argument(i) &
+                                   - top%side(i) * top%argument(i)
+                strip%psi_now(i) = bottom%side(i) * bottom%argument(i) &
+                                   + top%side(i) * top%argument(i)
+                strip%doubt(i) = merge(strip%doubt(i), 1.0_dp, &
+                    abs(strip%z(i)) <= largest_angle .and. &
+                    bottom%re(i)**2 + bottom%im(i)**2 > least_theta * bottom%farthest(i)**2 .and. &
+                    top%re(i)**2 + top%im(i)**2 > least_theta * top%farthest(i)**2)
+            end associate
+        end do
+    end subroutine find_phases
+
+end module spintop_exact_strip

@@ -66,64 +66,6 @@ module spintop_exact_block
     end type exact_block_t
 
 contains
-        procedure :: compute
-        procedure, private :: fill_last_strip
-        procedure, private :: compute_alone
-    end type exact_block_t
-
-    !> One pole of the sphere, seen by the motion: its theta function
-    !>
-    !>     Theta = nearest + 2 h even(c) + i side odd(c) sin 2z
-    !>
-    !> with polynomials `even` and `odd` in c; c = cos 2z and h = sin(z)^2 for theta = pi,
-    !> c = -cos 2z and h = cos(z)^2 for theta = 0. Written from its least value for digits close to
-    !> the pole.
-    type :: pole_t
-        !> What its position X follows from ("eps"), X, A/B of X, and sqrt(k') rho.
-        real(dp), dimension(lanes) :: excess, position, ratio, scale
-        !> Theta where the axis is farthest ("S") and nearest, the latter at first relative to S.
-        real(dp), dimension(lanes) :: farthest, nearest
-        !> The derivatives of both ("D S" and "D' S'").
-        real(dp), dimension(lanes) :: slope_farthest, slope_nearest
-        real(dp), dimension(lanes, 0:4) :: even, odd
-        !> Sign of the turn about the pole.
-        real(dp), dimension(lanes) :: side
-        !> Factor of |Theta|^2 in 1 + u or 1 - u, but for a common one.
-        real(dp), dimension(lanes) :: weight
-        !> Theta at an instant, and its argument.
-        real(dp), dimension(lanes) :: re, im, argument
-    end type pole_t
-
-    !> A strip of cases on its way through the stages.
-    type :: strip_t
-        !> More than 0 for a case that the stages may not serve well.
-        real(dp), dimension(lanes) :: doubt
-        !> a, beta, 1 - u0, 1 + u0, phi0' sin(theta0)^2, K0, b - a, b + a.
-        real(dp), dimension(lanes) :: a, beta, sh, ch, turn, k0, b_minus_a, b_plus_a
-        !> Coefficients of the cubic in y = u - u0; its roots y1 and y2, their difference, and
-        !> beta y3.
-        real(dp), dimension(lanes) :: g0, g1, g2, y1, y2, d, beta_y3
-        !> 1 - u1, 1 - u2, 1 + u1, 1 + u2 and two inverses; sqrt(beta (u3 - 1)),
-        !> sqrt(m1 d2), sqrt(m1 p2), sqrt(beta (u3 - u1)), sqrt(beta (1 + u3)) and two inverses.
-        real(dp), dimension(lanes) :: m1, d2, p1, p2, per_m1, per_p2
-        real(dp), dimension(lanes) :: root_bd3, root_md, bu, root_bu, root_b1, per_bu, per_b1
-        !> Moduli k^2, k', sqrt(k'), and the nome.
-        real(dp), dimension(lanes) :: k2, kc, root_kc, q
-        !> Sines and cosines of both turning angles.
-        real(dp), dimension(lanes) :: sine_min, cosine_min, sine_max, cosine_max
-        !> Argument at the start and its rate; mean rates of phi and psi.
-        real(dp), dimension(lanes) :: z0, zeta, phi_speed, psi_speed
-        !> arg Theta+ + arg Theta- and arg Theta+ - arg Theta- at the start.
-        real(dp), dimension(lanes) :: phi_start, psi_start
-        !> Factor of theta'.
-        real(dp), dimension(lanes) :: swing
-        type(pole_t) :: bottom, top
-        !> At an instant: the argument, sin(z)^2, cos(z)^2, sin 2z, both sums as above.
-        real(dp), dimension(lanes) :: z, sine2, cosine2, sine_of_2z, phi_now, psi_now
-        real(dp), dimension(lanes) :: sine_now, cosine_now
-    end type strip_t
-
-contains
 
     !> Computes all cases of the block: the quantities of a whole nutation; with `wants_end` the
     !> motion at `t_end`; with `wants_period` phi at `t_period`.
@@ -358,23 +300,23 @@ contains
         class(exact_block_t), intent(inout) :: block
         integer, intent(in) :: first
         type(strip_t), intent(inout) :: strip
-        real(dp) :: plus, minus, root, per_all, q2, q6, v, series, turn, y, theta_rate, sine_rate
+        real(dp), dimension(lanes) :: sine, cosine
+        real(dp) :: plus, minus, root, per_all, q2, q6, v, series, turn, y, theta_rate
         integer :: i, j
-        !$omp simd private(plus, minus, root, per_all, q2, q6, v, series, turn, y, theta_rate, &
-        !$omp sine_rate, j)
+        !$omp simd private(plus, minus, root, per_all, q2, q6, v, series, turn, y, theta_rate, j)
         do i = 1, lanes
             j = first - 1 + i
             associate (bottom => strip%bottom, top => strip%top, a => strip%a(i), &
-                       sine => strip%sine_now(i), cosine => strip%cosine_now(i), &
-                       beta => strip%beta(i), k0 => strip%k0(i))
+                       beta => strip%beta(i), k0 => strip%k0(i), speed => strip%psi_speed(i))
+                ! 1 + u and 1 - u, but for a common factor: their sum is 2.
                 plus = bottom%weight(i) * (bottom%re(i)**2 + bottom%im(i)**2)
                 minus = top%weight(i) * (top%re(i)**2 + top%im(i)**2)
                 root = sqrt(plus * minus)
                 per_all = 1 / ((plus + minus) * root)
-                sine = 2 * plus * minus * per_all
-                cosine = (plus - minus) * root * per_all
+                sine(i) = 2 * plus * minus * per_all
+                cosine(i) = (plus - minus) * root * per_all
 
-                ! u' is the theta function of twice the argument over theta_4(z)^4.
+                ! u' is a theta function of twice the argument, over theta_4(z)^4.
                 q2 = strip%q(i)**2
                 q6 = q2**3
                 v = 4 * (strip%cosine2(i) - strip%sine2(i))**2
@@ -383,30 +325,26 @@ contains
                     + q6**3 * q2 * (v * (v * (v * (v - 7) + 15) - 10) + 1)
                 theta_rate = -strip%swing(i) * series * strip%sine_of_2z(i) * per_all
 
-                plus = 2 * plus * root * per_all
-                minus = 2 * minus * root * per_all
-                turn = merge(strip%b_minus_a(i) + a * minus, strip%b_plus_a(i) - a * plus, &
-                             cosine > 0)
-                sine_rate = turn / sine
-                y = merge(strip%sh(i) - minus, plus - strip%ch(i), cosine > 0)
-                block%theta_rate_end(j) = theta_rate
-                block%energy_error(j) = abs(theta_rate**2 + sine_rate**2 - k0 + beta * y) &
+                ! phi' sin(theta)^2 from the nearer pole; phi' sin(theta) is this over the sine.
+                turn = merge(strip%b_minus_a(i) + a * (2 * minus * root * per_all), &
+                             strip%b_plus_a(i) - a * (2 * plus * root * per_all), cosine(i) > 0)
+                y = merge(strip%sh(i) - 2 * minus * root * per_all, &
+                          2 * plus * root * per_all - strip%ch(i), cosine(i) > 0)
+                block%energy_error(j) = abs(theta_rate**2 - k0 + beta * y &
+                    + (turn * (plus + minus)**2 * per_all / 2)**2) &
                     / (k0 + a * block%omega3(j) + beta)
+                block%theta_rate_end(j) = theta_rate
                 block%phi_end(j) = block%phi(j) + (strip%phi_speed(i) * block%t_end(j) &
                     + (strip%phi_now(i) - strip%phi_start(i)))
-                block%psi_end(j) = block%psi(j) + (strip%psi_speed(i) * block%t_end(j) &
+                block%psi_end(j) = block%psi(j) + (speed * block%t_end(j) &
                     + (strip%psi_now(i) - strip%psi_start(i)))
+                ! Comparisons that infinities and NaN fail, too.
+                strip%doubt(i) = merge(strip%doubt(i), 1.0_dp, &
+                    abs(sine(i) + theta_rate + block%energy_error(j) &
+                        + block%phi_end(j) + block%psi_end(j)) <= huge(y))
             end associate
         end do
-        call find_inclinations(lanes, strip%sine_now, strip%cosine_now, &
-                               block%theta_end(first:first + lanes - 1))
-        !$omp simd private(j)
-        do i = 1, lanes
-            j = first - 1 + i
-            strip%doubt(i) = merge(strip%doubt(i), 1.0_dp, &
-                abs(block%theta_end(j) + block%theta_rate_end(j) + block%energy_error(j) &
-                    + block%phi_end(j) + block%psi_end(j)) <= huge(0.0_dp))
-        end do
+        call find_inclinations(lanes, sine, cosine, block%theta_end(first:first + lanes - 1))
     end subroutine describe_end
 
     !> phi after the other time.

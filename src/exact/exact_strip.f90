@@ -87,18 +87,17 @@ contains
         type(strip_t), intent(inout) :: strip
         real(dp) :: c0, c1, c3, y, g, slope, curvature, step, per_y, product, total, d, larger
         real(dp) :: smaller, per_by, energy, y1, y2, y3, d2, d3, excess, low_g0, per_last
-        logical :: moves, from_lowest
+        logical :: from_lowest
         integer :: i, n
         !$omp simd private(c0, c1, c3, y, g, slope, curvature, step, per_y, product, total, d, &
-        !$omp larger, smaller, per_by, energy, y1, y2, y3, d2, d3, excess, low_g0, per_last, moves, &
+        !$omp larger, smaller, per_by, energy, y1, y2, y3, d2, d3, excess, low_g0, per_last, &
         !$omp from_lowest)
         do i = 1, lanes
             associate (g0 => strip%g0(i), g1 => strip%g1(i), g2 => strip%g2(i), &
                        beta => strip%beta(i), sh => strip%sh(i), ch => strip%ch(i))
-                moves = g0 > 0
-                ! The cubic is positive at its inflection.
-                from_lowest = moves .and. &
-                    g2 * (2 * g2**2 - 9 * beta * g1) + 27 * beta**2 * g0 > 0
+                ! Where the cubic is positive at its inflection.
+                from_lowest = merge(g2 * (2 * g2**2 - 9 * beta * g1) + 27 * beta**2 * g0, &
+                                    0.0_dp, g0 > 0) > 0
                 ! In y from below, in beta y from above.
                 c0 = merge(g0, beta**2 * g0, from_lowest)
                 c1 = merge(g1, beta * g1, from_lowest)
@@ -112,8 +111,9 @@ contains
                     step = 3 * g / (slope + sqrt(max(4 * slope**2 - 6 * g * curvature, 0.0_dp)))
                     y = y - step
                 end do
+                step = merge(step, 0.0_dp, g0 > 0)
                 strip%doubt(i) = merge(1.0_dp, strip%doubt(i), &
-                                       moves .and. abs(step) > largest_last_step * abs(y))
+                                       abs(step) > largest_last_step * abs(y))
 
                 per_y = 1 / y
                 product = -g0 * per_y
@@ -137,12 +137,18 @@ contains
                 y3 = sh + d3
                 y2 = -low_g0 / (beta * y3)
 
-                strip%y1(i) = merge(merge(y1, min(larger, smaller), from_lowest), strip%y1(i), moves)
-                strip%y2(i) = merge(merge(y2, max(larger, smaller), from_lowest), strip%y2(i), moves)
-                strip%d(i) = merge(merge(y2 - y1, d, from_lowest), strip%d(i), moves)
-                strip%beta_y3(i) = merge(merge(beta * y3, y, from_lowest), strip%beta_y3(i), moves)
-                strip%d2(i) = merge(d2, sh - strip%y2(i), from_lowest)
-                strip%bd3(i) = merge(beta * d3, strip%beta_y3(i) - beta * sh, from_lowest)
+                y1 = merge(y1, min(larger, smaller), from_lowest)
+                y2 = merge(y2, max(larger, smaller), from_lowest)
+                d = merge(y2 - y1, d, from_lowest)
+                y = merge(beta * y3, y, from_lowest)
+                d2 = merge(d2, sh - y2, from_lowest)
+                d3 = merge(beta * d3, y - beta * sh, from_lowest)
+                strip%y1(i) = merge(y1, strip%y1(i), g0 > 0)
+                strip%y2(i) = merge(y2, strip%y2(i), g0 > 0)
+                strip%d(i) = merge(d, strip%d(i), g0 > 0)
+                strip%beta_y3(i) = merge(y, strip%beta_y3(i), g0 > 0)
+                strip%d2(i) = merge(d2, strip%d2(i), g0 > 0)
+                strip%bd3(i) = merge(d3, strip%bd3(i), g0 > 0)
             end associate
         end do
     end subroutine find_roots_of_moving

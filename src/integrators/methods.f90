@@ -48,7 +48,7 @@ contains
             order=1, fixed_step=.true., implicit=.true.)))
         call known%add(ode45_t(table=dormand_prince_table(), info=method_info_t( &
             'ode45', "Dormand-Prince 5(4) with MATLAB's step control", order=5, adaptive=.true., &
-            relative_tolerance=1.0e-3_dp, refine=4)))
+            relative_tolerance=1.0e-3_dp, absolute_tolerance=1.0e-6_dp, refine=4)))
         call known%add(arkode_t(info=method_info_t( &
             'arkode_erk', 'explicit Runge-Kutta of SUNDIALS ARKODE', &
             fixed_step=.true., adaptive=.true., takes_table=.true.)))

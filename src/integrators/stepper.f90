@@ -25,8 +25,9 @@ module spintop_stepper
         logical :: symmetric = .false.
         !> Takes a Butcher table by name.
         logical :: takes_table = .false.
-        !> Relative tolerance of its own where the user gives none (0: the program's).
+        !> Tolerances of its own where the user gives none (0: the program's).
         real(dp) :: relative_tolerance = 0
+        real(dp) :: absolute_tolerance = 0
         !> Output points a step by its own convention (ode45: 4); 0 without one.
         integer :: refine = 0
     end type method_info_t

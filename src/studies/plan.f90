@@ -24,8 +24,9 @@ module spintop_plan
     !> A span this close to a whole number of steps has that number.
     real(dp), parameter :: step_slack = 1.0e-9_dp
 
-    !> Absolute tolerance over relative tolerance where only the latter is given (as in MATLAB's
-    !> defaults, 1e-3 and 1e-6).
+    !> Absolute over relative tolerance at most, where only the latter is given; their ratio in
+    !> MATLAB's defaults, 1e-3 and 1e-6. With MATLAB itself a small relative tolerance alone does
+    !> little, for the absolute one stays.
     real(dp), parameter :: absolute_share = 1.0e-3_dp
 
     !> The body that `body_t%is_lagrange` is about.
@@ -189,9 +190,11 @@ contains
             if (is_set(scene%step)) plan%step = scene%step
 
             if (info%relative_tolerance > 0) controls%relative_tolerance = info%relative_tolerance
+            if (info%absolute_tolerance > 0) controls%absolute_tolerance = info%absolute_tolerance
             call take_tolerance('integration.relative_tolerance', scene%relative_tolerance, &
                                 controls%relative_tolerance)
-            controls%absolute_tolerance = absolute_share * controls%relative_tolerance
+            if (is_set(scene%relative_tolerance)) controls%absolute_tolerance = &
+                min(controls%absolute_tolerance, absolute_share * controls%relative_tolerance)
             call take_tolerance('integration.absolute_tolerance', scene%absolute_tolerance, &
                                 controls%absolute_tolerance)
             controls%max_steps = scene%max_steps

@@ -91,7 +91,8 @@ def describe_run(table: Table) -> str:
         return "exact motion"
     formulation = table.setting("integration.formulation")
     if "auto" in (method, formulation):
-        formulation, method = (table.header.get(name, "").split(":")[0] for name in ("model", "method"))
+        formulation = table.header.get("model", "").split(":")[0]
+        method = table.header.get("method", "").split(":")[0]
         if method == "exact":
             return "exact motion"
     words = [f"formulation {formulation}", f"method {method}"]

@@ -117,6 +117,9 @@ contains
         nutation%complement_squared = real(points%complement_squared, dp)
 
         if (motion%regime == regime_resting) then
+            nutation%theta_min = inclination(start%one_minus_u, start%one_plus_u)
+            nutation%theta_max = nutation%theta_min
+            nutation%delta_u = 0
             nutation%spin_rate = real(start%omega3, dp)
             nutation%period = ieee_value(1.0_dp, ieee_positive_inf)
             ! Without swing the period is that of infinitely small nutations.

@@ -2,11 +2,12 @@
 module spintop_summary
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp, degree
+    use spintop_compare, only: is_finite
     use spintop_body, only: body_t
     use spintop_case, only: case_t
     use spintop_fast_top, only: fast_top_t, fast_top
     use spintop_motion, only: motion_t
-    use spintop_nutation, only: nutation_t, find_nutation, class_name
+    use spintop_nutation, only: nutation_t, find_nutation, class_name, class_meaning
     use spintop_plan, only: plan_t
     use spintop_quantities, only: kinetic_energy, potential_energy, vertical_momentum
     use spintop_sleeping_top, only: critical_omega3
@@ -74,6 +75,10 @@ contains
             call self%add('motion', class_name(nutation%class) // ', theta from ' &
                 // decimal(nutation%theta_min / degree) // ' to ' // decimal(nutation%theta_max / degree) &
                 // ' deg, largest phi_rate ' // decimal(nutation%phi_rate_max) // ' rad/s')
+            if (.not. is_finite(nutation%period)) then
+                call self%add('nutation', 'none: ' // class_meaning(nutation%class))
+                return
+            end if
             call self%add('nutation', 'period ' // decimal(nutation%period) // ' s, precession ' &
                 // decimal(nutation%precession / degree) // ' deg and spin ' &
                 // decimal(nutation%spin / degree) // ' deg a nutation')

@@ -13,13 +13,14 @@ module spintop_exact_block
     use spintop_kinds, only: dp, pi
     use spintop_array_functions, only: find_circular, find_inclinations
     use spintop_body, only: body_t
+    use spintop_compare, only: is_finite
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_exact_pole, only: lanes, largest_nome, place_pole
     use spintop_exact_strip, only: strip_t, find_roots, find_roots_of_moving, find_moduli, &
         find_nome, find_start_phases, find_phases
     use spintop_motion, only: motion_t, motion_from_angles
     use spintop_quantities, only: kinetic_energy, potential_energy
-    use spintop_status, only: status_ok
+    use spintop_status, only: status_ok, status_non_finite
     implicit none
     private
     public :: exact_block_t, block_size, block_accuracy
@@ -54,8 +55,9 @@ module spintop_exact_block
         real(dp), dimension(block_size) :: theta_end, phi_end, psi_end, theta_rate_end, energy_error
         !> phi at `t_period` less phi at the start, rad.
         real(dp), dimension(block_size) :: phi_at_period
-        !> How each case ended: `status_ok`, or why `prepare_exact_motion` refused it; its results
-        !> then mean nothing.
+        !> How each case ended: `status_ok`, or why it has no results: what `prepare_exact_motion`
+        !> says of it, or `status_non_finite` for results that are no numbers. The period, and with
+        !> it what it adds to phi, may be infinite (on the separatrix, and for an axis that rests).
         integer, dimension(block_size) :: status = status_ok
         !> Cases that went to the scalar routine.
         integer :: fallbacks = 0
@@ -235,8 +237,7 @@ contains
 
                 bottom%weight(i) = p2 * per_bottom**2
                 top%weight(i) = m1 * kc * per_top**2
-                strip%swing(i) = 2 * strip%d(i) * (strip%root_bu(i) / 2) * kc * strip%root_kc(i) &
-                                 * per_theta2
+                strip%swing(i) = strip%d(i) * strip%root_bu(i) * kc * strip%root_kc(i) * per_theta2
 
                 ! b - a u at the turning points, in the form that cancels least.
                 top_turn = merge(turn - a * y2, b_minus_a + a * d2, &
@@ -267,7 +268,7 @@ contains
         end do
     end subroutine describe_nutation
 
-    !> Turning angles. A start at rest is one of them.
+    !> Turning angles. A start that is one of them leaves the other to be found.
     subroutine find_turning_angles(block, first, strip, moves)
         class(exact_block_t), intent(inout) :: block
         integer, intent(in) :: first
@@ -278,8 +279,9 @@ contains
         !$omp simd private(j)
         do i = 1, lanes
             j = first - 1 + i
-            sine(i) = merge(strip%sine_max(i), strip%sine_min(i), strip%y1(i) < 0)
-            cosine(i) = merge(block%u_min(j), strip%cosine_min(i), strip%y1(i) < 0)
+            other(i) = max(strip%g0(i), -strip%y1(i))
+            sine(i) = merge(strip%sine_max(i), strip%sine_min(i), other(i) > 0)
+            cosine(i) = merge(block%u_min(j), strip%cosine_min(i), other(i) > 0)
         end do
         call find_inclinations(lanes, sine, cosine, angle)
         other = block%theta(first:first + lanes - 1)
@@ -371,7 +373,7 @@ contains
         type(body_t) :: body
         type(motion_t) :: start, motion
         type(exact_motion_t) :: exact
-        real(dp) :: energy
+        real(dp) :: energy, total
 
         self%fallbacks = self%fallbacks + 1
         body%inertia = [self%inertia1(i), self%inertia1(i), self%inertia3(i)]
@@ -409,6 +411,13 @@ contains
             motion = exact%at(self%t_period(i))
             self%phi_at_period(i) = motion%angle(1) - self%phi(i)
         end if
+        ! Only the period, and with it what it adds to phi, may be infinite.
+        total = self%theta_min(i) + self%theta_max(i) + self%precession_rate(i) &
+                + self%phi_rate_max(i)
+        if (wants_end) total = total + self%theta_end(i) + self%phi_end(i) + self%psi_end(i) &
+                               + self%theta_rate_end(i) + self%energy_error(i)
+        if (wants_period) total = total + self%phi_at_period(i)
+        if (.not. is_finite(total)) self%status(i) = status_non_finite
     end subroutine compute_alone
 
 end module spintop_exact_block

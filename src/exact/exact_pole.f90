@@ -1,7 +1,7 @@
-!> The theta functions of many motions at once: form 2 of the exact motion's poles in vector loops.
+!> The theta functions of many motions at once, in vector loops.
 !>
 !> Every motion sees the two poles of the sphere at fixed places of the complex argument. Their
-!> position, the expansion around it and its value at an instant are three loops over lanes. The
+!> position, the expansion from it and the value at an instant are loops over lanes. The
 !> formulas are those of `circular_form`, with terms up to the fifth multiple of the argument, which
 !> serve nomes up to 0.27 (the next term is q^30).
 !>
@@ -24,11 +24,11 @@ module spintop_exact_pole
 
     !> One pole of the sphere, seen by the motions: its theta function
     !>
-    !>     Theta(z) = nearest + 2 h even(c) + i side odd(c) sin 2z
+    !>     Theta(z) = nearest + 2 h even(c) +- i side odd(c) sin 2z
     !>
-    !> with polynomials `even` and `odd` in c, where c = cos 2z and h = sin(z)^2 for theta = pi (z = 0
-    !> at the lower turning point), c = -cos 2z and h = cos(z)^2 for theta = 0. Written from its
-    !> least value, for digits close to the pole.
+    !> with polynomials `even` and `odd` in c, where c = cos 2z, h = sin(z)^2 and + for theta = pi
+    !> (z = 0 at the lower turning point), c = -cos 2z, h = cos(z)^2 and - for theta = 0. Written
+    !> from its least value, for digits close to the pole.
     type :: pole_t
         !> What its position X = 2 q cosh(2 v) follows from ("eps"), X, A/B of X, sqrt(k') rho.
         real(dp), dimension(lanes) :: excess, position, ratio, scale

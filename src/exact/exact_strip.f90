@@ -10,8 +10,8 @@ module spintop_exact_strip
     use spintop_exact_pole, only: pole_t, lanes, solve_position, divide_thetas, evaluate_pole
     implicit none
     private
-    public :: strip_t, find_roots, find_roots_of_moving, find_moduli, find_nome, find_start_phases, &
-        find_phases
+    public :: strip_t, find_roots, find_roots_of_moving, find_moduli, find_nome
+    public :: find_start_phases, find_phases
 
     !> Steps of Laguerre's method to an outer root, and its largest last step, relative to the root:
     !> the error left is about its third power.
@@ -87,22 +87,22 @@ contains
         type(strip_t), intent(inout) :: strip
         real(dp) :: c0, c1, c3, y, g, slope, curvature, step, per_y, product, total, d, larger
         real(dp) :: smaller, per_by, energy, y1, y2, y3, d2, d3, excess, low_g0, per_last
-        logical :: from_lowest
+        real(dp) :: inflection
         integer :: i, n
         !$omp simd private(c0, c1, c3, y, g, slope, curvature, step, per_y, product, total, d, &
         !$omp larger, smaller, per_by, energy, y1, y2, y3, d2, d3, excess, low_g0, per_last, &
-        !$omp from_lowest)
+        !$omp inflection)
         do i = 1, lanes
             associate (g0 => strip%g0(i), g1 => strip%g1(i), g2 => strip%g2(i), &
                        beta => strip%beta(i), sh => strip%sh(i), ch => strip%ch(i))
-                ! Where the cubic is positive at its inflection.
-                from_lowest = merge(g2 * (2 * g2**2 - 9 * beta * g1) + 27 * beta**2 * g0, &
-                                    0.0_dp, g0 > 0) > 0
+                ! Positive where the cubic is at its inflection: the upper two are the closer pair.
+                inflection = merge(g2 * (2 * g2**2 - 9 * beta * g1) + 27 * beta**2 * g0, &
+                                   0.0_dp, g0 > 0)
                 ! In y from below, in beta y from above.
-                c0 = merge(g0, beta**2 * g0, from_lowest)
-                c1 = merge(g1, beta * g1, from_lowest)
-                c3 = merge(beta, 1.0_dp, from_lowest)
-                y = merge(-ch, strip%beta_y3(i), from_lowest)
+                c0 = merge(g0, beta**2 * g0, inflection > 0)
+                c1 = merge(g1, beta * g1, inflection > 0)
+                c3 = merge(beta, 1.0_dp, inflection > 0)
+                y = merge(-ch, strip%beta_y3(i), inflection > 0)
                 step = 0
                 do n = 1, laguerre_steps
                     g = c0 + y * (c1 + y * (g2 + y * c3))
@@ -137,12 +137,12 @@ contains
                 y3 = sh + d3
                 y2 = -low_g0 / (beta * y3)
 
-                y1 = merge(y1, min(larger, smaller), from_lowest)
-                y2 = merge(y2, max(larger, smaller), from_lowest)
-                d = merge(y2 - y1, d, from_lowest)
-                y = merge(beta * y3, y, from_lowest)
-                d2 = merge(d2, sh - y2, from_lowest)
-                d3 = merge(beta * d3, y - beta * sh, from_lowest)
+                y1 = merge(y1, min(larger, smaller), inflection > 0)
+                y2 = merge(y2, max(larger, smaller), inflection > 0)
+                d = merge(y2 - y1, d, inflection > 0)
+                y = merge(beta * y3, y, inflection > 0)
+                d2 = merge(d2, sh - y2, inflection > 0)
+                d3 = merge(beta * d3, y - beta * sh, inflection > 0)
                 strip%y1(i) = merge(y1, strip%y1(i), g0 > 0)
                 strip%y2(i) = merge(y2, strip%y2(i), g0 > 0)
                 strip%d(i) = merge(d, strip%d(i), g0 > 0)
@@ -256,15 +256,18 @@ contains
         type(strip_t), intent(inout) :: strip
         real(dp), intent(in) :: theta_rate(lanes)
         logical, intent(in) :: moves  !! whether some start is between turning points
-        real(dp) :: start(lanes)
+        real(dp), dimension(lanes) :: start, doubt_before
         strip%phi_start = 0
         strip%psi_start = 0
         if (.not. moves) return
+        doubt_before = strip%doubt
         call find_start_argument(strip, theta_rate)
         start = 0
         call find_phases(strip, start)
         strip%phi_start = merge(strip%phi_now, 0.0_dp, strip%g0 > 0)
         strip%psi_start = merge(strip%psi_now, 0.0_dp, strip%g0 > 0)
+        ! Nothing of this concerns the others, lest their neighbours matter to them.
+        strip%doubt = merge(strip%doubt, doubt_before, strip%g0 > 0)
     end subroutine find_start_phases
 
     !> The argument at the start of the cases that start between turning points: like a pole's

@@ -104,6 +104,11 @@ int spintop_is_terminal(int file) {
     return isatty(file);
 }
 
+void spintop_pause(double seconds) {
+    struct timespec span = {(time_t)seconds, (long)(1e9 * (seconds - (double)(time_t)seconds))};
+    nanosleep(&span, NULL);
+}
+
 double spintop_seconds(void) {
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);

@@ -8,7 +8,7 @@ module spintop_system
     private
     public :: output_file_t, read_file, file_exists, is_folder, file_size
     public :: make_folder, rename_file, remove_file, sync_folder_of
-    public :: error_is_terminal, seconds, utc_now, host_name, peak_memory
+    public :: error_is_terminal, seconds, pause_for, utc_now, host_name, peak_memory
 
     integer, parameter :: standard_error = 2
     integer, parameter :: no_file = -1
@@ -102,6 +102,11 @@ module spintop_system
         real(c_double) function c_seconds() bind(C, name='spintop_seconds')
             import :: c_double
         end function c_seconds
+
+        subroutine c_pause(seconds) bind(C, name='spintop_pause')
+            import :: c_double
+            real(c_double), value :: seconds
+        end subroutine c_pause
 
         subroutine c_utc(text, room) bind(C, name='spintop_utc')
             import :: c_char, c_int
@@ -304,6 +309,12 @@ contains
     real(dp) function seconds()
         seconds = c_seconds()
     end function seconds
+
+    !> Lets others have the processor for so many seconds.
+    subroutine pause_for(seconds)
+        real(dp), intent(in) :: seconds
+        call c_pause(seconds)
+    end subroutine pause_for
 
     !> Date and time: `2024-05-31T12:34:56Z`.
     function utc_now() result(text)

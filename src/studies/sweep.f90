@@ -13,6 +13,7 @@ module spintop_sweep
     use spintop_progress, only: progress_t
     use spintop_parameter_print, only: print_namelist
     use spintop_provenance, only: describe_provenance
+    use spintop_row_queue, only: row_queue_t
     use spintop_scene, only: scene_t, describe_scene
     use spintop_status, only: status_ok, status_bad_input, status_name, status_names, status_meaning, &
         last_status
@@ -23,11 +24,11 @@ module spintop_sweep
     use spintop_sweep_exact, only: load_lane, unload_lane, kernel_runs
     use spintop_sweep_quantities, only: no_values
     use spintop_sweep_stepping, only: compute_stepping
-    use spintop_system, only: seconds, peak_memory
+    use spintop_system, only: seconds, pause_for, peak_memory
     use spintop_table_file, only: table_file_t
     use spintop_text, only: to_text, string_t
     use spintop_text_buffer, only: text_buffer_t
-    !$ use omp_lib, only: omp_get_num_threads, omp_get_thread_num
+    !$ use omp_lib, only: omp_get_num_threads
     implicit none
     private
     public :: run_sweep
@@ -35,6 +36,9 @@ module spintop_sweep
     !> Cases that a thread computes before it hands in their rows, where cases cost much; where they
     !> cost little these are as many as the exact motion takes at once.
     integer, parameter :: block_of_stepping = 16
+    !> Blocks a thread that a fast thread may be ahead of a slow one, and how long it waits then, s.
+    integer, parameter :: blocks_ahead = 8
+    real(dp), parameter :: pause_when_ahead = 1.0e-4_dp
 
     !> What a thread needs of its own to make and compute cases.
     type :: worker_t
@@ -74,52 +78,62 @@ contains
         type(worker_t), allocatable, target :: worker
         type(text_buffer_t) :: rows
         type(string_t) :: no_lines(0)
-        integer(int64) :: block, blocks, size_of_block
-        real(dp) :: began, writing, times(3)
-        logical :: broken
+        type(row_queue_t) :: queue
+        integer(int64) :: block, blocks, taken, size_of_block
+        real(dp) :: began, moment, writing, times(3)
+        logical :: accepted
         integer :: threads
 
         counts = 0
         call create_table(job, file, error)
         if (allocated(error)) return
         call progress%start(job%name, 'cases', job%axes%cases, options%quiet, options%progress)
-        broken = .false.
         size_of_block = merge(block_size, block_of_stepping, job%plan%exact)
         blocks = (job%axes%cases + size_of_block - 1) / size_of_block
+        taken = 0
         times = 0
         writing = 0
         threads = 1
         began = seconds()
-        !$omp parallel private(worker, rows) reduction(+:counts, times)
-        !$ if (omp_get_thread_num() == 0) threads = omp_get_num_threads()
+        !$omp parallel private(worker, rows, block, accepted, moment) reduction(+:counts, times, writing)
+        !$omp single
+        !$ threads = omp_get_num_threads()
+        call queue%start(blocks_ahead * threads)
+        !$omp end single
         allocate (worker)
         call prepare_worker(job, worker)
-        !$omp do schedule(dynamic) ordered
-        do block = 1, blocks
-            if (.not. broken) then
-                call compute_block(job, worker, (block - 1) * size_of_block + 1, &
-                                   min(block * size_of_block, job%axes%cases), rows)
-            end if
-            !$omp ordered
-            writing = writing - seconds()
-            if (.not. broken) call file%put_block(rows, error)
-            broken = allocated(error)
-            writing = writing + seconds()
-            call progress%update(min(block * size_of_block, job%axes%cases))
-            !$omp end ordered
+        do
+            !$omp critical (queue)
+            taken = taken + 1
+            block = taken
+            if (allocated(queue%error)) block = blocks + 1
+            !$omp end critical (queue)
+            if (block > blocks) exit
+            call compute_block(job, worker, (block - 1) * size_of_block + 1, &
+                               min(block * size_of_block, job%axes%cases), rows)
+            do
+                !$omp critical (queue)
+                moment = seconds()
+                call queue%hand_in(block, rows, file, accepted)
+                call progress%update(min(queue%written * size_of_block, job%axes%cases))
+                writing = writing + (seconds() - moment)
+                !$omp end critical (queue)
+                if (accepted) exit
+                call pause_for(pause_when_ahead)
+            end do
         end do
-        !$omp end do
         counts = counts + worker%counts
         times = times + [worker%making, worker%computing, worker%formatting]
         !$omp end parallel
         call progress%finish()
-        writing = writing - seconds()
+        moment = seconds()
+        call move_alloc(queue%error, error)
         if (.not. allocated(error)) call file%finish(no_lines, error)
         if (allocated(error)) then
             call file%discard()
             return
         end if
-        writing = writing + seconds()
+        writing = writing + (seconds() - moment)
         call describe_sweep(job, counts, threads, seconds() - began, times, writing, summary)
     end subroutine run_sweep
 

@@ -7,7 +7,7 @@
 module spintop_text_buffer
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
-    use spintop_text, only: real_width, write_reals
+    use spintop_text, only: real_width, write_integer, write_reals
     implicit none
     private
     public :: text_buffer_t
@@ -48,10 +48,11 @@ contains
     subroutine put_integer(self, value)
         class(text_buffer_t), intent(inout) :: self
         integer(int64), intent(in) :: value
-        character(real_width) :: digits
-        write (digits, '(i0)') value
+        integer :: written
         call self%start_cell()
-        call self%append(trim(digits))
+        call self%reserve(real_width)
+        call write_integer(value, self%room(self%length + 1:), written)
+        self%length = self%length + written
     end subroutine put_integer
 
     !> A text cell. It is plain: a comma becomes a semicolon, quotes a back quote, and what else

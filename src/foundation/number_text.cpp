@@ -26,6 +26,10 @@ extern "C" int spintop_real_to_text(double value, char *text, int capacity) {
     return static_cast<int>(write_real(text, text + capacity, value) - text);
 }
 
+extern "C" int spintop_integer_to_text(long long value, char *text, int capacity) {
+    return static_cast<int>(std::to_chars(text, text + capacity, value).ptr - text);
+}
+
 extern "C" int spintop_reals_to_text(const double *values, int count, char *text, int capacity) {
     char *next = text;
     for (int i = 0; i < count; ++i) {

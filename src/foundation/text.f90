@@ -1,12 +1,12 @@
 !> Words and numbers as text.
 module spintop_text
-    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int
+    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_long_long
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     implicit none
     private
     public :: string_t, lower_case, nearest_word, join, split, to_text, replace_all, abbreviate
-    public :: write_reals, real_width
+    public :: write_reals, write_integer, real_width
 
     !> Most characters that a real number takes.
     integer, parameter :: real_width = 24
@@ -35,6 +35,14 @@ module spintop_text
             character(c_char), intent(inout) :: text(*)
             integer(c_int), value :: capacity
         end function c_real_to_text
+
+        integer(c_int) function c_integer_to_text(value, text, capacity) &
+            bind(C, name='spintop_integer_to_text')
+            import :: c_char, c_int, c_long_long
+            integer(c_long_long), value :: value
+            character(c_char), intent(inout) :: text(*)
+            integer(c_int), value :: capacity
+        end function c_integer_to_text
 
         integer(c_int) function c_reals_to_text(values, count, text, capacity) &
                 bind(C, name='spintop_reals_to_text')
@@ -206,6 +214,14 @@ contains
         write (room, '(i0)') value
         text = trim(room)
     end function long_integer_to_text
+
+    !> Writes an integer to the start of a text of `real_width` characters or more.
+    subroutine write_integer(value, text, length)
+        integer(int64), intent(in) :: value
+        character(*), intent(inout) :: text
+        integer, intent(out) :: length !! characters written
+        length = c_integer_to_text(value, text, len(text))
+    end subroutine write_integer
 
     !> Writes numbers, separated by commas, to the start of a text that has room for
     !> `(real_width + 1)*size(values)` characters. The fast way to a row of a table.

@@ -79,6 +79,8 @@ def footer(table: Table, width: int) -> str:
     if table.status not in (None, "ok"):
         status = re.sub(r"\d+\.\d{6,}", lambda time: f"{float(time[0]):.6g}", table.status)
         run += f"; ended with status {status} s"
+    if table.stride > 1:
+        run += f"; one case in {table.stride} is drawn"
     lines += textwrap.wrap(run[0].upper() + run[1:], width)
     lines.append(f"{header['program']}, revision {header.get('revision', 'unknown')}")
     return "\n".join(lines)

@@ -10,6 +10,9 @@ import numpy as np
 import pandas as pd
 
 TEXT_COLUMNS = ("status", "notes")
+MANY_CASES = 20_000
+"""Rows of a sweep beyond which only some are kept, about KEPT_CASES."""
+KEPT_CASES = 5_000
 VALUE = re.compile(r"'((?:[^']|'')*)'|([^\s,]+)")
 ASSIGNMENT = re.compile(r"([a-z]\w*(?:\([^)]*\))?)\s*=\s*(.*)", re.IGNORECASE)
 COLUMN = re.compile(r"(\S+?)(?:\s+\[(.*?)\])?:")
@@ -24,7 +27,8 @@ class Table:
     """A table that was read.
 
     `header` holds the `key: value` lines of its head, `settings` the resolved input by
-    `group.key`, `units` those of the columns, `status` how a trajectory ended.
+    `group.key`, `units` those of the columns, `status` how a trajectory ended. Of a long sweep
+    only every `stride`-th row is kept, more than a figure can show.
     """
 
     path: Path
@@ -33,6 +37,7 @@ class Table:
     units: dict[str, str]
     rows: pd.DataFrame
     status: str | None
+    stride: int = 1
 
     @property
     def title(self) -> str:
@@ -80,10 +85,13 @@ def read_table(path: Path) -> Table:
         raise TableError("is cut short: its last line, the status, is missing")
     if not body:
         raise TableError("is cut short: it names no columns")
-    rows = read_rows(body, first + 1)
+    stride = 1
+    if settings.get("study.kind") == ["sweep"] and len(body) > MANY_CASES:
+        stride = len(body) // KEPT_CASES
+    rows = read_rows([body[0], *body[1::stride]], first + 1)
     if rows.empty:
         raise TableError("has no rows" + (f" (status: {status})" if status else ""))
-    return Table(path, header, settings, units, rows, status)
+    return Table(path, header, settings, units, rows, status, stride)
 
 
 def read_head(lines: list[str]) -> tuple[dict[str, str], dict[str, list[str]], dict[str, str]]:

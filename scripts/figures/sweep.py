@@ -26,6 +26,10 @@ WIDE_AXIS = 12
 """Values over a larger ratio stand on a log axis."""
 
 
+MOST_MARKS = 60
+"""Curves with more points have no marks at them."""
+
+
 class Quantity(NamedTuple):
     """A quantity that the paper has a formula for."""
 
@@ -82,22 +86,20 @@ def is_wide(values: np.ndarray) -> bool:
     return finite.size > 1 and finite.min() > 0 and finite.max() > WIDE_AXIS * finite.min()
 
 
+def marks(x: np.ndarray, marker: str, **style: object) -> dict[str, object]:
+    """The marks of a curve: none where they would touch each other."""
+    return {"marker": marker, **style} if len(x) <= MOST_MARKS else {}
+
+
 def draw_quantity(
     axes: Axes, x: np.ndarray, rows: pd.DataFrame, quantity: Quantity, unit: str
 ) -> None:
     """A quantity by the paper's formula, and exact."""
     exact = rows[quantity.column].to_numpy(float)
     formula = rows[quantity.column + FORMULA].to_numpy(float)
-    axes.plot(
-        x,
-        formula,
-        marker="s",
-        markersize=4,
-        mfc="white",
-        **LINES[1],
-        label=f"paper's {quantity.equation}",
-    )
-    axes.plot(x, exact, marker="o", markersize=3, **LINES[0], label="exact")
+    equation = f"paper's {quantity.equation}"
+    axes.plot(x, formula, **marks(x, "s", markersize=4, mfc="white"), **LINES[1], label=equation)
+    axes.plot(x, exact, **marks(x, "o", markersize=3), **LINES[0], label="exact")
     if is_wide(np.concatenate([exact, formula])):
         axes.set_yscale("log")
     axes.set_ylabel(with_unit(quantity.label, unit))
@@ -107,9 +109,11 @@ def draw_quantity(
 def draw_azimuth(axes: Axes, x: np.ndarray, azimuth: np.ndarray) -> None:
     """The azimuth after T_p, which the paper's Eq 32 makes a full turn."""
     axes.plot(x, np.full_like(x, 360), **LINES[1], label="paper's Eq 32: a full turn")
-    axes.plot(x, azimuth, marker="o", markersize=3, **LINES[0], label="computed by the run")
+    style = marks(x, "o", markersize=3) | LINES[0]
+    axes.plot(x, azimuth, **style, label="computed by the run")
     axes.set_ylabel("azimuth after $T_p$ (degrees)")
-    axes.legend()
+    axes.margins(y=0.3)
+    axes.legend(loc="upper left")
 
 
 def draw_deviations(axes: Axes, x: np.ndarray, rows: pd.DataFrame) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-TEXT_COLUMNS = ("status", "notes")
+TEXT_COLUMNS = ("status", "motion_class", "notes")
 MANY_CASES = 20_000
 """Rows of a sweep beyond which only some are kept, about KEPT_CASES."""
 KEPT_CASES = 5_000

@@ -18,7 +18,9 @@ module spintop_array_functions
     !> pi/2 in three parts, of which the first two have 33 bits each.
     real(dp), parameter :: quadrant_parts(3) = [1.57079632673412561417e+00_dp, &
         6.07710050630396597660e-11_dp, 2.02226624879595063154e-21_dp]
-    !> Adding and subtracting it leaves the nearest whole number.
+    !> Adding and subtracting it leaves the nearest whole number, unless the compiler cancels the
+    !> two: with -fassociative-math, which in Fortran -fno-signed-zeros and -fno-trapping-math
+    !> together switch on.
     real(dp), parameter :: large = 1.5_dp * 2.0_dp**(digits(1.0_dp) - 1)
 
     !> (sin(x) - x)/x^3 and (cos(x) - 1 + x^2/2)/x^4 in powers of x^2, |x| <= pi/4.

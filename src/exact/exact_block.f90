@@ -84,7 +84,7 @@ contains
             last = first + lanes - 1
             call describe_start(self, first, strip)
             call find_roots(strip)
-            moves = any(strip%g0 > 0)
+            moves = count(strip%g0 > 0) > 0 ! unlike any(), a vector loop
             if (moves) call find_roots_of_moving(strip)
             call find_moduli(strip)
             call find_nome(strip)
@@ -100,14 +100,14 @@ contains
                 call describe_end(self, first, strip)
             end if
             if (wants_period) then
-                is_end = wants_end .and. all(abs(self%t_period(first:last) &
-                                                 - self%t_end(first:last)) <= 0)
+                is_end = wants_end .and. count(abs(self%t_period(first:last) &
+                                                   - self%t_end(first:last)) <= 0) == lanes
                 if (.not. is_end) call find_phases(strip, self%t_period(first:last))
                 call describe_period(self, first, strip)
             end if
 
             self%status(first:last) = status_ok
-            if (.not. any(strip%doubt > 0)) cycle
+            if (count(strip%doubt > 0) == 0) cycle
             do i = first, min(last, self%n)
                 if (strip%doubt(i - first + 1) > 0) then
                     call self%compute_alone(i, wants_end, wants_period)

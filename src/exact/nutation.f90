@@ -13,7 +13,7 @@ module spintop_nutation
     use spintop_theta_motion, only: theta_motion_t, prepare_theta_motion, regime_resting
     implicit none
     private
-    public :: nutation_t, find_nutation, describe_nutation, class_name, class_meaning
+    public :: nutation_t, find_nutation, describe_nutation, class_name, class_meaning, class_names
     public :: class_loop, class_cusp, class_wave, class_steady, class_sleeping, class_hanging
     public :: class_separatrix, class_libration, class_circulation, last_class
 
@@ -28,7 +28,8 @@ module spintop_nutation
     integer, parameter :: class_circulation = 9
     integer, parameter :: last_class = 9
 
-    character(*), parameter :: names(last_class) = [character(16) :: 'loop', 'cusp', 'wave', &
+    !> Names of the classes as they stand in tables.
+    character(*), parameter :: class_names(last_class) = [character(16) :: 'loop', 'cusp', 'wave', &
         'steady', 'sleeping', 'hanging', 'separatrix', 'libration', 'circulation']
 
     character(*), parameter :: meanings(last_class) = [character(80) :: &
@@ -90,7 +91,7 @@ contains
     pure function class_name(class) result(name)
         integer, intent(in) :: class
         character(:), allocatable :: name
-        name = trim(names(class))
+        name = trim(class_names(class))
     end function class_name
 
     !> One phrase that explains a class.

@@ -11,7 +11,7 @@ module spintop_job
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t, describe_scene
     use spintop_sweep_axes, only: axes_t, make_axes, put_values
-    use spintop_sweep_columns, only: sweep_columns, q_double_floor
+    use spintop_sweep_columns, only: sweep_columns, costly_groups
     use spintop_text, only: string_t, nearest_word
     implicit none
     private
@@ -117,8 +117,7 @@ contains
         if (all(job%scene%columns == '')) then
             if (job%scene%kind == 'sweep') then
                 job%columns = [(i, i=1, size(known))]
-                ! What costs ten times the rest is for those who name it.
-                job%columns = pack(job%columns, job%columns /= q_double_floor)
+                job%columns = pack(job%columns, [(all(sweep_columns(i)%group /= costly_groups), i=1, size(known))])
             else
                 job%columns = [(place_of(default_trajectory_columns(i)), &
                                 i=1, size(default_trajectory_columns))]

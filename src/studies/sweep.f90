@@ -3,9 +3,11 @@ module spintop_sweep
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_case, only: case_t, make_case
+    use spintop_compare, only: is_finite
     use spintop_errors, only: error_t
     use spintop_exact_block, only: exact_block_t, block_size
     use spintop_job, only: job_t, options_t
+    use spintop_nutation, only: class_names
     use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: parameter_table_t
     use spintop_plan, only: plan_t, make_plan
@@ -20,7 +22,7 @@ module spintop_sweep
     use spintop_summary, only: summary_t, rounded
     use spintop_sweep_axes, only: put_values
     use spintop_sweep_columns, only: sweep_column_t, sweep_columns, sweep_groups, quantities, &
-        group_end, group_energy, group_period
+        group_end, group_energy, group_period, q_motion_class
     use spintop_sweep_exact, only: load_lane, unload_lane, kernel_runs
     use spintop_sweep_quantities, only: no_values
     use spintop_sweep_stepping, only: compute_stepping
@@ -263,7 +265,7 @@ contains
                 call rows%put_integer(first + k - 1)
                 call rows%put_reals(job%axes%values_of(first + k - 1))
                 call rows%put_text(trim(status_names(worker%status(k))))
-                call rows%put_reals(worker%values(job%columns, k))
+                call put_quantities(job%columns, worker%values(:, k), rows)
                 call rows%put_text(worker%note(k)%text)
                 call rows%end_row()
                 worker%counts(worker%status(k)) = worker%counts(worker%status(k)) + 1
@@ -271,6 +273,28 @@ contains
             worker%formatting = worker%formatting + (seconds() - moment)
         end associate
     end subroutine compute_block
+
+    !> The cells of the chosen quantities: numbers, and the class of the motion as a word.
+    subroutine put_quantities(columns, values, rows)
+        integer, intent(in) :: columns(:)
+        real(dp), intent(in) :: values(quantities)
+        type(text_buffer_t), intent(inout) :: rows
+        integer :: i, class
+        if (all(columns /= q_motion_class)) then
+            call rows%put_reals(values(columns))
+            return
+        end if
+        do i = 1, size(columns)
+            if (columns(i) /= q_motion_class) then
+                call rows%put_reals(values(columns(i:i)))
+            else if (is_finite(values(columns(i)))) then
+                class = nint(values(columns(i)))
+                call rows%put_text(trim(class_names(class)))
+            else
+                call rows%put_text('none')
+            end if
+        end do
+    end subroutine put_quantities
 
     !> Makes the case of the worker's scene, and a plan where the last one does not fit it.
     subroutine make_worker_case(worker, status, note)

@@ -5,7 +5,7 @@ module spintop_sweep_columns
     private
     public :: sweep_column_t, sweep_columns
     public :: group_nutation, group_fast_top, group_period, group_end, group_energy, group_oracle, &
-        group_cost, group_floor, sweep_groups
+        group_cost, group_floor, group_details, sweep_groups, costly_groups
 
     public :: quantities
     public :: q_theta_min, q_theta_max, q_delta_u, q_delta_u_fast_top, q_nutation_period
@@ -14,7 +14,8 @@ module spintop_sweep_columns
     public :: q_nutations_per_turn_fast_top, q_precession_period, q_azimuth_after_period_deg
     public :: q_nutations_in_period, q_phi_rate_max, q_fast_top_ratio, q_com_z_min, q_theta_end
     public :: q_phi_end, q_psi_end, q_theta_rate_end, q_energy_error_max, q_orientation_error
-    public :: q_double_floor, q_evaluations
+    public :: q_double_floor, q_evaluations, q_motion_class, q_spin_per_nutation
+    public :: q_theta_rate_max, q_force_max, q_force_z_min, q_force_z_max
 
     !> What a table says of a quantity.
     type :: sweep_column_t
@@ -26,9 +27,13 @@ module spintop_sweep_columns
     end type sweep_column_t
 
     !> The whole nutation; the paper's formulas; the azimuth after a period; the end of the span;
-    !> the largest energy error; the comparison with the exact motion; what it cost; the accuracy that the data allow.
+    !> the largest energy error; the comparison with the exact motion; what it cost; the
+    !> accuracy that the data allow; more of the whole nutation.
     integer, parameter :: group_nutation = 1, group_fast_top = 2, group_period = 3, group_end = 4, &
-        group_energy = 5, group_oracle = 6, group_cost = 7, group_floor = 8, sweep_groups = 8
+        group_energy = 5, group_oracle = 6, group_cost = 7, group_floor = 8, &
+        group_details = 9, sweep_groups = 9
+    !> What costs much more than the rest is for those who name it.
+    integer, parameter :: costly_groups(*) = [group_floor, group_details]
 
     !> Places of the quantities in the table below, which has them in this order.
     enum, bind(C)
@@ -40,9 +45,10 @@ module spintop_sweep_columns
         enumerator :: q_azimuth_after_period_deg, q_nutations_in_period, q_phi_rate_max
         enumerator :: q_fast_top_ratio, q_com_z_min, q_theta_end, q_phi_end, q_psi_end
         enumerator :: q_theta_rate_end, q_energy_error_max, q_orientation_error, q_double_floor
-        enumerator :: q_evaluations
+        enumerator :: q_evaluations, q_motion_class, q_spin_per_nutation, q_theta_rate_max
+        enumerator :: q_force_max, q_force_z_min, q_force_z_max
     end enum
-    integer, parameter :: quantities = q_evaluations
+    integer, parameter :: quantities = q_force_z_max
 
     !> All quantities, in the order of the table's documentation.
     type(sweep_column_t), parameter :: sweep_columns(quantities) = [ &
@@ -71,6 +77,12 @@ module spintop_sweep_columns
         sweep_column_t('energy_error_max', '', 'largest relative energy error in the span', group_energy), &
         sweep_column_t('orientation_error', 'rad', 'angle from the exact attitude at the end', group_oracle), &
         sweep_column_t('double_floor', 'rad', 'how far rounding of the data alone turns that attitude', group_floor), &
-        sweep_column_t('evaluations', '', 'right-hand sides evaluated', group_cost)]
+        sweep_column_t('evaluations', '', 'right-hand sides evaluated', group_cost), &
+        sweep_column_t('motion_class', '', 'loop, cusp, wave, steady, ... (a word)', group_details), &
+        sweep_column_t('spin_per_nutation', 'rad', 'change of psi in a nutation', group_details), &
+        sweep_column_t('theta_rate_max', 'rad/s', 'largest nutation rate', group_details), &
+        sweep_column_t('force_max', 'N', 'largest support force', group_details), &
+        sweep_column_t('force_z_min', 'N', 'least vertical support force', group_details), &
+        sweep_column_t('force_z_max', 'N', 'largest vertical support force', group_details)]
 
 end module spintop_sweep_columns

@@ -9,9 +9,9 @@ module spintop_sweep_exact
     use spintop_nutation, only: nutation_t
     use spintop_status, only: status_ok, status_meanings
     use spintop_sweep_columns, only: quantities, group_nutation, group_fast_top, group_period, &
-        group_end, group_energy, group_floor, sweep_groups, q_orientation_error, q_double_floor, &
+        group_end, group_energy, group_floor, group_details, sweep_groups, q_orientation_error, q_double_floor, &
         q_evaluations
-    use spintop_sweep_quantities, only: no_values, put_nutation, put_fast_top, put_azimuth, put_end, &
+    use spintop_sweep_quantities, only: no_values, put_nutation, put_fast_top, put_azimuth, put_end, put_details, &
         precession_period, add_note
     implicit none
     private
@@ -80,6 +80,7 @@ contains
         end if
         values(q_evaluations) = 0
         values(q_orientation_error) = 0
+        if (wanted(group_details)) call put_details(case, values, note)
         if (wanted(group_floor)) then
             values(q_double_floor) = double_floor(case%body, case%start, case%t_end)
         end if

@@ -7,16 +7,21 @@ module spintop_sweep_quantities
     use spintop_case, only: case_t
     use spintop_fast_top, only: fast_top_t, fast_top
     use spintop_motion, only: motion_t
-    use spintop_nutation, only: nutation_t
+    use spintop_force_extremes, only: force_extremes_t, find_force_extremes
+    use spintop_nutation, only: nutation_t, find_nutation
+    use spintop_status, only: status_ok, status_meanings
     use spintop_sweep_columns, only: quantities, q_theta_min, q_theta_max, q_delta_u, &
         q_delta_u_fast_top, q_nutation_period, q_nutation_rate, q_nutation_rate_fast_top, &
         q_precession_per_nutation, q_precession_rate, q_precession_rate_fast_top, &
         q_nutations_per_turn, q_nutations_per_turn_fast_top, q_precession_period, &
         q_azimuth_after_period_deg, q_nutations_in_period, q_phi_rate_max, q_fast_top_ratio, &
-        q_com_z_min, q_theta_end, q_phi_end, q_psi_end, q_theta_rate_end, q_energy_error_max
+        q_com_z_min, q_theta_end, q_phi_end, q_psi_end, q_theta_rate_end, q_energy_error_max, &
+        q_motion_class, q_spin_per_nutation, q_theta_rate_max, q_force_max, q_force_z_min, &
+        q_force_z_max
     implicit none
     private
-    public :: no_values, put_nutation, put_fast_top, put_azimuth, put_end, precession_period, add_note
+    public :: no_values, put_nutation, put_fast_top, put_azimuth, put_end, put_details, &
+        precession_period, add_note
 
 contains
 
@@ -79,6 +84,28 @@ contains
         values(q_precession_period) = precession_period(case)
         values(q_fast_top_ratio) = motion%ratio
     end subroutine put_fast_top
+
+    !> More of the whole nutation of a top whose motion is known in closed form.
+    subroutine put_details(case, values, note)
+        type(case_t), intent(in) :: case
+        real(dp), intent(inout) :: values(quantities)
+        character(:), allocatable, intent(inout) :: note
+        type(nutation_t) :: nutation
+        type(force_extremes_t) :: force
+        integer :: status
+        call find_nutation(case%body, case%start, nutation, status)
+        if (status == status_ok) call find_force_extremes(case%body, case%start, force, status)
+        if (status /= status_ok) then
+            call add_note(note, trim(status_meanings(status)))
+            return
+        end if
+        values(q_motion_class) = nutation%class
+        values(q_spin_per_nutation) = merge(-1, 1, case%turn%flipped) * nutation%spin
+        values(q_theta_rate_max) = nutation%theta_rate_max
+        values(q_force_max) = force%largest
+        values(q_force_z_min) = force%lowest_vertical
+        values(q_force_z_max) = force%highest_vertical
+    end subroutine put_details
 
     !> The azimuth after T_p, given the change of phi by then (rad), if the motion was seen then.
     subroutine put_azimuth(seen, azimuth, values, note)

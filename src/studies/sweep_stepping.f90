@@ -13,9 +13,9 @@ module spintop_sweep_stepping
     use spintop_quantities, only: kinetic_energy, potential_energy
     use spintop_status, only: status_ok, status_meanings
     use spintop_sweep_columns, only: quantities, group_nutation, group_fast_top, group_period, &
-        group_end, group_energy, group_oracle, group_cost, group_floor, sweep_groups, &
+        group_end, group_energy, group_oracle, group_cost, group_floor, group_details, sweep_groups, &
         q_orientation_error, q_double_floor, q_evaluations
-    use spintop_sweep_quantities, only: no_values, put_nutation, put_fast_top, put_azimuth, put_end, &
+    use spintop_sweep_quantities, only: no_values, put_nutation, put_fast_top, put_azimuth, put_end, put_details, &
         precession_period, add_note
     implicit none
     private
@@ -60,6 +60,7 @@ contains
                 call add_note(note, 'no nutation: the body is no undamped symmetric top')
             end if
         end if
+        if (wanted(group_details) .and. case%body%is_lagrange()) call put_details(case, values, note)
         if (wanted(group_fast_top)) call put_fast_top(case, values, note)
         if (any(wanted([group_period, group_end, group_energy, group_oracle, group_cost]))) then
             call follow(case, plan, wanted, values, status, note)

@@ -132,6 +132,10 @@ class ProgramCase(unittest.TestCase):
         path.write_text(text, encoding="utf-8")
         return path
 
+    def scene(self, name: str) -> Path:
+        """An input that comes with the program."""
+        return ROOT / "input" / f"{name}.nml"
+
     def table(self, name: str = "scene", folder: str = "output") -> Table:
         """Read a table."""
         return Table(self.folder / folder / f"{name}.csv")
@@ -348,10 +352,6 @@ class GoodInputTest(ProgramCase):
 class PaperTest(ProgramCase):
     """The numbers of the paper's examples, through summaries and tables."""
 
-    def scene(self, name: str) -> Path:
-        """An input that comes with the program."""
-        return ROOT / "input" / f"{name}.nml"
-
     def test_example_1_in_numbers(self) -> None:
         """The summary of --check, and the exact table."""
         summary = self.run_program(self.scene("slow_top"), "--check").stdout
@@ -488,6 +488,67 @@ class PaperTest(ProgramCase):
                 )
                 for ratio, degrees in ((0.5, 340.014), (1.0, 428.098), (2.0, 373.185)):
                     self.assertAlmostEqual(azimuth[ratio], degrees, 3)
+
+
+class ExactMotionTest(ProgramCase):
+    """The exact motion, as sweeps and trajectories show it."""
+
+    def test_table_1_without_a_step(self) -> None:
+        """The closed form alone gives every column of Table 1."""
+        for name, inertia in (
+            ("spinning_wheel_paper", "paper_I1_without_ml2"),
+            ("spinning_wheel_sweep", "corrected_I1_with_ml2"),
+        ):
+            reference = Table(ROOT / f"test/reference/table1_{inertia}.csv")
+            text = self.scene(name).read_text(encoding="utf-8")
+            text = re.sub(r"&integration.*?\n/\n", "", text, flags=re.DOTALL)
+            table = self.compute(self.write(text, f"{name}_exact.nml"))
+            self.assertIn("exact", next(line for line in table.header if "method: " in line))
+            self.assertEqual(set(table.column("evaluations")), {0})
+            for ours, theirs in WHEEL_TABLE_1.items():
+                for a, b in zip(table.column(ours), reference.column(theirs), strict=True):
+                    self.assertLessEqual(abs(a - b), max(1e-12 * abs(b), 1e-12), f"{name}: {ours}")
+
+    def test_long_sweeps_do_not_depend_on_threads(self) -> None:
+        """Many blocks of cases; the same bytes on any number of threads."""
+        text = GOOD.split("&integration")[0].replace("    psi_rate = 1.0\n", "")
+        text += "&study kind = 'sweep' /\n&sweep parameter(1) = 'initial.psi_rate', from(1) = 0.01,"
+        text += " to(1) = 100, count(1) = 20000, spacing(1) = 'log' /\n"
+        scene = self.write(text)
+        contents = []
+        for threads in ("1", "2", "4"):
+            result = self.run_program(scene, "--threads", threads, "-o", threads)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            contents.append((self.folder / threads / "scene.csv").read_bytes())
+        self.assertEqual(contents[0], contents[1])
+        self.assertEqual(contents[0], contents[2])
+        self.assertEqual(len(self.table(folder="1").rows), 20000)
+
+    def test_classes_of_motion(self) -> None:
+        """Released with the precession against, without and with the steady one."""
+        text = (
+            GOOD.split("&integration")[0]
+            .replace("psi_rate = 1.0", "omega3 = 40")
+            .replace("0.19634954084936207", "1.0")
+        )
+        text += "&output columns = 'motion_class', 'force_max' /\n&study kind = 'sweep' /\n"
+        text += "&sweep parameter(1) = 'initial.phi_rate', values(1,:) = -0.5, 0, 0.5 /\n"
+        table = self.compute(self.write(text))
+        self.assertEqual(table.texts("motion_class"), ["loop", "cusp", "wave"])
+
+    def test_a_top_hung_up_the_other_way_moves_the_same(self) -> None:
+        """The centre of mass below the pivot on body z, or about body x: turned inside and back."""
+        columns = "output.columns=com_x,com_y,com_z,force_z"
+        text = GOOD.split("&integration")[0].replace("psi_rate = 1.0", "psi_rate = 2.0")
+        above = self.compute(self.write(text, "above.nml"), columns)
+        below = text.replace("length = 0.866", "length = -0.866")
+        theta = math.pi - 0.19634954084936207
+        below = below.replace("theta = 0.19634954084936207", f"theta = {theta}")
+        below = below.replace("psi_rate = 2.0", "psi_rate = -2.0, phi_deg = 180")
+        below = self.compute(self.write(below, "below.nml"), columns)
+        for name in ("com_x", "com_y", "com_z", "force_z"):
+            for a, b in zip(above.column(name), below.column(name), strict=True):
+                self.assertLessEqual(abs(a - b), 1e-12 * (1 + abs(a)), name)
 
 
 class BadInputTest(ProgramCase):

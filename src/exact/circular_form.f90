@@ -8,6 +8,7 @@
 module spintop_circular_form
     use spintop_kinds, only: dp, xp
     use spintop_elliptic_series, only: nome, theta3_constant, quotient, pi_xp
+    use spintop_scalar_functions, only: find_sine_and_cosine
     use spintop_regular_start, only: regular_start_t
     use spintop_turning_points, only: turning_points_t
     use spintop_theta_form, only: theta_clock_t, theta_values_t
@@ -18,19 +19,23 @@ module spintop_circular_form
     !> Highest multiple of 2z in the series: the next adds at most 4e-17.
     integer, parameter :: last = 3
 
-    !> Coefficients of the theta functions of one motion.
+    !> What is summed of each series: polynomials in cos 2z, in these rows of a table, which are
+    !> evaluated all at once; as many rows as fill vector registers.
+    integer, parameter :: upper_even = 1, upper_odd = 2, lower_even = 3, lower_odd = 4, &
+        upper_even_slope = 5, upper_odd_slope = 6, lower_even_slope = 7, lower_odd_slope = 8, &
+        sn = 9, cn = 10, divisor = 11, divisor_slope = 12, rows = 16
+
+    !> The theta functions of one motion.
     type :: circular_form_t
         private
-        !> U = upper_least - sum [2 upper_even(n) sin(nz)^2 + i upper_odd(n) sin 2nz] and
-        !> L = lower_least - sum [2 lower_even(n) sin(ny)^2 + i lower_odd(n) sin 2nz], where
-        !> y = pi/2 - |z|: counted from their least values, at z = 0 and at y = 0, which may be
-        !> zero, so that no digit is lost close to a pole.
+        !> U = upper_least - [sin(z)^2 upper_even + i sin(2z) upper_odd] and
+        !> L = lower_least - [cos(z)^2 lower_even + i sin(2z) lower_odd]: counted from their least
+        !> values, at z = 0 and at |z| = pi/2, which may be zero, so that no digit is lost close to
+        !> a pole.
         real(dp) :: upper_least = 1, lower_least = 1
-        real(dp), dimension(last) :: upper_even = 0, upper_odd = 0, lower_even = 0, lower_odd = 0
-        !> W = theta_4 = 1 + sum divisor(n) cos 2nz.
-        real(dp) :: divisor(last) = 0
-        !> sn = sum_n sn(n) sin (2n+1)z / W,  cn = sum_n cn(n) cos (2n+1)z / W.
-        real(dp) :: sn(0:last) = [real(dp) :: 1, 0, 0, 0], cn(0:last) = [real(dp) :: 1, 0, 0, 0]
+        !> Coefficients of the polynomials; the rest is W = theta_4 = divisor, sn W = sin(z) sn and
+        !> cn W = cos(z) cn.
+        real(dp) :: powers(rows, 0:last) = 0
     end type circular_form_t
 
     !> Where a pole of the sphere lies in the argument, from X = 2 q cosh(2 v):
@@ -54,8 +59,7 @@ contains
         type(theta_clock_t), intent(out) :: clock
         type(circular_form_t), intent(out) :: form
         type(pole_t) :: bottom, top
-        real(xp) :: q, theta3, theta4, theta2, upper_sign, lower_sign, power, x
-        integer :: n
+        real(xp) :: q, theta3, theta4, upper_sign, lower_sign, x
 
         associate (k2 => points%k_squared, kc => points%complement, d => points%u2_minus_u1, &
                    m1 => points%one_minus_u1, d2 => points%one_minus_u2, &
@@ -96,20 +100,72 @@ contains
             clock%start = start_argument(start, points, q)
         end associate
 
-        theta2 = 1 + q**2 + q**6 + q**12
+        call tabulate(q, bottom, top, upper_sign, lower_sign, theta3, theta4, form%powers)
+    end subroutine prepare_circular_form
+
+    !> Turns the Fourier series of the theta functions into polynomials in cos 2z.
+    pure subroutine tabulate(q, bottom, top, upper_sign, lower_sign, theta3, theta4, table)
+        real(xp), intent(in) :: q, upper_sign, lower_sign, theta3, theta4
+        type(pole_t), intent(in) :: bottom, top
+        real(dp), intent(inout) :: table(rows, 0:last)
+        !> A polynomial in -cos 2z: where z is counted from the top.
+        integer, parameter :: flip(0:last) = [1, -1, 1, -1], twice(last) = [2, 4, 6]
+        real(dp), dimension(last) :: up_even, up_odd, low_even, low_odd, w
+        real(dp) :: terms(0:last)
+        real(xp) :: power
+        integer :: n
+
+        ! U = constant + sum [up_even cos 2nz - i up_odd sin 2nz], W = 1 + sum w cos 2nz; L as U,
+        ! its even part counted from the top.
         do n = 1, last
             power = alternating(n) * q**(n * n - n)
-            form%upper_even(n) = real(power * bottom%sums(n), dp)
-            form%upper_odd(n) = real(power * upper_sign * bottom%differences(n), dp)
-            form%lower_even(n) = real(power * top%sums(n), dp)
-            form%lower_odd(n) = real(alternating(n) * power * lower_sign * top%differences(n), dp)
-            form%divisor(n) = real(2 * alternating(n) * q**(n * n), dp)
+            up_even(n) = real(power * bottom%sums(n), dp)
+            up_odd(n) = real(power * upper_sign * bottom%differences(n), dp)
+            low_even(n) = real(power * top%sums(n), dp)
+            low_odd(n) = real(alternating(n) * power * lower_sign * top%differences(n), dp)
+            w(n) = real(2 * alternating(n) * q**(n * n), dp)
         end do
+        table(upper_even, :) = of_squares(up_even)
+        table(upper_odd, :) = of_sines(up_odd)
+        table(lower_even, :) = flip * of_squares(low_even)
+        table(lower_odd, :) = of_sines(low_odd)
+        table(upper_even_slope, :) = of_sines(twice * up_even)
+        table(upper_odd_slope, :) = of_cosines(0.0_dp, twice * up_odd)
+        table(lower_even_slope, :) = of_sines(twice * alternating(:last) * low_even)
+        table(lower_odd_slope, :) = of_cosines(0.0_dp, twice * low_odd)
+        table(divisor, :) = of_cosines(1.0_dp, w)
+        table(divisor_slope, :) = of_sines(twice * w)
+
+        ! sn W = theta_3/theta_2 sum (-1)^n q^(n(n+1)) sin (2n+1)z, in which
+        ! sin (2n+1)z = sin z [1 + 2 sum_{m<=n} cos 2mz]. cn likewise from the top.
         do n = 0, last
-            form%cn(n) = real(q**(n * (n + 1)) * theta4 / theta2, dp)
-            form%sn(n) = real((-1)**n * q**(n * (n + 1)) * theta3 / theta2, dp)
+            terms(n) = flip(n) * real(q**(n * (n + 1)) * theta3 / (1 + q**2 + q**6 + q**12), dp)
         end do
-    end subroutine prepare_circular_form
+        table(sn, :) = of_cosines(sum(terms), &
+                                  2 * [sum(terms(1:)), terms(2) + terms(3), terms(3)])
+        table(cn, :) = real(theta4 / theta3, dp) * flip * table(sn, :)
+    end subroutine tabulate
+
+    !> constant + sum a(n) cos 2nz in powers of cos 2z.
+    pure function of_cosines(constant, a) result(powers)
+        real(dp), intent(in) :: constant, a(last)
+        real(dp) :: powers(0:last)
+        powers = [constant - a(2), a(1) - 3 * a(3), 2 * a(2), 4 * a(3)]
+    end function of_cosines
+
+    !> sum a(n) sin 2nz / sin 2z in powers of cos 2z.
+    pure function of_sines(a) result(powers)
+        real(dp), intent(in) :: a(last)
+        real(dp) :: powers(0:last)
+        powers = [a(1) - a(3), 2 * a(2), 4 * a(3), 0.0_dp]
+    end function of_sines
+
+    !> 2 sum a(n) sin(nz)^2 / sin(z)^2 in powers of cos 2z.
+    pure function of_squares(a) result(powers)
+        real(dp), intent(in) :: a(last)
+        real(dp) :: powers(0:last)
+        powers = [2 * a(1) + 4 * a(2) + 2 * a(3), 4 * a(2) + 8 * a(3), 8 * a(3), 0.0_dp]
+    end function of_squares
 
     !> z at the start: 0 at the lower turning point u1, pi/2 at the upper one, negative on the way
     !> down.
@@ -216,47 +272,26 @@ contains
         type(circular_form_t), intent(in) :: form
         real(dp), intent(in) :: z, from_top  !! from_top: pi/2 - |z|, to full relative precision
         type(theta_values_t), intent(out) :: theta
-        real(dp), dimension(last) :: c, s, from_bottom_squared, from_top_squared
-        real(dp) :: sine, cosine
-        integer :: n
+        real(dp) :: values(rows), sine, cosine, sine_2z, cosine_2z, near, far
 
-        if (abs(z) < from_top) then
-            sine = sin(z)
-            cosine = cos(z)
-        else
-            sine = sign(cos(from_top), z)
-            cosine = sin(from_top)
-        end if
-        ! cos 2nz and sin 2nz; 2 sin(nz)^2 and 2 sin(n from_top)^2.
-        c(1) = (cosine - sine) * (cosine + sine)
-        s(1) = 2 * sine * cosine
-        c(2) = 2 * c(1)**2 - 1
-        s(2) = 2 * c(1) * s(1)
-        c(3) = 2 * c(1) * c(2) - c(1)
-        s(3) = 2 * c(1) * s(2) - s(1)
-        from_bottom_squared = 2 * [sine, s(1), sine * (2 * c(1) + 1)]**2
-        from_top_squared = 2 * [cosine, s(1), cosine * (2 * c(1) - 1)]**2
+        call find_sine_and_cosine(min(abs(z), from_top), near, far)
+        sine = sign(merge(near, far, abs(z) <= from_top), z)
+        cosine = merge(far, near, abs(z) <= from_top)
+        cosine_2z = (cosine - sine) * (cosine + sine)
+        sine_2z = 2 * sine * cosine
+        values = form%powers(:, 0) + cosine_2z * (form%powers(:, 1) &
+            + cosine_2z * (form%powers(:, 2) + cosine_2z * form%powers(:, 3)))
 
-        theta%upper = cmplx(form%upper_least - dot_product(form%upper_even, from_bottom_squared), &
-                            -dot_product(form%upper_odd, s), dp)
-        theta%lower = cmplx(form%lower_least - dot_product(form%lower_even, from_top_squared), &
-                            -dot_product(form%lower_odd, s), dp)
-        theta%divisor = 1 + dot_product(form%divisor, c)
-        theta%upper_slope = 0
-        theta%lower_slope = 0
-        theta%divisor_slope = 0
-        do n = 1, last
-            theta%upper_slope = theta%upper_slope - 2 * n * cmplx(form%upper_even(n) * s(n), &
-                                                                  form%upper_odd(n) * c(n), dp)
-            theta%lower_slope = theta%lower_slope - 2 * n &
-                * cmplx(alternating(n) * form%lower_even(n) * s(n), form%lower_odd(n) * c(n), dp)
-            theta%divisor_slope = theta%divisor_slope - 2 * n * form%divisor(n) * s(n)
-        end do
-        ! sin (2n+1)z and cos (2n+1)z, for n > 0, are sin z and cos z times a sum of cosines.
-        theta%sn = sine / theta%divisor * (form%sn(0) + form%sn(1) * (2 * c(1) + 1) &
-            + form%sn(2) * (2 * (c(2) + c(1)) + 1) + form%sn(3) * (2 * (c(3) + c(2) + c(1)) + 1))
-        theta%cn = cosine / theta%divisor * (form%cn(0) + form%cn(1) * (2 * c(1) - 1) &
-            + form%cn(2) * (2 * (c(2) - c(1)) + 1) + form%cn(3) * (2 * (c(3) - c(2) + c(1)) - 1))
+        theta%upper = cmplx(form%upper_least - sine**2 * values(upper_even), &
+                            -sine_2z * values(upper_odd), dp)
+        theta%lower = cmplx(form%lower_least - cosine**2 * values(lower_even), &
+                            -sine_2z * values(lower_odd), dp)
+        theta%upper_slope = -cmplx(sine_2z * values(upper_even_slope), values(upper_odd_slope), dp)
+        theta%lower_slope = -cmplx(sine_2z * values(lower_even_slope), values(lower_odd_slope), dp)
+        theta%divisor = values(divisor)
+        theta%divisor_slope = -sine_2z * values(divisor_slope)
+        theta%sn = sine * values(sn) / theta%divisor
+        theta%cn = cosine * values(cn) / theta%divisor
     end subroutine evaluate_circular_form
 
 end module spintop_circular_form

@@ -7,7 +7,7 @@ module spintop_elliptic_series
     use spintop_kinds, only: xp
     implicit none
     private
-    public :: nome, theta3_constant, quotient, nearest_whole, pi_xp
+    public :: nome, theta3_constant, quotient, pi_xp
 
     real(xp), parameter :: pi_xp = 3.14159265358979323846264338327950288_xp
 
@@ -36,14 +36,6 @@ contains
         real(xp), intent(in) :: q
         theta3_constant = 1 + 2 * (q + q**4 + q**9)
     end function theta3_constant
-
-    !> The whole number next to x, by what adding a large number leaves of the fraction: several
-    !> times faster than `anint`, which is a library call in this kind.
-    elemental real(xp) function nearest_whole(x)
-        real(xp), intent(in) :: x
-        real(xp), parameter :: large = 1.5_xp * 2.0_xp**(digits(1.0_xp) - 1)
-        nearest_whole = (x + large) - large
-    end function nearest_whole
 
     !> a/b, where 0/0 is 0: the limits of the exact motion at rest, on a pole and without gravity.
     elemental real(xp) function quotient(a, b)

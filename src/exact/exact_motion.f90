@@ -14,7 +14,8 @@ module spintop_exact_motion
     use spintop_status, only: status_ok
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
-    use spintop_elliptic_series, only: nearest_whole, pi_xp
+    use spintop_elliptic_series, only: pi_xp
+    use spintop_scalar_functions, only: argument, unit
     use spintop_regular_start, only: regular_start_t, find_regular_start
     use spintop_turning_points, only: turning_points_t, find_turning_points
     use spintop_theta_form, only: theta_values_t
@@ -45,14 +46,11 @@ module spintop_exact_motion
         real(dp) :: k_squared = 0, complement_squared = 1, frequency = 0
         !> Whole nutations, and whole passages of theta = pi, that lie before the start.
         real(xp) :: tops_before = 0, bottoms_before = 0
+        !> Whether there are exact passages of a pole.
+        logical :: passes_pole = .false.
     contains
         procedure :: at
         procedure :: quaternion_at
-        procedure, private :: find_attitude
-        procedure, private :: swing
-        procedure, private :: add_angles
-        procedure, private :: phi_rate
-        procedure, private :: count_jumps
     end type exact_motion_t
 
     !> The attitude at an instant, and what it was computed from. No initial values: it is filled
@@ -86,6 +84,7 @@ contains
         points = find_turning_points(regular)
         exact%theta = prepare_theta_motion(regular, points)
         exact%nutation = describe_nutation(regular, points, exact%theta)
+        exact%passes_pole = exact%nutation%passes_top .or. exact%nutation%passes_bottom
         call keep_constants(regular, points, exact)
         if (exact%theta%regime == regime_resting) then
             call rest(regular, exact)
@@ -189,15 +188,16 @@ contains
         type(attitude_t) :: attitude
         complex(dp) :: swing, swing_rate
 
-        call self%find_attitude(t, attitude)
-        swing = self%swing(attitude)
+        call find_attitude(self, t, attitude)
+        swing = swing_of(self, attitude)
         swing_rate = -i * (self%omega3 - self%a) * swing &
             + 2 * self%half_beta * attitude%lower * conjg(attitude%upper)
         motion%t = t
-        motion%quaternion = quaternion_of(attitude)
+        motion%quaternion = [real(attitude%upper, dp), real(attitude%lower, dp), &
+                             aimag(attitude%lower), aimag(attitude%upper)]
         motion%omega = [real(swing, dp), aimag(swing), self%omega3]
         motion%omega_rate = [real(swing_rate, dp), aimag(swing_rate), 0.0_dp]
-        call self%add_angles(attitude, motion)
+        call add_angles(self, attitude, motion)
     end function at
 
     !> The unit quaternion at time t, s.
@@ -206,13 +206,14 @@ contains
         real(dp), intent(in) :: t
         real(dp) :: q(4)
         type(attitude_t) :: attitude
-        call self%find_attitude(t, attitude)
-        q = quaternion_of(attitude)
+        call find_attitude(self, t, attitude)
+        q = [real(attitude%upper, dp), real(attitude%lower, dp), &
+             aimag(attitude%lower), aimag(attitude%upper)]
     end function quaternion_at
 
     !> The Cayley-Klein components at time t.
     pure subroutine find_attitude(self, t, now)
-        class(exact_motion_t), intent(in) :: self
+        type(exact_motion_t), intent(in) :: self
         real(dp), intent(in) :: t
         type(attitude_t), intent(out) :: now
         real(dp) :: z, from_top
@@ -241,8 +242,8 @@ contains
 
     !> omega1 + i omega2 = 2 [conj(upper) lower' - conj(upper') lower], rad/s, where the derivative
     !> of the divisor and the spin that is linear in time cancel and are left out.
-    pure complex(dp) function swing(self, now)
-        class(exact_motion_t), intent(in) :: self
+    pure complex(dp) function swing_of(self, now) result(swing)
+        type(exact_motion_t), intent(in) :: self
         type(attitude_t), intent(in) :: now
         swing = 0
         if (self%theta%regime == regime_resting) return
@@ -252,22 +253,15 @@ contains
                    + real(clock%rate, dp) * (conjg(theta%upper) * theta%lower_slope &
                                              - conjg(theta%upper_slope) * theta%lower))
         end associate
-    end function swing
-
-    pure function quaternion_of(attitude) result(q)
-        type(attitude_t), intent(in) :: attitude
-        real(dp) :: q(4)
-        q = [real(attitude%upper, dp), real(attitude%lower, dp), &
-             aimag(attitude%lower), aimag(attitude%upper)]
-    end function quaternion_of
+    end function swing_of
 
     !> Angles, phi and psi with all their turns, and their rates.
     pure subroutine add_angles(self, attitude, motion)
-        class(exact_motion_t), intent(in) :: self
+        type(exact_motion_t), intent(in) :: self
         type(attitude_t), intent(in) :: attitude
         type(motion_t), intent(inout) :: motion
-        real(xp) :: total, difference, phi_jump, psi_jump
-        real(dp) :: one_minus_u, one_plus_u, y, sine, u_rate, dn
+        real(xp) :: total, difference
+        real(dp) :: sn2, cn2, one_minus_u, one_plus_u, u, y, sine, dn, upper, lower, turn, phi_rate
 
         total = self%upper_phase + self%lower_phase + self%sum_rate * attitude%elapsed
         difference = self%upper_phase - self%lower_phase + self%difference_rate * attitude%elapsed
@@ -279,56 +273,61 @@ contains
         end if
 
         associate (clock => self%theta%clock, theta => attitude%theta)
-            one_minus_u = self%one_minus_u2 + self%u2_minus_u1 * theta%cn**2
-            one_plus_u = self%one_plus_u1 + self%u2_minus_u1 * theta%sn**2
-            call self%count_jumps(attitude, phi_jump, psi_jump)
-            total = total + attitude%nutations * (clock%upper_step + clock%lower_step) + phi_jump
-            difference = difference &
-                + attitude%nutations * (clock%upper_step - clock%lower_step) + psi_jump
-            associate (upper => argument(theta%upper), lower => argument(theta%lower))
-                motion%angle = [real(total + (upper + lower), dp), &
-                                2 * atan2(sqrt(one_minus_u), sqrt(one_plus_u)), &
-                                real(difference + (upper - lower), dp)]
-            end associate
-
-            y = merge(self%y1 + self%u2_minus_u1 * theta%sn**2, &
-                      self%y2 - self%u2_minus_u1 * theta%cn**2, theta%sn**2 < 0.5_dp)
+            sn2 = theta%sn**2
+            cn2 = theta%cn**2
+            one_minus_u = self%one_minus_u2 + self%u2_minus_u1 * cn2
+            one_plus_u = self%one_plus_u1 + self%u2_minus_u1 * sn2
+            u = (one_plus_u - one_minus_u) / 2
             sine = sqrt(one_minus_u * one_plus_u)
-            dn = sqrt(self%complement_squared + self%k_squared * theta%cn**2)
-            u_rate = 2 * self%u2_minus_u1 * self%frequency * theta%sn * theta%cn * dn
-            motion%rate(1) = self%phi_rate(y, one_minus_u, one_plus_u)
+
+            if (self%passes_pole) call add_jumps(self, attitude, total, difference)
+            total = total + attitude%nutations * (clock%upper_step + clock%lower_step)
+            difference = difference + attitude%nutations * (clock%upper_step - clock%lower_step)
+            upper = argument(theta%upper)
+            lower = argument(theta%lower)
+            motion%angle = [real(total + (upper + lower), dp), argument(cmplx(u, sine, dp)), &
+                            real(difference + (upper - lower), dp)]
+
+            y = merge(self%y1 + self%u2_minus_u1 * sn2, self%y2 - self%u2_minus_u1 * cn2, sn2 < cn2)
+            turn = turn_at(self, y, one_minus_u, one_plus_u)
             if (sine > 0) then
-                motion%rate(2) = -u_rate / sine
+                dn = sqrt(self%complement_squared + self%k_squared * cn2)
+                phi_rate = turn / (one_minus_u * one_plus_u)
+                motion%rate(2) = -2 * self%u2_minus_u1 * self%frequency * theta%sn * theta%cn &
+                                 * (dn / sine)
             else
+                phi_rate = 0
                 motion%rate(2) = sqrt(self%swing_squared - 2 * self%half_beta * y)
             end if
-            motion%rate(3) = self%omega3 - motion%rate(1) * (one_plus_u - one_minus_u) / 2
+            motion%rate(1) = phi_rate
+            motion%rate(3) = self%omega3 - phi_rate * u
         end associate
     end subroutine add_angles
 
-    !> phi' sin(theta)^2 = b - a u in the form that cancels least, over sin(theta)^2.
-    pure real(dp) function phi_rate(self, y, one_minus_u, one_plus_u) result(rate)
-        class(exact_motion_t), intent(in) :: self
+    !> phi' sin(theta)^2 = b - a u, rad/s, in the form that cancels least.
+    pure real(dp) function turn_at(self, y, one_minus_u, one_plus_u) result(turn)
+        type(exact_motion_t), intent(in) :: self
         real(dp), intent(in) :: y, one_minus_u, one_plus_u
-        real(dp) :: terms(2, 3), turn
-        terms(:, 1) = [self%turn, -self%a * y]
-        terms(:, 2) = [self%b_minus_a, self%a * one_minus_u]
-        terms(:, 3) = [self%b_plus_a, -self%a * one_plus_u]
-        turn = sum(terms(:, minloc(sum(abs(terms), 1), 1)))
-        rate = 0
-        if (abs(turn) > 0) rate = turn / (one_minus_u * one_plus_u)
-    end function phi_rate
+        real(dp) :: from_start, from_top, from_bottom
+        from_start = abs(self%turn) + abs(self%a * y)
+        from_top = abs(self%b_minus_a) + abs(self%a * one_minus_u)
+        from_bottom = abs(self%b_plus_a) + abs(self%a * one_plus_u)
+        if (from_start <= min(from_top, from_bottom)) then
+            turn = self%turn - self%a * y
+        else if (from_top <= from_bottom) then
+            turn = self%b_minus_a + self%a * one_minus_u
+        else
+            turn = self%b_plus_a - self%a * one_plus_u
+        end if
+    end function turn_at
 
     !> Half turns of phi and psi at exact passages of a pole: the theta functions turn the same way
     !> each time; counted here are a half turn there and back, alternately.
-    pure subroutine count_jumps(self, attitude, phi_jump, psi_jump)
-        class(exact_motion_t), intent(in) :: self
+    pure subroutine add_jumps(self, attitude, phi, psi)
+        type(exact_motion_t), intent(in) :: self
         type(attitude_t), intent(in) :: attitude
-        real(xp), intent(out) :: phi_jump, psi_jump  !! rad
+        real(xp), intent(inout) :: phi, psi  !! rad
         real(xp) :: tops, bottoms, top_jump, bottom_jump
-        phi_jump = 0
-        psi_jump = 0
-        if (.not. (self%nutation%passes_top .or. self%nutation%passes_bottom)) return
         top_jump = 0
         bottom_jump = 0
         if (self%nutation%passes_top) then
@@ -340,23 +339,8 @@ contains
                       - self%bottoms_before
             bottom_jump = pi_xp * (modulo(bottoms, 2.0_xp) - sign(1.0_dp, self%b_plus_a) * bottoms)
         end if
-        phi_jump = bottom_jump + top_jump
-        psi_jump = bottom_jump - top_jump
-    end subroutine count_jumps
-
-    !> exp(i phase), the phase first reduced to one turn.
-    pure complex(dp) function unit(phase)
-        real(xp), intent(in) :: phase
-        real(dp) :: reduced
-        reduced = real(phase - 2 * pi_xp * nearest_whole(phase * (0.5_xp / pi_xp)), dp)
-        unit = cmplx(cos(reduced), sin(reduced), dp)
-    end function unit
-
-    !> The angle of a complex number, rad; 0 of zero.
-    elemental real(dp) function argument(z)
-        complex(dp), intent(in) :: z
-        argument = 0
-        if (abs(real(z, dp)) + abs(aimag(z)) > 0) argument = atan2(aimag(z), real(z, dp))
-    end function argument
+        phi = phi + bottom_jump + top_jump
+        psi = psi + bottom_jump - top_jump
+    end subroutine add_jumps
 
 end module spintop_exact_motion

@@ -17,23 +17,33 @@ module spintop_hyperbolic_form
     !> Number of the last term of a series: the next adds at most 2e-22.
     integer, parameter :: last = 3
 
-    !> Coefficients of the theta functions of one motion, for arguments z and y = H - |z| from the
-    !> lower and from the upper turning point, H = pi K/(2 K'). All are scaled by exp(-|z|); with
-    !> e = exp(-2|z|) and p = exp(-2y) = q'/e the terms go with powers of p and e, at most 1.
+    !> What is summed of each series, in these rows of a table: those that go by z from the lower
+    !> turning point, and those that go by y = H - |z| from the upper one, H = pi K/(2 K'). All are
+    !> evaluated at once; as many rows as fill a vector register.
+    integer, parameter :: upper_even = 1, upper_odd = 2, upper_even_slope = 3, &
+        upper_odd_slope = 4, divisor = 5, divisor_slope = 6, sn = 7
+    integer, parameter :: lower_even = 1, lower_odd = 2, lower_even_slope = 3, &
+        lower_odd_slope = 4, cn = 5
+    integer, parameter :: rows = 8
+
+    !> Sums scaled by exp(-x): with e = exp(-2x) and its counterpart p = q'/e, at most 1,
+    !>     sum a(n) p^n exp(-(2n+1)x) cosh (2n+1)x            = near(p) + e far(e)
+    !>     sum a(n) p^n exp(-(2n+1)x) sinh (2n+1)x / (1 - e)  = near(p) + e far(e)
+    type :: sums_t
+        real(dp), dimension(rows, 0:last) :: near = 0, far = 0
+    end type sums_t
+
+    !> The theta functions of one motion, all scaled by exp(-|z|); odd sums have the sign of z.
     type :: hyperbolic_form_t
         private
-        !> W = sum_n powers(n) p^n cosh_(2n+1)(z), where cosh_m(z) = exp(-m|z|) cosh(mz).
-        real(dp) :: powers(0:last) = 0
-        !> U = sum_n p^n [upper_even(n) cosh_(2n+1)(z) + i upper_odd(n) sinh_(2n+1)(z)].
-        real(dp), dimension(0:last) :: upper_even = 0, upper_odd = 0
-        !> L = exp(-|z|) lower_turn
-        !>     * sum_n e^n [lower_even(n) cosh_(2n+1)(y) - i lower_odd(n) sinh_(2n+1)(y)]
-        !> on the way up, its conjugate on the way down.
-        real(dp), dimension(0:last) :: lower_even = 0, lower_odd = 0
+        !> U = upper_even + i upper_odd, W = divisor, sn W = sn.
+        type(sums_t) :: by_z
+        !> L = exp(-|z|) lower_turn [lower_even - i lower_odd] on the way up, its conjugate on the
+        !> way down; cn W = exp(-|z|) cn.
+        type(sums_t) :: by_y
         complex(dp) :: lower_turn = 1
-        !> sn W = sn_scale sum_n (-1)^n powers(n) p^n sinh_(2n+1)(z), and
-        !> cn W = cn_scale exp(-|z|) sum_n (-1)^n powers(n) e^n sinh_(2n+1)(y).
-        real(dp) :: sn_scale = 1, cn_scale = 1
+        !> exp(-H)
+        real(dp) :: half_decay = 0
     end type hyperbolic_form_t
 
     !> Where a pole of the sphere lies: at the imaginary argument i v.
@@ -46,7 +56,8 @@ module spintop_hyperbolic_form
     end type pole_t
 
     integer, parameter :: n_(last) = [1, 2, 3]
-    integer, parameter :: odd(0:last) = [1, 3, 5, 7], alternating(0:last) = [1, -1, 1, -1]
+    integer, parameter :: squares(0:last) = [0, 1, 4, 9], odd(0:last) = [1, 3, 5, 7]
+    integer, parameter :: alternating(0:last) = [1, -1, 1, -1]
 
 contains
 
@@ -58,7 +69,6 @@ contains
         type(hyperbolic_form_t), intent(out) :: form
         real(xp) :: q, k, theta3, cosh_sum_at_0, upper_sign, lower_sign
         type(pole_t) :: bottom, top
-        integer :: n
 
         associate (kc2 => points%complement_squared, m1 => points%one_minus_u1, &
                    p2 => points%one_plus_u2)
@@ -92,19 +102,56 @@ contains
             clock%start = start_argument(start, points, q, clock%half_period)
         end associate
 
-        form%sn_scale = real(1 / sqrt(k), dp)
-        form%cn_scale = real(2 * cosh_sum_at_0 / (sqrt(k) * theta3), dp)
         form%lower_turn = cmplx(2 * top%cosines(1), 2 * lower_sign * top%sines(1), dp)
-        do n = 0, last
-            associate (power => q**(n * n), m => 2 * n + 1)
-                form%powers(n) = real(power, dp)
-                form%upper_even(n) = real(power * bottom%cosines(m), dp)
-                form%upper_odd(n) = real(power * upper_sign * bottom%sines(m), dp)
-                form%lower_even(n) = real(power * top%cosines(m), dp)
-                form%lower_odd(n) = real(power * lower_sign * top%sines(m), dp)
-            end associate
-        end do
+        form%half_decay = real(sqrt(q), dp)
+        associate (powers => q**squares, up => upper_sign * bottom%sines(odd), &
+                   low => lower_sign * top%sines(odd))
+            call add_even(form%by_z, upper_even, q, powers * bottom%cosines(odd))
+            call add_odd(form%by_z, upper_odd, q, powers * up)
+            call add_odd(form%by_z, upper_even_slope, q, odd * powers * bottom%cosines(odd))
+            call add_even(form%by_z, upper_odd_slope, q, odd * powers * up)
+            call add_even(form%by_z, divisor, q, powers)
+            call add_odd(form%by_z, divisor_slope, q, odd * powers)
+            call add_odd(form%by_z, sn, q, alternating * powers / sqrt(k))
+
+            call add_even(form%by_y, lower_even, q, powers * top%cosines(odd))
+            call add_odd(form%by_y, lower_odd, q, powers * low)
+            call add_odd(form%by_y, lower_even_slope, q, odd * powers * top%cosines(odd))
+            call add_even(form%by_y, lower_odd_slope, q, odd * powers * low)
+            call add_odd(form%by_y, cn, q, &
+                         alternating * powers * (2 * cosh_sum_at_0 / (sqrt(k) * theta3)))
+        end associate
     end subroutine prepare_hyperbolic_form
+
+    !> Adds the sum of a(n) p^n (1 + e^(2n+1))/2, where p e = q.
+    pure subroutine add_even(sums, row, q, a)
+        type(sums_t), intent(inout) :: sums
+        integer, intent(in) :: row
+        real(xp), intent(in) :: q, a(0:last)
+        integer :: n
+        do n = 0, last
+            sums%near(row, n) = real(a(n) / 2, dp)
+            sums%far(row, n) = real(a(n) * q**n / 2, dp)
+        end do
+    end subroutine add_even
+
+    !> Adds the sum of a(n) p^n (1 - e^(2n+1))/2 over 1 - e, that is of
+    !> a(n)/2 [p^n + q p^(n-1) + ... + q^n + q^n e + ... + q^n e^n].
+    pure subroutine add_odd(sums, row, q, a)
+        type(sums_t), intent(inout) :: sums
+        integer, intent(in) :: row
+        real(xp), intent(in) :: q, a(0:last)
+        real(xp) :: near, far
+        integer :: n
+        near = 0
+        far = 0
+        do n = last, 0, -1
+            near = a(n) / 2 + q * near
+            sums%near(row, n) = real(near, dp)
+            sums%far(row, n) = real(far, dp)
+            far = far + q**n * a(n) / 2
+        end do
+    end subroutine add_odd
 
     !> A pole from tan(v) = opposite A(v) / (adjacent B(v)): the ratio of theta functions A/B
     !> depends so little on v that this iteration gains two digits and more a time.
@@ -206,60 +253,59 @@ contains
         real(dp), intent(in) :: z, from_top  !! from_top: H - |z|, to full relative precision
         type(theta_values_t), intent(out) :: theta
         complex(dp) :: lower, lower_slope
-        real(dp) :: decay, e, p, cosh_n(0:last), sinh_n(0:last), weight(0:last)
+        real(dp) :: values(rows), decay, climb, e, p, odd_z, odd_y
 
-        decay = exp(-abs(z))
+        ! exp(-|z|) and exp(-y): the one that is next to 1 by itself, the other from it.
+        if (abs(z) < from_top) then
+            decay = exp(-abs(z))
+            climb = 0
+            if (form%half_decay > 0) climb = form%half_decay / decay
+        else
+            climb = exp(-from_top)
+            decay = form%half_decay / climb
+        end if
         e = decay**2
-        p = exp(-2 * from_top)
+        p = climb**2
 
-        call scaled_hyperbolics(e, rise(abs(z), e), cosh_n, sinh_n)
-        sinh_n = sign(sinh_n, z)
-        weight = [1.0_dp, p, p**2, p**3]
-        cosh_n = weight * cosh_n
-        sinh_n = weight * sinh_n
-        theta%divisor = dot_product(form%powers, cosh_n)
-        theta%divisor_slope = dot_product(odd * form%powers, sinh_n)
-        theta%upper = cmplx(dot_product(form%upper_even, cosh_n), &
-                            dot_product(form%upper_odd, sinh_n), dp)
-        theta%upper_slope = cmplx(dot_product(odd * form%upper_even, sinh_n), &
-                                  dot_product(odd * form%upper_odd, cosh_n), dp)
-        theta%sn = form%sn_scale * dot_product(alternating * form%powers, sinh_n) / theta%divisor
+        odd_z = sign(rise(abs(z), decay), z)
+        call add_up(form%by_z, e, p, values)
+        theta%divisor = values(divisor)
+        theta%divisor_slope = odd_z * values(divisor_slope)
+        theta%upper = cmplx(values(upper_even), odd_z * values(upper_odd), dp)
+        theta%upper_slope = cmplx(odd_z * values(upper_even_slope), values(upper_odd_slope), dp)
+        theta%sn = odd_z * values(sn) / theta%divisor
 
-        call scaled_hyperbolics(p, rise(from_top, p), cosh_n, sinh_n)
-        weight = [1.0_dp, e, e**2, e**3]
-        cosh_n = weight * cosh_n
-        sinh_n = weight * sinh_n
-        lower = cmplx(dot_product(form%lower_even, cosh_n), &
-                      -dot_product(form%lower_odd, sinh_n), dp)
-        lower_slope = lower + cmplx(-dot_product(odd * form%lower_even, sinh_n), &
-                                    dot_product(odd * form%lower_odd, cosh_n), dp)
+        odd_y = rise(from_top, climb)
+        call add_up(form%by_y, p, e, values)
+        lower = cmplx(values(lower_even), -odd_y * values(lower_odd), dp)
+        lower_slope = lower + cmplx(-odd_y * values(lower_even_slope), values(lower_odd_slope), dp)
         theta%lower = decay * form%lower_turn * lower
         theta%lower_slope = decay * form%lower_turn * lower_slope
         if (z < 0) then
             theta%lower = conjg(theta%lower)
             theta%lower_slope = -conjg(theta%lower_slope)
         end if
-        theta%cn = form%cn_scale * decay * dot_product(alternating * form%powers, sinh_n) &
-                   / theta%divisor
+        theta%cn = decay * odd_y * values(cn) / theta%divisor
     end subroutine evaluate_hyperbolic_form
 
-    !> exp(-mx) cosh(mx) and exp(-mx) sinh(mx) for m = 1, 3, 5, 7 and x >= 0, from e = exp(-2x) and
-    !> 1 - e.
-    pure subroutine scaled_hyperbolics(e, one_minus_e, cosh_n, sinh_n)
-        real(dp), intent(in) :: e, one_minus_e
-        real(dp), intent(out) :: cosh_n(0:last), sinh_n(0:last)
-        cosh_n = (1 + [e, e**3, e**5, e**7]) / 2
-        sinh_n(0) = one_minus_e / 2
-        sinh_n(1) = sinh_n(0) * (1 + e * (1 + e))
-        sinh_n(2) = sinh_n(1) + sinh_n(0) * e**3 * (1 + e)
-        sinh_n(3) = sinh_n(2) + sinh_n(0) * e**5 * (1 + e)
-    end subroutine scaled_hyperbolics
+    !> All sums at once, at e and p.
+    pure subroutine add_up(sums, e, p, values)
+        type(sums_t), intent(in) :: sums
+        real(dp), intent(in) :: e, p
+        real(dp), intent(out) :: values(rows)
+        associate (a => sums%near, b => sums%far)
+            values = a(:, 0) + p * (a(:, 1) + p * (a(:, 2) + p * a(:, 3))) &
+                + e * (b(:, 0) + e * (b(:, 1) + e * (b(:, 2) + e * b(:, 3))))
+        end associate
+    end subroutine add_up
 
-    !> 1 - e for e = exp(-2x), x >= 0, to full relative precision.
-    elemental real(dp) function rise(x, e)
-        real(dp), intent(in) :: x, e
-        rise = 1 - e
-        if (x < 0.25_dp) rise = 2 * sqrt(e) * sinh(x)
+    !> 1 - exp(-2x), x >= 0, from the decay exp(-x), to full relative precision.
+    pure real(dp) function rise(x, decay)
+        real(dp), intent(in) :: x, decay
+        rise = 1 - decay**2
+        ! 2 exp(-x) sinh(x)
+        if (x < 0.25_dp) rise = 2 * decay * x * (1 + x**2 / 6 * (1 + x**2 / 20 * (1 + x**2 / 42 &
+            * (1 + x**2 / 72 * (1 + x**2 / 110)))))
     end function rise
 
 end module spintop_hyperbolic_form

@@ -1,7 +1,7 @@
 !> Which form of the exact motion a case is evaluated in, and the choice made once.
 module spintop_theta_motion
     use spintop_kinds, only: dp, xp
-    use spintop_elliptic_series, only: nearest_whole
+    use spintop_scalar_functions, only: nearest_whole
     use spintop_regular_start, only: regular_start_t
     use spintop_turning_points, only: turning_points_t
     use spintop_theta_form, only: theta_clock_t, theta_values_t

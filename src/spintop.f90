@@ -15,6 +15,9 @@ module spintop
     use spintop_quantities, only: kinetic_energy, potential_energy, vertical_momentum, &
         axial_momentum, euler_residuals, support_force, axis_tip
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
+    use spintop_conditioning, only: conditioning_t, prepare_conditioning, double_floor
+    use spintop_force_extremes, only: force_extremes_t, find_force_extremes
+    use spintop_exact_block, only: exact_block_t, block_size
     use spintop_nutation, only: nutation_t, find_nutation, class_name
     use spintop_steady_precession, only: steady_rates, steady_rates_at_spin
     use spintop_sleeping_top, only: critical_omega3, sleeping_eigenvalues

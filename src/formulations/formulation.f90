@@ -35,6 +35,7 @@ module spintop_formulation
         procedure(derivative), deferred :: derivative
         procedure(motion_of), deferred :: motion
         procedure :: after_step => keep_state
+        procedure :: follow => keep_angles
         procedure :: time_left => unlimited
         procedure :: depart => nowhere_to_depart
         procedure :: arrive => nowhere_to_arrive
@@ -90,6 +91,19 @@ contains
         changed = .false.
         clipped = .false.
     end subroutine keep_state
+
+    !> Carries angles along the motion from one time and state to a later one, so that those that
+    !> the state holds only modulo a turn stay continuous; unless `sure`, more states between would
+    !> tell more. States that hold the angles themselves need none.
+    pure subroutine keep_angles(self, t_last, y_last, t, y, angle, sure)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: t_last, y_last(max_states), t, y(max_states)
+        real(dp), intent(inout) :: angle(3)
+        logical, intent(out) :: sure
+        associate (unused => self, a => t_last, b => y_last, c => t, d => y, e => angle)
+        end associate
+        sure = .true.
+    end subroutine keep_angles
 
     !> Estimate of the time left until the equations end, s; its error goes with its cube.
     pure real(dp) function unlimited(self, y)

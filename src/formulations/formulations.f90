@@ -5,6 +5,9 @@ module spintop_formulations
     use spintop_lagrange, only: lagrange_t
     use spintop_energy_rate, only: energy_rate_t
     use spintop_lagrange_energy, only: lagrange_energy_t
+    use spintop_rigid_body, only: rigid_body_t
+    use spintop_space_frame, only: space_frame_t
+    use spintop_cayley_klein, only: cayley_klein_t
     implicit none
     private
     public :: formulation_infos, create_formulation
@@ -30,6 +33,9 @@ contains
         call known%add(lagrange_t())
         call known%add(energy_rate_t())
         call known%add(lagrange_energy_t())
+        call known%add(rigid_body_t())
+        call known%add(space_frame_t())
+        call known%add(cayley_klein_t())
     end subroutine list_formulations
 
     !> Adds a formulation.

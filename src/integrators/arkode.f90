@@ -224,12 +224,13 @@ contains
     end subroutine set_time
 
     !> The state at a time within the last step, to the order of the table (at least 4, at most 8).
-    function interpolate(self, work, t) result(y)
+    function interpolate(self, formulation, work, t) result(y)
         class(arkode_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(inout) :: work
         real(dp), intent(in) :: t
         real(dp) :: y(max_states)
-        associate (unused => self)
+        associate (unused => self, also_unused => formulation)
         end associate
         y = work%y
         if (t >= work%t) return

@@ -7,7 +7,7 @@ module spintop_fixed_step
     use spintop_status, only: status_ok, status_outside, status_non_finite, status_step_too_small
     implicit none
     private
-    public :: fixed_step_t, grid_time, off_grid, share_of_time_left
+    public :: fixed_step_t, begin_on_grid, advance_on_grid, grid_time, off_grid, share_of_time_left
 
     !> Mark in `workspace_t%grid` of a run that has left the grid of equal steps.
     integer, parameter :: off_grid = -1
@@ -18,8 +18,8 @@ module spintop_fixed_step
     type, extends(stepper_t), abstract :: fixed_step_t
     contains
         procedure :: new_workspace
-        procedure :: begin
-        procedure :: advance
+        procedure :: begin => begin_on_grid
+        procedure :: advance => advance_on_grid
         procedure :: interpolate
         procedure(step), deferred :: step
     end type fixed_step_t
@@ -48,19 +48,19 @@ contains
         allocate (work)
     end subroutine new_workspace
 
-    !> Sets the step and takes the first slope.
-    subroutine begin(self, formulation, work, status)
+    !> Takes the first slope and, for equal steps, sets their size.
+    subroutine begin_on_grid(self, formulation, work, status)
         class(fixed_step_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(inout) :: work
         integer, intent(out) :: status
 
-        work%h = (work%t_end - work%t_begin) / self%controls%steps
+        if (self%controls%steps > 0) work%h = (work%t_end - work%t_begin) / self%controls%steps
         call work%evaluate(formulation, work%y, work%slope, status)
-    end subroutine begin
+    end subroutine begin_on_grid
 
     !> One step: on the grid while the equations last, in ever shorter ones as they end.
-    subroutine advance(self, formulation, work, status)
+    subroutine advance_on_grid(self, formulation, work, status)
         class(fixed_step_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(inout) :: work
@@ -92,7 +92,7 @@ contains
         call work%settle(formulation, t_new, y_new, changed)
         if (changed) call work%evaluate(formulation, work%y, slope, status)
         work%slope = slope
-    end subroutine advance
+    end subroutine advance_on_grid
 
     !> Time of the grid point that a run in so many equal steps has reached, without summing steps.
     pure real(dp) function grid_time(work, steps)
@@ -105,12 +105,13 @@ contains
     end function grid_time
 
     !> Only the ends of a step are known.
-    function interpolate(self, work, t) result(y)
+    function interpolate(self, formulation, work, t) result(y)
         class(fixed_step_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(inout) :: work
         real(dp), intent(in) :: t
         real(dp) :: y(max_states)
-        associate (unused => self)
+        associate (unused => self, also_unused => formulation)
         end associate
         y = work%y
         if (t < work%t) y = work%y_last

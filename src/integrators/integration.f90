@@ -20,14 +20,23 @@ module spintop_integration
     end type observer_t
 
     abstract interface
-        !> The state `y` of a formulation at time `t`; the times come in rising order.
-        subroutine observe(self, formulation, t, y)
+        !> The state `y` of a formulation at time `t`, and angles next to which those of the motion
+        !> lie; the times come in rising order.
+        subroutine observe(self, formulation, t, y, near)
             import :: observer_t, formulation_t, dp, max_states
             class(observer_t), intent(inout) :: self
             class(formulation_t), intent(in) :: formulation
-            real(dp), intent(in) :: t, y(max_states)
+            real(dp), intent(in) :: t, y(max_states), near(3)
         end subroutine observe
     end interface
+
+    !> The angles, followed through every step.
+    type :: follower_t
+        real(dp) :: t = 0, y(max_states) = 0, angle(3) = 0
+    contains
+        procedure :: go_to
+        procedure :: walk_to
+    end type follower_t
 
     !> How a run ended.
     type :: outcome_t
@@ -38,10 +47,12 @@ module spintop_integration
     end type outcome_t
 
     !> With less than this share of the time gone left, a run arrives at the end of its equations;
-    !> with less than `near` of the span, one that is stuck has arrived too.
-    real(dp), parameter :: arrival = 1.0e-4_dp, near = 1.0e-2_dp
+    !> with less than `close` of the span, one that is stuck has arrived too.
+    real(dp), parameter :: arrival = 1.0e-4_dp, close = 1.0e-2_dp
     !> A sample of a fixed-step method this share of a step away is at the step.
     real(dp), parameter :: grid_slack = 1.0e-6_dp
+    !> A pole passed within this share of a step is passed on either side.
+    real(dp), parameter :: shortest_pace = 1.0e-12_dp
 
 contains
 
@@ -57,6 +68,7 @@ contains
         class(observer_t), intent(inout) :: observer
         type(outcome_t), intent(out) :: outcome
         class(workspace_t), allocatable :: work
+        type(follower_t) :: follower
         integer :: next, status
 
         call stepper%new_workspace(work)
@@ -65,8 +77,9 @@ contains
         call formulation%prepare(body, start, work%y, status)
         if (status == status_ok) call check_start(formulation, work, status)
         if (status == status_ok) then
+            follower = follower_t(0.0_dp, work%y, start%angle)
             call show_until(0.0_dp)
-            call leave_rest(formulation, stepper, work, samples, next, observer)
+            call leave_rest(formulation, stepper, work, samples, next, follower, observer)
             call stepper%begin(formulation, work, status)
             call show_until(work%t)
         end if
@@ -77,7 +90,7 @@ contains
             end if
             call stepper%advance(formulation, work, status)
             if (status == status_ok) call show_until(work%t)
-            call check_arrival(formulation, work, observer, status)
+            call check_arrival(formulation, work, follower, observer, status)
         end do
         outcome%status = status
         outcome%t = work%t
@@ -88,22 +101,70 @@ contains
         !> Shows the samples not yet shown up to a time within the last step.
         subroutine show_until(t)
             real(dp), intent(in) :: t
-            real(dp) :: slack, shown
+            real(dp) :: slack
             slack = 0
             if (stepper%controls%steps > 0) slack = grid_slack * t_end / stepper%controls%steps
             do while (next <= size(samples) .and. .not. observer%has_enough)
                 if (samples(next) > t + slack) exit
-                shown = samples(next)
-                if (abs(shown - t) <= slack) then
-                    call observer%observe(formulation, work%t, work%y)
+                if (abs(samples(next) - t) <= slack) then
+                    call follower%walk_to(formulation, stepper, work, work%t, work%y)
+                    call show(follower, formulation, observer)
                 else if (stepper%controls%steps == 0) then
-                    call observer%observe(formulation, shown, stepper%interpolate(work, shown))
+                    call follower%walk_to(formulation, stepper, work, samples(next), &
+                                          stepper%interpolate(formulation, work, samples(next)))
+                    call show(follower, formulation, observer)
                 end if
                 next = next + 1
             end do
+            call follower%walk_to(formulation, stepper, work, work%t, work%y)
         end subroutine show_until
 
     end subroutine integrate
+
+    !> Goes on to a later time and state.
+    subroutine go_to(self, formulation, t, y)
+        class(follower_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: t, y(max_states)
+        logical :: sure
+        call formulation%follow(self%t, self%y, t, y, self%angle, sure)
+        self%t = t
+        self%y = y
+    end subroutine go_to
+
+    !> Goes on to a state within the last step, in short paces where the axis passes a pole and the
+    !> states between are known.
+    recursive subroutine walk_to(self, formulation, stepper, work, t, y)
+        class(follower_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(stepper_t), intent(in) :: stepper
+        class(workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: t, y(max_states)
+        real(dp) :: angle(3), middle
+        logical :: sure
+
+        angle = self%angle
+        call formulation%follow(self%t, self%y, t, y, angle, sure)
+        sure = sure .or. t - self%t <= shortest_pace * (work%t - work%t_last)
+        if (sure .or. stepper%controls%steps > 0) then
+            self%t = t
+            self%y = y
+            self%angle = angle
+        else
+            middle = self%t + (t - self%t) / 2
+            call self%walk_to(formulation, stepper, work, middle, &
+                              stepper%interpolate(formulation, work, middle))
+            call self%walk_to(formulation, stepper, work, t, y)
+        end if
+    end subroutine walk_to
+
+    !> Shows the motion that the follower has come to.
+    subroutine show(follower, formulation, observer)
+        type(follower_t), intent(in) :: follower
+        class(formulation_t), intent(in) :: formulation
+        class(observer_t), intent(inout) :: observer
+        call observer%observe(formulation, follower%t, follower%y, follower%angle)
+    end subroutine show
 
     !> The right-hand side must exist at the start.
     subroutine check_start(formulation, work, status)
@@ -116,12 +177,13 @@ contains
 
     !> Leaves a start on which the equations alone would rest: the first step of a fixed-step
     !> method, or a short time before an adaptive one begins.
-    subroutine leave_rest(formulation, stepper, work, samples, next, observer)
+    subroutine leave_rest(formulation, stepper, work, samples, next, follower, observer)
         class(formulation_t), intent(in) :: formulation
         class(stepper_t), intent(in) :: stepper
         class(workspace_t), intent(inout) :: work
         real(dp), intent(in) :: samples(:)
         integer, intent(inout) :: next
+        type(follower_t), intent(inout) :: follower
         class(observer_t), intent(inout) :: observer
         real(dp) :: h, y(max_states)
         logical :: departed
@@ -157,15 +219,17 @@ contains
             time = t
             y_then = work%y
             call formulation%depart(y_then, time, unused)
-            call observer%observe(formulation, t, y_then)
+            call follower%go_to(formulation, t, y_then)
+            call show(follower, formulation, observer)
         end subroutine observe_departure
 
     end subroutine leave_rest
 
     !> Ends a run that has come to where its equations end: at the turning point, not beyond.
-    subroutine check_arrival(formulation, work, observer, status)
+    subroutine check_arrival(formulation, work, follower, observer, status)
         class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(inout) :: work
+        type(follower_t), intent(inout) :: follower
         class(observer_t), intent(inout) :: observer
         integer, intent(inout) :: status
         real(dp) :: left, y(max_states)
@@ -175,7 +239,7 @@ contains
         case (status_ok)
             if (left > arrival * work%t) return
         case (status_outside, status_step_too_small, status_not_converged)
-            if (left > near * work%t_end) return
+            if (left > close * work%t_end) return
         case default
             return
         end select
@@ -185,7 +249,8 @@ contains
         work%y = y
         work%t = work%t + left
         status = status_turning_point
-        call observer%observe(formulation, work%t, work%y)
+        call follower%go_to(formulation, work%t, work%y)
+        call show(follower, formulation, observer)
     end subroutine check_arrival
 
 end module spintop_integration

@@ -5,6 +5,8 @@ module spintop_methods
     use spintop_runge_kutta, only: runge_kutta_t
     use spintop_theta_method, only: theta_method_t
     use spintop_ode45, only: ode45_t
+    use spintop_dop853, only: dop853_t
+    use spintop_dop853_table, only: dop853_table
     use spintop_arkode, only: arkode_t
     use spintop_kinds, only: dp
     implicit none
@@ -49,6 +51,9 @@ contains
         call known%add(ode45_t(table=dormand_prince_table(), info=method_info_t( &
             'ode45', "Dormand-Prince 5(4) with MATLAB's step control", order=5, adaptive=.true., &
             relative_tolerance=1.0e-3_dp, absolute_tolerance=1.0e-6_dp, refine=4)))
+        call known%add(dop853_t(table=dop853_table(), info=method_info_t( &
+            'dop853', 'Dormand-Prince 8(5,3) of Hairer, Norsett and Wanner', order=8, &
+            fixed_step=.true., adaptive=.true.)))
         call known%add(arkode_t(info=method_info_t( &
             'arkode_erk', 'explicit Runge-Kutta of SUNDIALS ARKODE', &
             fixed_step=.true., adaptive=.true., takes_table=.true.)))

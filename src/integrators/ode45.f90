@@ -156,11 +156,14 @@ contains
     end function power
 
     !> Dense output of order 4 within the last step.
-    function interpolate(self, work, t) result(y)
+    function interpolate(self, formulation, work, t) result(y)
         class(ode45_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(inout) :: work
         real(dp), intent(in) :: t
         real(dp) :: y(max_states), s, weight(max_stages)
+        associate (unused => formulation)
+        end associate
         y = work%y
         select type (work)
         class is (ode45_workspace_t)

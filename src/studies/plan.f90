@@ -84,7 +84,7 @@ contains
         type(body_t), intent(in) :: body
         type(plan_t), intent(inout) :: plan
         type(problems_t), intent(inout) :: problems
-        character(*), parameter :: default_stepper = 'arkode_erk'
+        character(*), parameter :: default_stepper = 'dop853', default_with_table = 'arkode_erk'
 
         select case (scene%method)
         case ('exact')
@@ -101,7 +101,6 @@ contains
                 plan%reason = 'The body is ' // known_for // ', so its motion is known in closed form: &
                     &good to rounding at any time, at a cost that does not depend on the time span. No step is taken.'
             else
-                call create_stepper(default_stepper, plan%stepper)
                 if (body%is_lagrange()) then
                     plan%reason = 'The input names a formulation, a table or steps, so the motion is integrated &
                         &step by step, though it is known in closed form.'
@@ -109,7 +108,14 @@ contains
                     plan%reason = 'The body is not ' // known_for // ', so there is no closed form and the motion &
                         &is integrated step by step.'
                 end if
-                plan%reason = plan%reason // ' ' // default_stepper // ' is the default for that.'
+                if (scene%table == '') then
+                    call create_stepper(default_stepper, plan%stepper)
+                    plan%reason = plan%reason // ' ' // default_stepper // ' is the default for that: of high &
+                        &order, so cheap where the motion is smooth and the tolerance tight.'
+                else
+                    call create_stepper(default_with_table, plan%stepper)
+                    plan%reason = plan%reason // ' ' // default_with_table // ' takes the table that was named.'
+                end if
             end if
         case default
             call create_stepper(trim(scene%method), plan%stepper)
@@ -148,12 +154,19 @@ contains
         type(body_t), intent(in) :: body
         type(plan_t), intent(inout) :: plan
         type(problems_t), intent(inout) :: problems
-        character(*), parameter :: default_formulation = 'lagrange'
+        character(*), parameter :: of_symmetric_tops = 'lagrange', of_any_body = 'rigid_body'
         type(formulation_info_t) :: info
 
         if (scene%formulation == 'auto') then
-            call create_formulation(default_formulation, plan%formulation)
-            plan%reason = plan%reason // ' The equations are those of ' // default_formulation // ', the default.'
+            if (body%is_lagrange()) then
+                call create_formulation(of_symmetric_tops, plan%formulation)
+                plan%reason = plan%reason // ' The equations are those of ' // of_symmetric_tops // ', the default &
+                    &for symmetric tops.'
+            else
+                call create_formulation(of_any_body, plan%formulation)
+                plan%reason = plan%reason // ' The equations are those of ' // of_any_body // ', which hold for any &
+                    &body in any attitude.'
+            end if
         else
             call create_formulation(trim(scene%formulation), plan%formulation)
             plan%reason = plan%reason // ' Formulation ' // trim(scene%formulation) // ' was asked for.'

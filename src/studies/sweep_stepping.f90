@@ -153,11 +153,11 @@ contains
     end subroutine begin_witness
 
     !> Looks at a state of a formulation.
-    subroutine observe(self, formulation, t, y)
+    subroutine observe(self, formulation, t, y, near)
         class(witness_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
-        real(dp), intent(in) :: t, y(max_states)
-        call self%look(formulation%motion(t, y, self%last%angle))
+        real(dp), intent(in) :: t, y(max_states), near(3)
+        call self%look(formulation%motion(t, y, near))
     end subroutine observe
 
     !> Looks at a motion.

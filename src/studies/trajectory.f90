@@ -32,8 +32,6 @@ module spintop_trajectory
         real(dp) :: t_end = 0
         !> Rows of the whole table.
         integer(int64) :: total = 0
-        !> Motion last written; its angles keep those of the next continuous.
-        type(motion_t) :: last
         integer :: rows = 0
         type(error_t), allocatable :: error
     contains
@@ -60,7 +58,6 @@ contains
         status = status_ok
         associate (case => job%case, plan => job%plan)
             writer%t_end = case%t_end
-            writer%last = case%start
             writer%total = plan%samples
             call writer%progress%start(job%name, 'rows', writer%total, options%quiet, options%progress)
             call writer%columns%set(job%columns, case)
@@ -136,11 +133,11 @@ contains
     end function status_line
 
     !> Writes the row of a state of a formulation.
-    subroutine observe(self, formulation, t, y)
+    subroutine observe(self, formulation, t, y, near)
         class(writer_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
-        real(dp), intent(in) :: t, y(max_states)
-        call self%write_row(formulation%motion(t, y, self%last%angle))
+        real(dp), intent(in) :: t, y(max_states), near(3)
+        call self%write_row(formulation%motion(t, y, near))
     end subroutine observe
 
     !> Writes the row of a motion.
@@ -148,7 +145,6 @@ contains
         class(writer_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion
         if (self%has_enough) return
-        self%last = motion
         self%rows = self%rows + 1
         call self%file%add_row(self%columns%row(motion), self%error)
         self%has_enough = allocated(self%error)

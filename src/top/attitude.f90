@@ -3,13 +3,14 @@
 !> Angles are `angle = (phi, theta, psi)`, precession, inclination, spin; the quaternion has its
 !> scalar first and turns body into space axes. Conventions: Provatidis (2012), Eqs 1-10.
 module spintop_attitude
+    use spintop_compare, only: is_zero
     use spintop_kinds, only: dp, pi
     implicit none
     private
     public :: quaternion_from_angles, angles_from_quaternion
     public :: omega_from_rates, rates_from_omega, omega_rate_from_accelerations
     public :: quaternion_product, conjugate_quaternion, to_space, vertical_from_quaternion
-    public :: rotation_angle, nearest_turn
+    public :: rotation_angle, nearest_turn, follow_angles
 
 contains
 
@@ -45,6 +46,70 @@ contains
         minus = minus + offset(2)
         angle = [plus + minus, 2 * atan2(lower, upper), plus - minus]
     end function angles_from_quaternion
+
+    !> Carries angles over a time h from the attitude `q_last`, which has them, to the attitude `q`:
+    !> phi and psi continuous, whatever the number of turns between, and to rounding; theta is kept.
+    !> Both quaternions are of one continuous motion, of any length; `omega_last` and `omega` are the
+    !> angular velocities in body axes, rad/s. `sure` tells that the axis passed no pole so closely
+    !> that it is not clear on which side: phi and psi may then be a whole turn off, to and fro.
+    pure subroutine follow_angles(q_last, omega_last, q, omega, h, angle, sure)
+        real(dp), intent(in) :: q_last(4), omega_last(3), q(4), omega(3), h
+        real(dp), intent(inout) :: angle(3)
+        logical, intent(out) :: sure
+        !> Turn over which the half angles are compared directly, rad: they change by less than half
+        !> a turn even if the axis passes a pole.
+        real(dp), parameter :: largest_turn = pi / 2
+        !> Change of a half angle by more than that shows a pole, rad.
+        real(dp), parameter :: sharp = 2
+        real(dp) :: half(2), change(2), here(4), there(4)
+        integer :: pieces, i
+
+        half = [angle(1) + angle(3), angle(1) - angle(3)] / 2
+        pieces = max(1, ceiling(h * max(norm2(omega_last), norm2(omega)) / largest_turn))
+        here = q_last
+        sure = .true.
+        ! A longer turn goes one half of the time with the first angular velocity, the other with
+        ! the second.
+        do i = 1, pieces
+            if (i == pieces) then
+                there = q
+            else if (2 * i <= pieces) then
+                there = quaternion_product(q_last, turn_by(omega_last * (h * i / pieces)))
+            else
+                there = quaternion_product(q, turn_by(omega * (h * (i - pieces) / pieces)))
+            end if
+            change = half_angle_change(here, there)
+            half = half + change
+            sure = sure .and. all(abs(change) < sharp)
+            here = there
+        end do
+        angle = [half(1) + half(2), angle(2), half(1) - half(2)]
+        ! At a pole one half angle begins anew, with the next turn of the axis.
+        if (any(is_zero([hypot(q_last(1), q_last(4)), hypot(q_last(2), q_last(3))]))) then
+            angle = angles_from_quaternion(q, angle)
+        end if
+    end subroutine follow_angles
+
+    !> Change of (phi + psi)/2 and (phi - psi)/2 between two attitudes, each by less than half a
+    !> turn, rad; zero where it does not exist.
+    pure function half_angle_change(p, q) result(change)
+        real(dp), intent(in) :: p(4), q(4)
+        real(dp) :: change(2)
+        real(dp) :: along(2), across(2)
+        along = [q(1) * p(1) + q(4) * p(4), q(2) * p(2) + q(3) * p(3)]
+        across = [q(4) * p(1) - q(1) * p(4), q(3) * p(2) - q(2) * p(3)]
+        change = 0
+        where (abs(along) + abs(across) > 0) change = atan2(across, along)
+    end function half_angle_change
+
+    !> Unit quaternion of a turn about the direction of a vector by its length, rad.
+    pure function turn_by(vector) result(q)
+        real(dp), intent(in) :: vector(3)
+        real(dp) :: q(4), length
+        length = norm2(vector)
+        q = [1.0_dp, vector / 2]
+        if (length > 0) q = [cos(length / 2), vector * (sin(length / 2) / length)]
+    end function turn_by
 
     !> The value next to `near` among `angle` + 2 pi n, rad.
     elemental real(dp) function nearest_turn(angle, near)

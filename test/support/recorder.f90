@@ -22,12 +22,11 @@ module recorder
 
 contains
 
-    subroutine observe(self, formulation, t, y)
+    subroutine observe(self, formulation, t, y, near)
         class(recorder_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
-        real(dp), intent(in) :: t, y(max_states)
+        real(dp), intent(in) :: t, y(max_states), near(3)
         type(motion_t), allocatable :: larger(:)
-        type(motion_t) :: before
 
         if (.not. allocated(self%motions)) allocate (self%motions(64))
         if (self%count == size(self%motions)) then
@@ -35,9 +34,8 @@ contains
             larger(:self%count) = self%motions
             call move_alloc(larger, self%motions)
         end if
-        if (self%count > 0) before = self%motions(self%count)
         self%count = self%count + 1
-        self%motions(self%count) = formulation%motion(t, y, before%angle)
+        self%motions(self%count) = formulation%motion(t, y, near)
         self%has_enough = self%count >= self%limit
     end subroutine observe
 

@@ -1,0 +1,119 @@
+!> The symmetric top as two separate oscillators, for the Cayley-Klein parameters without the spin.
+!>
+!> With alpha = (q0 + i q3) exp(-i sigma t/2) and beta = (q1 + i q2) exp(i sigma t/2), where
+!> sigma = omega3 (I1 - I3)/I1, b = 2 m g l/I1, a = I3 omega3/I1, E = theta'^2 + sin^2(theta) phi'^2 +
+!> b cos(theta) and A+- = (E +- b + a^2)/4:
+!>     alpha'' = (b |alpha|^2 - b/2 - A+) alpha,  beta'' = (b/2 - b |beta|^2 - A-) beta.
+!> No attitude is singular. |alpha|^2 + |beta|^2 = 1 holds for the exact motion only.
+module spintop_cayley_klein
+    use spintop_kinds, only: dp
+    use spintop_attitude, only: follow_angles, conjugate_quaternion, quaternion_product, &
+        vertical_from_quaternion
+    use spintop_body, only: body_t
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_states
+    use spintop_motion, only: motion_t, motion_from_quaternion
+    use spintop_status, only: status_ok
+    implicit none
+    private
+    public :: cayley_klein_t
+
+    !> State y = (Re alpha, Re beta, Im beta, Im alpha) and their rates, in the order of a quaternion.
+    type, extends(formulation_t) :: cayley_klein_t
+        private
+        !> sigma, b, A+ + b/2 and b/2 - A-.
+        real(dp) :: sigma = 0, b = 0, upper = 0, lower = 0
+    contains
+        procedure, nopass :: info
+        procedure :: prepare
+        procedure :: derivative
+        procedure :: motion
+        procedure :: follow
+    end type cayley_klein_t
+
+contains
+
+    !> Name and properties.
+    pure function info()
+        type(formulation_info_t) :: info
+        info = formulation_info_t('cayley_klein', &
+            'two oscillators for the Cayley-Klein parameters, for symmetric tops; no pole is singular', &
+            8, singular_at_poles=.false.)
+    end function info
+
+    !> Constants of the motion and initial state.
+    pure subroutine prepare(self, body, start, y, status)
+        class(cayley_klein_t), intent(inout) :: self
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        real(dp), intent(out) :: y(max_states)
+        integer, intent(out) :: status
+        real(dp) :: a, energy, gamma(3)
+        self%body = body
+        a = body%inertia(3) * start%omega(3) / body%inertia(1)
+        self%sigma = (body%inertia(1) - body%inertia(3)) * start%omega(3) / body%inertia(1)
+        self%b = 2 * body%mgl() / body%inertia(1)
+        gamma = vertical_from_quaternion(start%quaternion)
+        energy = sum(start%omega(1:2)**2) + self%b * gamma(3)
+        self%upper = (energy + self%b + a**2) / 4 + self%b / 2
+        self%lower = self%b / 2 - (energy - self%b + a**2) / 4
+        y(1:4) = start%quaternion
+        y(5:8) = quaternion_product(start%quaternion, [0.0_dp, start%omega(1:2) / 2, a / 2])
+        status = status_ok
+    end subroutine prepare
+
+    !> The two oscillators.
+    pure subroutine derivative(self, y, dy, status)
+        class(cayley_klein_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states)
+        real(dp), intent(out) :: dy(max_states)
+        integer, intent(out) :: status
+        real(dp) :: stiffness(2)
+        stiffness(1) = self%b * (y(1)**2 + y(4)**2) - self%upper
+        stiffness(2) = self%lower - self%b * (y(2)**2 + y(3)**2)
+        dy(1:4) = y(5:8)
+        dy(5:8) = stiffness([1, 2, 2, 1]) * y(1:4)
+        status = status_ok
+    end subroutine derivative
+
+    !> The motion. The oscillators are a motion of their own, of the same axis, that lacks the spin
+    !> by sigma t: with its quaternion p, 2 conj(p) p'/|p|^2 is its angular velocity.
+    pure type(motion_t) function motion(self, t, y, near)
+        class(cayley_klein_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states), near(3)
+        real(dp) :: dy(max_states), spin(4), q(4), omega(3), rate(4), acceleration(4), half
+        integer :: status
+
+        half = self%sigma * t / 2
+        spin = [cos(half), 0.0_dp, 0.0_dp, sin(half)]
+        call self%derivative(y, dy, status)
+        q = quaternion_product(y(1:4) / norm2(y(1:4)), spin)
+        rate = quaternion_product(y(5:8) / norm2(y(1:4)), spin) &
+               + quaternion_product(q, [0.0_dp, 0.0_dp, 0.0_dp, self%sigma / 2])
+        acceleration = quaternion_product(dy(5:8) / norm2(y(1:4)), spin) &
+            + quaternion_product(2 * rate, [0.0_dp, 0.0_dp, 0.0_dp, self%sigma / 2]) &
+            + (self%sigma / 2)**2 * q
+        omega = twice_vector(q, rate)
+        motion = motion_from_quaternion(t, q, omega, near)
+        motion%omega_rate = twice_vector(q, acceleration)
+    end function motion
+
+    !> Vector part of 2 conj(q) r.
+    pure function twice_vector(q, r) result(v)
+        real(dp), intent(in) :: q(4), r(4)
+        real(dp) :: v(3), product(4)
+        product = quaternion_product(conjugate_quaternion(q), r)
+        v = 2 * product(2:4)
+    end function twice_vector
+
+    !> Angles of a later state; the spin split off turns psi by sigma t.
+    pure subroutine follow(self, t_last, y_last, t, y, angle, sure)
+        class(cayley_klein_t), intent(in) :: self
+        real(dp), intent(in) :: t_last, y_last(max_states), t, y(max_states)
+        real(dp), intent(inout) :: angle(3)
+        logical, intent(out) :: sure
+        call follow_angles(y_last(1:4), twice_vector(y_last(1:4), y_last(5:8)), &
+                           y(1:4), twice_vector(y(1:4), y(5:8)), t - t_last, angle, sure)
+        angle(3) = angle(3) + self%sigma * (t - t_last)
+    end subroutine follow
+
+end module spintop_cayley_klein

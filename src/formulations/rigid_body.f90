@@ -1,0 +1,105 @@
+!> Any rigid body with a fixed point: attitude quaternion and angular momentum in body axes.
+!>
+!> No attitude is singular. The equations take the quaternion for the attitude that it points to,
+!> whatever its length: they keep the length constant, and integrators nearly so.
+module spintop_rigid_body
+    use spintop_kinds, only: dp
+    use spintop_attitude, only: follow_angles
+    use spintop_body, only: body_t
+    use spintop_motion, only: motion_t, motion_from_quaternion
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_states
+    use spintop_status, only: status_ok
+    implicit none
+    private
+    public :: rigid_body_t
+
+    !> State y = (q0, q1, q2, q3, Pi1, Pi2, Pi3).
+    type, extends(formulation_t) :: rigid_body_t
+        private
+        !> Moment of the weight m g r, N m.
+        real(dp) :: moment(3) = 0
+    contains
+        procedure, nopass :: info
+        procedure :: prepare
+        procedure :: derivative
+        procedure :: motion
+        procedure :: follow
+    end type rigid_body_t
+
+contains
+
+    !> Name and properties.
+    pure function info()
+        type(formulation_info_t) :: info
+        info = formulation_info_t('rigid_body', &
+            'quaternion and body momentum, for any body with damping; no pole is singular', 7, &
+            symmetric_only=.false., singular_at_poles=.false.)
+    end function info
+
+    !> Initial state.
+    pure subroutine prepare(self, body, start, y, status)
+        class(rigid_body_t), intent(inout) :: self
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        real(dp), intent(out) :: y(max_states)
+        integer, intent(out) :: status
+        self%body = body
+        self%moment = body%mass * body%gravity * body%centre_of_mass
+        y = 0
+        y(1:4) = start%quaternion
+        y(5:7) = body%inertia * start%omega
+        status = status_ok
+    end subroutine prepare
+
+    !> q' = q (0, omega)/2, Pi' = Pi x omega + m g Gamma x r - damping (Euler and Poisson).
+    pure subroutine derivative(self, y, dy, status)
+        class(rigid_body_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states)
+        real(dp), intent(out) :: dy(max_states)
+        integer, intent(out) :: status
+        real(dp) :: gamma(3), w1, w2, w3
+
+        ! Products are written out: a step by calls of functions would take twice the time.
+        associate (q0 => y(1), q1 => y(2), q2 => y(3), q3 => y(4), r => self%moment, &
+                   d => self%body%damping)
+            w1 = y(5) / self%body%inertia(1)
+            w2 = y(6) / self%body%inertia(2)
+            w3 = y(7) / self%body%inertia(3)
+            gamma(1) = 2 * (q1 * q3 - q0 * q2)
+            gamma(2) = 2 * (q2 * q3 + q0 * q1)
+            gamma(3) = (q0**2 + q3**2) - (q1**2 + q2**2)
+            gamma = gamma / ((q0**2 + q3**2) + (q1**2 + q2**2))
+            dy(1) = -(q1 * w1 + q2 * w2 + q3 * w3) / 2
+            dy(2) = (q0 * w1 + q2 * w3 - q3 * w2) / 2
+            dy(3) = (q0 * w2 + q3 * w1 - q1 * w3) / 2
+            dy(4) = (q0 * w3 + q1 * w2 - q2 * w1) / 2
+            dy(5) = y(6) * w3 - y(7) * w2 + gamma(2) * r(3) - gamma(3) * r(2) - d(1) * w1
+            dy(6) = y(7) * w1 - y(5) * w3 + gamma(3) * r(1) - gamma(1) * r(3) - d(2) * w2
+            dy(7) = y(5) * w2 - y(6) * w1 + gamma(1) * r(2) - gamma(2) * r(1) - d(3) * w3
+            dy(8) = 0
+        end associate
+        status = status_ok
+    end subroutine derivative
+
+    !> The motion, with the angular acceleration of the derivative.
+    pure type(motion_t) function motion(self, t, y, near)
+        class(rigid_body_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states), near(3)
+        real(dp) :: dy(max_states)
+        integer :: status
+        motion = motion_from_quaternion(t, y(1:4) / norm2(y(1:4)), y(5:7) / self%body%inertia, near)
+        call self%derivative(y, dy, status)
+        motion%omega_rate = dy(5:7) / self%body%inertia
+    end function motion
+
+    !> Angles of a later state.
+    pure subroutine follow(self, t_last, y_last, t, y, angle, sure)
+        class(rigid_body_t), intent(in) :: self
+        real(dp), intent(in) :: t_last, y_last(max_states), t, y(max_states)
+        real(dp), intent(inout) :: angle(3)
+        logical, intent(out) :: sure
+        call follow_angles(y_last(1:4), y_last(5:7) / self%body%inertia, &
+                           y(1:4), y(5:7) / self%body%inertia, t - t_last, angle, sure)
+    end subroutine follow
+
+end module spintop_rigid_body

@@ -1,0 +1,144 @@
+!> The symmetric top in space axes: angular momentum and the attitude without the spin.
+!>
+!> The momentum about the vertical is constant, and the spin about the axis, relative to axes that
+!> turn with the angular velocity L/I1, is linear in time. It is split off: q = p exp(k sigma t/2).
+!> What is left is bilinear, has no trigonometric functions and no singular attitude. With the axis
+!> e, a quadratic form of p, L' = m g l (-e2, e1, 0) and e' = L x e/I1.
+module spintop_space_frame
+    use spintop_kinds, only: dp
+    use spintop_attitude, only: follow_angles, conjugate_quaternion, quaternion_product, to_space
+    use spintop_body, only: body_t
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_states
+    use spintop_motion, only: motion_t, motion_from_quaternion
+    use spintop_status, only: status_ok
+    use spintop_vectors, only: cross
+    implicit none
+    private
+    public :: space_frame_t
+
+    !> State y = (L1, L2, p0, p1, p2, p3).
+    type, extends(formulation_t) :: space_frame_t
+        private
+        !> Momentum about the vertical, spin rate about the axis, and sigma, its part split off.
+        real(dp) :: vertical = 0, omega3 = 0, sigma = 0
+        real(dp) :: mgl = 0, i1 = 1
+    contains
+        procedure, nopass :: info
+        procedure :: prepare
+        procedure :: derivative
+        procedure :: motion
+        procedure :: follow
+    end type space_frame_t
+
+contains
+
+    !> Name and properties.
+    pure function info()
+        type(formulation_info_t) :: info
+        info = formulation_info_t('space_frame', &
+            'momentum in space axes and quaternion without spin, for symmetric tops; no pole is singular', &
+            6, singular_at_poles=.false.)
+    end function info
+
+    !> Constants of the motion and initial state.
+    pure subroutine prepare(self, body, start, y, status)
+        class(space_frame_t), intent(inout) :: self
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        real(dp), intent(out) :: y(max_states)
+        integer, intent(out) :: status
+        real(dp) :: momentum(3)
+        self%body = body
+        momentum = to_space(start%quaternion, body%inertia * start%omega)
+        self%vertical = momentum(3)
+        self%omega3 = start%omega(3)
+        self%i1 = body%inertia(1)
+        self%sigma = (body%inertia(1) - body%inertia(3)) * start%omega(3) / body%inertia(1)
+        self%mgl = body%mgl()
+        y = 0
+        y(1:2) = momentum(1:2)
+        y(3:6) = start%quaternion
+        status = status_ok
+    end subroutine prepare
+
+    !> p' = (0, L/(2 I1)) p, and the moment of the weight.
+    pure subroutine derivative(self, y, dy, status)
+        class(space_frame_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states)
+        real(dp), intent(out) :: dy(max_states)
+        integer, intent(out) :: status
+        real(dp) :: w1, w2, w3, pull
+
+        ! Products are written out: a step by calls of functions would take twice the time.
+        associate (p0 => y(3), p1 => y(4), p2 => y(5), p3 => y(6))
+            w1 = y(1) / (2 * self%i1)
+            w2 = y(2) / (2 * self%i1)
+            w3 = self%vertical / (2 * self%i1)
+            pull = 2 * self%mgl / ((p0**2 + p3**2) + (p1**2 + p2**2))
+            dy(1) = -pull * (p2 * p3 - p0 * p1)
+            dy(2) = pull * (p1 * p3 + p0 * p2)
+            dy(3) = -(w1 * p1 + w2 * p2 + w3 * p3)
+            dy(4) = w1 * p0 + w2 * p3 - w3 * p2
+            dy(5) = w2 * p0 + w3 * p1 - w1 * p3
+            dy(6) = w3 * p0 + w1 * p2 - w2 * p1
+            dy(7:8) = 0
+        end associate
+        status = status_ok
+    end subroutine derivative
+
+    !> The motion; the angular velocity in space axes is L/I1 + sigma e.
+    pure type(motion_t) function motion(self, t, y, near)
+        class(space_frame_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states), near(3)
+        real(dp) :: dy(max_states), q(4), momentum(3), axis(3), omega(3)
+        integer :: status
+
+        q = with_spin(self, t, y)
+        omega = body_omega(self, t, y)
+        motion = motion_from_quaternion(t, q, omega, near)
+        call self%derivative(y, dy, status)
+        momentum = [y(1:2), self%vertical]
+        axis = to_space(q, [0.0_dp, 0.0_dp, 1.0_dp])
+        motion%omega_rate = to_space(conjugate_quaternion(q), &
+            [dy(1:2), 0.0_dp] + self%sigma * cross(momentum, axis)) / self%i1
+    end function motion
+
+    !> Unit quaternion of the attitude.
+    pure function with_spin(self, t, y) result(q)
+        class(space_frame_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states)
+        real(dp) :: q(4), half
+        half = self%sigma * t / 2
+        q = quaternion_product(y(3:6) / norm2(y(3:6)), [cos(half), 0.0_dp, 0.0_dp, sin(half)])
+    end function with_spin
+
+    !> Angular velocity in body axes.
+    pure function body_omega(self, t, y) result(omega)
+        class(space_frame_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states)
+        real(dp) :: omega(3)
+        omega = to_space(conjugate_quaternion(with_spin(self, t, y)), [y(1:2), self%vertical]) / self%i1
+        omega(3) = omega(3) + self%sigma
+    end function body_omega
+
+    !> Angles of a later state; the spin split off turns psi by sigma t.
+    pure subroutine follow(self, t_last, y_last, t, y, angle, sure)
+        class(space_frame_t), intent(in) :: self
+        real(dp), intent(in) :: t_last, y_last(max_states), t, y(max_states)
+        real(dp), intent(inout) :: angle(3)
+        logical, intent(out) :: sure
+        ! The attitude without spin has the angles less sigma t, from whenever t is counted.
+        call follow_angles(y_last(3:6), without_spin(self, y_last), y(3:6), &
+                           without_spin(self, y), t - t_last, angle, sure)
+        angle(3) = angle(3) + self%sigma * (t - t_last)
+    end subroutine follow
+
+    !> Angular velocity L/I1, in the axes that p turns.
+    pure function without_spin(self, y) result(omega)
+        class(space_frame_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states)
+        real(dp) :: omega(3)
+        omega = to_space(conjugate_quaternion(y(3:6)), [y(1:2), self%vertical]) / self%i1
+    end function without_spin
+
+end module spintop_space_frame

@@ -1,0 +1,305 @@
+!> The Runge-Kutta method of Dormand and Prince of order 8 with error estimate, step control and
+!> dense output: DOP853 of Hairer, Norsett and Wanner (Solving Ordinary Differential Equations I,
+!> 2nd edition, 1993, sections II.4 to II.6); also with equal steps.
+!>
+!> The state is summed with compensation, so that small steps at tight tolerances lose nothing.
+module spintop_dop853
+    use spintop_kinds, only: dp
+    use spintop_compare, only: is_finite
+    use spintop_dop853_table, only: dop853_table_t, main_stages, new_slope, all_stages
+    use spintop_fixed_step, only: fixed_step_t, advance_on_grid, begin_on_grid, share_of_time_left
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_states
+    use spintop_status, only: status_ok, status_non_finite, status_step_too_small
+    use spintop_stepper, only: workspace_t
+    implicit none
+    private
+    public :: dop853_t
+
+    !> The method, with its coefficients.
+    type, extends(fixed_step_t) :: dop853_t
+        type(dop853_table_t) :: table
+    contains
+        procedure :: new_workspace
+        procedure :: begin
+        procedure :: advance
+        procedure :: step
+        procedure :: interpolate
+    end type dop853_t
+
+    !> Keeps the stages of the last step for dense output.
+    type, extends(workspace_t) :: dop853_workspace_t
+        real(dp) :: k(max_states, all_stages) = 0
+        !> What rounding has cut from the state so far, and from that of the step tried last.
+        real(dp) :: rest(max_states) = 0, new_rest(max_states) = 0
+        !> Terms of the dense output, once a time within the last step was asked for.
+        real(dp) :: term(max_states, 8) = 0
+        logical :: has_terms = .false.
+        !> Number of components in use: the error is their root mean square.
+        integer :: states = max_states
+    end type dop853_workspace_t
+
+    !> Share of the step that the error estimate would allow, and bounds of its change in one step.
+    real(dp), parameter :: safety = 0.9_dp, largest_growth = 6, largest_cut = 1.0_dp / 3
+    !> Power of the error estimate in the step size.
+    real(dp), parameter :: power = 8
+    !> Smallest step in units of the spacing of the time.
+    real(dp), parameter :: smallest_spacings = 16
+
+contains
+
+    !> A workspace with room for the stages.
+    subroutine new_workspace(self, work)
+        class(dop853_t), intent(in) :: self
+        class(workspace_t), allocatable, intent(out) :: work
+        associate (unused => self)
+        end associate
+        allocate (dop853_workspace_t :: work)
+    end subroutine new_workspace
+
+    !> First slope and, unless steps are equal, first step size.
+    subroutine begin(self, formulation, work, status)
+        class(dop853_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        integer, intent(out) :: status
+        type(formulation_info_t) :: info
+
+        select type (work)
+        class is (dop853_workspace_t)
+            work%rest = 0
+            work%has_terms = .false.
+            info = formulation%info()
+            work%states = info%states
+        end select
+        call begin_on_grid(self, formulation, work, status)
+        if (self%controls%steps == 0 .and. status == status_ok) then
+            work%h = first_step(self, formulation, work)
+        end if
+    end subroutine begin
+
+    !> A step with which Euler's method errs by about 1% of the tolerance; then, from the curvature
+    !> found by it, one of the order of this method.
+    real(dp) function first_step(self, formulation, work) result(h)
+        class(dop853_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        real(dp), parameter :: share = 0.01_dp, tiny_size = 1.0e-10_dp, flat = 1.0e-15_dp
+        real(dp) :: span, scale(max_states), slope(max_states), size, steepness, bend
+        integer :: status
+
+        span = work%t_end - work%t
+        scale = error_scale(self, work%y, work%y)
+        size = norm2(work%y / scale)
+        steepness = norm2(work%slope / scale)
+        h = 1.0e-6_dp
+        if (min(size, steepness)**2 > tiny_size) h = share * size / steepness
+        h = min(h, span)
+        call work%evaluate(formulation, work%y + h * work%slope, slope, status)
+        if (status /= status_ok) return
+        bend = max(norm2((slope - work%slope) / scale) / h, steepness)
+        if (bend <= flat) then
+            h = min(span, max(1.0e-6_dp, 1.0e-3_dp * h))
+        else
+            h = min(span, 100 * h, (share / bend)**(1 / power))
+        end if
+    end function first_step
+
+    !> One step: of the grid, or one that the error estimate accepts; rejected trials are counted.
+    subroutine advance(self, formulation, work, status)
+        class(dop853_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        integer, intent(out) :: status
+
+        select type (work)
+        class is (dop853_workspace_t)
+            work%has_terms = .false.
+            if (self%controls%steps > 0) then
+                call advance_on_grid(self, formulation, work, status)
+            else
+                call advance_adaptively(self, formulation, work, status)
+            end if
+            if (status == status_ok) work%rest = work%new_rest
+        end select
+    end subroutine advance
+
+    !> A step of the size that the error estimate allows.
+    subroutine advance_adaptively(self, formulation, work, status)
+        class(dop853_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(dop853_workspace_t), intent(inout) :: work
+        integer, intent(out) :: status
+        real(dp) :: h, h_smallest, h_left, t_new, y_new(max_states), slope(max_states), error, growth
+        logical :: was_rejected, changed
+
+        h_smallest = smallest_spacings * spacing(work%t)
+        h_left = share_of_time_left * formulation%time_left(work%y)
+        work%h = max(work%h, h_smallest)
+        was_rejected = .false.
+        do
+            h = min(work%h, h_left)
+            t_new = work%t + h
+            ! A step that nearly reaches the end is stretched to it.
+            if (1.01_dp * h >= work%t_end - work%t .and. h < h_left) t_new = work%t_end
+            t_new = min(t_new, work%t_end)
+            h = t_new - work%t
+            call self%step(formulation, work, h, y_new, status)
+            error = 0
+            if (status == status_ok) then
+                error = error_estimate(self, work, h, y_new)
+                if (.not. is_finite(error)) status = status_non_finite
+            end if
+            ! The slope there must exist: it begins the next step.
+            if (status == status_ok .and. error <= 1) then
+                call work%evaluate(formulation, y_new, slope, status)
+            end if
+            if (status == status_ok .and. error <= 1) exit
+            work%counts%rejected = work%counts%rejected + 1
+            if (h <= h_smallest) then
+                if (status == status_ok) status = status_step_too_small
+                return
+            end if
+            growth = 0.5_dp
+            if (status == status_ok) growth = max(largest_cut, safety * error**(-1 / power))
+            work%h = max(h * growth, h_smallest)
+            was_rejected = .true.
+        end do
+        call work%settle(formulation, t_new, y_new, changed)
+        work%slope = slope
+        if (changed) call work%evaluate(formulation, work%y, work%slope, status)
+        growth = largest_growth
+        if (error > 0) growth = min(growth, max(largest_cut, safety * error**(-1 / power)))
+        if (was_rejected) growth = min(growth, 1.0_dp)
+        work%h = h * growth
+    end subroutine advance_adaptively
+
+    !> The stages of a step of size h, and the state at its end.
+    subroutine step(self, formulation, work, h, y_new, status)
+        class(dop853_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: h
+        real(dp), intent(out) :: y_new(max_states)
+        integer, intent(out) :: status
+        real(dp) :: stage(max_states), change(max_states)
+        integer :: i
+
+        status = status_ok
+        y_new = work%y
+        select type (work)
+        class is (dop853_workspace_t)
+            work%k(:, 1) = work%slope
+            do i = 2, main_stages
+                stage = moved(work%y, h, work%k, self%table%a(:, i), i - 1)
+                call work%evaluate(formulation, stage, work%k(:, i), status)
+                if (status /= status_ok) return
+            end do
+            change = weighted(work%k, self%table%b_rest, main_stages)
+            change = h * (weighted(work%k, self%table%b, main_stages) + change) + work%rest
+            y_new = work%y + change
+            work%new_rest = change - (y_new - work%y)
+        end select
+    end subroutine step
+
+    !> Error of a step in units of the tolerance: those of the embedded methods of orders 5 and 3
+    !> combined to one that goes with h^8.
+    pure real(dp) function error_estimate(self, work, h, y_new) result(error)
+        class(dop853_t), intent(in) :: self
+        class(dop853_workspace_t), intent(in) :: work
+        real(dp), intent(in) :: h, y_new(max_states)
+        real(dp) :: scale(max_states), error5, error3
+        scale = error_scale(self, work%y, y_new)
+        error5 = sum((weighted(work%k, self%table%error5, main_stages) / scale)**2)
+        error3 = sum((weighted(work%k, self%table%error3, main_stages) / scale)**2)
+        error = 0
+        if (error5 > 0) error = h * error5 / sqrt((error5 + 0.01_dp * error3) * work%states)
+    end function error_estimate
+
+    !> Error allowed for each component of the state.
+    pure function error_scale(self, y, y_new) result(scale)
+        class(dop853_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), y_new(max_states)
+        real(dp) :: scale(max_states)
+        scale = self%controls%absolute_tolerance &
+                + self%controls%relative_tolerance * max(abs(y), abs(y_new))
+    end function error_scale
+
+    !> Sum of the first n stages with the weights given.
+    pure function weighted(k, weight, n) result(total)
+        real(dp), intent(in) :: k(max_states, all_stages), weight(all_stages)
+        integer, intent(in) :: n
+        real(dp) :: total(max_states)
+        integer :: i, j
+        total = 0
+        do i = 1, n
+            ! Left to itself gfortran goes across the stages, three times slower.
+            !$omp simd
+            do j = 1, max_states
+                total(j) = total(j) + weight(i) * k(j, i)
+            end do
+        end do
+    end function weighted
+
+    !> A state moved along the slopes of the first n stages.
+    pure function moved(y, h, k, weight, n) result(stage)
+        real(dp), intent(in) :: y(max_states), h, k(max_states, all_stages), weight(all_stages)
+        integer, intent(in) :: n
+        real(dp) :: stage(max_states), total(max_states)
+        integer :: j
+        total = weighted(k, weight, n)
+        !$omp simd
+        do j = 1, max_states
+            stage(j) = y(j) + h * total(j)
+        end do
+    end function moved
+
+    !> Dense output of order 7 within the last step.
+    function interpolate(self, formulation, work, t) result(y)
+        class(dop853_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: t
+        real(dp) :: y(max_states), s
+        integer :: i
+
+        y = work%y
+        if (t >= work%t) return
+        select type (work)
+        class is (dop853_workspace_t)
+            if (.not. work%has_terms) call find_terms(self, formulation, work)
+            s = (t - work%t_last) / (work%t - work%t_last)
+            y = 0
+            do i = 8, 1, -1
+                y = work%term(:, i) + y * merge(s, 1 - s, mod(i, 2) == 1)
+            end do
+        end select
+    end function interpolate
+
+    !> The terms of the dense output of the last step, by three more stages. Where one of these does
+    !> not exist, the cubic Hermite polynomial has to do.
+    subroutine find_terms(self, formulation, work)
+        class(dop853_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(dop853_workspace_t), intent(inout) :: work
+        real(dp) :: h, stage(max_states)
+        integer :: i, status
+
+        h = work%t - work%t_last
+        work%has_terms = .true.
+        work%k(:, new_slope) = work%slope
+        work%term(:, 1) = work%y_last
+        work%term(:, 2) = work%y - work%y_last
+        work%term(:, 3) = h * work%k(:, 1) - work%term(:, 2)
+        work%term(:, 4) = work%term(:, 2) - h * work%slope - work%term(:, 3)
+        work%term(:, 5:8) = 0
+        do i = new_slope + 1, all_stages
+            stage = moved(work%y_last, h, work%k, self%table%a(:, i), i - 1)
+            call work%evaluate(formulation, stage, work%k(:, i), status)
+            if (status /= status_ok) return
+        end do
+        do i = 1, 4
+            work%term(:, 4 + i) = h * weighted(work%k, self%table%dense(:, i), all_stages)
+        end do
+    end subroutine find_terms
+
+end module spintop_dop853

@@ -154,14 +154,14 @@ contains
         type(body_t), intent(in) :: body
         type(plan_t), intent(inout) :: plan
         type(problems_t), intent(inout) :: problems
-        character(*), parameter :: of_symmetric_tops = 'lagrange', of_any_body = 'rigid_body'
+        character(*), parameter :: of_symmetric_tops = 'space_frame', of_any_body = 'rigid_body'
         type(formulation_info_t) :: info
 
         if (scene%formulation == 'auto') then
             if (body%is_lagrange()) then
                 call create_formulation(of_symmetric_tops, plan%formulation)
-                plan%reason = plan%reason // ' The equations are those of ' // of_symmetric_tops // ', the default &
-                    &for symmetric tops.'
+                plan%reason = plan%reason // ' The equations are those of ' // of_symmetric_tops // ', &
+                    &regular at the poles and cheap for a spin of any speed.'
             else
                 call create_formulation(of_any_body, plan%formulation)
                 plan%reason = plan%reason // ' The equations are those of ' // of_any_body // ', which hold for any &

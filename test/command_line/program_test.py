@@ -393,7 +393,7 @@ class PaperTest(ProgramCase):
         text = self.scene("slow_top").read_text().replace("nutations = 3", "t_end = 7.2")
         scene = self.write(text.replace("samples = 1985", "samples = 721"))
         for method in ("ode45", "arkode_erk", "arkode_dirk", "exact"):
-            for form in ("auto",) if method == "exact" else ("lagrange", "euler"):
+            for form in ("auto",) if method == "exact" else ("lagrange", "euler", "rigid_body"):
                 settings = [f"integration.method={method}", f"integration.formulation={form}"]
                 if method != "exact":
                     settings += [
@@ -409,6 +409,24 @@ class PaperTest(ProgramCase):
                     self.assertLess(4 * math.asin(distance / 2), 1e-9, f"{settings} {row['t']}")
                     for name in ("phi", "theta", "psi"):
                         self.assertAlmostEqual(table.column(name)[i], row[name], 7)
+
+    def test_the_default_equations_keep_1e_9_for_long(self) -> None:
+        """ode45 and ARKODE at relative tolerance 1e-12 at all rows of the reference, to 50 s."""
+        reference = Table(ROOT / "test/reference/a1_slow_top.csv")
+        rows = [time for time in reference.column("t") if 10 * time == round(10 * time)]
+        self.assertEqual(rows[-3:], [10.0, 20.0, 50.0])
+        text = self.scene("slow_top").read_text().replace("nutations = 3", "t_end = 50")
+        scene = self.write(text.replace("samples = 1985", "samples = 501"))
+        for method in ("ode45", "arkode_erk"):
+            table = self.compute(
+                scene,
+                f"integration.method={method}",
+                "integration.relative_tolerance=1e-12",
+                "output.columns=t,orientation_error",
+            )
+            errors = table.column("orientation_error")
+            for time in rows:
+                self.assertLess(errors[round(10 * time)], 1e-9, f"{method} at {time} s")
 
     def test_rk4_needs_992_steps(self) -> None:
         """248 steps are lost in both formulations; 992 keep R4 at 0.1."""

@@ -10,7 +10,7 @@ module spintop_cayley_klein
     use spintop_attitude, only: follow_angles, conjugate_quaternion, quaternion_product, &
         vertical_from_quaternion
     use spintop_body, only: body_t
-    use spintop_formulation, only: formulation_t, formulation_info_t, max_states
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_states
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_status, only: status_ok
     implicit none
@@ -28,6 +28,7 @@ module spintop_cayley_klein
         procedure :: derivative
         procedure :: motion
         procedure :: follow
+        procedure :: invariants
     end type cayley_klein_t
 
 contains
@@ -37,7 +38,7 @@ contains
         type(formulation_info_t) :: info
         info = formulation_info_t('cayley_klein', &
             'two oscillators for the Cayley-Klein parameters, for symmetric tops; no pole is singular', &
-            8, singular_at_poles=.false.)
+            8, singular_at_poles=.false., invariants=5, quaternion=1)
     end function info
 
     !> Constants of the motion and initial state.
@@ -94,6 +95,7 @@ contains
             + (self%sigma / 2)**2 * q
         omega = twice_vector(q, rate)
         motion = motion_from_quaternion(t, q, omega, near)
+        motion%quaternion_drift = norm2(y(1:4)) - 1
         motion%omega_rate = twice_vector(q, acceleration)
     end function motion
 
@@ -115,5 +117,22 @@ contains
                            y(1:4), twice_vector(y(1:4), y(5:8)), t - t_last, angle, sure)
         angle(3) = angle(3) + self%sigma * (t - t_last)
     end subroutine follow
+
+    !> Squared length of the quaternion and half its rate, momenta over I1 about the axis and the
+    !> vertical, and twice the energy over I1, of the motion without its spin.
+    pure subroutine invariants(self, y, values)
+        class(cayley_klein_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states)
+        real(dp), intent(out) :: values(max_invariants)
+        real(dp) :: omega(3), gamma(3), length
+        length = norm2(y(1:4))
+        omega = twice_vector(y(1:4) / length, y(5:8) / length)
+        gamma = vertical_from_quaternion(y(1:4) / length)
+        values(1) = length**2
+        values(2) = dot_product(y(1:4), y(5:8))
+        values(3) = omega(3)
+        values(4) = dot_product(omega, gamma)
+        values(5) = sum(omega(1:2)**2) + self%b * gamma(3)
+    end subroutine invariants
 
 end module spintop_cayley_klein

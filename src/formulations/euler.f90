@@ -3,7 +3,7 @@ module spintop_euler
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
-    use spintop_formulation, only: formulation_t, formulation_info_t, max_states
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_states
     use spintop_symmetric_top, only: symmetric_top_t, at_pole
     use spintop_status, only: status_ok, status_pole
     implicit none
@@ -19,6 +19,7 @@ module spintop_euler
         procedure :: prepare
         procedure :: derivative
         procedure :: motion
+        procedure :: invariants
     end type euler_t
 
 contains
@@ -27,7 +28,8 @@ contains
     pure function info()
         type(formulation_info_t) :: info
         info = formulation_info_t('euler', &
-            "Euler's equations, (phi, phi', theta, theta', psi) by a 2x2 system (Eqs 35-40)", 5)
+            "Euler's equations, (phi, phi', theta, theta', psi) by a 2x2 system (Eqs 35-40)", 5, &
+            invariants=2)
     end function info
 
     !> Constants of the motion and initial state.
@@ -92,5 +94,15 @@ contains
         call self%derivative(y, dy, status)
         motion = self%top%complete(t, [y(1), y(3), y(5)], [y(2), y(4), dy(5)], dy(2), dy(4))
     end function motion
+
+    !> Twice the energy over I1 and the momentum about the vertical over I1, without the spin's part.
+    pure subroutine invariants(self, y, values)
+        class(euler_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states)
+        real(dp), intent(out) :: values(max_invariants)
+        values = 0
+        values(1) = y(4)**2 + (sin(y(3)) * y(2))**2 + self%top%beta * cos(y(3))
+        values(2) = y(2) * sin(y(3))**2 + self%top%a * cos(y(3))
+    end subroutine invariants
 
 end module spintop_euler

@@ -9,10 +9,20 @@ module spintop_formulation
     use spintop_status, only: status_ok
     implicit none
     private
-    public :: formulation_t, formulation_info_t, max_states
+    public :: formulation_t, formulation_info_t, max_states, max_series_order, max_invariants
+    public :: structure_none, structure_split, structure_group, structure_series, structure_names
 
-    !> Largest number of state variables of any formulation.
-    integer, parameter :: max_states = 8
+    !> Largest number of state variables of any formulation, of its invariants, and highest order of
+    !> its Taylor series.
+    integer, parameter :: max_states = 8, max_invariants = 5, max_series_order = 30
+
+    !> Structures that a formulation may offer to integrators beside its right-hand side:
+    !> drift and kick, the two parts of the motion with flows of their own;
+    !> motion along a Lie group; Taylor coefficients of the motion.
+    integer, parameter :: structure_none = 0, structure_split = 1, structure_group = 2, &
+        structure_series = 3
+    character(*), parameter :: structure_names(structure_split:structure_series) = &
+        [character(20) :: 'drift and kick', 'motion on a group', 'Taylor series']
 
     !> What the registry, the help and the checks know of a formulation.
     type :: formulation_info_t
@@ -24,16 +34,32 @@ module spintop_formulation
         logical :: symmetric_only = .true.
         !> Singular where sin(theta) = 0.
         logical :: singular_at_poles = .true.
+        !> Structures offered.
+        logical :: offers(structure_split:structure_series) = .false.
+        !> Number of invariants that the state should keep.
+        integer :: invariants = 0
+        !> First of the four components that hold the attitude as a quaternion, of unit length at
+        !> the start; 0 without one.
+        integer :: quaternion = 0
     end type formulation_info_t
 
     !> A form of the equations of motion.
     type, abstract :: formulation_t
         type(body_t) :: body
+        !> The drift is a flow, not an approximation of one of order 2.
+        logical :: drift_is_exact = .true.
     contains
         procedure(info_of), deferred, nopass :: info
         procedure(prepare), deferred :: prepare
         procedure(derivative), deferred :: derivative
         procedure(motion_of), deferred :: motion
+        procedure :: invariants => no_invariants
+        procedure :: drift => no_flow
+        procedure :: kick => no_flow
+        procedure :: group_velocity => no_group_velocity
+        procedure :: group_bracket => no_group_bracket
+        procedure :: group_move => no_group_move
+        procedure :: series => no_series
         procedure :: after_step => keep_state
         procedure :: follow => keep_angles
         procedure :: time_left => unlimited
@@ -79,6 +105,73 @@ module spintop_formulation
     end interface
 
 contains
+
+    !> What the exact motion keeps: the first `info%invariants` values (energy J, momenta J s, squared
+    !> length of a quaternion, ...), smooth functions of the state.
+    pure subroutine no_invariants(self, y, values)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states)
+        real(dp), intent(out) :: values(max_invariants)
+        associate (unused => self, also_unused => y)
+        end associate
+        values = 0
+    end subroutine no_invariants
+
+    !> How a drift (`drift`) or a kick (`kick`) over `h` seconds, of either sign, changes the state.
+    !> The two together are the motion: their right-hand sides add up to `derivative`. Both are
+    !> exact, the drift if `drift_is_exact`; else it is symmetric in h and of order 2.
+    pure subroutine no_flow(self, y, h, change)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h
+        real(dp), intent(out) :: change(max_states)
+        associate (unused => self, also_unused => y, unused_too => h)
+        end associate
+        change = 0
+    end subroutine no_flow
+
+    !> The element of the Lie algebra along which the state moves: y' = d/ds group_move(y, s xi) at
+    !> s = 0 equals `derivative`.
+    pure subroutine no_group_velocity(self, y, xi, status)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states)
+        real(dp), intent(out) :: xi(max_states)
+        integer, intent(out) :: status
+        call self%derivative(y, xi, status)
+    end subroutine no_group_velocity
+
+    !> The bracket [a, b] of two elements of the algebra, such that moving by a, then b, is moving
+    !> by a + b + [a, b]/2 + ...
+    pure function no_group_bracket(self, a, b) result(bracket)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: a(max_states), b(max_states)
+        real(dp) :: bracket(max_states)
+        associate (unused => self, also_unused => a, unused_too => b)
+        end associate
+        bracket = 0
+    end function no_group_bracket
+
+    !> How the exponential of an element of the algebra changes the state.
+    pure subroutine no_group_move(self, y, xi, change)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), xi(max_states)
+        real(dp), intent(out) :: change(max_states)
+        associate (unused => self, also_unused => y)
+        end associate
+        change = xi
+    end subroutine no_group_move
+
+    !> Taylor coefficients of the motion that passes through `y`:
+    !> y(t + h) = sum_k coefficient(:, k) h^k, k = 0 .. order.
+    pure subroutine no_series(self, y, order, coefficient)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states)
+        integer, intent(in) :: order
+        real(dp), intent(out) :: coefficient(max_states, 0:max_series_order)
+        associate (unused => self, also_unused => order)
+        end associate
+        coefficient = 0
+        coefficient(:, 0) = y
+    end subroutine no_series
 
     !> Called after each accepted step: may put the state back on what it must satisfy.
     !> `changed` tells whether it did, `clipped` that it had to cut an inadmissible value.

@@ -3,7 +3,7 @@ module spintop_lagrange
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
-    use spintop_formulation, only: formulation_t, formulation_info_t, max_states
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_states
     use spintop_symmetric_top, only: symmetric_top_t, at_pole
     use spintop_status, only: status_ok, status_pole
     implicit none
@@ -18,6 +18,7 @@ module spintop_lagrange
         procedure :: prepare
         procedure :: derivative
         procedure :: motion
+        procedure :: invariants
     end type lagrange_t
 
 contains
@@ -26,7 +27,8 @@ contains
     pure function info()
         type(formulation_info_t) :: info
         info = formulation_info_t('lagrange', &
-            "Lagrange's equations, (phi, theta, theta', psi) with both momenta constant (Eqs 41-45)", 4)
+            "Lagrange's equations, (phi, theta, theta', psi) with both momenta constant (Eqs 41-45)", &
+            4, invariants=1)
     end function info
 
     !> Constants of the motion and initial state.
@@ -71,5 +73,14 @@ contains
         motion = self%top%complete(t, [y(1), y(2), y(4)], [dy(1), dy(2), dy(4)], &
                                    self%top%phi_acceleration(y(2), dy(1), dy(2)), dy(3))
     end function motion
+
+    !> Twice the energy over I1, without the spin's part.
+    pure subroutine invariants(self, y, values)
+        class(lagrange_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states)
+        real(dp), intent(out) :: values(max_invariants)
+        values = 0
+        values(1) = y(3)**2 + (sin(y(2)) * self%top%precession_rate(y(2)))**2 + self%top%beta * cos(y(2))
+    end subroutine invariants
 
 end module spintop_lagrange

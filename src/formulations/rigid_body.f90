@@ -4,10 +4,10 @@
 !> whatever its length: they keep the length constant, and integrators nearly so.
 module spintop_rigid_body
     use spintop_kinds, only: dp
-    use spintop_attitude, only: follow_angles
+    use spintop_attitude, only: follow_angles, vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t, motion_from_quaternion
-    use spintop_formulation, only: formulation_t, formulation_info_t, max_states
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_states
     use spintop_status, only: status_ok
     implicit none
     private
@@ -24,6 +24,7 @@ module spintop_rigid_body
         procedure :: derivative
         procedure :: motion
         procedure :: follow
+        procedure :: invariants
     end type rigid_body_t
 
 contains
@@ -33,7 +34,7 @@ contains
         type(formulation_info_t) :: info
         info = formulation_info_t('rigid_body', &
             'quaternion and body momentum, for any body with damping; no pole is singular', 7, &
-            symmetric_only=.false., singular_at_poles=.false.)
+            symmetric_only=.false., singular_at_poles=.false., invariants=4, quaternion=1)
     end function info
 
     !> Initial state.
@@ -88,6 +89,7 @@ contains
         real(dp) :: dy(max_states)
         integer :: status
         motion = motion_from_quaternion(t, y(1:4) / norm2(y(1:4)), y(5:7) / self%body%inertia, near)
+        motion%quaternion_drift = norm2(y(1:4)) - 1
         call self%derivative(y, dy, status)
         motion%omega_rate = dy(5:7) / self%body%inertia
     end function motion
@@ -101,5 +103,20 @@ contains
         call follow_angles(y_last(1:4), y_last(5:7) / self%body%inertia, &
                            y(1:4), y(5:7) / self%body%inertia, t - t_last, angle, sure)
     end subroutine follow
+
+    !> Squared length of the quaternion, energy, momentum about the vertical and, for a symmetric
+    !> top, about its axis.
+    pure subroutine invariants(self, y, values)
+        class(rigid_body_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states)
+        real(dp), intent(out) :: values(max_invariants)
+        real(dp) :: gamma(3)
+        gamma = vertical_from_quaternion(y(1:4) / norm2(y(1:4)))
+        values = 0
+        values(1) = sum(y(1:4)**2)
+        values(2) = sum(y(5:7)**2 / self%body%inertia) / 2 + dot_product(self%moment, gamma)
+        values(3) = dot_product(y(5:7), gamma)
+        if (self%body%is_lagrange()) values(4) = y(7)
+    end subroutine invariants
 
 end module spintop_rigid_body

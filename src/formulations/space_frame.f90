@@ -8,7 +8,7 @@ module spintop_space_frame
     use spintop_kinds, only: dp
     use spintop_attitude, only: follow_angles, conjugate_quaternion, quaternion_product, to_space
     use spintop_body, only: body_t
-    use spintop_formulation, only: formulation_t, formulation_info_t, max_states
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_states
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_status, only: status_ok
     use spintop_vectors, only: cross
@@ -28,6 +28,7 @@ module spintop_space_frame
         procedure :: derivative
         procedure :: motion
         procedure :: follow
+        procedure :: invariants
     end type space_frame_t
 
 contains
@@ -37,7 +38,7 @@ contains
         type(formulation_info_t) :: info
         info = formulation_info_t('space_frame', &
             'momentum in space axes and quaternion without spin, for symmetric tops; no pole is singular', &
-            6, singular_at_poles=.false.)
+            6, singular_at_poles=.false., invariants=3, quaternion=3)
     end function info
 
     !> Constants of the motion and initial state.
@@ -96,6 +97,7 @@ contains
         q = with_spin(self, t, y)
         omega = body_omega(self, t, y)
         motion = motion_from_quaternion(t, q, omega, near)
+        motion%quaternion_drift = norm2(y(3:6)) - 1
         call self%derivative(y, dy, status)
         momentum = [y(1:2), self%vertical]
         axis = to_space(q, [0.0_dp, 0.0_dp, 1.0_dp])
@@ -140,5 +142,19 @@ contains
         real(dp) :: omega(3)
         omega = to_space(conjugate_quaternion(y(3:6)), [y(1:2), self%vertical]) / self%i1
     end function without_spin
+
+    !> Squared length of the quaternion, energy of the motion without its spin, and momentum about
+    !> the axis.
+    pure subroutine invariants(self, y, values)
+        class(space_frame_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states)
+        real(dp), intent(out) :: values(max_invariants)
+        real(dp) :: axis(3)
+        axis = to_space(y(3:6) / norm2(y(3:6)), [0.0_dp, 0.0_dp, 1.0_dp])
+        values = 0
+        values(1) = sum(y(3:6)**2)
+        values(2) = sum(y(1:2)**2) / (2 * self%i1) + self%mgl * axis(3)
+        values(3) = y(1) * axis(1) + y(2) * axis(2) + self%vertical * axis(3)
+    end subroutine invariants
 
 end module spintop_space_frame

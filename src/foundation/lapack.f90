@@ -3,7 +3,7 @@ module spintop_lapack
     use spintop_kinds, only: dp
     implicit none
     private
-    public :: dgetrf, dgetrs, dgeev
+    public :: dgetrf, dgetrs, dgeev, dgelsy
 
     interface
         !> LU factorisation with partial pivoting.
@@ -33,6 +33,17 @@ module spintop_lapack
             real(dp), intent(out) :: wr(*), wi(*), vl(ldvl, *), vr(ldvr, *), work(*)
             integer, intent(out) :: info
         end subroutine dgeev
+
+        !> Shortest of the solutions of a linear system, or of its least-squares problem, of any rank.
+        subroutine dgelsy(m, n, nrhs, a, lda, b, ldb, jpvt, rcond, rank, work, lwork, info)
+            import :: dp
+            integer, intent(in) :: m, n, nrhs, lda, ldb, lwork
+            real(dp), intent(inout) :: a(lda, *), b(ldb, *)
+            integer, intent(inout) :: jpvt(*)
+            real(dp), intent(in) :: rcond
+            integer, intent(out) :: rank, info
+            real(dp), intent(out) :: work(*)
+        end subroutine dgelsy
     end interface
 
 end module spintop_lapack

@@ -29,8 +29,6 @@ module spintop_dop853
     !> Keeps the stages of the last step for dense output.
     type, extends(workspace_t) :: dop853_workspace_t
         real(dp) :: k(max_states, all_stages) = 0
-        !> What rounding has cut from the state so far, and from that of the step tried last.
-        real(dp) :: rest(max_states) = 0, new_rest(max_states) = 0
         !> Terms of the dense output, once a time within the last step was asked for.
         real(dp) :: term(max_states, 8) = 0
         logical :: has_terms = .false.
@@ -66,7 +64,6 @@ contains
 
         select type (work)
         class is (dop853_workspace_t)
-            work%rest = 0
             work%has_terms = .false.
             info = formulation%info()
             work%states = info%states
@@ -119,7 +116,6 @@ contains
             else
                 call advance_adaptively(self, formulation, work, status)
             end if
-            if (status == status_ok) work%rest = work%new_rest
         end select
     end subroutine advance
 
@@ -129,7 +125,8 @@ contains
         class(formulation_t), intent(in) :: formulation
         class(dop853_workspace_t), intent(inout) :: work
         integer, intent(out) :: status
-        real(dp) :: h, h_smallest, h_left, t_new, y_new(max_states), slope(max_states), error, growth
+        real(dp) :: h, h_smallest, h_left, t_new, change(max_states), y_new(max_states), slope(max_states)
+        real(dp) :: error, growth
         logical :: was_rejected, changed
 
         h_smallest = smallest_spacings * spacing(work%t)
@@ -143,9 +140,10 @@ contains
             if (1.01_dp * h >= work%t_end - work%t .and. h < h_left) t_new = work%t_end
             t_new = min(t_new, work%t_end)
             h = t_new - work%t
-            call self%step(formulation, work, h, y_new, status)
+            call self%step(formulation, work, h, change, status)
             error = 0
             if (status == status_ok) then
+                y_new = work%y + (change + work%rest)
                 error = error_estimate(self, work, h, y_new)
                 if (.not. is_finite(error)) status = status_non_finite
             end if
@@ -164,7 +162,7 @@ contains
             work%h = max(h * growth, h_smallest)
             was_rejected = .true.
         end do
-        call work%settle(formulation, t_new, y_new, changed)
+        call work%settle_change(formulation, t_new, change, changed)
         work%slope = slope
         if (changed) call work%evaluate(formulation, work%y, work%slope, status)
         growth = largest_growth
@@ -173,19 +171,19 @@ contains
         work%h = h * growth
     end subroutine advance_adaptively
 
-    !> The stages of a step of size h, and the state at its end.
-    subroutine step(self, formulation, work, h, y_new, status)
+    !> The stages of a step of size h, and the change of the state over it.
+    subroutine step(self, formulation, work, h, change, status)
         class(dop853_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(inout) :: work
         real(dp), intent(in) :: h
-        real(dp), intent(out) :: y_new(max_states)
+        real(dp), intent(out) :: change(max_states)
         integer, intent(out) :: status
-        real(dp) :: stage(max_states), change(max_states)
+        real(dp) :: stage(max_states)
         integer :: i
 
         status = status_ok
-        y_new = work%y
+        change = 0
         select type (work)
         class is (dop853_workspace_t)
             work%k(:, 1) = work%slope
@@ -194,10 +192,8 @@ contains
                 call work%evaluate(formulation, stage, work%k(:, i), status)
                 if (status /= status_ok) return
             end do
-            change = weighted(work%k, self%table%b_rest, main_stages)
-            change = h * (weighted(work%k, self%table%b, main_stages) + change) + work%rest
-            y_new = work%y + change
-            work%new_rest = change - (y_new - work%y)
+            change = h * (weighted(work%k, self%table%b, main_stages) &
+                          + weighted(work%k, self%table%b_rest, main_stages))
         end select
     end subroutine step
 

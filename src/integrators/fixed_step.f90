@@ -1,7 +1,8 @@
 !> Methods that go through the span in equal steps.
 module spintop_fixed_step
     use spintop_kinds, only: dp
-    use spintop_compare, only: is_finite
+    use spintop_compare, only: is_equal, is_finite
+    use spintop_dense_output, only: dense_output_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_stepper, only: stepper_t, workspace_t
     use spintop_status, only: status_ok, status_outside, status_non_finite, status_step_too_small
@@ -24,22 +25,29 @@ module spintop_fixed_step
         procedure(step), deferred :: step
     end type fixed_step_t
 
+    !> Keeps the polynomial of the last step, once a time within it was asked for.
+    type, extends(workspace_t) :: grid_workspace_t
+        type(dense_output_t) :: dense
+        !> End of the step that the polynomial is of, s.
+        real(dp) :: t_fitted = -huge(1.0_dp)
+    end type grid_workspace_t
+
     abstract interface
-        !> The state a time `h` after `work%y`, whose slope is `work%slope`.
-        subroutine step(self, formulation, work, h, y_new, status)
+        !> How the state `work%y`, whose slope is `work%slope`, changes within a time `h`.
+        subroutine step(self, formulation, work, h, change, status)
             import :: fixed_step_t, formulation_t, workspace_t, dp, max_states
             class(fixed_step_t), intent(in) :: self
             class(formulation_t), intent(in) :: formulation
             class(workspace_t), intent(inout) :: work
             real(dp), intent(in) :: h
-            real(dp), intent(out) :: y_new(max_states)
+            real(dp), intent(out) :: change(max_states)
             integer, intent(out) :: status
         end subroutine step
     end interface
 
 contains
 
-    !> A plain workspace.
+    !> A workspace with room for dense output.
     subroutine new_workspace(self, work)
         class(fixed_step_t), intent(in) :: self
         class(workspace_t), allocatable, intent(out) :: work
@@ -65,7 +73,7 @@ contains
         class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(inout) :: work
         integer, intent(out) :: status
-        real(dp) :: h, t_new, y_new(max_states), slope(max_states)
+        real(dp) :: h, t_new, change(max_states), slope(max_states)
         logical :: changed
 
         h = min(work%h, share_of_time_left * formulation%time_left(work%y))
@@ -78,9 +86,11 @@ contains
                 work%grid = work%grid + 1
                 t_new = grid_time(work, self%controls%steps)
             end if
-            call self%step(formulation, work, h, y_new, status)
-            if (status == status_ok .and. .not. all(is_finite(y_new))) status = status_non_finite
-            if (status == status_ok) call work%evaluate(formulation, y_new, slope, status)
+            call self%step(formulation, work, h, change, status)
+            if (status == status_ok .and. .not. all(is_finite(change))) status = status_non_finite
+            if (status == status_ok) then
+                call work%evaluate(formulation, work%y + (change + work%rest), slope, status)
+            end if
             if (status /= status_outside) exit
             work%grid = off_grid
             work%counts%rejected = work%counts%rejected + 1
@@ -89,7 +99,7 @@ contains
             if (status == status_step_too_small) exit
         end do
         if (status /= status_ok) return
-        call work%settle(formulation, t_new, y_new, changed)
+        call work%settle_change(formulation, t_new, change, changed)
         if (changed) call work%evaluate(formulation, work%y, slope, status)
         work%slope = slope
     end subroutine advance_on_grid
@@ -104,17 +114,25 @@ contains
         end if
     end function grid_time
 
-    !> Only the ends of a step are known.
+    !> The state at a time within the last step, to the order of the method (at least 4, at most 8).
     function interpolate(self, formulation, work, t) result(y)
         class(fixed_step_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(inout) :: work
         real(dp), intent(in) :: t
         real(dp) :: y(max_states)
-        associate (unused => self, also_unused => formulation)
-        end associate
+
         y = work%y
-        if (t < work%t) y = work%y_last
+        if (t >= work%t) return
+        select type (work)
+        class is (grid_workspace_t)
+            if (.not. is_equal(work%t_fitted, work%t)) then
+                call work%dense%set_order(self%order())
+                call work%dense%fit(formulation, work, work%slope_last)
+                work%t_fitted = work%t
+            end if
+            y = work%dense%at((t - work%t_last) / (work%t - work%t_last))
+        end select
     end function interpolate
 
 end module spintop_fixed_step

@@ -77,6 +77,7 @@ contains
         call formulation%prepare(body, start, work%y, status)
         if (status == status_ok) call check_start(formulation, work, status)
         if (status == status_ok) then
+            call work%projection%begin(stepper%controls%project, formulation, work%y)
             follower = follower_t(0.0_dp, work%y, start%angle)
             call show_until(0.0_dp)
             call leave_rest(formulation, stepper, work, samples, next, follower, observer)
@@ -146,7 +147,7 @@ contains
         angle = self%angle
         call formulation%follow(self%t, self%y, t, y, angle, sure)
         sure = sure .or. t - self%t <= shortest_pace * (work%t - work%t_last)
-        if (sure .or. stepper%controls%steps > 0) then
+        if (sure) then
             self%t = t
             self%y = y
             self%angle = angle

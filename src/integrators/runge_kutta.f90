@@ -20,25 +20,25 @@ module spintop_runge_kutta
 contains
 
     !> One step of the method; its first stage is the slope already known.
-    subroutine step(self, formulation, work, h, y_new, status)
+    subroutine step(self, formulation, work, h, change, status)
         class(runge_kutta_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(inout) :: work
         real(dp), intent(in) :: h
-        real(dp), intent(out) :: y_new(max_states)
+        real(dp), intent(out) :: change(max_states)
         integer, intent(out) :: status
         real(dp) :: k(max_states, max_stages)
         integer :: i
 
         status = status_ok
-        y_new = work%y
+        change = 0
         k(:, 1) = work%slope
         do i = 2, self%table%stages
             call work%evaluate(formulation, work%y + h * stage_sum(k, self%table%a(:, i), i - 1), &
                                k(:, i), status)
             if (status /= status_ok) return
         end do
-        y_new = work%y + h * stage_sum(k, self%table%b, self%table%stages)
+        change = h * stage_sum(k, self%table%b, self%table%stages)
     end subroutine step
 
     !> Sum of the first n stages with the weights given.

@@ -5,7 +5,8 @@
 module spintop_stepper
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
-    use spintop_formulation, only: formulation_t, max_states
+    use spintop_formulation, only: formulation_t, max_states, structure_none
+    use spintop_projection, only: projection_t, project_nothing
     use spintop_status, only: status_ok, status_non_finite
     implicit none
     private
@@ -22,6 +23,8 @@ module spintop_stepper
         logical :: implicit = .false.
         !> Unchanged when h and the ends of the step are exchanged, so reversible in time.
         logical :: symmetric = .false.
+        !> The structure that a formulation must offer to it.
+        integer :: needs = structure_none
         !> Takes a Butcher table by name.
         logical :: takes_table = .false.
         !> Tolerances of its own where the user gives none (0: the program's).
@@ -41,6 +44,8 @@ module spintop_stepper
         integer(int64) :: max_steps = 1000000
         !> Solve implicit steps by fixed-point iteration instead of Newton's.
         logical :: fixed_point = .false.
+        !> What is put back after each step: see `spintop_projection`.
+        integer :: project = project_nothing
         !> Name of a Butcher table; empty for the method's default.
         character(40) :: table = ''
     end type controls_t
@@ -61,16 +66,21 @@ module spintop_stepper
         real(dp) :: t_begin = 0, t_end = 0
         !> Time and state reached, and the slope y' there.
         real(dp) :: t = 0, y(max_states) = 0, slope(max_states) = 0
-        !> Time and state before the last step.
-        real(dp) :: t_last = 0, y_last(max_states) = 0
+        !> What rounding has cut from the state so far: the state is y + rest.
+        real(dp) :: rest(max_states) = 0
+        !> Time, state and slope before the last step.
+        real(dp) :: t_last = 0, y_last(max_states) = 0, slope_last(max_states) = 0
         !> Size of the next step, s.
         real(dp) :: h = 0
         !> Steps done on the grid of a fixed-step method; -1 once it has left the grid.
         integer :: grid = 0
+        !> Puts each new state back on what it must satisfy.
+        type(projection_t) :: projection
         type(counts_t) :: counts
     contains
         procedure :: evaluate
         procedure :: settle
+        procedure :: settle_change
     end type workspace_t
 
     !> A method of integration.
@@ -143,21 +153,40 @@ contains
         if (status == status_ok .and. .not. all(abs(dy) <= huge(1.0_dp))) status = status_non_finite
     end subroutine evaluate
 
-    !> Accepts the state `y_new` at `t_new`, after the formulation has put it back on what it must
-    !> satisfy; `changed` tells whether it did.
+    !> Accepts the state `y_new` at `t_new`, after formulation and projection have put it back on
+    !> what it must satisfy; `changed` tells whether they did. The slope is the caller's to renew.
     subroutine settle(self, formulation, t_new, y_new, changed)
         class(workspace_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: t_new, y_new(max_states)
         logical, intent(out) :: changed
-        logical :: clipped
+        logical :: clipped, projected
+
         self%t_last = self%t
         self%y_last = self%y
+        self%slope_last = self%slope
         self%t = t_new
         self%y = y_new
         call formulation%after_step(self%y, changed, clipped)
+        call self%projection%apply(formulation, self%y, projected)
+        changed = changed .or. projected
+        if (changed) self%rest = 0
         self%counts%steps = self%counts%steps + 1
         if (clipped) self%counts%clipped = self%counts%clipped + 1
     end subroutine settle
+
+    !> Accepts the state reached by a change, summed with compensation (Kahan, Comm. ACM 8, 1965):
+    !> what rounding cuts off is kept for the next step.
+    subroutine settle_change(self, formulation, t_new, change, changed)
+        class(workspace_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: t_new, change(max_states)
+        logical, intent(out) :: changed
+        real(dp) :: total(max_states), y_new(max_states)
+        total = change + self%rest
+        y_new = self%y + total
+        self%rest = total - (y_new - self%y)
+        call self%settle(formulation, t_new, y_new, changed)
+    end subroutine settle_change
 
 end module spintop_stepper

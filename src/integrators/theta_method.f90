@@ -35,12 +35,12 @@ module spintop_theta_method
 contains
 
     !> One step of the method.
-    subroutine step(self, formulation, work, h, y_new, status)
+    subroutine step(self, formulation, work, h, change, status)
         class(theta_method_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(inout) :: work
         real(dp), intent(in) :: h
-        real(dp), intent(out) :: y_new(max_states)
+        real(dp), intent(out) :: change(max_states)
         integer, intent(out) :: status
         real(dp) :: base(max_states), z(max_states)
 
@@ -52,8 +52,8 @@ contains
         else
             call solve_by_newton(formulation, work, base, h * self%alpha, z, status)
         end if
-        y_new = z
-        if (self%at_midpoint) y_new = work%y + 2 * (z - work%y)
+        change = z - work%y
+        if (self%at_midpoint) change = 2 * change
     end subroutine step
 
     !> Solves z = base + g f(z) by repeated insertion, from the guess in z.

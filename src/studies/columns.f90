@@ -27,7 +27,7 @@ module spintop_columns
     integer, parameter :: group_angles = 1, group_omega = 2, group_quaternion = 3, &
         group_vertical = 4, group_axis = 5, group_centre = 6, group_energy = 7, group_momenta = 8, &
         group_residuals = 9, group_force = 10, group_oracle = 11, group_floor = 12, &
-        groups = group_floor
+        group_drift = 13, groups = group_drift
 
     !> All columns, in the order of the table's documentation.
     type(column_t), parameter :: trajectory_columns(*) = [ &
@@ -74,7 +74,9 @@ module spintop_columns
         column_t('orientation_error', 'rad', 'angle of the turn from the exact attitude', group_oracle), &
         column_t('tip_error', '', 'distance of the axis tip from the exact one', group_oracle), &
         column_t('double_floor', 'rad', 'how far rounding of the data alone turns the attitude', &
-                 group_floor)]
+                 group_floor), &
+        column_t('quaternion_drift', '', 'length less 1 of the quaternion as it was computed', &
+                 group_drift)]
 
     !> Columns of the table when none are named.
     character(*), parameter :: default_trajectory_columns(*) = [character(20) :: &
@@ -169,6 +171,8 @@ contains
                     slice = motion%omega
                 case (group_quaternion)
                     slice = motion%quaternion
+                case (group_drift)
+                    slice = motion%quaternion_drift
                 case (group_vertical)
                     slice = vertical_from_quaternion(motion%quaternion)
                 case (group_axis)

@@ -5,13 +5,14 @@ module spintop_plan
     use spintop_body, only: body_t
     use spintop_body_of_scene, only: is_set
     use spintop_case, only: case_t
-    use spintop_formulation, only: formulation_t, formulation_info_t
-    use spintop_formulations, only: create_formulation
+    use spintop_formulation, only: formulation_t, formulation_info_t, structure_none, structure_names
+    use spintop_formulations, only: create_formulation, formulation_infos
     use spintop_methods, only: create_stepper
     use spintop_parameters, only: unset_integer
+    use spintop_projection, only: projection_names, project_nothing, project_unit, project_invariants
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
-    use spintop_stepper, only: stepper_t, controls_t
+    use spintop_stepper, only: stepper_t, method_info_t
     use spintop_text, only: to_text, lower_case, nearest_word, string_t, join
     implicit none
     private
@@ -74,6 +75,7 @@ contains
         end if
         call choose_formulation(scene, case%body, plan, problems)
         call take_controls(scene, plan, problems)
+        call take_projection(scene, case%body, plan, problems)
         if (problems%any()) return
         call take_samples(scene, case, plan, problems)
     end subroutine make_plan
@@ -136,6 +138,7 @@ contains
             call refuse('integration.relative_tolerance', is_set(scene%relative_tolerance))
             call refuse('integration.absolute_tolerance', is_set(scene%absolute_tolerance))
             call refuse('integration.solver', scene%solver /= 'newton')
+            call refuse('integration.project', scene%project /= projection_names(project_nothing))
         end if
 
     contains
@@ -177,7 +180,50 @@ contains
             call problems%add('integration.formulation', 'formulation ' // trim(info%name) // ' holds for ' &
                               // known_for, 'I1 = I2, no damping, no centre of mass off body z')
         end if
+        call check_structure(plan%stepper%info, info, problems)
     end subroutine choose_formulation
+
+    !> A method may need more of the equations than y' = f(y).
+    subroutine check_structure(method, form, problems)
+        type(method_info_t), intent(in) :: method
+        type(formulation_info_t), intent(in) :: form
+        type(problems_t), intent(inout) :: problems
+        type(formulation_info_t), allocatable :: forms(:)
+        integer :: i
+
+        if (method%needs == structure_none) return
+        if (form%offers(method%needs)) return
+        allocate (forms, source=formulation_infos())
+        call problems%add('integration.formulation', 'method ' // trim(method%name) // ' needs equations that &
+            &offer it ' // trim(structure_names(method%needs)) // ', and ' // trim(form%name) // ' has none', &
+            'these have: ' // join(pack(forms%name, [(forms(i)%offers(method%needs), i=1, size(forms))]), ', '))
+    end subroutine check_structure
+
+    !> What is put back after each step.
+    subroutine take_projection(scene, body, plan, problems)
+        type(scene_t), intent(in) :: scene
+        type(body_t), intent(in) :: body
+        type(plan_t), intent(inout) :: plan
+        type(problems_t), intent(inout) :: problems
+        character(*), parameter :: key = 'integration.project'
+        type(formulation_info_t) :: info
+        integer :: kind
+
+        info = plan%formulation%info()
+        kind = findloc(projection_names, scene%project, dim=1) - 1
+        plan%stepper%controls%project = kind
+        if (kind == project_unit .and. info%quaternion == 0) then
+            call problems%add(key, 'formulation ' // trim(info%name) // ' holds no quaternion', &
+                              "leave it out, or take formulation = 'rigid_body'")
+        else if (kind == project_invariants .and. info%invariants == 0) then
+            call problems%add(key, 'formulation ' // trim(info%name) // ' keeps its invariants by itself', 'leave it out')
+        else if (kind == project_invariants .and. any(body%damping > 0)) then
+            call problems%add(key, 'a damped body keeps neither energy nor momentum', "take project = 'unit'")
+        end if
+        if (kind /= project_nothing) then
+            plan%method = plan%method // ', projected after each step (' // trim(projection_names(kind)) // ')'
+        end if
+    end subroutine take_projection
 
     !> Steps, tolerances, tables and solver, as far as the method takes them.
     subroutine take_controls(scene, plan, problems)

@@ -5,6 +5,7 @@
 !> and `spintop list parameters` derive from it.
 module spintop_scene
     use spintop_kinds, only: dp
+    use spintop_projection, only: projection_names, project_nothing
     use spintop_parameters, only: parameter_table_t, unset, unset_integer, any_elements
     use spintop_formulations, only: formulation_infos
     use spintop_methods, only: method_infos
@@ -61,6 +62,7 @@ module spintop_scene
         real(dp) :: absolute_tolerance = unset
         integer :: max_steps = 1000000
         character(word) :: solver = 'newton'
+        character(word) :: project = projection_names(project_nothing)
         ! &output
         character(line) :: file = ''
         character(word) :: columns(64) = ''
@@ -149,6 +151,8 @@ contains
         call table%add('integration.max_steps', scene%max_steps, '', '>= 1', 'most steps a case')
         call table%add('integration.solver', scene%solver, 'newton|fixed_point', &
                        'how implicit steps are solved')
+        call table%add('integration.project', scene%project, join(projection_names, '|'), &
+                       'what is put back after each step: the length of the quaternion, or all invariants')
 
         call table%add('output.file', scene%file, what='name of the table (default: that of the input)')
         call table%add('output.columns', scene%columns, what='columns of the table, or all')

@@ -21,6 +21,8 @@ module spintop_motion
         real(dp) :: omega_rate(3) = 0
         !> Unit quaternion, scalar first, body to space.
         real(dp) :: quaternion(4) = [1, 0, 0, 0]
+        !> Length less 1 of the quaternion that the motion was computed as; 0 if by other means.
+        real(dp) :: quaternion_drift = 0
     end type motion_t
 
 contains
@@ -35,8 +37,8 @@ contains
         motion%quaternion = quaternion_from_angles(angle)
     end function motion_from_angles
 
-    !> Motion from a quaternion and the body angular velocity; phi and psi are the values next to
-    !> `near` (phi, theta, psi). The acceleration is left zero.
+    !> Motion from a unit quaternion and the body angular velocity; phi and psi are the values next
+    !> to `near` (phi, theta, psi). The acceleration is left zero.
     pure type(motion_t) function motion_from_quaternion(t, q, omega, near) result(motion)
         real(dp), intent(in) :: t, q(4), omega(3), near(3)
         motion%t = t

@@ -1,0 +1,119 @@
+!> Puts a state back on what the exact motion keeps, where a user asks for it.
+!>
+!> A drift away from an invariant tells how good a computation is; so nothing is put back unless
+!> asked for.
+module spintop_projection
+    use spintop_kinds, only: dp, epsilon_dp
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_states, max_invariants
+    use spintop_lapack, only: dgelsy
+    implicit none
+    private
+    public :: projection_t, projection_names
+    public :: project_nothing, project_unit, project_invariants
+
+    !> What is put back: nothing, the length of the quaternion, or all invariants.
+    integer, parameter :: project_nothing = 0, project_unit = 1, project_invariants = 2
+    character(*), parameter :: projection_names(project_nothing:project_invariants) = &
+        [character(10) :: 'none', 'unit', 'invariants']
+
+    !> Most corrections in one projection.
+    integer, parameter :: most_corrections = 3
+
+    !> A projection of the states of one run.
+    type :: projection_t
+        integer :: kind = project_nothing
+        !> The invariants at the start.
+        real(dp) :: target(max_invariants) = 0
+    contains
+        procedure :: begin
+        procedure :: apply
+    end type projection_t
+
+contains
+
+    !> Takes the invariants of the start `y`.
+    pure subroutine begin(self, kind, formulation, y)
+        class(projection_t), intent(inout) :: self
+        integer, intent(in) :: kind
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: y(max_states)
+        self%kind = kind
+        if (kind == project_invariants) call formulation%invariants(y, self%target)
+    end subroutine begin
+
+    !> Puts a state back; `changed` tells whether it did.
+    subroutine apply(self, formulation, y, changed)
+        class(projection_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(inout) :: y(max_states)
+        logical, intent(out) :: changed
+        type(formulation_info_t) :: info
+
+        changed = self%kind /= project_nothing
+        if (.not. changed) return
+        info = formulation%info()
+        if (self%kind == project_unit) then
+            associate (quaternion => y(info%quaternion:info%quaternion + 3))
+                quaternion = quaternion / norm2(quaternion)
+            end associate
+        else
+            call restore_invariants(formulation, info, self%target, y)
+        end if
+    end subroutine apply
+
+    !> The nearest state with the invariants wanted, by Newton's method: each correction is the
+    !> shortest that solves the linearised conditions (Hairer, Lubich and Wanner, Geometric Numerical
+    !> Integration, IV.4).
+    subroutine restore_invariants(formulation, info, wanted, y)
+        class(formulation_t), intent(in) :: formulation
+        type(formulation_info_t), intent(in) :: info
+        real(dp), intent(in) :: wanted(max_invariants)
+        real(dp), intent(inout) :: y(max_states)
+        !> Conditions as dependent as that on others say nothing of their own: at an extremum of the
+        !> energy, for one.
+        real(dp), parameter :: dependent = 1.0e-6_dp
+        real(dp) :: values(max_invariants), matrix(max_invariants, max_states)
+        real(dp) :: correction(max_states), row_norm, work(64)
+        integer :: iteration, i, columns(max_states), rank, failure
+
+        do iteration = 1, most_corrections
+            call formulation%invariants(y, values)
+            call find_gradients(formulation, info%states, y, matrix)
+            correction(:max_invariants) = wanted - values
+            do i = 1, info%invariants
+                row_norm = norm2(matrix(i, :info%states))
+                if (row_norm <= 0) cycle
+                matrix(i, :) = matrix(i, :) / row_norm
+                correction(i) = correction(i) / row_norm
+            end do
+            columns = 0
+            call dgelsy(info%invariants, info%states, 1, matrix, max_invariants, correction, &
+                        max_states, columns, dependent, rank, work, size(work), failure)
+            if (failure /= 0) return
+            y(:info%states) = y(:info%states) + correction(:info%states)
+            if (maxval(abs(correction(:info%states))) <= epsilon_dp * maxval(abs(y))) return
+        end do
+    end subroutine restore_invariants
+
+    !> The gradients of the invariants, one a row, by central differences.
+    subroutine find_gradients(formulation, states, y, gradient)
+        class(formulation_t), intent(in) :: formulation
+        integer, intent(in) :: states
+        real(dp), intent(in) :: y(max_states)
+        real(dp), intent(out) :: gradient(max_invariants, max_states)
+        real(dp) :: moved(max_states), above(max_invariants), below(max_invariants), shift
+        integer :: j
+
+        gradient = 0
+        do j = 1, states
+            shift = epsilon_dp**(1.0_dp / 3) * max(1.0_dp, abs(y(j)))
+            moved = y
+            moved(j) = y(j) + shift
+            call formulation%invariants(moved, above)
+            moved(j) = y(j) - shift
+            call formulation%invariants(moved, below)
+            gradient(:, j) = (above - below) / (2 * shift)
+        end do
+    end subroutine find_gradients
+
+end module spintop_projection

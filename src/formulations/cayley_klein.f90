@@ -10,7 +10,8 @@ module spintop_cayley_klein
     use spintop_attitude, only: follow_angles, conjugate_quaternion, quaternion_product, &
         vertical_from_quaternion
     use spintop_body, only: body_t
-    use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_states
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_series_order, &
+        max_states, structure_series
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_status, only: status_ok
     implicit none
@@ -29,6 +30,7 @@ module spintop_cayley_klein
         procedure :: motion
         procedure :: follow
         procedure :: invariants
+        procedure :: series
     end type cayley_klein_t
 
 contains
@@ -39,6 +41,7 @@ contains
         info = formulation_info_t('cayley_klein', &
             'two oscillators for the Cayley-Klein parameters, for symmetric tops; no pole is singular', &
             8, singular_at_poles=.false., invariants=5, quaternion=1)
+        info%offers(structure_series) = .true.
     end function info
 
     !> Constants of the motion and initial state.
@@ -134,5 +137,44 @@ contains
         values(4) = dot_product(omega, gamma)
         values(5) = sum(omega(1:2)**2) + self%b * gamma(3)
     end subroutine invariants
+
+    !> Taylor coefficients of the motion, by Cauchy's rule for products: the stiffnesses from the
+    !> squares of the amplitudes, then their products with the amplitudes.
+    pure subroutine series(self, y, order, coefficient)
+        class(cayley_klein_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states)
+        integer, intent(in) :: order
+        real(dp), intent(out) :: coefficient(max_states, 0:max_series_order)
+        real(dp) :: stiffness(4, 0:max_series_order), square(4), pull(4), share
+        integer :: k, j, i
+
+        coefficient(:, 0) = y
+        associate (c => coefficient)
+            do k = 0, order - 1
+                square = 0
+                do j = 0, k
+                    !$omp simd
+                    do i = 1, 4
+                        square(i) = square(i) + c(i, j) * c(i, k - j)
+                    end do
+                end do
+                stiffness(1, k) = self%b * (square(1) + square(4))
+                stiffness(2, k) = -self%b * (square(2) + square(3))
+                if (k == 0) stiffness(1:2, k) = stiffness(1:2, k) + [-self%upper, self%lower]
+                stiffness(3, k) = stiffness(2, k)
+                stiffness(4, k) = stiffness(1, k)
+                pull = 0
+                do j = 0, k
+                    !$omp simd
+                    do i = 1, 4
+                        pull(i) = pull(i) + stiffness(i, j) * c(i, k - j)
+                    end do
+                end do
+                share = 1.0_dp / (k + 1)
+                c(1:4, k + 1) = share * c(5:8, k)
+                c(5:8, k + 1) = share * pull
+            end do
+        end associate
+    end subroutine series
 
 end module spintop_cayley_klein

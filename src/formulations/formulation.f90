@@ -3,14 +3,15 @@
 !> A formulation is set up once for a body and a start and is immutable afterwards, so that one
 !> serves all threads. States sit in arrays of fixed size; unused components stay zero.
 module spintop_formulation
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, qp
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
     use spintop_status, only: status_ok
     implicit none
     private
     public :: formulation_t, formulation_info_t, max_states, max_series_order, max_invariants
-    public :: structure_none, structure_split, structure_group, structure_series, structure_names
+    public :: structure_none, structure_split, structure_group, structure_series, &
+        structure_quadruple, structure_names
 
     !> Largest number of state variables of any formulation, of its invariants, and highest order of
     !> its Taylor series.
@@ -18,11 +19,12 @@ module spintop_formulation
 
     !> Structures that a formulation may offer to integrators beside its right-hand side:
     !> drift and kick, the two parts of the motion with flows of their own;
-    !> motion along a Lie group; Taylor coefficients of the motion.
+    !> motion along a Lie group; Taylor coefficients of the motion; the same in quadruple precision.
     integer, parameter :: structure_none = 0, structure_split = 1, structure_group = 2, &
-        structure_series = 3
-    character(*), parameter :: structure_names(structure_split:structure_series) = &
-        [character(20) :: 'drift and kick', 'motion on a group', 'Taylor series']
+        structure_series = 3, structure_quadruple = 4
+    character(*), parameter :: structure_names(structure_split:structure_quadruple) = &
+        [character(32) :: 'drift and kick', 'motion on a group', 'Taylor series', &
+         'quadruple Taylor series']
 
     !> What the registry, the help and the checks know of a formulation.
     type :: formulation_info_t
@@ -35,7 +37,7 @@ module spintop_formulation
         !> Singular where sin(theta) = 0.
         logical :: singular_at_poles = .true.
         !> Structures offered.
-        logical :: offers(structure_split:structure_series) = .false.
+        logical :: offers(structure_split:structure_quadruple) = .false.
         !> Number of invariants that the state should keep.
         integer :: invariants = 0
         !> First of the four components that hold the attitude as a quaternion, of unit length at
@@ -60,6 +62,7 @@ module spintop_formulation
         procedure :: group_bracket => no_group_bracket
         procedure :: group_move => no_group_move
         procedure :: series => no_series
+        procedure :: series_quadruple => no_series_quadruple
         procedure :: after_step => keep_state
         procedure :: follow => keep_angles
         procedure :: time_left => unlimited
@@ -172,6 +175,18 @@ contains
         coefficient = 0
         coefficient(:, 0) = y
     end subroutine no_series
+
+    !> The same in quadruple precision, for a state in quadruple precision.
+    pure subroutine no_series_quadruple(self, y, order, coefficient)
+        class(formulation_t), intent(in) :: self
+        real(qp), intent(in) :: y(max_states)
+        integer, intent(in) :: order
+        real(qp), intent(out) :: coefficient(max_states, 0:max_series_order)
+        associate (unused => self, also_unused => order)
+        end associate
+        coefficient = 0
+        coefficient(:, 0) = y
+    end subroutine no_series_quadruple
 
     !> Called after each accepted step: may put the state back on what it must satisfy.
     !> `changed` tells whether it did, `clipped` that it had to cut an inadmissible value.

@@ -3,11 +3,12 @@
 !> No attitude is singular. The equations take the quaternion for the attitude that it points to,
 !> whatever its length: they keep the length constant, and integrators nearly so.
 module spintop_rigid_body
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, qp
     use spintop_attitude, only: follow_angles, vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t, motion_from_quaternion
-    use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_states
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_series_order, &
+        max_states, structure_quadruple, structure_series
     use spintop_status, only: status_ok
     implicit none
     private
@@ -25,6 +26,8 @@ module spintop_rigid_body
         procedure :: motion
         procedure :: follow
         procedure :: invariants
+        procedure :: series
+        procedure :: series_quadruple
     end type rigid_body_t
 
 contains
@@ -35,6 +38,7 @@ contains
         info = formulation_info_t('rigid_body', &
             'quaternion and body momentum, for any body with damping; no pole is singular', 7, &
             symmetric_only=.false., singular_at_poles=.false., invariants=4, quaternion=1)
+        info%offers([structure_series, structure_quadruple]) = .true.
     end function info
 
     !> Initial state.
@@ -118,5 +122,100 @@ contains
         values(3) = dot_product(y(5:7), gamma)
         if (self%body%is_lagrange()) values(4) = y(7)
     end subroutine invariants
+
+    !> Taylor coefficients of the motion. All terms of the equations are products of two components,
+    !> the length of the quaternion being constant; coefficients of products follow Cauchy's rule.
+    pure subroutine series(self, y, order, coefficient)
+        class(rigid_body_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states)
+        integer, intent(in) :: order
+        real(dp), intent(out) :: coefficient(max_states, 0:max_series_order)
+        !> Products of q0, q3 and the angular velocity with the whole state.
+        real(dp) :: by_q0(max_states), by_q3(max_states)
+        real(dp) :: by_w1(max_states), by_w2(max_states), by_w3(max_states)
+        real(dp) :: twice, gamma(3), v1, v2, v3, share
+        integer :: k, j, i
+
+        v1 = 1 / self%body%inertia(1)
+        v2 = 1 / self%body%inertia(2)
+        v3 = 1 / self%body%inertia(3)
+        twice = 2 / sum(y(1:4)**2)
+        coefficient(:, 0) = y
+        associate (c => coefficient, r => self%moment, d => self%body%damping)
+            do k = 0, order - 1
+                by_q0 = 0
+                by_q3 = 0
+                by_w1 = 0
+                by_w2 = 0
+                by_w3 = 0
+                do j = k, 0, -1
+                    !$omp simd
+                    do i = 1, max_states
+                        by_q0(i) = by_q0(i) + c(1, j) * c(i, k - j)
+                        by_q3(i) = by_q3(i) + c(4, j) * c(i, k - j)
+                        by_w1(i) = by_w1(i) + c(5, j) * c(i, k - j)
+                        by_w2(i) = by_w2(i) + c(6, j) * c(i, k - j)
+                        by_w3(i) = by_w3(i) + c(7, j) * c(i, k - j)
+                    end do
+                end do
+                gamma(1) = twice * (by_q3(2) - by_q0(3))
+                gamma(2) = twice * (by_q3(3) + by_q0(2))
+                gamma(3) = twice * (by_q0(1) + by_q3(4))
+                if (k == 0) gamma(3) = gamma(3) - 1
+                share = 1.0_dp / (k + 1)
+                c(1, k + 1) = -share / 2 * (v1 * by_w1(2) + v2 * by_w2(3) + v3 * by_w3(4))
+                c(2, k + 1) = share / 2 * (v1 * by_w1(1) + v3 * by_w3(3) - v2 * by_w2(4))
+                c(3, k + 1) = share / 2 * (v2 * by_w2(1) + v1 * by_w1(4) - v3 * by_w3(2))
+                c(4, k + 1) = share / 2 * (v3 * by_w3(1) + v2 * by_w2(2) - v1 * by_w1(3))
+                c(5, k + 1) = share * (v3 * by_w3(6) - v2 * by_w2(7) + gamma(2) * r(3) - gamma(3) * r(2) &
+                                       - d(1) * v1 * c(5, k))
+                c(6, k + 1) = share * (v1 * by_w1(7) - v3 * by_w3(5) + gamma(3) * r(1) - gamma(1) * r(3) &
+                                       - d(2) * v2 * c(6, k))
+                c(7, k + 1) = share * (v2 * by_w2(5) - v1 * by_w1(6) + gamma(1) * r(2) - gamma(2) * r(1) &
+                                       - d(3) * v3 * c(7, k))
+                c(8, k + 1) = 0
+            end do
+        end associate
+    end subroutine series
+
+    !> Taylor coefficients of the motion in quadruple precision.
+    pure subroutine series_quadruple(self, y, order, coefficient)
+        class(rigid_body_t), intent(in) :: self
+        real(qp), intent(in) :: y(max_states)
+        integer, intent(in) :: order
+        real(qp), intent(out) :: coefficient(max_states, 0:max_series_order)
+        real(qp) :: omega(3, 0:max_series_order), by_q0(4), by_q3(4), by_omega(7, 3)
+        real(qp) :: inertia(3), moment(3), twice, gamma(3)
+        integer :: k, j, axis
+
+        inertia = self%body%inertia
+        moment = real(self%body%mass, qp) * self%body%gravity * self%body%centre_of_mass
+        twice = 2 / sum(y(1:4)**2)
+        coefficient(:, 0) = y
+        associate (c => coefficient, r => moment, w => by_omega)
+            do k = 0, order - 1
+                omega(:, k) = c(5:7, k) / inertia
+                by_q0 = 0
+                by_q3 = 0
+                by_omega = 0
+                do j = 0, k
+                    by_q0 = by_q0 + c(1, j) * c(1:4, k - j)
+                    by_q3 = by_q3 + c(4, j) * c(1:4, k - j)
+                    do axis = 1, 3
+                        by_omega(:, axis) = by_omega(:, axis) + omega(axis, j) * c(1:7, k - j)
+                    end do
+                end do
+                gamma = twice * [by_q3(2) - by_q0(3), by_q3(3) + by_q0(2), by_q0(1) + by_q3(4)]
+                if (k == 0) gamma(3) = gamma(3) - 1
+                c(1:4, k + 1) = [-w(2, 1) - w(3, 2) - w(4, 3), w(1, 1) + w(3, 3) - w(4, 2), &
+                                 w(1, 2) + w(4, 1) - w(2, 3), w(1, 3) + w(2, 2) - w(3, 1)] / 2
+                c(5:7, k + 1) = [w(6, 3) - w(7, 2), w(7, 1) - w(5, 3), w(5, 2) - w(6, 1)] &
+                    + [gamma(2) * r(3) - gamma(3) * r(2), gamma(3) * r(1) - gamma(1) * r(3), &
+                       gamma(1) * r(2) - gamma(2) * r(1)] - self%body%damping * omega(:, k)
+                c(8, k + 1) = 0
+                c(:, k + 1) = c(:, k + 1) / (k + 1)
+            end do
+        end associate
+    end subroutine series_quadruple
 
 end module spintop_rigid_body

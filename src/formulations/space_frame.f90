@@ -8,7 +8,8 @@ module spintop_space_frame
     use spintop_kinds, only: dp
     use spintop_attitude, only: follow_angles, conjugate_quaternion, quaternion_product, to_space
     use spintop_body, only: body_t
-    use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_states
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_series_order, &
+        max_states, structure_series
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_status, only: status_ok
     use spintop_vectors, only: cross
@@ -29,6 +30,7 @@ module spintop_space_frame
         procedure :: motion
         procedure :: follow
         procedure :: invariants
+        procedure :: series
     end type space_frame_t
 
 contains
@@ -39,6 +41,7 @@ contains
         info = formulation_info_t('space_frame', &
             'momentum in space axes and quaternion without spin, for symmetric tops; no pole is singular', &
             6, singular_at_poles=.false., invariants=3, quaternion=3)
+        info%offers(structure_series) = .true.
     end function info
 
     !> Constants of the motion and initial state.
@@ -156,5 +159,48 @@ contains
         values(2) = sum(y(1:2)**2) / (2 * self%i1) + self%mgl * axis(3)
         values(3) = y(1) * axis(1) + y(2) * axis(2) + self%vertical * axis(3)
     end subroutine invariants
+
+    !> Taylor coefficients of the motion. All terms of the equations are products of two components,
+    !> the length of p being constant; coefficients of products follow Cauchy's rule.
+    pure subroutine series(self, y, order, coefficient)
+        class(space_frame_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states)
+        integer, intent(in) :: order
+        real(dp), intent(out) :: coefficient(max_states, 0:max_series_order)
+        !> Products of L1, L2, p0 and p3 with the whole state.
+        real(dp) :: by_l1(max_states), by_l2(max_states), by_p0(max_states), by_p3(max_states)
+        real(dp) :: half, vertical, pull, share
+        integer :: k, j, i
+
+        half = 1 / (2 * self%i1)
+        vertical = self%vertical * half
+        pull = 2 * self%mgl / sum(y(3:6)**2)
+        coefficient(:, 0) = y
+        associate (c => coefficient)
+            do k = 0, order - 1
+                by_l1 = 0
+                by_l2 = 0
+                by_p0 = 0
+                by_p3 = 0
+                do j = k, 0, -1
+                    !$omp simd
+                    do i = 1, max_states
+                        by_l1(i) = by_l1(i) + c(1, j) * c(i, k - j)
+                        by_l2(i) = by_l2(i) + c(2, j) * c(i, k - j)
+                        by_p0(i) = by_p0(i) + c(3, j) * c(i, k - j)
+                        by_p3(i) = by_p3(i) + c(6, j) * c(i, k - j)
+                    end do
+                end do
+                share = 1.0_dp / (k + 1)
+                c(1, k + 1) = share * pull * (by_p0(4) - by_p3(5))
+                c(2, k + 1) = share * pull * (by_p0(5) + by_p3(4))
+                c(3, k + 1) = -share * (half * (by_l1(4) + by_l2(5)) + vertical * c(6, k))
+                c(4, k + 1) = share * (half * (by_l1(3) + by_l2(6)) - vertical * c(5, k))
+                c(5, k + 1) = share * (half * (by_l2(3) - by_l1(6)) + vertical * c(4, k))
+                c(6, k + 1) = share * (half * (by_l1(5) - by_l2(4)) + vertical * c(3, k))
+                c(7:8, k + 1) = 0
+            end do
+        end associate
+    end subroutine series
 
 end module spintop_space_frame

@@ -1,14 +1,17 @@
 !> Number kinds and the constants every module needs.
 module spintop_kinds
-    use, intrinsic :: iso_fortran_env, only: real64
+    use, intrinsic :: iso_fortran_env, only: real64, real128
     implicit none
     private
-    public :: dp, xp, pi, degree, epsilon_dp
+    public :: dp, xp, qp, pi, degree, epsilon_dp
 
     !> Working precision of every public quantity.
     integer, parameter :: dp = real64
     !> Extended precision (80 bits on x86) for phases that grow with time.
     integer, parameter :: xp = selected_real_kind(18)
+
+    !> Quadruple precision, for reference motions.
+    integer, parameter :: qp = real128
 
     real(dp), parameter :: pi = acos(-1.0_dp)
     !> One degree in radians.

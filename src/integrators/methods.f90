@@ -8,6 +8,9 @@ module spintop_methods
     use spintop_dop853, only: dop853_t
     use spintop_dop853_table, only: dop853_table
     use spintop_arkode, only: arkode_t
+    use spintop_taylor, only: taylor_t
+    use spintop_taylor_quadruple, only: taylor_quadruple_t
+    use spintop_formulation, only: structure_quadruple, structure_series
     use spintop_kinds, only: dp
     implicit none
     private
@@ -54,6 +57,13 @@ contains
         call known%add(dop853_t(table=dop853_table(), info=method_info_t( &
             'dop853', 'Dormand-Prince 8(5,3) of Hairer, Norsett and Wanner', order=8, &
             fixed_step=.true., adaptive=.true.)))
+        call known%add(taylor_t(info=method_info_t( &
+            'taylor', 'Taylor series of order 8 to 30, as the tolerance asks for', adaptive=.true., &
+            needs=structure_series)))
+        call known%add(taylor_quadruple_t(info=method_info_t( &
+            'taylor_quadruple', 'Taylor series of order 30 in quadruple precision, for reference motions', &
+            order=30, adaptive=.true., needs=structure_quadruple, relative_tolerance=1.0e-26_dp, &
+            absolute_tolerance=1.0e-29_dp)))
         call known%add(arkode_t(info=method_info_t( &
             'arkode_erk', 'explicit Runge-Kutta of SUNDIALS ARKODE', &
             fixed_step=.true., adaptive=.true., takes_table=.true.)))

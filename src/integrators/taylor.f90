@@ -1,0 +1,164 @@
+!> Taylor's method: each step sums the power series of the motion, found by recurrences.
+!>
+!> A step is as long as the last two terms of the series are within the tolerance, and the order at
+!> which a tolerance costs least grows with the digits asked for (Jorba and Zou, Experimental
+!> Mathematics 14, 2005; they give 1 - ln(tolerance)/2, but here coefficients of high order are
+!> cheap). The series is its own dense output. The state is summed with compensation.
+module spintop_taylor
+    use spintop_kinds, only: dp
+    use spintop_compare, only: is_finite
+    use spintop_fixed_step, only: share_of_time_left
+    use spintop_formulation, only: formulation_t, max_series_order, max_states
+    use spintop_status, only: status_ok, status_non_finite, status_step_too_small
+    use spintop_stepper, only: controls_t, stepper_t, workspace_t
+    implicit none
+    private
+    public :: taylor_t
+
+    !> Taylor's method of an order that the tolerance sets.
+    type, extends(stepper_t) :: taylor_t
+    contains
+        procedure :: new_workspace
+        procedure :: begin
+        procedure :: advance
+        procedure :: interpolate
+        procedure :: order
+    end type taylor_t
+
+    !> Keeps the series of the last step.
+    type, extends(workspace_t) :: taylor_workspace_t
+        integer :: order = 0
+        real(dp) :: coefficient(max_states, 0:max_series_order) = 0
+    end type taylor_workspace_t
+
+    !> Lowest order in use.
+    integer, parameter :: lowest_order = 8
+    !> Share of the step with which the last terms reach the tolerance.
+    real(dp), parameter :: safety = 0.9_dp
+    !> A step is at most so many times the last.
+    real(dp), parameter :: largest_growth = 4
+    !> Smallest step in units of the spacing of the time.
+    real(dp), parameter :: smallest_spacings = 16
+
+contains
+
+    !> Order that costs least for the relative tolerance, found by measurement.
+    integer function order(self)
+        class(taylor_t), intent(in) :: self
+        order = nint(6 - 0.6_dp * log(self%controls%relative_tolerance))
+        order = min(max(order, lowest_order), max_series_order)
+    end function order
+
+    !> A workspace with room for a series.
+    subroutine new_workspace(self, work)
+        class(taylor_t), intent(in) :: self
+        class(workspace_t), allocatable, intent(out) :: work
+        associate (unused => self)
+        end associate
+        allocate (taylor_workspace_t :: work)
+    end subroutine new_workspace
+
+    !> The series of the start.
+    subroutine begin(self, formulation, work, status)
+        class(taylor_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        integer, intent(out) :: status
+
+        call work%evaluate(formulation, work%y, work%slope, status)
+        select type (work)
+        class is (taylor_workspace_t)
+            work%order = self%order()
+            work%h = work%t_end - work%t
+        end select
+    end subroutine begin
+
+    !> One step, as long as the last terms of the series allow.
+    subroutine advance(self, formulation, work, status)
+        class(taylor_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        integer, intent(out) :: status
+        real(dp) :: h, t_new, change(max_states)
+        logical :: changed
+
+        select type (work)
+        class is (taylor_workspace_t)
+            call formulation%series(work%y, work%order, work%coefficient)
+            work%counts%evaluations = work%counts%evaluations + work%order
+            work%slope = work%coefficient(:, 1)
+            h = length_of_step(self%controls, work)
+            status = status_non_finite
+            if (.not. is_finite(h)) return
+            status = status_step_too_small
+            if (h <= smallest_spacings * spacing(work%t)) return
+            work%h = h
+            t_new = work%t + h
+            ! A step that nearly reaches the end is stretched to it.
+            if (1.01_dp * h >= work%t_end - work%t) t_new = work%t_end
+            change = sum_of_terms(work, t_new - work%t)
+            call work%settle_change(formulation, t_new, change, changed)
+            status = status_ok
+        end select
+    end subroutine advance
+
+    !> The time after which one of the last two terms reaches the tolerance.
+    pure real(dp) function length_of_step(controls, work) result(h)
+        type(controls_t), intent(in) :: controls
+        type(taylor_workspace_t), intent(in) :: work
+        real(dp) :: allowed, last, before, share
+        integer :: i
+
+        last = 0
+        before = 0
+        associate (c => work%coefficient, p => work%order)
+            !$omp simd reduction(max: last, before)
+            do i = 1, max_states
+                ! A component that passes zero is as large as it was or will be a step away.
+                allowed = controls%absolute_tolerance + controls%relative_tolerance &
+                          * (abs(c(i, 0)) + abs(c(i, 1)) * work%h)
+                share = 1 / allowed
+                last = max(last, abs(c(i, p)) * share)
+                before = max(before, abs(c(i, p - 1)) * share)
+            end do
+            h = largest_growth * work%h
+            if (last > 0) h = min(h, safety * exp(-log(last) / p))
+            if (before > 0) h = min(h, safety * exp(-log(before) / (p - 1)))
+            if (.not. (is_finite(last) .and. is_finite(before))) h = last + before
+        end associate
+    end function length_of_step
+
+    !> Change of the state after a time h, by Horner's rule.
+    pure function sum_of_terms(work, h) result(change)
+        type(taylor_workspace_t), intent(in) :: work
+        real(dp), intent(in) :: h
+        real(dp) :: change(max_states)
+        integer :: k, i
+        change = 0
+        do k = work%order, 1, -1
+            !$omp simd
+            do i = 1, max_states
+                change(i) = change(i) * h + work%coefficient(i, k)
+            end do
+        end do
+        change = change * h
+    end function sum_of_terms
+
+    !> The state at a time within the last step.
+    function interpolate(self, formulation, work, t) result(y)
+        class(taylor_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: t
+        real(dp) :: y(max_states)
+        associate (unused => self, also_unused => formulation)
+        end associate
+        y = work%y
+        if (t >= work%t) return
+        select type (work)
+        class is (taylor_workspace_t)
+            y = work%y_last + sum_of_terms(work, t - work%t_last)
+        end select
+    end function interpolate
+
+end module spintop_taylor

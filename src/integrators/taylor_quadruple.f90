@@ -1,0 +1,137 @@
+!> Taylor's method in quadruple precision: for reference motions, and for motions that double the
+!> error of rounding so often that double precision cannot follow them.
+!>
+!> The state is kept as the sum of two numbers in double precision, `y + rest`, 106 bits; series and
+!> sums are in quadruple precision.
+module spintop_taylor_quadruple
+    use spintop_kinds, only: dp, qp
+    use spintop_compare, only: is_finite
+    use spintop_formulation, only: formulation_t, max_series_order, max_states
+    use spintop_status, only: status_ok, status_non_finite, status_step_too_small
+    use spintop_stepper, only: stepper_t, workspace_t
+    implicit none
+    private
+    public :: taylor_quadruple_t
+
+    !> Taylor's method of the highest order, in quadruple precision.
+    type, extends(stepper_t) :: taylor_quadruple_t
+    contains
+        procedure :: new_workspace
+        procedure :: begin
+        procedure :: advance
+        procedure :: interpolate
+    end type taylor_quadruple_t
+
+    !> Keeps the series of the last step.
+    type, extends(workspace_t) :: quadruple_workspace_t
+        real(qp) :: coefficient(max_states, 0:max_series_order) = 0
+    end type quadruple_workspace_t
+
+    !> Share of the step with which the last terms reach the tolerance.
+    real(dp), parameter :: safety = 0.9_dp
+    !> Smallest step in units of the spacing of the time.
+    real(dp), parameter :: smallest_spacings = 16
+
+contains
+
+    !> A workspace with room for a series.
+    subroutine new_workspace(self, work)
+        class(taylor_quadruple_t), intent(in) :: self
+        class(workspace_t), allocatable, intent(out) :: work
+        associate (unused => self)
+        end associate
+        allocate (quadruple_workspace_t :: work)
+    end subroutine new_workspace
+
+    !> First slope.
+    subroutine begin(self, formulation, work, status)
+        class(taylor_quadruple_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        integer, intent(out) :: status
+        associate (unused => self)
+        end associate
+        call work%evaluate(formulation, work%y, work%slope, status)
+    end subroutine begin
+
+    !> One step, as long as the last terms of the series allow.
+    subroutine advance(self, formulation, work, status)
+        class(taylor_quadruple_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        integer, intent(out) :: status
+        real(qp) :: y(max_states)
+        real(dp) :: h, t_new, y_new(max_states), rest(max_states)
+        logical :: changed
+
+        select type (work)
+        class is (quadruple_workspace_t)
+            y = work%rest + real(work%y, qp)
+            call formulation%series_quadruple(y, max_series_order, work%coefficient)
+            work%counts%evaluations = work%counts%evaluations + max_series_order
+            work%slope = real(work%coefficient(:, 1), dp)
+            h = length_of_step(self, work)
+            status = status_non_finite
+            if (.not. is_finite(h)) return
+            status = status_step_too_small
+            if (h <= smallest_spacings * spacing(work%t)) return
+            t_new = work%t + h
+            ! A step that nearly reaches the end is stretched to it.
+            if (1.01_dp * h >= work%t_end - work%t) t_new = work%t_end
+            y = y + sum_of_terms(work, t_new - real(work%t, qp))
+            y_new = real(y, dp)
+            rest = real(y - y_new, dp)
+            call work%settle(formulation, t_new, y_new, changed)
+            if (.not. changed) work%rest = rest
+            status = status_ok
+        end select
+    end subroutine advance
+
+    !> The time after which one of the last two terms reaches the tolerance, relative to the size of
+    !> the whole state.
+    real(dp) function length_of_step(self, work) result(h)
+        class(taylor_quadruple_t), intent(in) :: self
+        type(quadruple_workspace_t), intent(in) :: work
+        real(dp) :: allowed, size
+        integer :: k
+
+        allowed = self%controls%absolute_tolerance &
+            + self%controls%relative_tolerance * real(maxval(abs(work%coefficient(:, 0))), dp)
+        h = work%t_end - work%t
+        do k = max_series_order - 1, max_series_order
+            size = real(maxval(abs(work%coefficient(:, k))), dp)
+            if (.not. is_finite(size)) h = size
+            if (size > 0) h = min(h, safety * exp((log(allowed) - log(size)) / k))
+        end do
+    end function length_of_step
+
+    !> Change of the state after a time h, by Horner's rule.
+    pure function sum_of_terms(work, h) result(change)
+        type(quadruple_workspace_t), intent(in) :: work
+        real(qp), intent(in) :: h
+        real(qp) :: change(max_states)
+        integer :: k
+        change = 0
+        do k = max_series_order, 1, -1
+            change = (change + work%coefficient(:, k)) * h
+        end do
+    end function sum_of_terms
+
+    !> The state at a time within the last step.
+    function interpolate(self, formulation, work, t) result(y)
+        class(taylor_quadruple_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: t
+        real(dp) :: y(max_states)
+        associate (unused => self, also_unused => formulation)
+        end associate
+        y = work%y
+        if (t >= work%t) return
+        select type (work)
+        class is (quadruple_workspace_t)
+            y = real(work%coefficient(:, 0) + sum_of_terms(work, t - real(work%t_last, qp)), dp)
+        end select
+    end function interpolate
+
+end module spintop_taylor_quadruple

@@ -146,7 +146,7 @@ contains
 
         angle = self%angle
         call formulation%follow(self%t, self%y, t, y, angle, sure)
-        sure = sure .or. t - self%t <= shortest_pace * (work%t - work%t_last)
+        sure = sure .or. t - self%t <= max(shortest_pace * (work%t - work%t_last), 2 * spacing(t))
         if (sure) then
             self%t = t
             self%y = y

@@ -10,6 +10,7 @@ module spintop_job
     use spintop_plan, only: plan_t, make_plan
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t, describe_scene
+    use spintop_stability_plan, only: make_stability_plan, stability_plan_t
     use spintop_sweep_axes, only: axes_t, make_axes, put_values
     use spintop_sweep_columns, only: sweep_columns, costly_groups
     use spintop_text, only: string_t, nearest_word
@@ -40,6 +41,7 @@ module spintop_job
         type(case_t) :: case
         type(plan_t) :: plan
         type(axes_t) :: axes
+        type(stability_plan_t) :: stability
         !> Chosen columns by their place in the list of all columns of the study.
         integer, allocatable :: columns(:)
         !> Warnings on the input, ready to print; empty without any.
@@ -66,7 +68,7 @@ contains
         call read_namelist(input, options%overrides, job%table, diagnostics, error)
         if (allocated(error)) return
         call plan_job(job, problems)
-        call choose_columns(job, problems)
+        if (job%scene%kind /= 'stability') call choose_columns(job, problems)
         call problems%tell(job%table, diagnostics)
         call diagnostics%raise(error)
         if (allocated(error)) return
@@ -87,6 +89,10 @@ contains
             call problems%add('output.file', 'the name of the table holds a slash', &
                               'name the folder with --output')
         end if
+        if (job%scene%kind == 'stability') then
+            call make_stability_plan(job%scene, job%stability, problems)
+            if (problems%any() .or. all(job%stability%cases > 0)) return
+        end if
         allocate (first, source=job%scene)
         if (job%scene%kind == 'sweep') then
             call make_axes(job%scene, job%table, job%axes, problems)
@@ -97,7 +103,7 @@ contains
             call problems%add('sweep', 'a trajectory has no axes', "set study.kind = 'sweep'")
         end if
         call make_case(first, job%case, problems)
-        if (problems%any()) return
+        if (problems%any() .or. job%scene%kind == 'stability') return
         call make_plan(first, job%case, job%plan, problems)
     end subroutine plan_job
 

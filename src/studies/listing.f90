@@ -4,6 +4,7 @@ module spintop_listing
     use spintop_columns, only: trajectory_columns
     use spintop_errors, only: error_t, input_error
     use spintop_formulations, only: formulation_infos
+    use spintop_hard_cases, only: hard_cases
     use spintop_formulation, only: formulation_info_t
     use spintop_methods, only: method_infos
     use spintop_parameter_print, only: list_parameters
@@ -19,7 +20,7 @@ module spintop_listing
 
     !> What can be listed.
     character(*), parameter :: topics(*) = [character(12) :: &
-        'methods', 'formulations', 'columns', 'shapes', 'parameters']
+        'methods', 'formulations', 'columns', 'shapes', 'parameters', 'cases']
 
 contains
 
@@ -60,6 +61,10 @@ contains
                          trim(merge(', inner_radius', '              ', shape_infos(i)%needs_inner_radius)) // &
                          trim(merge(', thickness', '           ', shape_infos(i)%needs_thickness)) // &
                          trim(merge(', rod_length', '            ', shape_infos(i)%needs_rod_length)))
+            end do
+        case ('cases')
+            do i = 1, size(hard_cases)
+                call add(lines, hard_cases(i)%name, '', hard_cases(i)%what)
             end do
         case ('parameters')
             call describe_scene(scene, table)

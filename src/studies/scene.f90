@@ -74,6 +74,9 @@ module spintop_scene
         real(dp) :: to(max_axes) = unset
         integer :: count(max_axes) = unset_integer
         character(word) :: spacing(max_axes) = 'linear'
+        ! &stability
+        character(word) :: stability_cases(64) = ''
+        character(2 * word) :: stability_methods(64) = ''
     end type scene_t
 
 contains
@@ -83,7 +86,7 @@ contains
         type(scene_t), target, intent(inout) :: scene
         type(parameter_table_t), intent(out) :: table
 
-        call table%add('study.kind', scene%kind, 'trajectory|sweep', 'what to compute')
+        call table%add('study.kind', scene%kind, 'trajectory|sweep|stability', 'what to compute')
         call table%add('study.title', scene%title, what='one line on the scene, for tables and figures')
 
         call table%add('top.shape', scene%shape, &
@@ -167,6 +170,11 @@ contains
                        elements=any_elements)
         call table%add('sweep.spacing', scene%spacing, 'linear|log', 'spacing of the values', &
                        elements=any_elements)
+
+        call table%add('stability.cases', scene%stability_cases, &
+                       what="cases of the catalogue, or 'input' for the case of this file (all but long ones)")
+        call table%add('stability.methods', scene%stability_methods, &
+                       what='methods, alone or as method/formulation (all, some of them in Euler angles too)')
 
     contains
 

@@ -5,6 +5,7 @@ module spintop_studies
     use spintop_job, only: job_t, options_t, prepare_job
     use spintop_line_list, only: line_list_t
     use spintop_parameter_print, only: print_namelist
+    use spintop_stability, only: run_stability
     use spintop_status, only: status_ok, last_status
     use spintop_summary, only: summary_t
     use spintop_sweep, only: run_sweep
@@ -65,13 +66,16 @@ contains
         call make_folder(options%output, error)
         if (allocated(error)) return
         !$ if (options%threads > 0) call omp_set_num_threads(options%threads)
-        if (job%scene%kind == 'sweep') then
+        select case (job%scene%kind)
+        case ('sweep')
             call run_sweep(job, options, summary, counts, error)
             if (any(counts(status_ok + 1:) > 0)) code = exit_failed
-        else
+        case ('stability')
+            call run_stability(job, options, summary, error)
+        case default
             call run_trajectory(job, options, summary, status, error)
             if (status /= status_ok) code = exit_failed
-        end if
+        end select
         if (allocated(summary%lines)) call move_alloc(summary%lines, lines)
     end subroutine run_job
 
@@ -85,14 +89,18 @@ contains
         integer :: i
 
         call summary%headline(job%input // ': ' // what())
-        call summary%describe_plan(job%plan)
-        call summary%describe_motion(job%case)
+        if (job%scene%kind /= 'stability') then
+            call summary%describe_plan(job%plan)
+            call summary%describe_motion(job%case)
+        end if
         do i = 1, size(summary%lines)
             call text%add('! ' // summary%lines(i)%text)
         end do
         call text%add('!')
-        call text%add_paragraph('! ', job%plan%reason // remark_on_columns())
-        call text%add('')
+        if (allocated(job%plan%reason)) then
+            call text%add_paragraph('! ', job%plan%reason // remark_on_columns())
+            call text%add('')
+        end if
         call print_namelist(job%table, input)
         do i = 1, size(input)
             call text%add(input(i)%text)
@@ -103,12 +111,16 @@ contains
 
         function what()
             character(:), allocatable :: what
-            if (job%scene%kind == 'sweep') then
+            select case (job%scene%kind)
+            case ('sweep')
                 what = 'a sweep of ' // to_text(job%axes%cases) // ' cases, of which this is the first'
-            else
+            case ('stability')
+                what = 'the stability of ' // to_text(size(job%stability%methods)) // ' methods on ' &
+                       // to_text(size(job%stability%cases)) // ' cases'
+            case default
                 what = 'a trajectory of ' // to_text(job%plan%samples) // ' rows over ' &
                        // to_text(job%case%t_end) // ' s'
-            end if
+            end select
             what = what // ' -> ' // job%output
         end function what
 

@@ -52,6 +52,7 @@ contains
     !> Both quaternions are of one continuous motion, of any length; `omega_last` and `omega` are the
     !> angular velocities in body axes, rad/s. `sure` tells that the axis passed no pole so closely
     !> that it is not clear on which side: phi and psi may then be a whole turn off, to and fro.
+    !> Turns by thousands of radians at once are not followed.
     pure subroutine follow_angles(q_last, omega_last, q, omega, h, angle, sure)
         real(dp), intent(in) :: q_last(4), omega_last(3), q(4), omega(3), h
         real(dp), intent(inout) :: angle(3)
@@ -61,13 +62,21 @@ contains
         real(dp), parameter :: largest_turn = pi / 2
         !> Change of a half angle by more than that shows a pole, rad.
         real(dp), parameter :: sharp = 2
-        real(dp) :: half(2), change(2), here(4), there(4)
+        !> A longer turn is followed no more: a computation that takes it in one step knows nothing
+        !> of the turns between.
+        real(dp), parameter :: endless_turn = 1.0e4_dp
+        real(dp) :: turn, half(2), change(2), here(4), there(4)
         integer :: pieces, i
 
-        half = [angle(1) + angle(3), angle(1) - angle(3)] / 2
-        pieces = max(1, ceiling(h * max(norm2(omega_last), norm2(omega)) / largest_turn))
-        here = q_last
         sure = .true.
+        turn = h * max(norm2(omega_last), norm2(omega))
+        if (.not. turn <= endless_turn) then
+            angle = angles_from_quaternion(q, angle)
+            return
+        end if
+        half = [angle(1) + angle(3), angle(1) - angle(3)] / 2
+        pieces = max(1, ceiling(turn / largest_turn))
+        here = q_last
         ! A longer turn goes one half of the time with the first angular velocity, the other with
         ! the second.
         do i = 1, pieces

@@ -1,0 +1,143 @@
+!> What a computed motion is judged by: the exact motion where there is one, else a motion computed in
+!> quadruple precision, which tells how converged it is.
+module spintop_reference_motion
+    use spintop_kinds, only: dp, epsilon_dp
+    use spintop_attitude, only: rotation_angle
+    use spintop_case, only: case_t
+    use spintop_conditioning, only: conditioning_t, prepare_conditioning
+    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
+    use spintop_formulation, only: formulation_t, max_states
+    use spintop_formulations, only: create_formulation
+    use spintop_integration, only: integrate, observer_t, outcome_t
+    use spintop_methods, only: create_stepper
+    use spintop_motion, only: motion_t
+    use spintop_plan, only: sample_times
+    use spintop_status, only: status_ok
+    use spintop_stepper, only: stepper_t
+    implicit none
+    private
+    public :: reference_t, find_reference
+
+    !> A reference motion at equally spaced times.
+    type :: reference_t
+        type(motion_t), allocatable :: motions(:)
+        !> How far rounding of the data alone turns the attitude, rad, at each time.
+        real(dp), allocatable :: floor(:)
+        !> What the motion comes from.
+        character(24) :: source = ''
+        !> How far apart two computations of it are, rad; zero for the exact motion.
+        real(dp) :: uncertainty = 0
+    end type reference_t
+
+    !> Keeps every motion it is shown.
+    type, extends(observer_t) :: keeper_t
+        type(motion_t), allocatable :: motions(:)
+        integer :: count = 0
+    contains
+        procedure :: observe
+    end type keeper_t
+
+    !> Tolerances of a computed reference, and of the computation it is compared with.
+    real(dp), parameter :: fine = 1.0e-24_dp, coarse = 1.0e-20_dp
+
+contains
+
+    !> The reference of a case at `samples` equally spaced times, both ends included.
+    subroutine find_reference(case, samples, reference, status)
+        type(case_t), intent(in) :: case
+        integer, intent(in) :: samples
+        type(reference_t), intent(out) :: reference
+        integer, intent(out) :: status
+        if (case%body%is_lagrange()) then
+            call take_exact(case, sample_times(case%t_end, samples), reference, status)
+        else
+            call compute_twice(case, sample_times(case%t_end, samples), reference, status)
+        end if
+    end subroutine find_reference
+
+    !> The exact motion of a symmetric top.
+    subroutine take_exact(case, times, reference, status)
+        type(case_t), intent(in) :: case
+        real(dp), intent(in) :: times(:)
+        type(reference_t), intent(out) :: reference
+        integer, intent(out) :: status
+        type(exact_motion_t) :: exact
+        type(conditioning_t) :: conditioning
+        integer :: i
+
+        reference%source = 'exact motion'
+        call prepare_exact_motion(case%body, case%start, exact, status)
+        if (status == status_ok) call prepare_conditioning(case%body, case%start, conditioning, status)
+        if (status /= status_ok) return
+        allocate (reference%motions(size(times)), reference%floor(size(times)))
+        do i = 1, size(times)
+            reference%motions(i) = exact%at(times(i))
+            reference%floor(i) = conditioning%floor_at(times(i))
+        end do
+    end subroutine take_exact
+
+    !> A motion in quadruple precision, the same with a coarser tolerance, and one from a start whose
+    !> numbers are moved by one unit in the last place.
+    subroutine compute_twice(case, times, reference, status)
+        type(case_t), intent(in) :: case
+        real(dp), intent(in) :: times(:)
+        type(reference_t), intent(out) :: reference
+        integer, intent(out) :: status
+        type(motion_t), allocatable :: again(:), moved(:)
+        type(motion_t) :: start
+
+        reference%source = 'quadruple precision'
+        call compute(case, case%start, times, fine, reference%motions, status)
+        if (status /= status_ok) return
+        call compute(case, case%start, times, coarse, again, status)
+        if (status /= status_ok) return
+        reference%uncertainty = maxval(apart(reference%motions, again))
+        start = case%start
+        start%omega = start%omega * (1 + epsilon_dp * [1, -1, 1])
+        start%quaternion = start%quaternion * (1 + epsilon_dp * [1, -1, -1, 1])
+        call compute(case, start, times, coarse, moved, status)
+        if (status /= status_ok) return
+        reference%floor = apart(again, moved) / 2
+    end subroutine compute_twice
+
+    !> A motion in quadruple precision.
+    subroutine compute(case, start, times, tolerance, motions, status)
+        type(case_t), intent(in) :: case
+        type(motion_t), intent(in) :: start
+        real(dp), intent(in) :: times(:), tolerance
+        type(motion_t), allocatable, intent(out) :: motions(:)
+        integer, intent(out) :: status
+        class(formulation_t), allocatable :: formulation
+        class(stepper_t), allocatable :: stepper
+        type(keeper_t) :: keeper
+        type(outcome_t) :: outcome
+
+        call create_formulation('rigid_body', formulation)
+        call create_stepper('taylor_quadruple', stepper)
+        stepper%controls%relative_tolerance = tolerance
+        stepper%controls%absolute_tolerance = tolerance
+        allocate (keeper%motions(size(times)))
+        call integrate(formulation, stepper, case%body, start, case%t_end, times, keeper, outcome)
+        status = outcome%status
+        call move_alloc(keeper%motions, motions)
+    end subroutine compute
+
+    !> Angles between the attitudes of two motions, rad.
+    pure function apart(first, second) result(angle)
+        type(motion_t), intent(in) :: first(:), second(:)
+        real(dp) :: angle(size(first))
+        integer :: i
+        do i = 1, size(first)
+            angle(i) = rotation_angle(first(i)%quaternion, second(i)%quaternion)
+        end do
+    end function apart
+
+    subroutine observe(self, formulation, t, y, near)
+        class(keeper_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: t, y(max_states), near(3)
+        self%count = self%count + 1
+        self%motions(self%count) = formulation%motion(t, y, near)
+    end subroutine observe
+
+end module spintop_reference_motion

@@ -1,0 +1,238 @@
+!> The stability study: how each method fares on motions that are hard to follow.
+!>
+!> Every method runs every case; the motion is compared with the exact one, or with one computed in
+!> quadruple precision. One row a case and method says what the errors are, how far the invariants
+!> drift, what it cost, and what to think of it.
+module spintop_stability
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_case, only: case_t, make_case
+    use spintop_errors, only: error_t, internal_error
+    use spintop_hard_cases, only: hard_cases
+    use spintop_job, only: job_t, options_t
+    use spintop_kinds, only: dp
+    use spintop_parameter_print, only: print_namelist
+    use spintop_plan, only: plan_t, make_plan
+    use spintop_problems, only: problems_t
+    use spintop_progress, only: progress_t
+    use spintop_provenance, only: describe_provenance
+    use spintop_reference_motion, only: reference_t, find_reference
+    use spintop_scene, only: scene_t
+    use spintop_stability_plan, only: own_case, scene_of_case, scene_of_trial
+    use spintop_status, only: status_name, status_ok
+    use spintop_summary, only: summary_t, rounded
+    use spintop_system, only: seconds
+    use spintop_table_file, only: table_file_t
+    use spintop_text, only: string_t, to_text
+    use spintop_text_buffer, only: text_buffer_t
+    use spintop_trial, only: run_trial, trial_t
+    use spintop_verdict, only: explain_trial, judge_trial, verdict_accurate, verdict_gave_up, &
+        verdict_meanings, verdict_names, verdict_unsuitable
+    implicit none
+    private
+    public :: run_stability, stability_columns, stability_column_t
+
+    !> What the table says of a column.
+    type :: stability_column_t
+        character(24) :: name
+        character(8) :: unit
+        character(96) :: what
+    end type stability_column_t
+
+    !> The columns, in the order of the table.
+    type(stability_column_t), parameter :: stability_columns(*) = [ &
+        stability_column_t('case', '', 'case of the catalogue'), &
+        stability_column_t('method', '', 'method'), &
+        stability_column_t('formulation', '', 'form of the equations'), &
+        stability_column_t('verdict', '', 'what the motion computed is worth'), &
+        stability_column_t('error_orientation', 'rad', 'largest angle of the turn from the reference attitude'), &
+        stability_column_t('error_tip', '', 'largest distance of the axis tip from that of the reference'), &
+        stability_column_t('energy_drift', '', 'largest energy error over (kinetic at start + m g |r|)'), &
+        stability_column_t('lz_drift', '', 'largest error of the vertical momentum, over its scale'), &
+        stability_column_t('l3_drift', '', 'largest error of the momentum about body z, over the same scale'), &
+        stability_column_t('quaternion_drift', '', 'largest change of the length of the quaternion'), &
+        stability_column_t('double_floor', 'rad', 'how far rounding of the data alone turns the attitude'), &
+        stability_column_t('steps', '', 'steps'), &
+        stability_column_t('rejected', '', 'steps rejected'), &
+        stability_column_t('evaluations', '', 'right-hand sides'), &
+        stability_column_t('time_s', 's', 'time of the computation'), &
+        stability_column_t('status', '', 'how it ended'), &
+        stability_column_t('t', 's', 'time reached'), &
+        stability_column_t('reference', '', 'what it was compared with'), &
+        stability_column_t('reference_error', 'rad', 'how far apart two computations of the reference are'), &
+        stability_column_t('reason', '', 'why the verdict is what it is')]
+
+    !> Times at which a motion is compared; the steps of the catalogue are multiples of the intervals.
+    integer, parameter :: samples = 41
+
+contains
+
+    !> Runs the study and writes its table.
+    subroutine run_stability(job, options, summary, error)
+        type(job_t), intent(inout) :: job
+        type(options_t), intent(in) :: options
+        type(summary_t), intent(out) :: summary
+        type(error_t), allocatable, intent(out) :: error
+        type(table_file_t) :: file
+        type(progress_t) :: progress
+        type(string_t), allocatable :: input(:), header(:)
+        type(string_t) :: no_trailer(0)
+        integer :: verdicts(size(job%stability%methods), size(verdict_names))
+        integer :: i
+        real(dp) :: began
+
+        began = seconds()
+        verdicts = 0
+        call print_namelist(job%table, input)
+        call describe_provenance(job%scene%title, 'those of the column formulation', &
+            'those of the column method', input, stability_columns%name, stability_columns%unit, &
+            stability_columns%what, dated=.true., lines=header)
+        call file%create(job%output, header, stability_columns%name, error)
+        if (allocated(error)) return
+        associate (plan => job%stability)
+            call progress%start(job%name, 'trials', size(plan%cases, kind=int64) * size(plan%methods), &
+                                options%quiet, options%progress)
+            do i = 1, size(plan%cases)
+                call run_case(job, i, file, progress, verdicts, error)
+                if (allocated(error)) exit
+            end do
+        end associate
+        call progress%finish()
+        if (.not. allocated(error)) call file%finish(no_trailer, error)
+        if (allocated(error)) then
+            call file%discard()
+            return
+        end if
+        call summarize(job, verdicts, seconds() - began, summary)
+    end subroutine run_stability
+
+    !> All methods on case number i of the plan.
+    subroutine run_case(job, i, file, progress, verdicts, error)
+        type(job_t), intent(in) :: job
+        integer, intent(in) :: i
+        type(table_file_t), intent(inout) :: file
+        type(progress_t), intent(inout) :: progress
+        integer, intent(inout) :: verdicts(:, :)
+        type(error_t), allocatable, intent(out) :: error
+        type(scene_t) :: scene
+        type(case_t) :: case
+        type(problems_t) :: problems
+        type(reference_t) :: reference
+        type(text_buffer_t) :: row
+        character(24) :: name
+        integer :: k, status, verdict
+
+        name = own_case
+        if (job%stability%cases(i) > 0) name = hard_cases(job%stability%cases(i))%name
+        call scene_of_case(job%scene, job%stability%cases(i), scene, error)
+        if (allocated(error)) return
+        call make_case(scene, case, problems)
+        if (problems%any()) then
+            error = internal_error('stability: case ' // trim(name) // ': ' // problems%first())
+            return
+        end if
+        call find_reference(case, samples, reference, status)
+        if (status /= status_ok) then
+            error = internal_error('stability: case ' // trim(name) // ' has no reference: ' // status_name(status))
+            return
+        end if
+        do k = 1, size(job%stability%methods)
+            call row%clear()
+            call row%put_text(name)
+            call run_method(job, scene, case, reference, k, row, verdict)
+            verdicts(k, verdict) = verdicts(k, verdict) + 1
+            call file%put_block(row, error)
+            if (allocated(error)) return
+            call progress%update((i - 1) * size(job%stability%methods, kind=int64) + k)
+        end do
+    end subroutine run_case
+
+    !> One method on a case, as the rest of a row.
+    subroutine run_method(job, case_scene, case, reference, k, row, verdict)
+        type(job_t), intent(in) :: job
+        type(scene_t), intent(in) :: case_scene
+        type(case_t), intent(in) :: case
+        type(reference_t), intent(in) :: reference
+        integer, intent(in) :: k
+        type(text_buffer_t), intent(inout) :: row
+        integer, intent(out) :: verdict
+        type(scene_t) :: scene
+        type(plan_t) :: plan
+        type(problems_t) :: problems
+        type(trial_t) :: trial
+        character(16) :: formulation
+        character(:), allocatable :: reason, ending
+
+        scene = case_scene
+        associate (choice => job%stability%methods(k))
+            call scene_of_trial(job%scene, scene, choice)
+            call make_plan(scene, case, plan, problems)
+            formulation = choice%formulation
+            if (allocated(plan%formulation)) formulation = plan%model(:index(plan%model, ':') - 1)
+            if (problems%any()) then
+                verdict = verdict_unsuitable
+                reason = problems%first()
+                ending = verdict_names(verdict)
+            else
+                call run_trial(case, plan, reference, trial)
+                verdict = judge_trial(trial, maxval(reference%floor))
+                reason = explain_trial(trial, verdict)
+                ending = status_name(trial%status)
+            end if
+            call row%put_text(choice%method%name)
+        end associate
+        call row%put_text(formulation)
+        call row%put_text(verdict_names(verdict))
+        associate (errors => trial%errors, counts => trial%counts)
+            call row%put_reals([errors%orientation, errors%tip, errors%energy, errors%vertical, &
+                                errors%axial, errors%quaternion, maxval(reference%floor)])
+            call row%put_integer(counts%steps)
+            call row%put_integer(counts%rejected)
+            call row%put_integer(counts%evaluations)
+        end associate
+        call row%put_reals([trial%time])
+        call row%put_text(trim(ending))
+        call row%put_reals([trial%t])
+        call row%put_text(reference%source)
+        call row%put_reals([reference%uncertainty])
+        call row%put_text(reason)
+        call row%end_row()
+    end subroutine run_method
+
+    !> What each method has done, in a line.
+    subroutine summarize(job, verdicts, time, summary)
+        type(job_t), intent(in) :: job
+        integer, intent(in) :: verdicts(:, :)
+        real(dp), intent(in) :: time
+        type(summary_t), intent(inout) :: summary
+        character(36) :: name
+        integer :: k
+
+        call summary%headline(job%input // ': stability of ' // to_text(size(verdicts, 1)) // ' methods on ' &
+                              // to_text(size(job%stability%cases)) // ' cases -> ' // job%output)
+        do k = 1, size(verdict_names)
+            call summary%add(verdict_names(k), trim(verdict_meanings(k)))
+        end do
+        do k = 1, size(verdicts, 1)
+            associate (choice => job%stability%methods(k))
+                name = choice%method%name
+                if (choice%formulation /= 'auto') name = trim(name) // '/' // choice%formulation
+            end associate
+            call summary%add('', name // counts_of(verdicts(k, :)))
+        end do
+        call summary%add('time', rounded(time) // ' s')
+    end subroutine summarize
+
+    !> How often each verdict was given.
+    function counts_of(verdicts) result(text)
+        integer, intent(in) :: verdicts(:)
+        character(:), allocatable :: text
+        integer :: k
+        text = ''
+        do k = 1, size(verdicts)
+            if (verdicts(k) == 0) cycle
+            if (text /= '') text = text // ', '
+            text = text // to_text(verdicts(k)) // ' ' // trim(verdict_names(k))
+        end do
+    end function counts_of
+
+end module spintop_stability

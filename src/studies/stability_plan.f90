@@ -1,0 +1,181 @@
+!> What a stability study goes through: cases of the catalogue or of the input, and methods.
+module spintop_stability_plan
+    use spintop_body_of_scene, only: is_set
+    use spintop_errors, only: error_t
+    use spintop_formulation, only: formulation_info_t
+    use spintop_formulations, only: formulation_infos
+    use spintop_hard_cases, only: hard_cases, make_scene
+    use spintop_kinds, only: dp
+    use spintop_methods, only: method_infos
+    use spintop_parameters, only: unset, unset_integer
+    use spintop_problems, only: problems_t
+    use spintop_scene, only: scene_t
+    use spintop_stepper, only: method_info_t
+    use spintop_text, only: string_t, nearest_word
+    implicit none
+    private
+    public :: stability_plan_t, method_choice_t, make_stability_plan, scene_of_case, scene_of_trial
+    public :: own_case
+
+    !> A method under a formulation.
+    type :: method_choice_t
+        type(method_info_t) :: method
+        character(16) :: formulation = 'auto'
+    end type method_choice_t
+
+    !> The table to fill.
+    type :: stability_plan_t
+        !> Places in the catalogue; 0 is the input's own case.
+        integer, allocatable :: cases(:)
+        type(method_choice_t), allocatable :: methods(:)
+    end type stability_plan_t
+
+    !> Name of the input's own case.
+    character(*), parameter :: own_case = 'input'
+    !> Tolerances where the input gives none.
+    real(dp), parameter :: default_tolerance = 1.0e-12_dp
+    !> Equal steps of the input's own case where it gives none.
+    integer, parameter :: default_steps = 8000
+    !> Formulations with poles, under which these methods are tried too.
+    character(*), parameter :: in_angles(*) = [character(16) :: 'lagrange', 'euler']
+    character(*), parameter :: tried_in_angles(*) = [character(20) :: 'rk4', 'ode45', 'dop853']
+
+contains
+
+    !> The cases and methods named, or all of them.
+    subroutine make_stability_plan(scene, plan, problems)
+        type(scene_t), intent(in) :: scene
+        type(stability_plan_t), intent(out) :: plan
+        type(problems_t), intent(inout) :: problems
+        integer :: i
+
+        if (all(scene%stability_cases == '')) then
+            plan%cases = pack([(i, i=1, size(hard_cases))], .not. hard_cases%is_long)
+        else
+            call take_cases(scene%stability_cases, plan%cases, problems)
+        end if
+        if (all(scene%stability_methods == '')) then
+            call take_all_methods(plan%methods)
+        else
+            call take_methods(scene%stability_methods, plan%methods, problems)
+        end if
+    end subroutine make_stability_plan
+
+    !> Finds the cases of the catalogue that are named.
+    subroutine take_cases(names, cases, problems)
+        character(*), intent(in) :: names(:)
+        integer, allocatable, intent(out) :: cases(:)
+        type(problems_t), intent(inout) :: problems
+        integer :: i, place
+
+        allocate (cases(0))
+        do i = 1, size(names)
+            if (names(i) == '') cycle
+            place = findloc(hard_cases%name == names(i), .true., dim=1)
+            if (place == 0 .and. names(i) /= own_case) then
+                call refuse('stability.cases', 'case', trim(names(i)), &
+                            [character(24) :: hard_cases%name, own_case], problems)
+            end if
+            cases = [cases, place]
+        end do
+    end subroutine take_cases
+
+    !> Finds the methods that are named, alone or as method/formulation.
+    subroutine take_methods(names, choices, problems)
+        character(*), intent(in) :: names(:)
+        type(method_choice_t), allocatable, intent(out) :: choices(:)
+        type(problems_t), intent(inout) :: problems
+        type(method_info_t), allocatable :: methods(:)
+        type(formulation_info_t), allocatable :: forms(:)
+        type(method_choice_t) :: choice
+        integer :: i, slash, place
+
+        allocate (methods, source=method_infos())
+        allocate (forms, source=formulation_infos())
+        allocate (choices(0))
+        do i = 1, size(names)
+            if (names(i) == '') cycle
+            slash = index(trim(names(i)) // '/', '/')
+            place = findloc(methods%name == names(i)(:slash - 1), .true., dim=1)
+            if (place == 0) then
+                call refuse('stability.methods', 'method', names(i)(:slash - 1), methods%name, problems)
+                cycle
+            end if
+            choice = method_choice_t(methods(place))
+            if (slash < len_trim(names(i))) then
+                choice%formulation = names(i)(slash + 1:)
+                if (.not. any(forms%name == choice%formulation)) then
+                    call refuse('stability.methods', 'formulation', trim(choice%formulation), forms%name, problems)
+                end if
+            end if
+            choices = [choices, choice]
+        end do
+    end subroutine take_methods
+
+    !> Every method under the formulation that suits the body, some of them in angles too.
+    subroutine take_all_methods(choices)
+        type(method_choice_t), allocatable, intent(out) :: choices(:)
+        type(method_info_t), allocatable :: methods(:)
+        integer :: i, k
+
+        allocate (methods, source=method_infos())
+        allocate (choices(0))
+        do i = 1, size(methods)
+            choices = [choices, method_choice_t(methods(i))]
+            if (.not. any(tried_in_angles == methods(i)%name)) cycle
+            do k = 1, size(in_angles)
+                choices = [choices, method_choice_t(methods(i), in_angles(k))]
+            end do
+        end do
+    end subroutine take_all_methods
+
+    !> The scene of a case: of the catalogue, or (place 0) the input itself.
+    subroutine scene_of_case(input, place, scene, error)
+        type(scene_t), intent(in) :: input
+        integer, intent(in) :: place
+        type(scene_t), intent(out) :: scene
+        type(error_t), allocatable, intent(out) :: error
+        if (place > 0) then
+            call make_scene(hard_cases(place), scene, error)
+        else
+            scene = input
+            if (scene%steps == unset_integer) scene%steps = default_steps
+        end if
+    end subroutine scene_of_case
+
+    !> The scene of a case under a method: methods with step control take the input's tolerances,
+    !> the others the case's equal steps.
+    subroutine scene_of_trial(input, scene, choice)
+        type(scene_t), intent(in) :: input
+        type(scene_t), intent(inout) :: scene
+        type(method_choice_t), intent(in) :: choice
+
+        scene%method = choice%method%name
+        scene%formulation = choice%formulation
+        scene%step = unset
+        scene%relative_tolerance = unset
+        scene%absolute_tolerance = unset
+        if (.not. choice%method%adaptive) return
+        scene%steps = unset_integer
+        scene%relative_tolerance = default_tolerance
+        if (is_set(input%relative_tolerance)) scene%relative_tolerance = input%relative_tolerance
+        scene%absolute_tolerance = input%absolute_tolerance
+    end subroutine scene_of_trial
+
+    !> There is no case or method of that name.
+    subroutine refuse(key, noun, name, known, problems)
+        character(*), intent(in) :: key, noun, name, known(:)
+        type(problems_t), intent(inout) :: problems
+        type(string_t) :: words(size(known))
+        character(:), allocatable :: hint
+        integer :: i
+        do i = 1, size(known)
+            words(i)%text = trim(known(i))
+        end do
+        hint = nearest_word(name, words)
+        if (hint /= '') hint = "did you mean '" // hint // "'?"
+        if (hint == '') hint = '`spintop list ' // noun // 's` shows them all'
+        call problems%add(key, 'there is no ' // noun // " '" // name // "'", hint)
+    end subroutine refuse
+
+end module spintop_stability_plan

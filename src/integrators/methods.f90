@@ -1,10 +1,12 @@
 !> The registry of methods: one entry each; lists, help, checks and tests derive from it.
 module spintop_methods
+    use spintop_formulation, only: structure_group
     use spintop_stepper, only: stepper_t, method_info_t
     use spintop_butcher, only: euler_table, midpoint_table, classical_table, dormand_prince_table
     use spintop_runge_kutta, only: runge_kutta_t
     use spintop_implicit_runge_kutta, only: implicit_runge_kutta_t
     use spintop_implicit_tables, only: gauss_table, theta_table
+    use spintop_lie_group, only: commutator_free_t, munthe_kaas_t
     use spintop_ode45, only: ode45_t
     use spintop_dop853, only: dop853_t
     use spintop_dop853_table, only: dop853_table
@@ -61,6 +63,12 @@ contains
         call known%add(implicit_runge_kutta_t(table=gauss_table(4), info=method_info_t( &
             'gauss_8', 'Gauss-Legendre collocation with 4 stages, symplectic', &
             order=8, fixed_step=.true., implicit=.true., symmetric=.true.)))
+        call known%add(munthe_kaas_t(table=classical_table(), info=method_info_t( &
+            'rkmk_4', 'Runge-Kutta-Munthe-Kaas method on the rotation group', &
+            order=4, fixed_step=.true., needs=structure_group)))
+        call known%add(commutator_free_t(info=method_info_t( &
+            'commutator_free_4', 'commutator-free method of Celledoni, Marthinsen and Owren', &
+            order=4, fixed_step=.true., needs=structure_group)))
         call known%add(ode45_t(table=dormand_prince_table(), info=method_info_t( &
             'ode45', "Dormand-Prince 5(4) with MATLAB's step control", order=5, adaptive=.true., &
             relative_tolerance=1.0e-3_dp, absolute_tolerance=1.0e-6_dp, refine=4)))

@@ -1,6 +1,5 @@
 !> The registry of methods: one entry each; lists, help, checks and tests derive from it.
 module spintop_methods
-    use spintop_formulation, only: structure_group
     use spintop_stepper, only: stepper_t, method_info_t
     use spintop_butcher, only: euler_table, midpoint_table, classical_table, dormand_prince_table
     use spintop_runge_kutta, only: runge_kutta_t
@@ -13,7 +12,7 @@ module spintop_methods
     use spintop_arkode, only: arkode_t
     use spintop_taylor, only: taylor_t
     use spintop_taylor_quadruple, only: taylor_quadruple_t
-    use spintop_formulation, only: structure_quadruple, structure_series
+    use spintop_formulation, only: structure_group, structure_quadruple, structure_series
     use spintop_kinds, only: dp
     implicit none
     private

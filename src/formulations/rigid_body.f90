@@ -4,12 +4,14 @@
 !> whatever its length: they keep the length constant, and integrators nearly so.
 module spintop_rigid_body
     use spintop_kinds, only: dp, qp
-    use spintop_attitude, only: follow_angles, vertical_from_quaternion
+    use spintop_attitude, only: follow_angles, quaternion_product, turn_less_one, &
+        vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_series_order, &
-        max_states, structure_quadruple, structure_series
+        max_states, structure_group, structure_quadruple, structure_series
     use spintop_status, only: status_ok
+    use spintop_vectors, only: cross
     implicit none
     private
     public :: rigid_body_t
@@ -28,6 +30,9 @@ module spintop_rigid_body
         procedure :: invariants
         procedure :: series
         procedure :: series_quadruple
+        procedure :: group_velocity
+        procedure :: group_bracket
+        procedure :: group_move
     end type rigid_body_t
 
 contains
@@ -38,7 +43,7 @@ contains
         info = formulation_info_t('rigid_body', &
             'quaternion and body momentum, for any body with damping; no pole is singular', 7, &
             symmetric_only=.false., singular_at_poles=.false., invariants=4, quaternion=1)
-        info%offers([structure_series, structure_quadruple]) = .true.
+        info%offers([structure_group, structure_series, structure_quadruple]) = .true.
     end function info
 
     !> Initial state.
@@ -217,5 +222,39 @@ contains
             end do
         end associate
     end subroutine series_quadruple
+
+    !> The angular velocity in body axes and the moment: xi = (omega, Pi').
+    pure subroutine group_velocity(self, y, xi, status)
+        class(rigid_body_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states)
+        real(dp), intent(out) :: xi(max_states)
+        integer, intent(out) :: status
+        real(dp) :: dy(max_states)
+        call self%derivative(y, dy, status)
+        xi = [y(5:7) / self%body%inertia, dy(5:7), 0.0_dp, 0.0_dp]
+    end subroutine group_velocity
+
+    !> Turns about body axes follow each other from left to right; momenta add up.
+    pure function group_bracket(self, a, b) result(bracket)
+        class(rigid_body_t), intent(in) :: self
+        real(dp), intent(in) :: a(max_states), b(max_states)
+        real(dp) :: bracket(max_states)
+        associate (unused => self)
+        end associate
+        bracket = 0
+        bracket(1:3) = cross(a(1:3), b(1:3))
+    end function group_bracket
+
+    !> Turns the attitude about a vector in body axes and adds to the momentum.
+    pure subroutine group_move(self, y, xi, change)
+        class(rigid_body_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), xi(max_states)
+        real(dp), intent(out) :: change(max_states)
+        associate (unused => self)
+        end associate
+        change(1:4) = quaternion_product(y(1:4), turn_less_one(xi(1:3)))
+        change(5:7) = xi(4:6)
+        change(8) = 0
+    end subroutine group_move
 
 end module spintop_rigid_body

@@ -6,10 +6,11 @@
 !> e, a quadratic form of p, L' = m g l (-e2, e1, 0) and e' = L x e/I1.
 module spintop_space_frame
     use spintop_kinds, only: dp
-    use spintop_attitude, only: follow_angles, conjugate_quaternion, quaternion_product, to_space
+    use spintop_attitude, only: follow_angles, conjugate_quaternion, quaternion_product, to_space, &
+        turn_less_one
     use spintop_body, only: body_t
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_series_order, &
-        max_states, structure_series
+        max_states, structure_group, structure_series
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_status, only: status_ok
     use spintop_vectors, only: cross
@@ -31,6 +32,9 @@ module spintop_space_frame
         procedure :: follow
         procedure :: invariants
         procedure :: series
+        procedure :: group_velocity
+        procedure :: group_bracket
+        procedure :: group_move
     end type space_frame_t
 
 contains
@@ -41,7 +45,7 @@ contains
         info = formulation_info_t('space_frame', &
             'momentum in space axes and quaternion without spin, for symmetric tops; no pole is singular', &
             6, singular_at_poles=.false., invariants=3, quaternion=3)
-        info%offers(structure_series) = .true.
+        info%offers([structure_group, structure_series]) = .true.
     end function info
 
     !> Constants of the motion and initial state.
@@ -202,5 +206,41 @@ contains
             end do
         end associate
     end subroutine series
+
+    !> The angular velocity L/I1 and the moment, in space axes: xi = (L/I1, L1', L2').
+    pure subroutine group_velocity(self, y, xi, status)
+        class(space_frame_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states)
+        real(dp), intent(out) :: xi(max_states)
+        integer, intent(out) :: status
+        real(dp) :: dy(max_states)
+        call self%derivative(y, dy, status)
+        xi = 0
+        xi(1:3) = [y(1:2), self%vertical] / self%i1
+        xi(4:5) = dy(1:2)
+    end subroutine group_velocity
+
+    !> Turns about space axes follow each other from right to left; momenta add up.
+    pure function group_bracket(self, a, b) result(bracket)
+        class(space_frame_t), intent(in) :: self
+        real(dp), intent(in) :: a(max_states), b(max_states)
+        real(dp) :: bracket(max_states)
+        associate (unused => self)
+        end associate
+        bracket = 0
+        bracket(1:3) = cross(b(1:3), a(1:3))
+    end function group_bracket
+
+    !> Turns the attitude about a vector in space axes and adds to the momentum.
+    pure subroutine group_move(self, y, xi, change)
+        class(space_frame_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), xi(max_states)
+        real(dp), intent(out) :: change(max_states)
+        associate (unused => self)
+        end associate
+        change(1:2) = xi(4:5)
+        change(3:6) = quaternion_product(turn_less_one(xi(1:3)), y(3:6))
+        change(7:8) = 0
+    end subroutine group_move
 
 end module spintop_space_frame

@@ -3,7 +3,7 @@ module spintop_lapack
     use spintop_kinds, only: dp
     implicit none
     private
-    public :: dgetrf, dgetrs, dgeev, dgelsy
+    public :: dgetrf, dgetrs, zgetrf, zgetrs, dgeev, dgelsy
 
     interface
         !> LU factorisation with partial pivoting.
@@ -23,6 +23,24 @@ module spintop_lapack
             real(dp), intent(inout) :: b(ldb, *)
             integer, intent(out) :: info
         end subroutine dgetrs
+
+        !> `dgetrf` of a complex matrix.
+        subroutine zgetrf(m, n, a, lda, ipiv, info)
+            import :: dp
+            integer, intent(in) :: m, n, lda
+            complex(dp), intent(inout) :: a(lda, *)
+            integer, intent(out) :: ipiv(*), info
+        end subroutine zgetrf
+
+        !> `dgetrs` of a complex system.
+        subroutine zgetrs(trans, n, nrhs, a, lda, ipiv, b, ldb, info)
+            import :: dp
+            character, intent(in) :: trans
+            integer, intent(in) :: n, nrhs, lda, ipiv(*), ldb
+            complex(dp), intent(in) :: a(lda, *)
+            complex(dp), intent(inout) :: b(ldb, *)
+            integer, intent(out) :: info
+        end subroutine zgetrs
 
         !> Eigenvalues and eigenvectors of a general matrix.
         subroutine dgeev(jobvl, jobvr, n, a, lda, wr, wi, vl, ldvl, vr, ldvr, work, lwork, info)

@@ -8,7 +8,8 @@ module spintop_fixed_step
     use spintop_status, only: status_ok, status_outside, status_non_finite, status_step_too_small
     implicit none
     private
-    public :: fixed_step_t, begin_on_grid, advance_on_grid, grid_time, off_grid, share_of_time_left
+    public :: fixed_step_t, grid_workspace_t, begin_on_grid, advance_on_grid, grid_time, off_grid
+    public :: share_of_time_left
 
     !> Mark in `workspace_t%grid` of a run that has left the grid of equal steps.
     integer, parameter :: off_grid = -1

@@ -3,14 +3,16 @@ module spintop_methods
     use spintop_stepper, only: stepper_t, method_info_t
     use spintop_butcher, only: euler_table, midpoint_table, classical_table, dormand_prince_table
     use spintop_runge_kutta, only: runge_kutta_t
-    use spintop_theta_method, only: theta_method_t
+    use spintop_implicit_runge_kutta, only: implicit_runge_kutta_t
+    use spintop_implicit_tables, only: gauss_table, theta_table
+    use spintop_lie_group, only: commutator_free_t, munthe_kaas_t
     use spintop_ode45, only: ode45_t
     use spintop_dop853, only: dop853_t
     use spintop_dop853_table, only: dop853_table
     use spintop_arkode, only: arkode_t
     use spintop_taylor, only: taylor_t
     use spintop_taylor_quadruple, only: taylor_quadruple_t
-    use spintop_formulation, only: structure_quadruple, structure_series
+    use spintop_formulation, only: structure_group, structure_quadruple, structure_series
     use spintop_kinds, only: dp
     implicit none
     private
@@ -39,18 +41,33 @@ contains
             'rk2', 'explicit midpoint rule (the paper, Appendix C)', order=2, fixed_step=.true.)))
         call known%add(runge_kutta_t(table=classical_table(), info=method_info_t( &
             'rk4', 'classical Runge-Kutta method (Kutta 1901)', order=4, fixed_step=.true.)))
-        call known%add(theta_method_t(alpha=0.5_dp, info=method_info_t( &
+        call known%add(implicit_runge_kutta_t(table=theta_table(0.5_dp), info=method_info_t( &
             'crank_nicolson_1', 'trapezoidal rule (the paper, Appendix D)', &
             order=2, fixed_step=.true., implicit=.true., symmetric=.true.)))
-        call known%add(theta_method_t(alpha=0.5_dp, at_midpoint=.true., info=method_info_t( &
+        call known%add(implicit_runge_kutta_t(table=gauss_table(1), info=method_info_t( &
             'crank_nicolson_2', 'implicit midpoint rule, the Gauss method of order 2 (Appendix D)', &
             order=2, fixed_step=.true., implicit=.true., symmetric=.true.)))
-        call known%add(theta_method_t(alpha=2.0_dp / 3, info=method_info_t( &
+        call known%add(implicit_runge_kutta_t(table=theta_table(2.0_dp / 3), info=method_info_t( &
             'galerkin', 'theta method with alpha = 2/3 (Appendix D)', &
             order=1, fixed_step=.true., implicit=.true.)))
-        call known%add(theta_method_t(alpha=1.0_dp, info=method_info_t( &
+        call known%add(implicit_runge_kutta_t(table=theta_table(1.0_dp), info=method_info_t( &
             'euler_backward', 'implicit Euler method (Appendix D)', &
             order=1, fixed_step=.true., implicit=.true.)))
+        call known%add(implicit_runge_kutta_t(table=gauss_table(2), info=method_info_t( &
+            'gauss_4', 'Gauss-Legendre collocation with 2 stages, symplectic', &
+            order=4, fixed_step=.true., implicit=.true., symmetric=.true.)))
+        call known%add(implicit_runge_kutta_t(table=gauss_table(3), info=method_info_t( &
+            'gauss_6', 'Gauss-Legendre collocation with 3 stages, symplectic', &
+            order=6, fixed_step=.true., implicit=.true., symmetric=.true.)))
+        call known%add(implicit_runge_kutta_t(table=gauss_table(4), info=method_info_t( &
+            'gauss_8', 'Gauss-Legendre collocation with 4 stages, symplectic', &
+            order=8, fixed_step=.true., implicit=.true., symmetric=.true.)))
+        call known%add(munthe_kaas_t(table=classical_table(), info=method_info_t( &
+            'rkmk_4', 'Runge-Kutta-Munthe-Kaas method on the rotation group', &
+            order=4, fixed_step=.true., needs=structure_group)))
+        call known%add(commutator_free_t(info=method_info_t( &
+            'commutator_free_4', 'commutator-free method of Celledoni, Marthinsen and Owren', &
+            order=4, fixed_step=.true., needs=structure_group)))
         call known%add(ode45_t(table=dormand_prince_table(), info=method_info_t( &
             'ode45', "Dormand-Prince 5(4) with MATLAB's step control", order=5, adaptive=.true., &
             relative_tolerance=1.0e-3_dp, absolute_tolerance=1.0e-6_dp, refine=4)))

@@ -10,7 +10,7 @@ module spintop_attitude
     public :: quaternion_from_angles, angles_from_quaternion
     public :: omega_from_rates, rates_from_omega, omega_rate_from_accelerations
     public :: quaternion_product, conjugate_quaternion, to_space, vertical_from_quaternion
-    public :: rotation_angle, nearest_turn, follow_angles
+    public :: rotation_angle, nearest_turn, follow_angles, turn_less_one
 
 contains
 
@@ -114,11 +114,19 @@ contains
     !> Unit quaternion of a turn about the direction of a vector by its length, rad.
     pure function turn_by(vector) result(q)
         real(dp), intent(in) :: vector(3)
+        real(dp) :: q(4)
+        q = turn_less_one(vector)
+        q(1) = q(1) + 1
+    end function turn_by
+
+    !> The same less the quaternion 1: its products are the changes of an attitude by the turn.
+    pure function turn_less_one(vector) result(q)
+        real(dp), intent(in) :: vector(3)
         real(dp) :: q(4), length
         length = norm2(vector)
-        q = [1.0_dp, vector / 2]
-        if (length > 0) q = [cos(length / 2), vector * (sin(length / 2) / length)]
-    end function turn_by
+        q = [0.0_dp, vector / 2]
+        if (length > 0) q = [-2 * sin(length / 4)**2, vector * (sin(length / 2) / length)]
+    end function turn_less_one
 
     !> The value next to `near` among `angle` + 2 pi n, rad.
     elemental real(dp) function nearest_turn(angle, near)

@@ -3,8 +3,8 @@ module runs
     use spintop_kinds, only: dp
     use spintop_attitude, only: rotation_angle
     use spintop_body, only: body_t
-    use spintop_formulation, only: formulation_t, max_states
-    use spintop_formulations, only: create_formulation
+    use spintop_formulation, only: formulation_info_t, formulation_t, max_states, structure_none
+    use spintop_formulations, only: create_formulation, formulation_infos
     use spintop_methods, only: create_stepper
     use spintop_motion, only: motion_t, motion_from_angles
     use spintop_status, only: status_ok
@@ -12,7 +12,7 @@ module runs
     implicit none
     private
     public :: run_t, carry, carry_from, reference_state, smooth_body, smooth_start, prepare_smooth
-    public :: attitude_error, observed_order, flow
+    public :: attitude_error, observed_order, flow, formulation_for
 
     !> How a run ended.
     type :: run_t
@@ -47,6 +47,19 @@ contains
         call create_formulation(name, formulation)
         call formulation%prepare(smooth_body(), smooth_start(), y, status)
     end subroutine prepare_smooth
+
+    !> Name of a formulation that suits a method: of those that offer what it needs the first.
+    function formulation_for(stepper) result(name)
+        class(stepper_t), intent(in) :: stepper
+        character(:), allocatable :: name
+        type(formulation_info_t), allocatable :: infos(:)
+        integer :: i
+        name = 'lagrange'
+        if (stepper%info%needs == structure_none) return
+        allocate (infos, source=formulation_infos())
+        i = findloc([(infos(i)%offers(stepper%info%needs), i=1, size(infos))], .true., dim=1)
+        name = trim(infos(i)%name)
+    end function formulation_for
 
     !> Carries the state `y` over `t_end` seconds, or until it fails.
     type(run_t) function carry(stepper, formulation, y, t_end) result(run)
@@ -118,11 +131,11 @@ contains
         type(run_t) :: run
         real(dp) :: y(max_states), exact(max_states), error, previous
 
-        call prepare_smooth('lagrange', formulation, y)
-        exact = reference_state(formulation, y, t_end)
         call create_stepper(method, stepper)
+        call prepare_smooth(formulation_for(stepper), formulation, y)
+        exact = reference_state(formulation, y, t_end)
         stepper%controls%table = table
-        stepper%controls%steps = 8
+        stepper%controls%steps = 12
         error = 1
         do
             previous = error

@@ -1,0 +1,266 @@
+!> Implicit methods with equal steps: Gauss' and the theta methods (the paper's Appendix D).
+!>
+!> Their stages are solved to rounding, by Newton's method with one Jacobian for all stages, which
+!> serves as many steps as it will, or by repeated insertion. The unknowns are the increments z of
+!> the stages over the state, so that small steps lose no digits.
+module spintop_implicit_runge_kutta
+    use spintop_kinds, only: dp, epsilon_dp
+    use spintop_compare, only: is_equal
+    use spintop_fixed_step, only: fixed_step_t, grid_workspace_t, begin_on_grid
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_states
+    use spintop_implicit_tables, only: implicit_table_t, max_implicit_stages, max_modes
+    use spintop_lapack, only: zgetrf, zgetrs
+    use spintop_status, only: status_ok, status_non_finite, status_not_converged
+    use spintop_stepper, only: workspace_t
+    implicit none
+    private
+    public :: implicit_runge_kutta_t
+
+    !> An implicit method given by its table.
+    type, extends(fixed_step_t) :: implicit_runge_kutta_t
+        type(implicit_table_t) :: table
+    contains
+        procedure :: new_workspace
+        procedure :: begin
+        procedure :: step
+    end type implicit_runge_kutta_t
+
+    !> Keeps what the next step can use.
+    type, extends(grid_workspace_t) :: stage_workspace_t
+        !> Number of components in use.
+        integer :: states = max_states
+        !> Increments of the stages of the last step, and its size, s; 0 before the first.
+        real(dp) :: z(max_states, max_implicit_stages) = 0, h_stages = 0
+        !> Factors of Newton's matrices, and the step size that they are for, s; 0 without any.
+        complex(dp) :: factors(max_states, max_states, max_modes) = 0
+        integer :: pivots(max_states, max_modes) = 0
+        real(dp) :: h_factors = 0
+    end type stage_workspace_t
+
+    !> Iterations after which a step counts as not converged.
+    integer, parameter :: newton_limit = 30, fixed_point_limit = 200
+    !> An iteration is at rounding when its correction, relative to the state, is below the first, or
+    !> when it does not shrink any more and is below the second.
+    real(dp), parameter :: negligible = epsilon_dp / 128, acceptable = 1.0e-10_dp
+    !> Contraction above which a new Jacobian pays.
+    real(dp), parameter :: slow = 0.1_dp
+
+contains
+
+    !> A workspace with room for the stages.
+    subroutine new_workspace(self, work)
+        class(implicit_runge_kutta_t), intent(in) :: self
+        class(workspace_t), allocatable, intent(out) :: work
+        associate (unused => self)
+        end associate
+        allocate (stage_workspace_t :: work)
+    end subroutine new_workspace
+
+    !> First slope; what an earlier run left behind is forgotten.
+    subroutine begin(self, formulation, work, status)
+        class(implicit_runge_kutta_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        integer, intent(out) :: status
+        type(formulation_info_t) :: info
+
+        select type (work)
+        class is (stage_workspace_t)
+            info = formulation%info()
+            work%states = info%states
+            work%h_stages = 0
+            work%h_factors = 0
+        end select
+        call begin_on_grid(self, formulation, work, status)
+    end subroutine begin
+
+    !> One step of the method. The stages are sought from the polynomial of the last step; if that
+    !> leads nowhere, from the slope, with a new Jacobian.
+    subroutine step(self, formulation, work, h, change, status)
+        class(implicit_runge_kutta_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: h
+        real(dp), intent(out) :: change(max_states)
+        integer, intent(out) :: status
+        real(dp) :: z(max_states, max_implicit_stages)
+        integer :: i
+
+        change = 0
+        status = status_not_converged
+        select type (work)
+        class is (stage_workspace_t)
+            if (is_equal(work%h_stages, h)) then
+                z = matmul(work%z, self%table%ahead)
+                call solve_stages(self, formulation, work, h, z, status)
+            end if
+            if (status /= status_ok) then
+                work%h_factors = 0
+                do i = 1, max_implicit_stages
+                    z(:, i) = self%table%node(i) * h * work%slope
+                end do
+                call solve_stages(self, formulation, work, h, z, status)
+            end if
+            if (status /= status_ok) return
+            work%z = z
+            work%h_stages = h
+            change = matmul(z, self%table%last)
+        end select
+    end subroutine step
+
+    !> Solves the equations of the stages from the guess in z. Newton's corrections must be smaller than
+    !> the guess, and each smaller than the last: an iteration that wanders may find a solution, but
+    !> hardly that which grows out of the state as the step does.
+    subroutine solve_stages(self, formulation, work, h, z, status)
+        class(implicit_runge_kutta_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(stage_workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: h
+        real(dp), intent(inout) :: z(max_states, max_implicit_stages)
+        integer, intent(out) :: status
+        real(dp) :: correction(max_states, max_implicit_stages), scale(max_states)
+        real(dp) :: size, previous, smallest
+        integer :: iteration, idle
+        logical :: newton
+
+        newton = .not. self%controls%fixed_point
+        scale = max(abs(work%y), maxval(abs(z), dim=2), 1.0_dp)
+        previous = largest(z, scale)
+        smallest = huge(1.0_dp)
+        idle = 0
+        do iteration = 1, merge(newton_limit, fixed_point_limit, newton)
+            call find_residual(self%table, formulation, work, h, z, correction, status)
+            if (status == status_non_finite) exit
+            if (status /= status_ok) return
+            if (newton) call newton_correction(self%table, formulation, work, h, z, correction, status)
+            if (status /= status_ok) return
+            z = z + correction
+            size = largest(correction, scale)
+            if (size <= negligible) return
+            if (newton .and. size >= previous .and. size > acceptable) exit
+            if (newton .and. iteration > 1) then
+                ! The next correction would be that.
+                if (size * (size / previous) <= negligible) return
+                if (size > slow * previous) work%h_factors = 0
+            end if
+            ! Insertion may step closer and back by turns; Newton's method does not.
+            idle = merge(0, idle + 1, size < smallest)
+            smallest = min(smallest, size)
+            if (idle > merge(0, 1, newton) .and. smallest <= acceptable) return
+            previous = size
+        end do
+        status = status_not_converged
+    end subroutine solve_stages
+
+    !> What is missing to the equations of the stages.
+    subroutine find_residual(table, formulation, work, h, z, residual, status)
+        type(implicit_table_t), intent(in) :: table
+        class(formulation_t), intent(in) :: formulation
+        class(stage_workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: h, z(max_states, max_implicit_stages)
+        real(dp), intent(out) :: residual(max_states, max_implicit_stages)
+        integer, intent(out) :: status
+        real(dp) :: slope(max_states)
+        integer :: i, j
+
+        residual = 0
+        status = status_ok
+        do j = 1, table%stages
+            call work%evaluate(formulation, work%y + z(:, j), slope, status)
+            if (status /= status_ok) return
+            do i = 1, table%stages
+                residual(:, i) = residual(:, i) + table%a(i, j) * slope
+            end do
+        end do
+        do i = 1, table%stages
+            residual(:, i) = h * (residual(:, i) + table%first * work%slope) - z(:, i)
+        end do
+    end subroutine find_residual
+
+    !> Turns the residual into Newton's correction. With one Jacobian J for all stages the equations
+    !> come apart along the eigenvectors of the coefficients a (Butcher, BIT 16, 1976): with each
+    !> eigenvalue lambda the matrix is 1 - h lambda J.
+    subroutine newton_correction(table, formulation, work, h, z, correction, status)
+        type(implicit_table_t), intent(in) :: table
+        class(formulation_t), intent(in) :: formulation
+        class(stage_workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: h, z(max_states, max_implicit_stages)
+        real(dp), intent(inout) :: correction(max_states, max_implicit_stages)
+        integer, intent(out) :: status
+        complex(dp) :: mode(max_states)
+        real(dp) :: residual(max_states, max_implicit_stages)
+        integer :: i, k, failure
+
+        status = status_ok
+        if (.not. is_equal(work%h_factors, h)) then
+            call factor_matrices(table, formulation, work, h, z, status)
+            if (status /= status_ok) return
+        end if
+        residual = correction
+        correction = 0
+        do k = 1, table%modes
+            mode = matmul(residual, table%to_modes(:, k))
+            call zgetrs('N', work%states, 1, work%factors(:, :, k), max_states, work%pivots(:, k), &
+                        mode, max_states, failure)
+            do i = 1, table%stages
+                correction(:, i) = correction(:, i) + real(table%from_modes(k, i) * mode, dp)
+            end do
+        end do
+    end subroutine newton_correction
+
+    !> Factors the matrices 1 - h lambda J with the Jacobian in the midst of the stages.
+    subroutine factor_matrices(table, formulation, work, h, z, status)
+        type(implicit_table_t), intent(in) :: table
+        class(formulation_t), intent(in) :: formulation
+        class(stage_workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: h, z(max_states, max_implicit_stages)
+        integer, intent(out) :: status
+        real(dp) :: jacobian(max_states, max_states)
+        integer :: i, k, failure
+
+        work%h_factors = 0
+        call find_jacobian(formulation, work, work%y + sum(z, dim=2) / table%stages, jacobian, status)
+        if (status /= status_ok) return
+        do k = 1, table%modes
+            work%factors(:, :, k) = -h * table%eigenvalue(k) * jacobian
+            do i = 1, work%states
+                work%factors(i, i, k) = work%factors(i, i, k) + 1
+            end do
+            call zgetrf(work%states, work%states, work%factors(:, :, k), max_states, &
+                        work%pivots(:, k), failure)
+            if (failure /= 0) status = status_not_converged
+        end do
+        if (status == status_ok) work%h_factors = h
+    end subroutine factor_matrices
+
+    !> The Jacobian df/dy by forward differences, good to some digits also where a component is zero.
+    subroutine find_jacobian(formulation, work, y, jacobian, status)
+        class(formulation_t), intent(in) :: formulation
+        class(stage_workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: y(max_states)
+        real(dp), intent(out) :: jacobian(max_states, max_states)
+        integer, intent(out) :: status
+        !> Shift of a component relative to its size, and the least size that is taken for it.
+        real(dp), parameter :: share = sqrt(epsilon_dp), least = sqrt(sqrt(epsilon_dp))
+        real(dp) :: moved(max_states), slope(max_states), slope_moved(max_states)
+        integer :: j
+
+        work%counts%jacobians = work%counts%jacobians + 1
+        jacobian = 0
+        call work%evaluate(formulation, y, slope, status)
+        do j = 1, work%states
+            if (status /= status_ok) return
+            moved = y
+            moved(j) = y(j) + share * max(abs(y(j)), least)
+            call work%evaluate(formulation, moved, slope_moved, status)
+            jacobian(:, j) = (slope_moved - slope) / (moved(j) - y(j))
+        end do
+    end subroutine find_jacobian
+
+    !> Largest of the components of all stages, each relative to a scale.
+    pure real(dp) function largest(z, scale)
+        real(dp), intent(in) :: z(max_states, max_implicit_stages), scale(max_states)
+        largest = maxval(maxval(abs(z), dim=2) / scale)
+    end function largest
+
+end module spintop_implicit_runge_kutta

@@ -49,7 +49,7 @@ contains
         real(dp), intent(out) :: y(max_states)
         integer, intent(out) :: status
         self%body = body
-        self%moment = body%mass * body%gravity * body%centre_of_mass
+        self%moment = body%weight_moment()
         y = 0
         y(1:4) = start%quaternion
         y(5:7) = body%inertia * start%omega

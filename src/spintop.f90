@@ -20,7 +20,12 @@ module spintop
     use spintop_exact_block, only: exact_block_t, block_size
     use spintop_nutation, only: nutation_t, find_nutation, class_name
     use spintop_steady_precession, only: steady_rates, steady_rates_at_spin
-    use spintop_sleeping_top, only: critical_omega3, sleeping_eigenvalues
+    use spintop_sleeping_top, only: critical_omega3
+    use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
+    use spintop_floquet, only: find_multipliers, find_monodromy
+    use spintop_lyapunov, only: find_lyapunov
+    use spintop_tangent_flow, only: carry_tangents
+    use spintop_euler_poisson, only: euler_poisson_state
     use spintop_fast_top, only: fast_top_t, fast_top
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     use spintop_formulations, only: formulation_infos, create_formulation

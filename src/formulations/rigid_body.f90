@@ -21,6 +21,9 @@ module spintop_rigid_body
         private
         !> Moment of the weight m g r, N m.
         real(dp) :: moment(3) = 0
+        !> What couples the momenta in Pi x omega: 1/I3 - 1/I2 and cyclic, exactly zero for equal
+        !> moments, so that a symmetric body keeps its momentum about the axis to the last digit.
+        real(dp) :: coupling(3) = 0
     contains
         procedure, nopass :: info
         procedure :: prepare
@@ -54,7 +57,12 @@ contains
         real(dp), intent(out) :: y(max_states)
         integer, intent(out) :: status
         self%body = body
-        self%moment = body%mass * body%gravity * body%centre_of_mass
+        self%moment = body%weight_moment()
+        associate (inertia => body%inertia)
+            self%coupling(1) = (inertia(2) - inertia(3)) / inertia(2) / inertia(3)
+            self%coupling(2) = (inertia(3) - inertia(1)) / inertia(3) / inertia(1)
+            self%coupling(3) = (inertia(1) - inertia(2)) / inertia(1) / inertia(2)
+        end associate
         y = 0
         y(1:4) = start%quaternion
         y(5:7) = body%inertia * start%omega
@@ -71,7 +79,7 @@ contains
 
         ! Products are written out: a step by calls of functions would take twice the time.
         associate (q0 => y(1), q1 => y(2), q2 => y(3), q3 => y(4), r => self%moment, &
-                   d => self%body%damping)
+                   d => self%body%damping, s => self%coupling)
             w1 = y(5) / self%body%inertia(1)
             w2 = y(6) / self%body%inertia(2)
             w3 = y(7) / self%body%inertia(3)
@@ -83,9 +91,9 @@ contains
             dy(2) = (q0 * w1 + q2 * w3 - q3 * w2) / 2
             dy(3) = (q0 * w2 + q3 * w1 - q1 * w3) / 2
             dy(4) = (q0 * w3 + q1 * w2 - q2 * w1) / 2
-            dy(5) = y(6) * w3 - y(7) * w2 + gamma(2) * r(3) - gamma(3) * r(2) - d(1) * w1
-            dy(6) = y(7) * w1 - y(5) * w3 + gamma(3) * r(1) - gamma(1) * r(3) - d(2) * w2
-            dy(7) = y(5) * w2 - y(6) * w1 + gamma(1) * r(2) - gamma(2) * r(1) - d(3) * w3
+            dy(5) = s(1) * y(6) * y(7) + gamma(2) * r(3) - gamma(3) * r(2) - d(1) * w1
+            dy(6) = s(2) * y(7) * y(5) + gamma(3) * r(1) - gamma(1) * r(3) - d(2) * w2
+            dy(7) = s(3) * y(5) * y(6) + gamma(1) * r(2) - gamma(2) * r(1) - d(3) * w3
             dy(8) = 0
         end associate
         status = status_ok
@@ -146,7 +154,7 @@ contains
         v3 = 1 / self%body%inertia(3)
         twice = 2 / sum(y(1:4)**2)
         coefficient(:, 0) = y
-        associate (c => coefficient, r => self%moment, d => self%body%damping)
+        associate (c => coefficient, r => self%moment, d => self%body%damping, s => self%coupling)
             do k = 0, order - 1
                 by_q0 = 0
                 by_q3 = 0
@@ -172,11 +180,11 @@ contains
                 c(2, k + 1) = share / 2 * (v1 * by_w1(1) + v3 * by_w3(3) - v2 * by_w2(4))
                 c(3, k + 1) = share / 2 * (v2 * by_w2(1) + v1 * by_w1(4) - v3 * by_w3(2))
                 c(4, k + 1) = share / 2 * (v3 * by_w3(1) + v2 * by_w2(2) - v1 * by_w1(3))
-                c(5, k + 1) = share * (v3 * by_w3(6) - v2 * by_w2(7) + gamma(2) * r(3) - gamma(3) * r(2) &
+                c(5, k + 1) = share * (s(1) * by_w3(6) + gamma(2) * r(3) - gamma(3) * r(2) &
                                        - d(1) * v1 * c(5, k))
-                c(6, k + 1) = share * (v1 * by_w1(7) - v3 * by_w3(5) + gamma(3) * r(1) - gamma(1) * r(3) &
+                c(6, k + 1) = share * (s(2) * by_w1(7) + gamma(3) * r(1) - gamma(1) * r(3) &
                                        - d(2) * v2 * c(6, k))
-                c(7, k + 1) = share * (v2 * by_w2(5) - v1 * by_w1(6) + gamma(1) * r(2) - gamma(2) * r(1) &
+                c(7, k + 1) = share * (s(3) * by_w2(5) + gamma(1) * r(2) - gamma(2) * r(1) &
                                        - d(3) * v3 * c(7, k))
                 c(8, k + 1) = 0
             end do

@@ -3,7 +3,7 @@ module spintop_lapack
     use spintop_kinds, only: dp
     implicit none
     private
-    public :: dgetrf, dgetrs, zgetrf, zgetrs, dgeev, dgelsy
+    public :: dgetrf, dgetrs, zgetrf, zgetrs, dgeev, dgelsy, dgesvd
 
     interface
         !> LU factorisation with partial pivoting.
@@ -62,6 +62,16 @@ module spintop_lapack
             integer, intent(out) :: rank, info
             real(dp), intent(out) :: work(*)
         end subroutine dgelsy
+
+        !> Singular values and vectors of a general matrix.
+        subroutine dgesvd(jobu, jobvt, m, n, a, lda, s, u, ldu, vt, ldvt, work, lwork, info)
+            import :: dp
+            character, intent(in) :: jobu, jobvt
+            integer, intent(in) :: m, n, lda, ldu, ldvt, lwork
+            real(dp), intent(inout) :: a(lda, *)
+            real(dp), intent(out) :: s(*), u(ldu, *), vt(ldvt, *), work(*)
+            integer, intent(out) :: info
+        end subroutine dgesvd
     end interface
 
 end module spintop_lapack

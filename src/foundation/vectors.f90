@@ -3,7 +3,7 @@ module spintop_vectors
     use spintop_kinds, only: dp
     implicit none
     private
-    public :: cross
+    public :: cross, skew
 
 contains
 
@@ -15,5 +15,14 @@ contains
         c(2) = a(3) * b(1) - a(1) * b(3)
         c(3) = a(1) * b(2) - a(2) * b(1)
     end function cross
+
+    !> The matrix of the vector product: skew(a) b = a x b.
+    pure function skew(a) result(matrix)
+        real(dp), intent(in) :: a(3)
+        real(dp) :: matrix(3, 3)
+        matrix(:, 1) = [0.0_dp, a(3), -a(2)]
+        matrix(:, 2) = [-a(3), 0.0_dp, a(1)]
+        matrix(:, 3) = [a(2), -a(1), 0.0_dp]
+    end function skew
 
 end module spintop_vectors

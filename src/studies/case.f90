@@ -8,6 +8,7 @@ module spintop_case
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, find_nutation
     use spintop_problems, only: problems_t
+    use spintop_quantities, only: kinetic_energy
     use spintop_scene, only: scene_t
     use spintop_start_of_scene, only: make_start
     use spintop_status, only: status_ok
@@ -49,9 +50,22 @@ contains
             end if
         end if
         call make_start(scene, case%given_body, .not. problems%any(), case%given_start, problems)
+        if (.not. problems%any()) call check_magnitudes(case, problems)
         if (.not. problems%any()) case%start = case%turn%turned_motion(case%given_start)
         call make_span(scene, case, problems)
     end subroutine make_case
+
+    !> Energies beyond the largest number are no motion that numbers could follow.
+    subroutine check_magnitudes(case, problems)
+        type(case_t), intent(in) :: case
+        type(problems_t), intent(inout) :: problems
+        if (.not. all(is_finite([case%given_body%weight_moment(), case%given_body%inertia]))) then
+            call problems%add('top', 'the weight times its distance, or the inertia, is too large for a number', &
+                              'use moderate units')
+        else if (.not. is_finite(kinetic_energy(case%given_body, case%given_start))) then
+            call problems%add('initial', 'the kinetic energy is too large for a number', 'use moderate units')
+        end if
+    end subroutine check_magnitudes
 
     !> The time span, in seconds or in periods of the motion.
     subroutine make_span(scene, case, problems)

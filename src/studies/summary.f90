@@ -107,6 +107,16 @@ contains
         call self%add('cost', text)
     end subroutine describe_cost
 
+    !> A number with the letter of its exponent, which Fortran leaves out before three digits.
+    pure function with_letter(number) result(text)
+        character(*), intent(in) :: number
+        character(:), allocatable :: text
+        integer :: place
+        text = number
+        place = scan(number, '+-', back=.true.)
+        if (place > 1 .and. index(number, 'E') == 0) text = number(:place - 1) // 'E' // number(place:)
+    end function with_letter
+
     !> A number with the digits a reader wants, in decimal or scientific form.
     function decimal(value) result(text)
         real(dp), intent(in) :: value
@@ -117,7 +127,7 @@ contains
         else
             write (buffer, '(f24.10)') value
         end if
-        text = trim(adjustl(buffer))
+        text = with_letter(trim(adjustl(buffer)))
     end function decimal
 
     !> A measured number with four digits; measurements mean no more.
@@ -135,7 +145,7 @@ contains
             write (buffer, '(i0)') max(0, significant - 1 - exponent)
             write (buffer, '(f24.' // trim(buffer) // ')') value
         end if
-        text = trim(adjustl(buffer))
+        text = with_letter(trim(adjustl(buffer)))
         if (text(len(text):) == '.') text = text(:len(text) - 1)
     end function rounded
 

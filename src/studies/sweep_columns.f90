@@ -5,7 +5,8 @@ module spintop_sweep_columns
     private
     public :: sweep_column_t, sweep_columns
     public :: group_nutation, group_fast_top, group_period, group_end, group_energy, group_oracle, &
-        group_cost, group_floor, group_details, sweep_groups, costly_groups
+        group_cost, group_floor, group_details, group_growth, group_lyapunov, &
+        sweep_groups, costly_groups
 
     public :: quantities
     public :: q_theta_min, q_theta_max, q_delta_u, q_delta_u_fast_top, q_nutation_period
@@ -15,7 +16,7 @@ module spintop_sweep_columns
     public :: q_nutations_in_period, q_phi_rate_max, q_fast_top_ratio, q_com_z_min, q_theta_end
     public :: q_phi_end, q_psi_end, q_theta_rate_end, q_energy_error_max, q_orientation_error
     public :: q_double_floor, q_evaluations, q_motion_class, q_spin_per_nutation
-    public :: q_theta_rate_max, q_force_max, q_force_z_min, q_force_z_max
+    public :: q_theta_rate_max, q_force_max, q_force_z_min, q_force_z_max, q_growth_rate, q_lyapunov_exponent
 
     !> What a table says of a quantity.
     type :: sweep_column_t
@@ -28,12 +29,13 @@ module spintop_sweep_columns
 
     !> The whole nutation; the paper's formulas; the azimuth after a period; the end of the span;
     !> the largest energy error; the comparison with the exact motion; what it cost; the
-    !> accuracy that the data allow; more of the whole nutation.
+    !> accuracy that the data allow; more of the whole nutation; stability of the start and of the
+    !> motion.
     integer, parameter :: group_nutation = 1, group_fast_top = 2, group_period = 3, group_end = 4, &
         group_energy = 5, group_oracle = 6, group_cost = 7, group_floor = 8, &
-        group_details = 9, sweep_groups = 9
+        group_details = 9, group_growth = 10, group_lyapunov = 11, sweep_groups = group_lyapunov
     !> What costs much more than the rest is for those who name it.
-    integer, parameter :: costly_groups(*) = [group_floor, group_details]
+    integer, parameter :: costly_groups(*) = [group_floor, group_details, group_growth, group_lyapunov]
 
     !> Places of the quantities in the table below, which has them in this order.
     enum, bind(C)
@@ -46,9 +48,9 @@ module spintop_sweep_columns
         enumerator :: q_fast_top_ratio, q_com_z_min, q_theta_end, q_phi_end, q_psi_end
         enumerator :: q_theta_rate_end, q_energy_error_max, q_orientation_error, q_double_floor
         enumerator :: q_evaluations, q_motion_class, q_spin_per_nutation, q_theta_rate_max
-        enumerator :: q_force_max, q_force_z_min, q_force_z_max
+        enumerator :: q_force_max, q_force_z_min, q_force_z_max, q_growth_rate, q_lyapunov_exponent
     end enum
-    integer, parameter :: quantities = q_force_z_max
+    integer, parameter :: quantities = q_lyapunov_exponent
 
     !> All quantities, in the order of the table's documentation.
     type(sweep_column_t), parameter :: sweep_columns(quantities) = [ &
@@ -83,6 +85,8 @@ module spintop_sweep_columns
         sweep_column_t('theta_rate_max', 'rad/s', 'largest nutation rate', group_details), &
         sweep_column_t('force_max', 'N', 'largest support force', group_details), &
         sweep_column_t('force_z_min', 'N', 'least vertical support force', group_details), &
-        sweep_column_t('force_z_max', 'N', 'largest vertical support force', group_details)]
+        sweep_column_t('force_z_max', 'N', 'largest vertical support force', group_details), &
+        sweep_column_t('growth_rate', '1/s', 'of small deviations from a start that is sleeping or steady', group_growth), &
+        sweep_column_t('lyapunov_exponent', '1/s', 'mean growth rate of deviations over the span', group_lyapunov)]
 
 end module spintop_sweep_columns

@@ -13,6 +13,7 @@ module spintop_sweep_exact
         q_evaluations
     use spintop_sweep_quantities, only: no_values, put_nutation, put_fast_top, put_azimuth, put_end, put_details, &
         precession_period, add_note
+    use spintop_sweep_stability, only: put_stability
     implicit none
     private
     public :: load_lane, unload_lane, kernel_runs
@@ -81,6 +82,7 @@ contains
         values(q_evaluations) = 0
         values(q_orientation_error) = 0
         if (wanted(group_details)) call put_details(case, values, note)
+        call put_stability(case, wanted, values, note)
         if (wanted(group_floor)) then
             values(q_double_floor) = double_floor(case%body, case%start, case%t_end)
         end if

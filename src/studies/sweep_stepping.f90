@@ -17,6 +17,7 @@ module spintop_sweep_stepping
         q_orientation_error, q_double_floor, q_evaluations
     use spintop_sweep_quantities, only: no_values, put_nutation, put_fast_top, put_azimuth, put_end, put_details, &
         precession_period, add_note
+    use spintop_sweep_stability, only: put_stability
     implicit none
     private
     public :: compute_stepping
@@ -61,6 +62,7 @@ contains
             end if
         end if
         if (wanted(group_details) .and. case%body%is_lagrange()) call put_details(case, values, note)
+        call put_stability(case, wanted, values, note)
         if (wanted(group_fast_top)) call put_fast_top(case, values, note)
         if (any(wanted([group_period, group_end, group_energy, group_oracle, group_cost]))) then
             call follow(case, plan, wanted, values, status, note)

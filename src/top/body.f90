@@ -21,7 +21,9 @@ module spintop_body
         real(dp) :: damping(3) = 0
     contains
         procedure :: mgl
+        procedure :: weight_moment
         procedure :: is_lagrange
+        procedure :: symmetry_axis
         procedure :: torque
     end type body_t
 
@@ -33,6 +35,13 @@ contains
         mgl = self%mass * self%gravity * self%centre_of_mass(3)
     end function mgl
 
+    !> Weight times the centre of mass from O in body axes, N m.
+    pure function weight_moment(self) result(moment)
+        class(body_t), intent(in) :: self
+        real(dp) :: moment(3)
+        moment = self%mass * self%gravity * self%centre_of_mass
+    end function weight_moment
+
     !> Whether this is a symmetric undamped top about body z with its centre of mass on or above O:
     !> the top of Lagrange, for which the motion is known in closed form.
     pure logical function is_lagrange(self)
@@ -41,6 +50,36 @@ contains
             .and. all(is_zero(self%centre_of_mass(1:2))) .and. self%mgl() >= 0 &
             .and. all(is_zero(self%damping))
     end function is_lagrange
+
+    !> Unit vector of an axis about which the body may be turned without a difference to inertia,
+    !> weight and damping; zero where there is none. Of a sphere it is that of the centre of mass.
+    pure function symmetry_axis(self) result(axis)
+        class(body_t), intent(in) :: self
+        real(dp) :: axis(3), moment(3)
+        integer :: i, j, k
+        axis = 0
+        moment = self%weight_moment()
+        if (norm2(moment) > 0 .and. alike(1, 2) .and. alike(2, 3)) then
+            axis = moment / norm2(moment)
+            return
+        end if
+        do i = 3, 1, -1
+            j = mod(i, 3) + 1
+            k = mod(j, 3) + 1
+            if (.not. alike(j, k) .or. .not. all(is_zero(moment([j, k])))) cycle
+            axis(i) = 1
+            return
+        end do
+
+    contains
+
+        !> Whether two body axes have the same inertia and damping.
+        pure logical function alike(a, b)
+            integer, intent(in) :: a, b
+            alike = is_equal(self%inertia(a), self%inertia(b)) .and. is_equal(self%damping(a), self%damping(b))
+        end function alike
+
+    end function symmetry_axis
 
     !> Moment of the weight about O in body axes, N m: m g Gamma x r (`gamma` is the upward
     !> vertical in body axes).

@@ -554,6 +554,31 @@ class ExactMotionTest(ProgramCase):
         table = self.compute(self.write(text))
         self.assertEqual(table.texts("motion_class"), ["loop", "cusp", "wave"])
 
+    def test_stability_of_starts(self) -> None:
+        """Sleeping below and above the critical spin, and an inclined start that is not steady."""
+        text = (
+            GOOD.split("&integration")[0]
+            .replace("psi_rate = 1.0", "omega3 = 0")
+            .replace("t_end = 0.5", "t_end = 30")
+        )
+        text += "&output columns = 'growth_rate', 'lyapunov_exponent' /\n&study kind = 'sweep' /\n"
+        text += "&sweep parameter = 'initial.theta', 'initial.omega3', values(1,:) = 0, 0.5,"
+        text += " values(2,:) = 10, 40 /\n"
+        table = self.compute(self.write(text))
+        pull, gyration = 9.81 * 0.8660254037844387 / 0.875, 0.25 * 10 / 0.875
+        growth = math.sqrt(pull - gyration**2 / 4)
+        slow, fast, *inclined = table.column("growth_rate")
+        self.assertAlmostEqual(slow, growth, delta=1e-13)
+        self.assertAlmostEqual(fast, 0.0, delta=1e-13)
+        self.assertTrue(all(math.isnan(rate) for rate in inclined))
+        notes = table.texts("notes")
+        self.assertTrue(all("no growth rate" in note for note in notes[2:]))
+        self.assertFalse(any("no growth rate" in note for note in notes[:2]))
+        slow, *stable = table.column("lyapunov_exponent")
+        self.assertAlmostEqual(slow, growth, delta=0.1)
+        for exponent in stable:
+            self.assertLess(abs(exponent), 0.25)
+
     def test_a_top_hung_up_the_other_way_moves_the_same(self) -> None:
         """The centre of mass below the pivot on body z, or about body x: turned inside and back."""
         columns = "output.columns=com_x,com_y,com_z,force_z"
@@ -612,6 +637,11 @@ class BadInputTest(ProgramCase):
                 "scene.nml:3:15",
                 "the largest exceeds the sum of the others",
             ),
+            "no mass": (("mass = 1.0", "mass = 0"), "scene.nml:2:12", "> 0"),
+            "mass no number": (("mass = 1.0", "mass = nan"), "scene.nml:2:12", "finite"),
+            "too heavy": (("mass = 1.0", "mass = 1e308"), "&top", "too large for a number"),
+            "too fast": (("psi_rate = 1.0", "psi_rate = 1e200"), "&initial", "kinetic energy"),
+            "upward gravity": (("mass = 1.0", "mass = 1.0, gravity = -1"), "scene.nml:2:", ">= 0"),
             "zero inertia": (("0.875, 0.875, 0.25", "0.875, 0.875, 0"), "scene.nml:3:"),
             "two moments": (("0.875, 0.875, 0.25", "0.875, 0.875"), "scene.nml:3:", "inertia"),
             "two ways": (("psi_rate = 1.0", "psi_rate = 1.0\n    omega3 = 1.0"), "given twice"),

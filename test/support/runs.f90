@@ -5,13 +5,15 @@ module runs
     use spintop_body, only: body_t
     use spintop_formulation, only: formulation_info_t, formulation_t, max_states, structure_none
     use spintop_formulations, only: create_formulation, formulation_infos
+    use spintop_integration, only: integrate, outcome_t
     use spintop_methods, only: create_stepper
     use spintop_motion, only: motion_t, motion_from_angles
     use spintop_status, only: status_ok
     use spintop_stepper, only: counts_t, stepper_t, workspace_t
+    use recorder, only: recorder_t
     implicit none
     private
-    public :: run_t, carry, carry_from, reference_state, smooth_body, smooth_start, prepare_smooth
+    public :: watch, unit_body, run_t, carry, carry_from, reference_state, smooth_body, smooth_start, prepare_smooth
     public :: attitude_error, observed_order, flow, formulation_for
 
     !> How a run ended.
@@ -24,6 +26,33 @@ module runs
     end type run_t
 
 contains
+
+    !> Follows any body from its start by a method at a tolerance, and keeps what is seen at times;
+    !> returns how the run ended.
+    integer function watch(method, body, start, times, tolerance, seen) result(status)
+        character(*), intent(in) :: method
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        real(dp), intent(in) :: times(:), tolerance
+        type(recorder_t), intent(out) :: seen
+        class(formulation_t), allocatable :: formulation
+        class(stepper_t), allocatable :: stepper
+        type(outcome_t) :: outcome
+        call create_formulation('rigid_body', formulation)
+        call create_stepper(method, stepper)
+        stepper%controls%relative_tolerance = tolerance
+        stepper%controls%absolute_tolerance = tolerance
+        call integrate(formulation, stepper, body, start, maxval(times), times, seen, outcome)
+        status = outcome%status
+    end function watch
+
+    !> A body of unit mass in unit gravity.
+    pure type(body_t) function unit_body(inertia, centre_of_mass) result(body)
+        real(dp), intent(in) :: inertia(3), centre_of_mass(3)
+        body%gravity = 1
+        body%inertia = inertia
+        body%centre_of_mass = centre_of_mass
+    end function unit_body
 
     !> A top that turns smoothly, away from the poles.
     pure type(body_t) function smooth_body() result(body)

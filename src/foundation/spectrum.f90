@@ -1,0 +1,86 @@
+!> Eigenvalues of a matrix of which some are known beforehand.
+!>
+!> Invariants and symmetries of a motion give its linearisation eigenvalues that are all the same,
+!> with fewer eigenvectors than eigenvalues: left to LAPACK, rounding e would move them by its root
+!> or worse. They are split off: what is left keeps its digits.
+module spintop_spectrum
+    use spintop_kinds, only: dp
+    use spintop_compare, only: is_finite
+    use spintop_lapack, only: dgeev, dgesvd
+    use spintop_status, only: status_ok, status_non_finite, status_not_converged
+    implicit none
+    private
+    public :: find_spectrum
+
+    !> What of a candidate may be left, relative to the matrix, by an eigenvector; and the sine of
+    !> the angle below which two of them are the same one.
+    real(dp), parameter :: slack = 1.0e-9_dp, least_angle = 1.0e-8_dp
+
+contains
+
+    !> All eigenvalues of a square matrix A, those equal to `known` last. Candidates for their
+    !> eigenvectors are the columns c of `forms`, c^T A = known c^T, and v of `directions`,
+    !> A v = known v with c^T v = 0 for every form; those that are none are passed over. `unit`
+    !> holds the size of each component, by which they become comparable.
+    subroutine find_spectrum(matrix, unit, known, forms, directions, eigenvalues, status)
+        real(dp), intent(in) :: matrix(:, :), unit(:), known, forms(:, :), directions(:, :)
+        complex(dp), intent(out) :: eigenvalues(size(matrix, 1))
+        integer, intent(out) :: status
+        real(dp) :: scaled(size(matrix, 1), size(matrix, 1)), vectors(size(matrix, 1), size(forms, 2) + size(directions, 2))
+        real(dp) :: basis(size(matrix, 1), size(matrix, 1)), singular(size(matrix, 1))
+        real(dp), allocatable :: rest(:, :)
+        real(dp) :: re(size(matrix, 1)), im(size(matrix, 1)), unused(1, 2), scratch(16 * size(matrix, 1))
+        integer :: n, left, taken, failure, i
+
+        n = size(matrix, 1)
+        eigenvalues = known
+        status = status_ok
+        do i = 1, n
+            scaled(:, i) = matrix(:, i) * unit(i) / unit
+        end do
+        if (.not. all(is_finite(scaled))) status = status_non_finite
+        if (status /= status_ok) return
+        taken = 0
+        do i = 1, size(forms, 2)
+            call take(forms(:, i) * unit, matmul(forms(:, i) * unit, scaled))
+        end do
+        do i = 1, size(directions, 2)
+            call take(directions(:, i) / unit, matmul(scaled, directions(:, i) / unit))
+        end do
+
+        basis = 0
+        do i = 1, n
+            basis(i, i) = 1
+        end do
+        ! With them as the first of an orthonormal basis the matrix is block triangular.
+        call dgesvd('A', 'N', n, taken, vectors, n, singular, basis, n, unused, 1, scratch, &
+                    size(scratch), failure)
+        if (failure /= 0) status = status_not_converged
+        if (status /= status_ok) return
+        taken = count(singular(:min(taken, n)) > least_angle)
+        left = n - taken
+        allocate (rest(left, left))
+        rest = matmul(transpose(basis(:, taken + 1:)), matmul(scaled, basis(:, taken + 1:)))
+        if (left > 0) then
+            call dgeev('N', 'N', left, rest, left, re, im, unused(:, 1), 1, unused(:, 2), 1, scratch, &
+                       size(scratch), failure)
+        end if
+        if (failure /= 0) status = status_not_converged
+        if (status == status_ok) eigenvalues(:left) = cmplx(re(:left), im(:left), dp)
+
+    contains
+
+        !> Takes a candidate, given its image.
+        subroutine take(vector, image)
+            real(dp), intent(in) :: vector(:), image(:)
+            real(dp) :: length
+            length = norm2(vector)
+            if (.not. length > 0) return
+            if (norm2(image - known * vector) > slack * norm2(scaled) * length) return
+            taken = taken + 1
+            vectors(:, taken) = vector / length
+        end subroutine take
+
+    end subroutine find_spectrum
+
+end module spintop_spectrum

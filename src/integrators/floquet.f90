@@ -1,0 +1,88 @@
+!> Stability of periodic motions by Floquet's multipliers.
+module spintop_floquet
+    use spintop_kinds, only: dp
+    use spintop_body, only: body_t
+    use spintop_euler_poisson, only: euler_poisson_state, euler_poisson_rate, invariant_gradients, &
+        turning_about, state_units
+    use spintop_motion, only: motion_t
+    use spintop_spectrum, only: find_spectrum
+    use spintop_status, only: status_ok, status_unsuitable
+    use spintop_tangent_flow, only: carry_tangents
+    use spintop_vectors, only: cross
+    implicit none
+    private
+    public :: find_multipliers, find_monodromy
+
+    !> How far a motion may be from its start after a period, relative to its size.
+    real(dp), parameter :: slack = 1.0e-9_dp
+
+contains
+
+    !> Multipliers of the motion that returns to its start after `period` seconds, but for a turn of
+    !> the body about its axis of symmetry: each a factor by which a small deviation grows in a
+    !> period. Those that belong to invariants, symmetries and the time of the start are 1 and come
+    !> last. `status_unsuitable`: the motion does not return by then.
+    subroutine find_multipliers(body, start, period, multipliers, status)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        real(dp), intent(in) :: period
+        complex(dp), intent(out) :: multipliers(6)
+        integer, intent(out) :: status
+        real(dp) :: monodromy(6, 6), turn, x(6), forms(6, 4), directions(6, 2)
+
+        multipliers = 1
+        call find_monodromy(body, start, period, monodromy, turn, status)
+        if (status /= status_ok) return
+        x = euler_poisson_state(body, start)
+        forms = invariant_gradients(body, x)
+        directions(:, 1) = euler_poisson_rate(body, x)
+        directions(:, 2) = turning_about(body%symmetry_axis(), x)
+        call find_spectrum(monodromy, state_units(body, x), 1.0_dp, forms, directions, multipliers, status)
+    end subroutine find_multipliers
+
+    !> The matrix that takes a deviation (of Gamma and Pi) from the start to that after a period,
+    !> and the turn about the axis of symmetry that closes the motion, rad; it is part of the matrix.
+    subroutine find_monodromy(body, start, period, monodromy, turn, status)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        real(dp), intent(in) :: period
+        real(dp), intent(out) :: monodromy(6, 6), turn
+        integer, intent(out) :: status
+        real(dp) :: columns(6, 7), x(6), unit(6), axis(3)
+        integer :: i
+
+        x = euler_poisson_state(body, start)
+        unit = state_units(body, x)
+        columns = 0
+        columns(:, 1) = x
+        do i = 1, 6
+            columns(i, i + 1) = 1
+        end do
+        call carry_tangents(body, period, columns, status)
+        axis = body%symmetry_axis()
+        turn = closing_turn(axis, columns(:, 1) / unit, x / unit)
+        do i = 1, 7
+            columns(:, i) = [turned(axis, turn, columns(1:3, i)), turned(axis, turn, columns(4:6, i))]
+        end do
+        monodromy = columns(:, 2:)
+        if (status == status_ok .and. norm2((columns(:, 1) - x) / unit) > slack) status = status_unsuitable
+    end subroutine find_monodromy
+
+    !> The turn about an axis (none: 0) that brings one state nearest to another, rad.
+    pure real(dp) function closing_turn(axis, from, to) result(turn)
+        real(dp), intent(in) :: axis(3), from(6), to(6)
+        real(dp) :: rate(6)
+        rate = turning_about(axis, from)
+        turn = 0
+        if (norm2(rate) > 0) turn = atan2(dot_product(to, rate), -dot_product(to, turning_about(axis, rate)))
+    end function closing_turn
+
+    !> A vector turned about an axis (Rodrigues).
+    pure function turned(axis, angle, vector) result(image)
+        real(dp), intent(in) :: axis(3), angle, vector(3)
+        real(dp) :: image(3), sideways(3)
+        sideways = cross(axis, vector)
+        image = vector + sin(angle) * sideways + 2 * sin(angle / 2)**2 * cross(axis, sideways)
+    end function turned
+
+end module spintop_floquet

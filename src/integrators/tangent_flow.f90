@@ -1,0 +1,131 @@
+!> A motion with its small deviations: state (Gamma, Pi) and tangent vectors, carried along the
+!> equations of Euler and Poisson and their linearisation.
+!>
+!> By Taylor series: the equations are products of two factors each, so that coefficients follow by
+!> Cauchy products (Jorba and Zou, Experimental Mathematics 14, 2005). A step is as long as the last
+!> coefficients of the state and of every tangent vector allow; nothing is ever rejected, and steps
+!> go either way in time.
+module spintop_tangent_flow
+    use spintop_kinds, only: dp
+    use spintop_body, only: body_t
+    use spintop_compare, only: is_finite
+    use spintop_euler_poisson, only: state_units
+    use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_step_too_small, &
+        status_bad_input
+    use spintop_vectors, only: cross
+    implicit none
+    private
+    public :: carry_tangents, take_tangent_step, step_limit
+
+    !> Steps after which a motion is given up, unless the caller knows better.
+    integer, parameter :: step_limit = 1000000
+    !> Degree of the series, and what its last terms may amount to, relative to the whole.
+    integer, parameter :: order = 24
+    real(dp), parameter :: tolerance = 1.0e-17_dp
+    !> Smallest step in units of the spacing of the time left.
+    real(dp), parameter :: smallest_spacings = 16
+
+contains
+
+    !> Carries the state `columns(:, 1)` and the tangent vectors in the other columns over `duration`
+    !> seconds, of either sign, in at most `max_steps` steps. On failure they are those of the last
+    !> step that succeeded.
+    pure subroutine carry_tangents(body, duration, columns, status, max_steps)
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: duration
+        real(dp), intent(inout) :: columns(:, :)
+        integer, intent(out) :: status
+        integer, intent(in), optional :: max_steps
+        real(dp) :: left, h
+        integer :: step, most_steps
+
+        most_steps = step_limit
+        if (present(max_steps)) most_steps = max_steps
+        status = status_bad_input
+        if (.not. is_finite(duration)) return
+        status = status_ok
+        left = duration
+        do step = 1, most_steps
+            if (.not. abs(left) > 0) return
+            call take_tangent_step(body, left, columns, h, status)
+            if (status /= status_ok) return
+            left = left - h
+        end do
+        if (abs(left) > 0) status = status_step_limit
+    end subroutine carry_tangents
+
+    !> Takes one step of at most `left` seconds, of its sign; `h` is its size.
+    pure subroutine take_tangent_step(body, left, columns, h, status)
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: left
+        real(dp), intent(inout) :: columns(:, :)
+        real(dp), intent(out) :: h
+        integer, intent(out) :: status
+        real(dp) :: coefficient(6, size(columns, 2), 0:order), total(6, size(columns, 2))
+        integer :: k
+
+        call expand(body, columns, coefficient)
+        h = step_size(state_units(body, columns(:, 1)), coefficient, abs(left))
+        status = status_ok
+        if (.not. h > 0) status = status_non_finite
+        if (h < abs(left) .and. h < smallest_spacings * spacing(left)) status = status_step_too_small
+        ! Of the size by which the time left changes, in spite of rounding.
+        h = left - (left - sign(h, left))
+        total = coefficient(:, :, order)
+        do k = order - 1, 0, -1
+            total = total * h + coefficient(:, :, k)
+        end do
+        if (.not. all(is_finite(total))) status = status_non_finite
+        if (status == status_ok) columns = total
+    end subroutine take_tangent_step
+
+    !> Taylor coefficients of the state (first column) and of the tangent vectors (the others).
+    pure subroutine expand(body, columns, coefficient)
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: columns(:, :)
+        real(dp), intent(out) :: coefficient(6, size(columns, 2), 0:order)
+        real(dp) :: omega(3, size(columns, 2), 0:order), rate(6)
+        integer :: i, j, k
+
+        coefficient(:, :, 0) = columns
+        do k = 0, order - 1
+            do i = 1, size(columns, 2)
+                omega(:, i, k) = coefficient(4:6, i, k) / body%inertia
+                rate(1:3) = 0
+                rate(4:6) = body%torque(coefficient(1:3, i, k)) - body%damping * omega(:, i, k)
+                do j = 0, k
+                    rate = rate + product_of(coefficient(:, i, j), omega(:, 1, k - j))
+                    ! A product varies by either factor.
+                    if (i > 1) rate = rate + product_of(coefficient(:, 1, j), omega(:, i, k - j))
+                end do
+                coefficient(:, i, k + 1) = rate / (k + 1)
+            end do
+        end do
+    end subroutine expand
+
+    !> (Gamma x omega, Pi x omega)
+    pure function product_of(x, omega) result(rate)
+        real(dp), intent(in) :: x(6), omega(3)
+        real(dp) :: rate(6)
+        rate(1:3) = cross(x(1:3), omega)
+        rate(4:6) = cross(x(4:6), omega)
+    end function product_of
+
+    !> The step, at most `longest`, at which the last two terms of each column come to the tolerance;
+    !> a NaN or 0 where there is none.
+    pure real(dp) function step_size(unit, coefficient, longest) result(h)
+        real(dp), intent(in) :: unit(6), coefficient(:, :, 0:), longest
+        real(dp) :: whole, term
+        integer :: i, k
+        h = longest
+        do i = 1, size(coefficient, 2)
+            whole = norm2(coefficient(:, i, 0) / unit)
+            do k = order - 1, order
+                term = norm2(coefficient(:, i, k) / unit)
+                if (term > 0) h = min(h, (tolerance * whole / term)**(1.0_dp / k))
+                if (.not. is_finite(term)) h = 0
+            end do
+        end do
+    end function step_size
+
+end module spintop_tangent_flow

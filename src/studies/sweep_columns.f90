@@ -15,7 +15,7 @@ module spintop_sweep_columns
     public :: q_nutations_in_period, q_phi_rate_max, q_fast_top_ratio, q_com_z_min, q_theta_end
     public :: q_phi_end, q_psi_end, q_theta_rate_end, q_energy_error_max, q_orientation_error
     public :: q_double_floor, q_evaluations, q_motion_class, q_spin_per_nutation
-    public :: q_theta_rate_max, q_force_max, q_force_z_min, q_force_z_max
+    public :: q_theta_rate_max, q_force_max, q_force_z_min, q_force_z_max, q_t_end
 
     !> What a table says of a quantity.
     type :: sweep_column_t
@@ -46,9 +46,9 @@ module spintop_sweep_columns
         enumerator :: q_fast_top_ratio, q_com_z_min, q_theta_end, q_phi_end, q_psi_end
         enumerator :: q_theta_rate_end, q_energy_error_max, q_orientation_error, q_double_floor
         enumerator :: q_evaluations, q_motion_class, q_spin_per_nutation, q_theta_rate_max
-        enumerator :: q_force_max, q_force_z_min, q_force_z_max
+        enumerator :: q_force_max, q_force_z_min, q_force_z_max, q_t_end
     end enum
-    integer, parameter :: quantities = q_force_z_max
+    integer, parameter :: quantities = q_t_end
 
     !> All quantities, in the order of the table's documentation.
     type(sweep_column_t), parameter :: sweep_columns(quantities) = [ &
@@ -83,6 +83,7 @@ module spintop_sweep_columns
         sweep_column_t('theta_rate_max', 'rad/s', 'largest nutation rate', group_details), &
         sweep_column_t('force_max', 'N', 'largest support force', group_details), &
         sweep_column_t('force_z_min', 'N', 'least vertical support force', group_details), &
-        sweep_column_t('force_z_max', 'N', 'largest vertical support force', group_details)]
+        sweep_column_t('force_z_max', 'N', 'largest vertical support force', group_details), &
+        sweep_column_t('t_end', 's', 'end of the span, or when stop_at ended the motion', group_end)]
 
 end module spintop_sweep_columns

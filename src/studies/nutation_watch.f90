@@ -169,21 +169,21 @@ contains
     end subroutine nutation
 
     !> The class, from the extremes of the precession rate at the upper and the lower turning points.
-    pure integer function class_of(above, below, measured) result(class)
+    pure integer function class_of(above, below, measured) result(found)
         real(dp), intent(in) :: above(2), below(2)
         type(nutation_t), intent(in) :: measured
-        class = no_class
+        found = no_class
         if (measured%theta_max - measured%theta_min <= class_tolerance) then
-            class = class_steady
+            found = class_steady
         else if (is_zero(measured%phi_rate_max)) then
-            class = merge(class_circulation, class_libration, &
+            found = merge(class_circulation, class_libration, &
                           measured%theta_max - measured%theta_min >= pi - class_tolerance)
         else if (all(abs(above) <= class_tolerance * abs(measured%phi_rate_max))) then
-            class = class_cusp
+            found = class_cusp
         else if (all([above, below] > 0) .or. all([above, below] < 0)) then
-            class = class_wave
+            found = class_wave
         else if (all([above, -below] > 0) .or. all([above, -below] < 0)) then
-            class = class_loop
+            found = class_loop
         end if
     end function class_of
 

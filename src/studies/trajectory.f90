@@ -53,7 +53,7 @@ contains
         type(writer_t) :: writer
         type(event_recorder_t), allocatable :: watch
         type(outcome_t) :: outcome
-        type(string_t), allocatable :: header(:)
+        type(string_t), allocatable :: input(:), header(:)
         type(string_t) :: trailer(1)
         real(dp) :: began, elapsed, setup, sample
 
@@ -64,7 +64,8 @@ contains
             call writer%progress%start(job%name, 'rows', writer%total, options%quiet, options%progress)
             call writer%columns%set(job%columns, case)
             associate (columns => trajectory_columns(job%columns))
-                call describe_table(job, columns, header)
+                call print_namelist(job%table, input)
+                call describe_table(job, input, columns, header)
                 call writer%file%create(job%output, header, columns%name, error)
                 if (allocated(error)) return
                 if (size(job%events) > 0) then
@@ -72,7 +73,7 @@ contains
                     call watch%set(job%events, job%stop_after, case)
                 end if
                 if (job%event_output /= '') then
-                    call describe_table(job, [event_columns, columns], header)
+                    call describe_table(job, input, [event_columns, columns], header)
                     call watch%open_table(job%event_output, header, &
                                           [character(20) :: event_columns%name, columns%name], job%columns, case, error)
                 end if
@@ -125,13 +126,12 @@ contains
         end associate
     end subroutine run_trajectory
 
-    !> The head of a table with these columns.
-    subroutine describe_table(job, columns, header)
+    !> The head of a table with these columns, made from this resolved input.
+    subroutine describe_table(job, input, columns, header)
         type(job_t), intent(in) :: job
+        type(string_t), intent(in) :: input(:)
         type(column_t), intent(in) :: columns(:)
         type(string_t), allocatable, intent(out) :: header(:)
-        type(string_t), allocatable :: input(:)
-        call print_namelist(job%table, input)
         call describe_provenance(job%scene%title, job%plan%model, job%plan%method, input, columns%name, &
                                  columns%unit, columns%what, dated=.true., lines=header)
     end subroutine describe_table

@@ -77,6 +77,9 @@ contains
         call follow(case, plan, wanted, watch, values, status, note)
         if (status /= status_ok) return
         if (measures) call put_measured(case, watch, values, note)
+        if (measures .and. wanted(group_details)) then
+            call add_note(note, 'no extremes of theta_rate and force: they are not measured')
+        end if
         if (size(events) > 0) then
             if (watch%ended_by == 0) call note_no_stop(note)
         end if

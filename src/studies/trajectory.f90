@@ -122,7 +122,7 @@ contains
             call summary%add('time', rounded(elapsed) // ' s for ' // decimal(outcome%t) // ' s of motion')
             call summary%add('status', status_name(status) // ' at t = ' // to_text(outcome%t) // ': ' &
                              // status_meaning(status))
-            if (job%scene%stop_at /= '') call summary%add('end', what_ended(job, watch))
+            if (job%scene%stop_at /= '' .and. status == status_ok) call summary%add('end', what_ended(job, watch))
         end associate
     end subroutine run_trajectory
 

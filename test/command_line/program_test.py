@@ -714,6 +714,26 @@ class EventTest(ProgramCase):
         self.assertEqual(short.texts("theta_max")[1], "nan")
         self.assertIn("no full nutation in the span", short.texts("notes")[1])
 
+    def test_a_turned_body_has_the_events_of_the_body_as_given(self) -> None:
+        """A top about body x, turned inside, and one a little asymmetric, which is not."""
+        scene = self.write(
+            "&top mass = 1, inertia = 0.25, 0.875, 0.875, centre_of_mass = 0.8660254, 0, 0 /\n"
+            "&initial theta = 1.1, phi = 0.2, psi = 0.4, phi_rate = 1,"
+            " theta_rate = 0.3, psi_rate = 2 /\n"
+            "&span t_end = 10 /\n"
+            "&output columns = 't', 'theta', 'phi', 'psi', events = 'turning_points',\n"
+            "    'azimuth_turns', 'psi = 0.4 every turn', 'phi = 1' /\n"
+        )
+        self.compute(scene)
+        turned = self.events()
+        self.compute(scene, "top.inertia(3)=0.87500000001")
+        given = self.events()
+        self.assertGreater(len(turned.rows), 30)
+        self.assertEqual([row[:2] for row in turned.rows], [row[:2] for row in given.rows])
+        for name in ("t", "theta", "phi", "psi"):
+            for one, other in zip(turned.column(name), given.column(name), strict=True):
+                self.assertAlmostEqual(one, other, delta=1e-6)
+
     def test_bad_events(self) -> None:
         """Place, problem and advice for each mistake."""
         mistakes = {

@@ -682,12 +682,12 @@ class EventTest(ProgramCase):
             self.assertAlmostEqual(other, end, delta=1e-7)
             self.assertAlmostEqual(theta, largest, delta=1e-13)
         self.assertLess(steps.largest("orientation_error"), 1e-6)
-        late = self.compute(scene, "span.stop_after=12")
+        late = self.compute(scene, "span.stop_after=16")
         columns = (late.column("nutation_period"), late.column("t_end"), late.texts("notes"))
         came = []
         for period, end, note in zip(*columns, strict=True):
-            came.append(11.5 * period < 20)
-            self.assertAlmostEqual(end, 11.5 * period if came[-1] else 20, delta=1e-12)
+            came.append(15.5 * period < 20)
+            self.assertAlmostEqual(end, 15.5 * period if came[-1] else 20, delta=1e-12)
             self.assertEqual(note, "" if came[-1] else "stop_at did not come in the span")
         self.assertEqual(set(came), {True, False})
 

@@ -25,7 +25,7 @@ module spintop_command_line
         'spintop: the motion of a heavy spinning top, exact and by many integrators', &
         '', &
         'usage: spintop [options] INPUT.nml [INPUT.nml ...]', &
-        '       spintop list methods|formulations|columns|shapes|parameters|cases', &
+        '       spintop list methods|formulations|columns|events|shapes|parameters|cases', &
         '       spintop --help | --version', &
         '', &
         'options', &

@@ -13,7 +13,7 @@ module spintop
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t, motion_from_angles, motion_from_quaternion
     use spintop_quantities, only: kinetic_energy, potential_energy, vertical_momentum, &
-        axial_momentum, euler_residuals, support_force, axis_tip
+        axial_momentum, euler_residuals, support_force, axis_tip, axis_height_rate
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_conditioning, only: conditioning_t, prepare_conditioning, double_floor
     use spintop_force_extremes, only: force_extremes_t, find_force_extremes
@@ -31,6 +31,7 @@ module spintop
     use spintop_formulations, only: formulation_infos, create_formulation
     use spintop_stepper, only: stepper_t, method_info_t, controls_t, workspace_t, counts_t
     use spintop_methods, only: method_infos, create_stepper
+    use spintop_events, only: event_t, event_watch_t, path_t
     use spintop_integration, only: integrate, observer_t, outcome_t
     implicit none
     public

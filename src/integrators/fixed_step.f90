@@ -54,7 +54,7 @@ contains
         class(workspace_t), allocatable, intent(out) :: work
         associate (unused => self)
         end associate
-        allocate (work)
+        allocate (grid_workspace_t :: work)
     end subroutine new_workspace
 
     !> Takes the first slope and, for equal steps, sets their size.

@@ -2,6 +2,7 @@
 module spintop_integration
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
+    use spintop_events, only: event_watch_t, path_t
     use spintop_motion, only: motion_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_stepper, only: stepper_t, workspace_t, counts_t
@@ -38,10 +39,21 @@ module spintop_integration
         procedure :: walk_to
     end type follower_t
 
+    !> The motion within the last step, by dense output.
+    type, extends(path_t) :: step_path_t
+        class(formulation_t), pointer :: formulation => null()
+        class(stepper_t), pointer :: stepper => null()
+        class(workspace_t), pointer :: work => null()
+        !> At the start of the step.
+        type(follower_t) :: follower
+    contains
+        procedure :: at => motion_in_step
+    end type step_path_t
+
     !> How a run ended.
     type :: outcome_t
         integer :: status = status_ok
-        !> Time reached, s.
+        !> Time reached, s: that of an event which ended the run.
         real(dp) :: t = 0
         type(counts_t) :: counts
     end type outcome_t
@@ -59,18 +71,23 @@ contains
     !> Integrates a formulation from its start over `t_end` seconds. The observer sees the sample
     !> times (rising, from 0 to t_end): all of them by dense output of an adaptive method, those
     !> that are steps of a fixed-step one; and the turning point where the equations end at one.
-    subroutine integrate(formulation, stepper, body, start, t_end, samples, observer, outcome)
-        class(formulation_t), intent(inout) :: formulation
-        class(stepper_t), intent(in) :: stepper
+    !> `watch` looks for events on the way; the motion at one that ends the run is shown last.
+    subroutine integrate(formulation, stepper, body, start, t_end, samples, observer, outcome, watch)
+        class(formulation_t), target, intent(inout) :: formulation
+        class(stepper_t), target, intent(in) :: stepper
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
         real(dp), intent(in) :: t_end, samples(:)
         class(observer_t), intent(inout) :: observer
         type(outcome_t), intent(out) :: outcome
-        class(workspace_t), allocatable :: work
+        class(event_watch_t), intent(inout), optional :: watch
+        class(workspace_t), allocatable, target :: work
         type(follower_t) :: follower
+        type(step_path_t) :: path
         integer :: next, status
+        logical :: stopped
 
+        stopped = .false.
         call stepper%new_workspace(work)
         work%t_end = t_end
         next = 1
@@ -83,6 +100,7 @@ contains
             call leave_rest(formulation, stepper, work, samples, next, follower, observer)
             call stepper%begin(formulation, work, status)
             call show_until(work%t)
+            if (present(watch)) call begin_watch()
         end if
         do while (status == status_ok .and. work%t < t_end .and. .not. observer%has_enough)
             if (work%counts%steps >= stepper%controls%max_steps) then
@@ -90,11 +108,19 @@ contains
                 exit
             end if
             call stepper%advance(formulation, work, status)
+            if (status == status_ok .and. present(watch)) then
+                path%follower = follower
+                call watch%look(path, work%t)
+                stopped = watch%has_enough
+                if (stopped) call show_end(watch%t)
+                if (stopped) exit
+            end if
             if (status == status_ok) call show_until(work%t)
             call check_arrival(formulation, work, follower, observer, status)
         end do
         outcome%status = status
         outcome%t = work%t
+        if (stopped) outcome%t = watch%t
         outcome%counts = work%counts
 
     contains
@@ -111,16 +137,49 @@ contains
                     call follower%walk_to(formulation, stepper, work, work%t, work%y)
                     call show(follower, formulation, observer)
                 else if (stepper%controls%steps == 0) then
-                    call follower%walk_to(formulation, stepper, work, samples(next), &
-                                          stepper%interpolate(formulation, work, samples(next)))
-                    call show(follower, formulation, observer)
+                    call show_within(samples(next))
                 end if
                 next = next + 1
             end do
             call follower%walk_to(formulation, stepper, work, work%t, work%y)
         end subroutine show_until
 
+        subroutine begin_watch()
+            path = step_path_t(formulation, stepper, work, follower)
+            call watch%begin(body, formulation%motion(work%t, work%y, follower%angle))
+        end subroutine begin_watch
+
+        !> Shows what is left to be shown of a run that ends within the last step.
+        subroutine show_end(t)
+            real(dp), intent(in) :: t
+            do while (next <= size(samples) .and. .not. observer%has_enough)
+                if (samples(next) >= t) exit
+                if (stepper%controls%steps == 0) call show_within(samples(next))
+                next = next + 1
+            end do
+            call show_within(t)
+        end subroutine show_end
+
+        !> Shows the motion at a time within the last step.
+        subroutine show_within(t)
+            real(dp), intent(in) :: t
+            call follower%walk_to(formulation, stepper, work, t, stepper%interpolate(formulation, work, t))
+            call show(follower, formulation, observer)
+        end subroutine show_within
+
     end subroutine integrate
+
+    !> The motion at a time within the last step.
+    subroutine motion_in_step(self, t, motion)
+        class(step_path_t), intent(in) :: self
+        real(dp), intent(in) :: t
+        type(motion_t), intent(out) :: motion
+        type(follower_t) :: follower
+        follower = self%follower
+        call follower%walk_to(self%formulation, self%stepper, self%work, t, &
+                              self%stepper%interpolate(self%formulation, self%work, t))
+        motion = self%formulation%motion(t, follower%y, follower%angle)
+    end subroutine motion_in_step
 
     !> Goes on to a later time and state.
     subroutine go_to(self, formulation, t, y)

@@ -9,11 +9,11 @@ module spintop_columns
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t
     use spintop_quantities, only: kinetic_energy, potential_energy, vertical_momentum, &
-        axial_momentum, euler_residuals, support_force, axis_tip
+        axial_momentum, euler_residuals, support_force, axis_tip, axis_height_rate
     implicit none
     private
     public :: column_t, column_computer_t, trajectory_columns, default_trajectory_columns
-    public :: needs_exact_motion
+    public :: needs_exact_motion, place_of_column
 
     !> What a table says of a column.
     type :: column_t
@@ -27,7 +27,7 @@ module spintop_columns
     integer, parameter :: group_angles = 1, group_omega = 2, group_quaternion = 3, &
         group_vertical = 4, group_axis = 5, group_centre = 6, group_energy = 7, group_momenta = 8, &
         group_residuals = 9, group_force = 10, group_oracle = 11, group_floor = 12, &
-        group_drift = 13, groups = group_drift
+        group_drift = 13, group_turning = 14, groups = group_turning
 
     !> All columns, in the order of the table's documentation.
     type(column_t), parameter :: trajectory_columns(*) = [ &
@@ -76,7 +76,8 @@ module spintop_columns
         column_t('double_floor', 'rad', 'how far rounding of the data alone turns the attitude', &
                  group_floor), &
         column_t('quaternion_drift', '', 'length less 1 of the quaternion as it was computed', &
-                 group_drift)]
+                 group_drift), &
+        column_t('axis_z_rate', '1/s', 'rate of axis_z, zero where theta turns', group_turning)]
 
     !> Columns of the table when none are named.
     character(*), parameter :: default_trajectory_columns(*) = [character(20) :: &
@@ -103,6 +104,7 @@ module spintop_columns
     contains
         procedure :: set
         procedure :: row
+        procedure :: come_near
     end type column_computer_t
 
 contains
@@ -137,6 +139,14 @@ contains
             call prepare_conditioning(case%body, case%start, self%conditioning, status)
         end if
     end subroutine set
+
+    !> Place of a column in `trajectory_columns`, 0 if there is none of that name.
+    pure integer function place_of_column(name) result(place)
+        character(*), intent(in) :: name
+        do place = size(trajectory_columns), 1, -1
+            if (trajectory_columns(place)%name == name) return
+        end do
+    end function place_of_column
 
     !> Whether a column compares with the exact motion.
     elemental logical function needs_exact_motion(column)
@@ -173,6 +183,8 @@ contains
                     slice = motion%quaternion
                 case (group_drift)
                     slice = motion%quaternion_drift
+                case (group_turning)
+                    slice = axis_height_rate(motion)
                 case (group_vertical)
                     slice = vertical_from_quaternion(motion%quaternion)
                 case (group_axis)
@@ -197,6 +209,13 @@ contains
         end do
         values = all_values(self%chosen)
     end function row
+
+    !> The angles of the next row are continuous with those of another computer's last one.
+    subroutine come_near(self, other)
+        class(column_computer_t), intent(inout) :: self
+        class(column_computer_t), intent(in) :: other
+        self%near = other%near
+    end subroutine come_near
 
     pure function first_two(vector) result(pair)
         real(dp), intent(in) :: vector(3)

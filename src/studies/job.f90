@@ -5,8 +5,10 @@ module spintop_job
     use spintop_columns, only: trajectory_columns, default_trajectory_columns, needs_exact_motion
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t
+    use spintop_event_choice, only: choose_events
+    use spintop_event_text, only: column_event_t
     use spintop_namelist, only: read_namelist
-    use spintop_parameters, only: parameter_table_t
+    use spintop_parameters, only: parameter_table_t, unset_integer
     use spintop_plan, only: plan_t, make_plan
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t, describe_scene
@@ -34,8 +36,8 @@ module spintop_job
     type :: job_t
         !> The input's path, and its name without folder and ending.
         character(:), allocatable :: input, name
-        !> Path of the table to write.
-        character(:), allocatable :: output
+        !> Path of the table to write, and of the table of events; the latter empty without one.
+        character(:), allocatable :: output, event_output
         type(scene_t) :: scene
         type(parameter_table_t) :: table
         type(case_t) :: case
@@ -44,6 +46,10 @@ module spintop_job
         type(stability_plan_t) :: stability
         !> Chosen columns by their place in the list of all columns of the study.
         integer, allocatable :: columns(:)
+        !> Events to look for.
+        type(column_event_t), allocatable :: events(:)
+        !> The one of those that end the motion which does.
+        integer :: stop_after = 1
         !> Warnings on the input, ready to print; empty without any.
         character(:), allocatable :: warnings
     end type job_t
@@ -69,6 +75,8 @@ contains
         if (allocated(error)) return
         call plan_job(job, problems)
         if (job%scene%kind /= 'stability') call choose_columns(job, problems)
+        call choose_events(job%scene, job%case, job%events, problems)
+        if (job%scene%stop_after /= unset_integer) job%stop_after = job%scene%stop_after
         call problems%tell(job%table, diagnostics)
         call diagnostics%raise(error)
         if (allocated(error)) return
@@ -76,6 +84,8 @@ contains
         if (diagnostics%has_warnings()) job%warnings = diagnostics%report()
         if (job%scene%file /= '') job%name = base_name(trim(job%scene%file))
         job%output = options%output // '/' // job%name // '.csv'
+        job%event_output = ''
+        if (any(job%events%is_listed)) job%event_output = options%output // '/' // job%name // '.events.csv'
     end subroutine prepare_job
 
     !> Case, axes and plan. The case of a sweep is its first; the others are made as they come.
@@ -131,6 +141,8 @@ contains
             end if
             ! The exact motion compared with itself says nothing.
             if (job%plan%exact) job%columns = pack(job%columns, job%columns /= place_of('orientation_error'))
+            ! Nor does the end of the span where nothing may end it sooner.
+            if (job%scene%stop_at == '') job%columns = pack(job%columns, job%columns /= place_of('t_end'))
         else if (job%scene%columns(1) == 'all') then
             job%columns = [(i, i=1, size(known))]
             if (job%scene%kind /= 'sweep') job%columns = pack(job%columns, can_have(job%columns))

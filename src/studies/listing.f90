@@ -3,6 +3,7 @@ module spintop_listing
     use spintop_arkode_tables, only: arkode_table_names
     use spintop_columns, only: trajectory_columns
     use spintop_errors, only: error_t, input_error
+    use spintop_event_text, only: named_events, event_grammar
     use spintop_formulations, only: formulation_infos
     use spintop_hard_cases, only: hard_cases
     use spintop_formulation, only: formulation_info_t
@@ -20,7 +21,7 @@ module spintop_listing
 
     !> What can be listed.
     character(*), parameter :: topics(*) = [character(12) :: &
-        'methods', 'formulations', 'columns', 'shapes', 'parameters', 'cases']
+        'methods', 'formulations', 'columns', 'events', 'shapes', 'parameters', 'cases']
 
 contains
 
@@ -52,6 +53,11 @@ contains
             do i = 1, size(sweep_columns)
                 call add(lines, sweep_columns(i)%name, sweep_columns(i)%unit, sweep_columns(i)%what)
             end do
+        case ('events')
+            do i = 1, size(named_events)
+                if (named_events(i)%what /= '') call add(lines, named_events(i)%name, '', named_events(i)%what)
+            end do
+            lines = [lines, string_t('  ' // event_grammar)]
         case ('shapes')
             call add(lines, shape_by_inertia, '', &
                      'given by mass, inertia(3) and length or centre_of_mass(3) (the default)')

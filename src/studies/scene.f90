@@ -13,11 +13,13 @@ module spintop_scene
     use spintop_text, only: join
     implicit none
     private
-    public :: scene_t, describe_scene, max_axes, max_axis_values
+    public :: scene_t, describe_scene, max_axes, max_axis_values, event_length
 
     !> Most axes of a sweep, most values listed on one.
     integer, parameter :: max_axes = 4, max_axis_values = 1000
     integer, parameter :: word = 32, line = 256
+    !> Longest text of an event.
+    integer, parameter :: event_length = 64
 
     !> The content of an input file.
     type :: scene_t
@@ -52,6 +54,8 @@ module spintop_scene
         real(dp) :: nutations = unset
         real(dp) :: precessions = unset
         integer :: samples = unset_integer
+        character(event_length) :: stop_at = ''
+        integer :: stop_after = unset_integer
         ! &integration
         character(word) :: formulation = 'auto'
         character(word) :: method = 'auto'
@@ -67,6 +71,7 @@ module spintop_scene
         character(line) :: file = ''
         character(word) :: columns(64) = ''
         character(word) :: format = 'csv'
+        character(event_length) :: events(32) = ''
         ! &sweep
         character(word) :: parameter(max_axes) = ''
         real(dp) :: values(max_axes, max_axis_values) = unset
@@ -137,6 +142,9 @@ contains
         call table%add('span.samples', scene%samples, '', '>= 2', &
                        'rows, equally spaced in time, both ends included (1001; fixed steps: every step)')
 
+        call table%add('span.stop_at', scene%stop_at, what='the event that ends the motion, as in output.events')
+        call table%add('span.stop_after', scene%stop_after, '', '>= 1', 'which of these events ends it (1)')
+
         associate (forms => formulation_infos(), methods => method_infos())
             call table%add('integration.formulation', scene%formulation, &
                            'auto|' // join(forms%name, '|'), 'form of the equations of motion')
@@ -160,6 +168,8 @@ contains
         call table%add('output.file', scene%file, what='name of the table (default: that of the input)')
         call table%add('output.columns', scene%columns, what='columns of the table, or all')
         call table%add('output.format', scene%format, 'csv', 'format of the table')
+        call table%add('output.events', scene%events, &
+                       what='events for a table of their own: `spintop list events` says which')
 
         call table%add('sweep.parameter', scene%parameter, &
                        what='numeric keys to vary, such as initial.spin_ratio or top.inertia(2)')

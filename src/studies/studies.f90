@@ -35,7 +35,8 @@ contains
             if (.not. allocated(problem)) then
                 do k = 1, i - 1
                     if (.not. allocated(jobs(k)%output)) cycle
-                    if (jobs(k)%output == jobs(i)%output) then
+                    if (jobs(k)%output == jobs(i)%output .or. jobs(k)%output == jobs(i)%event_output &
+                        .or. jobs(k)%event_output == jobs(i)%output) then
                         problem = input_error(inputs(i)%text // ': error: its table ' // jobs(i)%output &
                             // ' is also that of ' // inputs(k)%text // '; set output.file in one of them')
                     end if
@@ -122,13 +123,14 @@ contains
                        // to_text(job%case%t_end) // ' s'
             end select
             what = what // ' -> ' // job%output
+            if (job%event_output /= '') what = what // ', its events -> ' // job%event_output
         end function what
 
         !> Whether a sweep follows its cases in time.
         function remark_on_columns() result(remark)
             character(:), allocatable :: remark
             remark = ''
-            if (job%scene%kind /= 'sweep') return
+            if (job%scene%kind /= 'sweep' .or. .not. job%case%body%is_lagrange()) return
             associate (groups => sweep_columns(job%columns)%group)
                 if (all(groups == group_nutation .or. groups == group_fast_top)) then
                     remark = ' The columns asked for need the whole nutation only: no case is followed in time.'

@@ -23,8 +23,8 @@ module spintop_sweep
     use spintop_sweep_axes, only: put_values
     use spintop_sweep_columns, only: sweep_column_t, sweep_columns, sweep_groups, quantities, &
         group_end, group_energy, group_period, q_motion_class
-    use spintop_sweep_exact, only: load_lane, unload_lane, kernel_runs
-    use spintop_sweep_quantities, only: no_values
+    use spintop_sweep_exact, only: load_lane, unload_lane, kernel_runs, stop_exactly
+    use spintop_sweep_quantities, only: no_values, note_no_stop
     use spintop_sweep_stepping, only: compute_stepping
     use spintop_system, only: seconds, pause_for, peak_memory
     use spintop_table_file, only: table_file_t
@@ -59,6 +59,8 @@ module spintop_sweep
         type(case_t) :: cases(block_size)
         integer :: status(block_size) = status_ok, lane(block_size) = 0
         type(string_t) :: note(block_size)
+        !> Whether the event came that was to end the motion.
+        logical :: came(block_size) = .true.
         real(dp) :: values(quantities, block_size) = 0
         type(exact_block_t) :: block
         !> Cases of each status, and seconds spent on making, computing and formatting them.
@@ -230,6 +232,9 @@ contains
             do k = 1, n
                 call put_values(worker%slots, job%axes%values_of(first + k - 1))
                 call make_worker_case(worker, worker%status(k), worker%note(k)%text)
+                if (worker%plan%exact .and. worker%status(k) == status_ok .and. size(job%events) > 0) then
+                    call stop_exactly(worker%case, job%events, job%stop_after, worker%came(k))
+                end if
                 worker%cases(k) = worker%case
                 worker%lane(k) = 0
                 if (worker%status(k) /= status_ok) then
@@ -241,8 +246,8 @@ contains
                 else
                     worker%making = worker%making + (seconds() - moment)
                     moment = seconds()
-                    call compute_stepping(worker%case, worker%plan, worker%wanted, worker%values(:, k), &
-                                          worker%status(k), worker%note(k)%text)
+                    call compute_stepping(worker%case, worker%plan, worker%wanted, job%events, job%stop_after, &
+                                          worker%values(:, k), worker%status(k), worker%note(k)%text)
                     worker%computing = worker%computing + (seconds() - moment)
                     moment = seconds()
                 end if
@@ -261,6 +266,7 @@ contains
                 if (worker%lane(k) > 0) then
                     call unload_lane(worker%cases(k), block, worker%lane(k), worker%wanted, &
                                      worker%values(:, k), worker%status(k), worker%note(k)%text)
+                    if (worker%status(k) == status_ok .and. .not. worker%came(k)) call note_no_stop(worker%note(k)%text)
                 end if
                 call rows%put_integer(first + k - 1)
                 call rows%put_reals(job%axes%values_of(first + k - 1))

@@ -16,7 +16,8 @@ module spintop_sweep_columns
     public :: q_nutations_in_period, q_phi_rate_max, q_fast_top_ratio, q_com_z_min, q_theta_end
     public :: q_phi_end, q_psi_end, q_theta_rate_end, q_energy_error_max, q_orientation_error
     public :: q_double_floor, q_evaluations, q_motion_class, q_spin_per_nutation
-    public :: q_theta_rate_max, q_force_max, q_force_z_min, q_force_z_max, q_growth_rate, q_lyapunov_exponent
+    public :: q_theta_rate_max, q_force_max, q_force_z_min, q_force_z_max, q_t_end, q_growth_rate
+    public :: q_lyapunov_exponent
 
     !> What a table says of a quantity.
     type :: sweep_column_t
@@ -48,7 +49,7 @@ module spintop_sweep_columns
         enumerator :: q_fast_top_ratio, q_com_z_min, q_theta_end, q_phi_end, q_psi_end
         enumerator :: q_theta_rate_end, q_energy_error_max, q_orientation_error, q_double_floor
         enumerator :: q_evaluations, q_motion_class, q_spin_per_nutation, q_theta_rate_max
-        enumerator :: q_force_max, q_force_z_min, q_force_z_max, q_growth_rate, q_lyapunov_exponent
+        enumerator :: q_force_max, q_force_z_min, q_force_z_max, q_t_end, q_growth_rate, q_lyapunov_exponent
     end enum
     integer, parameter :: quantities = q_lyapunov_exponent
 
@@ -86,6 +87,7 @@ module spintop_sweep_columns
         sweep_column_t('force_max', 'N', 'largest support force', group_details), &
         sweep_column_t('force_z_min', 'N', 'least vertical support force', group_details), &
         sweep_column_t('force_z_max', 'N', 'largest vertical support force', group_details), &
+        sweep_column_t('t_end', 's', 'end of the span, or when stop_at ended the motion', group_end), &
         sweep_column_t('growth_rate', '1/s', 'of small deviations from a start that is sleeping or steady', group_growth), &
         sweep_column_t('lyapunov_exponent', '1/s', 'mean growth rate of deviations over the span', group_lyapunov)]
 

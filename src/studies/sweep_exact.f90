@@ -3,6 +3,8 @@ module spintop_sweep_exact
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
     use spintop_conditioning, only: double_floor
+    use spintop_event_recorder, only: event_recorder_t, exact_path_t
+    use spintop_event_text, only: column_event_t
     use spintop_exact_block, only: exact_block_t, block_size
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t, motion_from_angles
@@ -16,7 +18,7 @@ module spintop_sweep_exact
     use spintop_sweep_stability, only: put_stability
     implicit none
     private
-    public :: load_lane, unload_lane, kernel_runs
+    public :: load_lane, unload_lane, kernel_runs, stop_exactly
 
 contains
 
@@ -37,6 +39,26 @@ contains
         block%t_end(lane) = case%t_end
         block%t_period(lane) = precession_period(case)
     end subroutine load_lane
+
+    !> Ends the span of a case at the n-th of the events; `came` tells whether it came.
+    subroutine stop_exactly(case, events, n, came)
+        type(case_t), intent(inout) :: case
+        type(column_event_t), intent(in) :: events(:)
+        integer, intent(in) :: n
+        logical, intent(out) :: came
+        type(exact_path_t) :: path
+        type(event_recorder_t) :: watch
+        integer :: status
+
+        came = .false.
+        call prepare_exact_motion(case%body, case%start, path%exact, status)
+        if (status /= status_ok) return
+        call watch%set(events, n, case)
+        call watch%begin(case%body, path%exact%at(0.0_dp))
+        call watch%look(path, case%t_end)
+        came = watch%has_enough
+        if (came) case%t_end = watch%t
+    end subroutine stop_exactly
 
     !> Whether the kernel has work with the groups wanted.
     pure logical function kernel_runs(wanted)

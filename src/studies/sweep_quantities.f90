@@ -9,6 +9,7 @@ module spintop_sweep_quantities
     use spintop_motion, only: motion_t
     use spintop_force_extremes, only: force_extremes_t, find_force_extremes
     use spintop_nutation, only: nutation_t, find_nutation
+    use spintop_nutation_watch, only: nutation_watch_t, no_class
     use spintop_status, only: status_ok, status_meanings
     use spintop_sweep_columns, only: quantities, q_theta_min, q_theta_max, q_delta_u, &
         q_delta_u_fast_top, q_nutation_period, q_nutation_rate, q_nutation_rate_fast_top, &
@@ -17,11 +18,11 @@ module spintop_sweep_quantities
         q_azimuth_after_period_deg, q_nutations_in_period, q_phi_rate_max, q_fast_top_ratio, &
         q_com_z_min, q_theta_end, q_phi_end, q_psi_end, q_theta_rate_end, q_energy_error_max, &
         q_motion_class, q_spin_per_nutation, q_theta_rate_max, q_force_max, q_force_z_min, &
-        q_force_z_max
+        q_force_z_max, q_t_end
     implicit none
     private
-    public :: no_values, put_nutation, put_fast_top, put_azimuth, put_end, put_details, &
-        precession_period, add_note
+    public :: no_values, put_nutation, put_measured, put_fast_top, put_azimuth, put_end, put_details, &
+        precession_period, add_note, note_no_stop
 
 contains
 
@@ -64,6 +65,27 @@ contains
             values(q_nutations_in_period) = precession_period(case) / nutation%period
         end if
     end subroutine put_nutation
+
+    !> The nutation as it was measured on the way.
+    subroutine put_measured(case, watch, values, note)
+        type(case_t), intent(in) :: case
+        type(nutation_watch_t), intent(in) :: watch
+        real(dp), intent(inout) :: values(quantities)
+        character(:), allocatable, intent(inout) :: note
+        type(nutation_t) :: nutation
+        logical :: seen
+
+        call watch%nutation(nutation, seen)
+        if (.not. seen) then
+            call add_note(note, 'no full nutation in the span')
+            return
+        end if
+        call put_nutation(case, nutation, values, note)
+        values(q_com_z_min) = watch%com_z_min
+        values(q_spin_per_nutation) = nutation%spin
+        if (nutation%class /= no_class) values(q_motion_class) = nutation%class
+        if (nutation%class == no_class) call add_note(note, 'no class: it changes from nutation to nutation')
+    end subroutine put_measured
 
     !> The paper's formulas for a fast top.
     subroutine put_fast_top(case, values, note)
@@ -128,6 +150,7 @@ contains
         real(dp), intent(inout) :: values(quantities)
         type(motion_t) :: seen
         seen = case%turn%back(motion, case%given_start%angle)
+        values(q_t_end) = seen%t
         values(q_theta_end) = seen%angle(2)
         values(q_phi_end) = seen%angle(1)
         values(q_psi_end) = seen%angle(3)
@@ -142,6 +165,12 @@ contains
         if (.not. case%body%mgl() > 0) return
         precession_period = 2 * pi * abs(case%body%inertia(3) * case%start%omega(3)) / case%body%mgl()
     end function precession_period
+
+    !> Notes that the event which was to end the motion did not come.
+    subroutine note_no_stop(note)
+        character(:), allocatable, intent(inout) :: note
+        call add_note(note, 'stop_at did not come in the span')
+    end subroutine note_no_stop
 
     !> Adds a reason to the notes of a case.
     subroutine add_note(note, reason)

@@ -4,19 +4,21 @@ module spintop_sweep_stepping
     use spintop_attitude, only: rotation_angle
     use spintop_case, only: case_t
     use spintop_conditioning, only: double_floor
+    use spintop_event_text, only: column_event_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_formulation, only: formulation_t, max_states
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, find_nutation
+    use spintop_nutation_watch, only: nutation_watch_t
     use spintop_plan, only: plan_t, sample_times
     use spintop_quantities, only: kinetic_energy, potential_energy
     use spintop_status, only: status_ok, status_meanings
     use spintop_sweep_columns, only: quantities, group_nutation, group_fast_top, group_period, &
         group_end, group_energy, group_oracle, group_cost, group_floor, group_details, sweep_groups, &
         q_orientation_error, q_double_floor, q_evaluations
-    use spintop_sweep_quantities, only: no_values, put_nutation, put_fast_top, put_azimuth, put_end, put_details, &
-        precession_period, add_note
+    use spintop_sweep_quantities, only: no_values, put_nutation, put_measured, put_fast_top, put_azimuth, put_end, &
+        put_details, precession_period, add_note, note_no_stop
     use spintop_sweep_stability, only: put_stability
     implicit none
     private
@@ -40,40 +42,57 @@ module spintop_sweep_stepping
 contains
 
     !> The quantities of a case: those of the whole nutation from the closed form where there is
-    !> one, the others from the trajectory.
-    subroutine compute_stepping(case, plan, wanted, values, status, note)
+    !> one, the others from the trajectory, which ends at the n-th of the events.
+    subroutine compute_stepping(case, plan, wanted, events, n, values, status, note)
         type(case_t), intent(in) :: case
         type(plan_t), intent(inout) :: plan
         logical, intent(in) :: wanted(sweep_groups)
+        type(column_event_t), intent(in) :: events(:)
+        integer, intent(in) :: n
         real(dp), intent(out) :: values(quantities)
         integer, intent(out) :: status
         character(:), allocatable, intent(out) :: note
+        type(nutation_watch_t), allocatable :: watch
         type(nutation_t) :: nutation
+        logical :: measures
 
         values = no_values()
         note = ''
         status = status_ok
-        if (wanted(group_nutation)) then
-            if (case%body%is_lagrange()) then
+        if (case%body%is_lagrange()) then
+            if (wanted(group_nutation)) then
                 call find_nutation(case%body, case%start, nutation, status)
                 if (status == status_ok) call put_nutation(case, nutation, values, note)
-            else
-                call add_note(note, 'no nutation: the body is no undamped symmetric top')
             end if
+            if (wanted(group_details)) call put_details(case, values, note)
         end if
-        if (wanted(group_details) .and. case%body%is_lagrange()) call put_details(case, values, note)
         call put_stability(case, wanted, values, note)
         if (wanted(group_fast_top)) call put_fast_top(case, values, note)
-        if (any(wanted([group_period, group_end, group_energy, group_oracle, group_cost]))) then
-            call follow(case, plan, wanted, values, status, note)
+
+        measures = any(wanted([group_nutation, group_details])) .and. .not. case%body%is_lagrange()
+        if (.not. (measures .or. any(wanted([group_period, group_end, group_energy, group_oracle, group_cost])))) return
+        if (measures .or. size(events) > 0) then
+            allocate (watch)
+            call watch%set(events, n, case)
+            if (measures) call watch%measure_nutation(case)
+        end if
+        call follow(case, plan, wanted, watch, values, status, note)
+        if (status /= status_ok) return
+        if (measures) call put_measured(case, watch, values, note)
+        if (measures .and. wanted(group_details)) then
+            call add_note(note, 'no extremes of theta_rate and force: they are not measured')
+        end if
+        if (size(events) > 0) then
+            if (watch%ended_by == 0) call note_no_stop(note)
         end if
     end subroutine compute_stepping
 
-    !> Follows the motion to the end of its span.
-    subroutine follow(case, plan, wanted, values, status, note)
+    !> Follows the motion to the end of its span, or to the event that ends it.
+    subroutine follow(case, plan, wanted, watch, values, status, note)
         type(case_t), intent(in) :: case
         type(plan_t), intent(inout) :: plan
         logical, intent(in) :: wanted(sweep_groups)
+        type(nutation_watch_t), intent(inout), optional :: watch
         real(dp), intent(inout) :: values(quantities)
         integer, intent(out) :: status
         character(:), allocatable, intent(inout) :: note
@@ -87,7 +106,7 @@ contains
         if (wanted(group_energy)) times = sample_times(case%t_end, rows(plan))
         if (wanted(group_period)) times = with_time(times, witness%period)
         call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, times, &
-                       witness, outcome)
+                       witness, outcome, watch)
         status = outcome%status
         values(q_evaluations) = real(outcome%counts%evaluations, dp)
         if (wanted(group_period)) then
@@ -112,11 +131,11 @@ contains
         if (wanted(group_oracle)) then
             call prepare_exact_motion(case%body, case%start, exact, status)
             if (status == status_ok) then
-                values(q_orientation_error) = rotation_angle(exact%quaternion_at(case%t_end), last%quaternion)
+                values(q_orientation_error) = rotation_angle(exact%quaternion_at(last%t), last%quaternion)
             end if
         end if
         if (wanted(group_floor)) then
-            values(q_double_floor) = double_floor(case%body, case%start, case%t_end)
+            values(q_double_floor) = double_floor(case%body, case%start, last%t)
         end if
     end subroutine compare_with_exact
 

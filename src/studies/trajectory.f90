@@ -3,10 +3,11 @@ module spintop_trajectory
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
-    use spintop_columns, only: column_computer_t, trajectory_columns
+    use spintop_columns, only: column_computer_t, column_t, trajectory_columns
     use spintop_errors, only: error_t
+    use spintop_event_recorder, only: event_recorder_t, event_columns, exact_path_t
     use spintop_exact_cost, only: measure_exact_cost
-    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
+    use spintop_exact_motion, only: prepare_exact_motion
     use spintop_formulation, only: formulation_t, max_states
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_job, only: job_t, options_t
@@ -50,6 +51,7 @@ contains
         integer, intent(out) :: status
         type(error_t), allocatable, intent(out) :: error
         type(writer_t) :: writer
+        type(event_recorder_t), allocatable :: watch
         type(outcome_t) :: outcome
         type(string_t), allocatable :: input(:), header(:)
         type(string_t) :: trailer(1)
@@ -63,18 +65,30 @@ contains
             call writer%columns%set(job%columns, case)
             associate (columns => trajectory_columns(job%columns))
                 call print_namelist(job%table, input)
-                call describe_provenance(job%scene%title, plan%model, plan%method, input, columns%name, &
-                                         columns%unit, columns%what, dated=.true., lines=header)
+                call describe_table(job, input, columns, header)
                 call writer%file%create(job%output, header, columns%name, error)
+                if (allocated(error)) return
+                if (size(job%events) > 0) then
+                    allocate (watch)
+                    call watch%set(job%events, job%stop_after, case)
+                end if
+                if (job%event_output /= '') then
+                    call describe_table(job, input, [event_columns, columns], header)
+                    call watch%open_table(job%event_output, header, &
+                                          [character(20) :: event_columns%name, columns%name], job%columns, case, error)
+                end if
             end associate
-            if (allocated(error)) return
+            if (allocated(error)) then
+                call writer%file%discard()
+                return
+            end if
 
             began = seconds()
             if (plan%exact) then
-                call sample_exactly(case, plan%samples, writer, outcome)
+                call sample_exactly(case, plan%samples, writer, outcome, watch)
             else
                 call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, &
-                               sample_times(case%t_end, plan%samples), writer, outcome)
+                               sample_times(case%t_end, plan%samples), writer, outcome, watch)
             end if
             elapsed = seconds() - began
             call writer%progress%finish()
@@ -83,9 +97,11 @@ contains
                 call move_alloc(writer%error, error)
             else
                 trailer(1)%text = status_line(outcome)
-                call writer%file%finish(trailer, error)
+                if (job%event_output /= '') call watch%close_table(trailer, error)
+                if (.not. allocated(error)) call writer%file%finish(trailer, error)
             end if
             if (allocated(error)) then
+                if (allocated(watch)) call watch%discard_table()
                 call writer%file%discard()
                 return
             end if
@@ -93,6 +109,9 @@ contains
             call summary%headline(job%input // ': trajectory of ' // to_text(writer%rows) // ' rows -> ' // job%output)
             call summary%describe_plan(plan)
             call summary%describe_motion(case)
+            if (job%event_output /= '') then
+                call summary%add('events', to_text(watch%rows) // ' -> ' // job%event_output)
+            end if
             if (plan%exact) then
                 call measure_exact_cost(case, setup, sample)
                 call summary%add('cost', rounded(1.0e6_dp * setup) // ' us for the set-up, ' &
@@ -103,25 +122,64 @@ contains
             call summary%add('time', rounded(elapsed) // ' s for ' // decimal(outcome%t) // ' s of motion')
             call summary%add('status', status_name(status) // ' at t = ' // to_text(outcome%t) // ': ' &
                              // status_meaning(status))
+            if (job%scene%stop_at /= '' .and. status == status_ok) call summary%add('end', what_ended(job, watch))
         end associate
     end subroutine run_trajectory
 
-    !> The exact motion at equally spaced times.
-    subroutine sample_exactly(case, samples, writer, outcome)
+    !> The head of a table with these columns, made from this resolved input.
+    subroutine describe_table(job, input, columns, header)
+        type(job_t), intent(in) :: job
+        type(string_t), intent(in) :: input(:)
+        type(column_t), intent(in) :: columns(:)
+        type(string_t), allocatable, intent(out) :: header(:)
+        call describe_provenance(job%scene%title, job%plan%model, job%plan%method, input, columns%name, &
+                                 columns%unit, columns%what, dated=.true., lines=header)
+    end subroutine describe_table
+
+    !> Whether it was an event that ended the motion.
+    function what_ended(job, watch) result(text)
+        type(job_t), intent(in) :: job
+        type(event_recorder_t), intent(in) :: watch
+        character(:), allocatable :: text
+        if (watch%ended_by > 0) then
+            text = trim(watch%events(watch%ended_by)%name) // ', as stop_at asks'
+        else
+            text = 'not at an event: ''' // trim(job%scene%stop_at) // ''' came less than ' &
+                   // to_text(job%stop_after) // ' times in the span'
+            if (job%stop_after == 1) text = 'not at an event: ''' // trim(job%scene%stop_at) &
+                // ''' did not come in the span'
+        end if
+    end function what_ended
+
+    !> The exact motion at equally spaced times, up to the event that ends it.
+    subroutine sample_exactly(case, samples, writer, outcome, watch)
         type(case_t), intent(in) :: case
         integer, intent(in) :: samples
         type(writer_t), intent(inout) :: writer
         type(outcome_t), intent(out) :: outcome
-        type(exact_motion_t) :: exact
+        type(event_recorder_t), intent(inout), optional :: watch
+        type(exact_path_t) :: path
+        real(dp) :: t
         integer :: i
 
-        call prepare_exact_motion(case%body, case%start, exact, outcome%status)
-        if (outcome%status /= status_ok) return
-        do i = 1, samples
-            call writer%write_row(exact%at(sample_time(case%t_end, samples, i)))
-            if (writer%has_enough) exit
-        end do
-        outcome%t = case%t_end
+        associate (exact => path%exact)
+            call prepare_exact_motion(case%body, case%start, exact, outcome%status)
+            if (outcome%status /= status_ok) return
+            if (present(watch)) call watch%begin(case%body, exact%at(0.0_dp))
+            do i = 1, samples
+                t = sample_time(case%t_end, samples, i)
+                if (present(watch)) then
+                    call watch%look(path, t)
+                    if (watch%has_enough) t = watch%t
+                end if
+                call writer%write_row(exact%at(t))
+                outcome%t = t
+                if (writer%has_enough) exit
+                if (present(watch)) then
+                    if (watch%has_enough) exit
+                end if
+            end do
+        end associate
     end subroutine sample_exactly
 
     !> Last line of a trajectory table.

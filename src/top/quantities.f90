@@ -8,7 +8,7 @@ module spintop_quantities
     implicit none
     private
     public :: kinetic_energy, potential_energy, vertical_momentum, axial_momentum
-    public :: euler_residuals, support_force, axis_tip
+    public :: euler_residuals, support_force, axis_tip, axis_height_rate
 
 contains
 
@@ -77,5 +77,19 @@ contains
         if (norm2(body%centre_of_mass) > 0) tip = body%centre_of_mass / norm2(body%centre_of_mass)
         tip = to_space(motion%quaternion, tip)
     end function axis_tip
+
+    !> Rate of the height of body z, cos(theta), 1/s: zero at the turning points of theta, smooth
+    !> at the poles; zero, too, where it is but rounding of its terms.
+    pure real(dp) function axis_height_rate(motion) result(rate)
+        type(motion_t), intent(in) :: motion
+        !> Rounding of gamma and omega, in units of the terms.
+        real(dp), parameter :: rounding = 8 * epsilon(1.0_dp)
+        real(dp) :: gamma(3)
+        gamma = vertical_from_quaternion(motion%quaternion)
+        associate (terms => [gamma(1) * motion%omega(2), -gamma(2) * motion%omega(1)])
+            rate = sum(terms)
+            if (abs(rate) <= rounding * sum(abs(terms))) rate = 0
+        end associate
+    end function axis_height_rate
 
 end module spintop_quantities

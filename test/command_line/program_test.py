@@ -169,7 +169,10 @@ class GoodInputTest(ProgramCase):
         """All inputs at once; the largest exit code counts, and each table is whole."""
         result = self.run_program(*INPUTS, "-o", "deep/er/folder")
         self.assertEqual(result.returncode, 3, result.stderr)
-        self.assertEqual(len(list((self.folder / "deep/er/folder").iterdir())), len(INPUTS))
+        tables = [path.name for path in (self.folder / "deep/er/folder").iterdir()]
+        events = [name for name in tables if name.endswith(".events.csv")]
+        self.assertEqual(events, ["slow_top_events.events.csv"])
+        self.assertEqual(len(tables) - len(events), len(INPUTS))
         for scene in INPUTS:
             with self.subTest(scene.stem):
                 table = self.table(scene.stem, "deep/er/folder")
@@ -314,6 +317,7 @@ class GoodInputTest(ProgramCase):
             "formulations": ["euler", "lagrange", "energy_rate", "lagrange_energy"],
             "columns": ["orientation_error", "force_n", "nutations_per_turn_fast_top"],
             "shapes": ["spinning_wheel", "ring", "cone", "inertia"],
+            "events": ["turning_points", "azimuth_turns", "COLUMN = VALUE"],
             "parameters": ["top.inertia", "initial.theta_deg", "sweep.values", "span.nutations"],
         }
         for topic, words in expected.items():
@@ -592,6 +596,192 @@ class ExactMotionTest(ProgramCase):
         for name in ("com_x", "com_y", "com_z", "force_z"):
             for a, b in zip(above.column(name), below.column(name), strict=True):
                 self.assertLessEqual(abs(a - b), 1e-12 * (1 + abs(a)), name)
+
+
+class EventTest(ProgramCase):
+    """Events: their table, the end of a motion, quantities measured by them."""
+
+    LISTED = "output.events=turning_points,theta = 1.5 falling,psi_deg = 90 every turn rising"
+
+    def events(self, name: str = "scene") -> Table:
+        """The table of events."""
+        return Table(self.folder / "output" / f"{name}.events.csv")
+
+    def test_a_table_of_events(self) -> None:
+        """By the exact motion and by steps: the same events, each a row of the chosen columns."""
+        setup = ["output.columns=t,theta,psi", "span.t_end=5", self.LISTED]
+        tables = {}
+        for method in ("exact", "dop853", "rk4"):
+            settings = [f"integration.method={method}"]
+            if method == "rk4":
+                settings += ["integration.steps=20000"]
+            scene = self.write(re.sub(r"&integration[^/]*/", "", GOOD), f"{method}.nml")
+            rows = self.compute(scene, *setup, *settings)
+            self.assertEqual(len(rows.rows), 20001 if method == "rk4" else 1001)
+            tables[method] = self.events(method)
+            self.assertEqual(tables[method].last_line, "# status: ok")
+        exact = tables["exact"]
+        self.assertEqual(exact.names, ["event", "number", "t", "theta", "psi"])
+        header = exact.header[exact.header.index("columns:") + 1 :]
+        self.assertEqual([line.split()[0].strip(":") for line in header], exact.names)
+        self.assertEqual(
+            [f"{event} {number}" for event, number, *_ in exact.rows],
+            [
+                "psi_deg=90 every turn rising 1",
+                "lower_turning_point 1",
+                "theta=1.5 falling 1",
+                "upper_turning_point 1",
+                "lower_turning_point 2",
+                "psi_deg=90 every turn rising 2",
+                "theta=1.5 falling 2",
+                "upper_turning_point 2",
+            ],
+        )
+        times = dict(zip(((row[0], row[1]) for row in exact.rows), exact.column("t"), strict=True))
+        for number in (1, 2):
+            upper = times["upper_turning_point", str(number)]
+            lower = times["lower_turning_point", str(number)]
+            self.assertAlmostEqual(upper, number * PERIOD, delta=1e-14)
+            self.assertAlmostEqual(lower, (number - 0.5) * PERIOD, delta=1e-14)
+        for row in exact.rows:
+            if row[0].startswith("theta"):
+                self.assertAlmostEqual(float(row[3]), 1.5, delta=1e-14)
+            if row[0].startswith("psi"):
+                turns = (float(row[4]) - math.pi / 2) / (2 * math.pi)
+                self.assertAlmostEqual(turns, round(turns), delta=1e-14)
+        for method, error in (("dop853", 1e-7), ("rk4", 1e-6)):
+            self.assertEqual([row[:2] for row in tables[method].rows], [r[:2] for r in exact.rows])
+            pairs = zip(tables[method].column("t"), exact.column("t"), strict=True)
+            self.assertLess(max(abs(a - b) for a, b in pairs), error)
+
+    def test_no_events_make_an_empty_table(self) -> None:
+        """A table of events without a row, and none where none is asked for."""
+        self.compute(self.write(), "output.events='theta = 3'")
+        self.assertEqual(self.events().rows, [])
+        self.assertEqual(self.produced(), ["output", "output/scene.csv", "output/scene.events.csv"])
+        self.compute(self.write(name="other.nml"))
+        self.assertNotIn("output/other.events.csv", self.produced())
+
+    def test_an_event_ends_the_motion(self) -> None:
+        """The last row is the event, and the summary says so; or that it did not come."""
+        for method in (["method=exact"], ["method=dop853"], ["method=rk4", "steps=8000"]):
+            with self.subTest(method):
+                scene = self.write(re.sub(r"&integration[^/]*/", "", GOOD))
+                settings = [f"integration.{setting}" for setting in method]
+                settings += ["span.t_end=8", "span.stop_at=upper_turning_points"]
+                settings += ["span.stop_after=2", "output.columns=t,theta,theta_rate"]
+                arguments = [part for setting in settings for part in ("--set", setting)]
+                result = self.run_program(scene, *arguments)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                self.assertRegex(result.stdout, r"\n  end +upper_turning_point, as stop_at asks\n")
+                table = self.table()
+                self.assertEqual(table.last_line, "# status: ok")
+                times = table.column("t")
+                self.assertEqual(times, sorted(set(times)))
+                self.assertAlmostEqual(times[-1], 2 * PERIOD, delta=1e-7)
+                self.assertAlmostEqual(table.column("theta")[-1], math.pi / 16, delta=1e-7)
+                self.assertAlmostEqual(table.column("theta_rate")[-1], 0, delta=1e-12)
+                result = self.run_program(scene, *arguments, "--set", "span.t_end=3")
+                self.assertIn("came less than 2 times in the span", result.stdout)
+                self.assertEqual(self.table().column("t")[-1], 3)
+
+    def test_an_event_ends_the_cases_of_a_sweep(self) -> None:
+        """Every case to its second lower turning point, in closed form and by steps."""
+        scene = self.write(
+            "&study kind = 'sweep' /\n"
+            "&top mass = 1, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387 /\n"
+            "&initial theta = 1 /\n"
+            "&span t_end = 20, stop_at = 'lower_turning_points', stop_after = 2 /\n"
+            "&sweep parameter(1) = 'initial.omega3', values(1,:) = 0.5, 2, 20 /\n"
+        )
+        exact = self.compute(scene)
+        self.assertEqual(exact.names[-2], "t_end")
+        steps = self.compute(scene, "integration.method=dop853")
+        for period, end, other, theta, largest in zip(
+            *(exact.column(name) for name in ("nutation_period", "t_end")),
+            steps.column("t_end"),
+            *(exact.column(name) for name in ("theta_end", "theta_max")),
+            strict=True,
+        ):
+            self.assertAlmostEqual(end, 1.5 * period, delta=1e-13)
+            self.assertAlmostEqual(other, end, delta=1e-7)
+            self.assertAlmostEqual(theta, largest, delta=1e-13)
+        self.assertLess(steps.largest("orientation_error"), 1e-6)
+        late = self.compute(scene, "span.stop_after=16")
+        columns = (late.column("nutation_period"), late.column("t_end"), late.texts("notes"))
+        came = []
+        for period, end, note in zip(*columns, strict=True):
+            came.append(15.5 * period < 20)
+            self.assertAlmostEqual(end, 15.5 * period if came[-1] else 20, delta=1e-12)
+            self.assertEqual(note, "" if came[-1] else "stop_at did not come in the span")
+        self.assertEqual(set(came), {True, False})
+
+    def test_a_body_without_closed_form_is_measured(self) -> None:
+        """A slightly asymmetric body beside the symmetric one; a short span has no nutation."""
+        scene = self.write(
+            "&study kind = 'sweep' /\n"
+            "&top mass = 1, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387 /\n"
+            "&initial theta_deg = 40, omega3 = 25, phi_rate = -2 /\n"
+            "&span t_end = 12 /\n&integration method = 'dop853', relative_tolerance = 1e-12 /\n"
+            "&sweep parameter(1) = 'top.inertia(2)', values(1,:) = 0.875, 0.87500001 /\n"
+        )
+        names = (
+            *("theta_min", "theta_max", "delta_u", "nutation_period", "precession_per_nutation"),
+            *("nutations_in_period", "phi_rate_max", "com_z_min", "spin_per_nutation"),
+        )
+        table = self.compute(scene, "output.columns=motion_class," + ",".join(names))
+        self.assertEqual(table.texts("motion_class"), ["loop", "loop"])
+        for name in names:
+            symmetric, other = table.column(name)
+            self.assertAlmostEqual(other / symmetric, 1, delta=1e-6, msg=name)
+        short = self.compute(scene, "span.t_end=0.5", "output.columns=motion_class,theta_max")
+        self.assertEqual(short.texts("motion_class"), ["loop", "none"])
+        self.assertEqual(short.texts("theta_max")[1], "nan")
+        self.assertIn("no full nutation in the span", short.texts("notes")[1])
+
+    def test_a_turned_body_has_the_events_of_the_body_as_given(self) -> None:
+        """A top about body x, turned inside, and one a little asymmetric, which is not."""
+        scene = self.write(
+            "&top mass = 1, inertia = 0.25, 0.875, 0.875, centre_of_mass = 0.8660254, 0, 0 /\n"
+            "&initial theta = 1.1, phi = 0.2, psi = 0.4, phi_rate = 1,"
+            " theta_rate = 0.3, psi_rate = 2 /\n"
+            "&span t_end = 10 /\n"
+            "&output columns = 't', 'theta', 'phi', 'psi', events = 'turning_points',\n"
+            "    'azimuth_turns', 'psi = 0.4 every turn', 'phi = 1' /\n"
+        )
+        self.compute(scene)
+        turned = self.events()
+        self.compute(scene, "top.inertia(3)=0.87500000001")
+        given = self.events()
+        self.assertGreater(len(turned.rows), 30)
+        self.assertEqual([row[:2] for row in turned.rows], [row[:2] for row in given.rows])
+        for name in ("t", "theta", "phi", "psi"):
+            for one, other in zip(turned.column(name), given.column(name), strict=True):
+                self.assertAlmostEqual(one, other, delta=1e-6)
+
+    def test_bad_events(self) -> None:
+        """Place, problem and advice for each mistake."""
+        mistakes = {
+            "output.events=turning_point": "did you mean 'turning_points'?",
+            "output.events=thta = 1": "did you mean 'theta'?",
+            "output.events='theta = 1', 'theta = 1 rising'": "named twice",
+            "span.stop_at=theta = x": "not a number: x",
+            "span.stop_after=2": "there is no event to stop at",
+        }
+        scene = self.write()
+        for setting, advice in mistakes.items():
+            with self.subTest(setting):
+                error = self.refuse(scene, "--set", setting)
+                self.assertIn(advice, error)
+                self.assertRegex(error, r"^--set:1:\d+: error: ")
+        scene = self.write(GOOD.replace("t_end = 0.5", "t_end = 0.5\n    stop_at = 'thta = 1'"))
+        self.assertRegex(self.refuse(scene), r"scene.nml:12:15: error: there is no column 'thta'")
+        sweep = "&study kind = 'sweep' /\n&sweep parameter(1) = 'top.mass', values(1,:) = 1 /\n"
+        scene = self.write(GOOD.split("&output")[0] + sweep)
+        error = self.refuse(scene, "--set", "output.events=turning_points")
+        self.assertIn("a sweep has no table of events", error)
+        error = self.refuse(scene, "--set", "span.stop_at=orientation_error = 1")
+        self.assertIn("compares with the exact motion", error)
 
 
 class BadInputTest(ProgramCase):

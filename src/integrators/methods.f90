@@ -80,7 +80,7 @@ contains
         call known%add(taylor_quadruple_t(info=method_info_t( &
             'taylor_quadruple', 'Taylor series of order 30 in quadruple precision, for reference motions', &
             order=30, adaptive=.true., needs=structure_quadruple, relative_tolerance=1.0e-26_dp, &
-            absolute_tolerance=1.0e-29_dp)))
+            absolute_tolerance=1.0e-29_dp, finest_tolerance=1.0e-31_dp)))
         call known%add(arkode_t(info=method_info_t( &
             'arkode_erk', 'explicit Runge-Kutta of SUNDIALS ARKODE', &
             fixed_step=.true., adaptive=.true., takes_table=.true.)))

@@ -30,6 +30,8 @@ module spintop_stepper
         !> Tolerances of its own where the user gives none (0: the program's).
         real(dp) :: relative_tolerance = 0
         real(dp) :: absolute_tolerance = 0
+        !> A smaller relative tolerance is below what its arithmetic can tell.
+        real(dp) :: finest_tolerance = 1.0e-17_dp
         !> Output points a step by its own convention (ode45: 4); 0 without one.
         integer :: refine = 0
     end type method_info_t

@@ -5,7 +5,8 @@ module spintop_plan
     use spintop_body, only: body_t
     use spintop_body_of_scene, only: is_set
     use spintop_case, only: case_t
-    use spintop_formulation, only: formulation_t, formulation_info_t, structure_none, structure_names
+    use spintop_formulation, only: formulation_t, formulation_info_t, structure_none, structure_names, &
+        structure_series
     use spintop_formulations, only: create_formulation, formulation_infos
     use spintop_methods, only: create_stepper
     use spintop_parameters, only: unset_integer
@@ -86,7 +87,7 @@ contains
         type(body_t), intent(in) :: body
         type(plan_t), intent(inout) :: plan
         type(problems_t), intent(inout) :: problems
-        character(*), parameter :: default_stepper = 'dop853', default_with_table = 'arkode_erk'
+        character(*), parameter :: default_with_table = 'arkode_erk'
 
         select case (scene%method)
         case ('exact')
@@ -111,9 +112,7 @@ contains
                         &is integrated step by step.'
                 end if
                 if (scene%table == '') then
-                    call create_stepper(default_stepper, plan%stepper)
-                    plan%reason = plan%reason // ' ' // default_stepper // ' is the default for that: of high &
-                        &order, so cheap where the motion is smooth and the tolerance tight.'
+                    call choose_default(scene, plan)
                 else
                     call create_stepper(default_with_table, plan%stepper)
                     plan%reason = plan%reason // ' ' // default_with_table // ' takes the table that was named.'
@@ -151,6 +150,31 @@ contains
 
     end subroutine choose_method
 
+    !> The cheapest stepper that chooses its own steps or, as wanted, takes equal ones.
+    subroutine choose_default(scene, plan)
+        type(scene_t), intent(in) :: scene
+        type(plan_t), intent(inout) :: plan
+        character(*), parameter :: by_series = 'taylor', by_stages = 'dop853'
+        type(formulation_info_t), allocatable :: forms(:)
+        logical :: has_series
+        integer :: i
+
+        has_series = scene%formulation == 'auto' ! what is chosen then has
+        allocate (forms, source=formulation_infos())
+        do i = 1, size(forms)
+            if (forms(i)%name == scene%formulation) has_series = forms(i)%offers(structure_series)
+        end do
+        if (has_series .and. scene%steps == unset_integer .and. .not. is_set(scene%step)) then
+            call create_stepper(by_series, plan%stepper)
+            plan%reason = plan%reason // ' ' // by_series // ' is the default for that: the cheapest at any &
+                &tolerance where the equations have a power series.'
+        else
+            call create_stepper(by_stages, plan%stepper)
+            plan%reason = plan%reason // ' ' // by_stages // ' is the default for that: of high order, so cheap where &
+                &the motion is smooth and the tolerance tight.'
+        end if
+    end subroutine choose_default
+
     !> The formulation named, or the default one.
     subroutine choose_formulation(scene, body, plan, problems)
         type(scene_t), intent(in) :: scene
@@ -159,10 +183,17 @@ contains
         type(problems_t), intent(inout) :: problems
         character(*), parameter :: of_symmetric_tops = 'space_frame', of_any_body = 'rigid_body'
         type(formulation_info_t) :: info
+        logical :: suits
 
+        suits = .false.
         if (scene%formulation == 'auto') then
             if (body%is_lagrange()) then
                 call create_formulation(of_symmetric_tops, plan%formulation)
+                info = plan%formulation%info()
+                suits = plan%stepper%info%needs == structure_none
+                if (.not. suits) suits = info%offers(plan%stepper%info%needs)
+            end if
+            if (suits) then
                 plan%reason = plan%reason // ' The equations are those of ' // of_symmetric_tops // ', &
                     &regular at the poles and cheap for a spin of any speed.'
             else
@@ -252,6 +283,10 @@ contains
             if (info%absolute_tolerance > 0) controls%absolute_tolerance = info%absolute_tolerance
             call take_tolerance('integration.relative_tolerance', scene%relative_tolerance, &
                                 controls%relative_tolerance)
+            if (controls%relative_tolerance < info%finest_tolerance) then
+                call problems%add('integration.relative_tolerance', method // ' cannot keep a tolerance below ' // &
+                    to_text(info%finest_tolerance), "method = 'taylor_quadruple' can")
+            end if
             if (is_set(scene%relative_tolerance)) controls%absolute_tolerance = &
                 min(controls%absolute_tolerance, absolute_share * controls%relative_tolerance)
             call take_tolerance('integration.absolute_tolerance', scene%absolute_tolerance, &

@@ -155,7 +155,7 @@ contains
         call table%add('integration.steps', scene%steps, '', '>= 1', 'number of equal steps')
         call table%add('integration.step', scene%step, 's', '> 0', &
                        'largest size of equal steps, instead of steps')
-        call table%add('integration.relative_tolerance', scene%relative_tolerance, '', '[1e-15, 1]', &
+        call table%add('integration.relative_tolerance', scene%relative_tolerance, '', '[1e-31, 1]', &
                        'relative error a step of adaptive methods (1e-9; ode45: 1e-3)')
         call table%add('integration.absolute_tolerance', scene%absolute_tolerance, '', '> 0', &
                        'absolute error a step (1e-12, ode45 1e-6; at most a thousandth of a relative_tolerance given)')

@@ -4,18 +4,22 @@
 !> quadruple precision. One row a case and method says what the errors are, how far the invariants
 !> drift, what it cost, and what to think of it.
 module spintop_stability
+    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t, make_case
     use spintop_errors, only: error_t, internal_error
     use spintop_hard_cases, only: hard_cases
     use spintop_job, only: job_t, options_t
     use spintop_kinds, only: dp
+    use spintop_lyapunov, only: find_lyapunov
+    use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_parameter_print, only: print_namelist
     use spintop_plan, only: plan_t, make_plan
     use spintop_problems, only: problems_t
     use spintop_progress, only: progress_t
     use spintop_provenance, only: describe_provenance
     use spintop_reference_motion, only: reference_t, find_reference
+    use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_scene, only: scene_t
     use spintop_stability_plan, only: own_case, scene_of_case, scene_of_trial
     use spintop_status, only: status_name, status_ok
@@ -25,8 +29,7 @@ module spintop_stability
     use spintop_text, only: string_t, to_text
     use spintop_text_buffer, only: text_buffer_t
     use spintop_trial, only: run_trial, trial_t
-    use spintop_verdict, only: explain_trial, judge_trial, verdict_accurate, verdict_gave_up, &
-        verdict_meanings, verdict_names, verdict_unsuitable
+    use spintop_verdict, only: explain_trial, judge_trial, verdict_meanings, verdict_names, verdict_unsuitable
     implicit none
     private
     public :: run_stability, stability_columns, stability_column_t
@@ -57,9 +60,20 @@ module spintop_stability
         stability_column_t('time_s', 's', 'time of the computation'), &
         stability_column_t('status', '', 'how it ended'), &
         stability_column_t('t', 's', 'time reached'), &
+        stability_column_t('upright_growth', '1/s', 'largest growth rate of the top sleeping upright with this spin'), &
+        stability_column_t('lyapunov_exponent', '1/s', 'mean growth rate of small deviations over the span'), &
         stability_column_t('reference', '', 'what it was compared with'), &
         stability_column_t('reference_error', 'rad', 'how far apart two computations of the reference are'), &
         stability_column_t('reason', '', 'why the verdict is what it is')]
+
+    !> What is said of a case whatever the method.
+    type :: case_facts_t
+        character(24) :: name = ''
+        type(case_t) :: case
+        type(reference_t) :: reference
+        !> Growth rates, 1/s; not a number where there is none.
+        real(dp) :: upright_growth = 0, lyapunov_exponent = 0
+    end type case_facts_t
 
     !> Times at which a motion is compared; the steps of the catalogue are multiples of the intervals.
     integer, parameter :: samples = 41
@@ -114,31 +128,18 @@ contains
         integer, intent(inout) :: verdicts(:, :)
         type(error_t), allocatable, intent(out) :: error
         type(scene_t) :: scene
-        type(case_t) :: case
-        type(problems_t) :: problems
-        type(reference_t) :: reference
+        type(case_facts_t) :: facts
         type(text_buffer_t) :: row
-        character(24) :: name
-        integer :: k, status, verdict
+        integer :: k, verdict
 
-        name = own_case
-        if (job%stability%cases(i) > 0) name = hard_cases(job%stability%cases(i))%name
+        facts%name = own_case
+        if (job%stability%cases(i) > 0) facts%name = hard_cases(job%stability%cases(i))%name
         call scene_of_case(job%scene, job%stability%cases(i), scene, error)
+        if (.not. allocated(error)) call find_facts(scene, facts, error)
         if (allocated(error)) return
-        call make_case(scene, case, problems)
-        if (problems%any()) then
-            error = internal_error('stability: case ' // trim(name) // ': ' // problems%first())
-            return
-        end if
-        call find_reference(case, samples, reference, status)
-        if (status /= status_ok) then
-            error = internal_error('stability: case ' // trim(name) // ' has no reference: ' // status_name(status))
-            return
-        end if
         do k = 1, size(job%stability%methods)
             call row%clear()
-            call row%put_text(name)
-            call run_method(job, scene, case, reference, k, row, verdict)
+            call run_method(job, scene, facts, k, row, verdict)
             verdicts(k, verdict) = verdicts(k, verdict) + 1
             call file%put_block(row, error)
             if (allocated(error)) return
@@ -146,12 +147,47 @@ contains
         end do
     end subroutine run_case
 
-    !> One method on a case, as the rest of a row.
-    subroutine run_method(job, case_scene, case, reference, k, row, verdict)
+    !> The case of a scene, what it is compared with, and how deviations from it grow.
+    subroutine find_facts(scene, facts, error)
+        type(scene_t), intent(in) :: scene
+        type(case_facts_t), intent(inout) :: facts
+        type(error_t), allocatable, intent(out) :: error
+        type(problems_t) :: problems
+        type(motion_t) :: sleeping
+        complex(dp) :: eigenvalues(6)
+        real(dp) :: exponents(1)
+        integer :: status
+
+        call make_case(scene, facts%case, problems)
+        if (problems%any()) then
+            error = internal_error('stability: case ' // trim(facts%name) // ': ' // problems%first())
+            return
+        end if
+        associate (case => facts%case)
+            call find_reference(case, samples, facts%reference, status)
+            if (status /= status_ok) then
+                error = internal_error('stability: case ' // trim(facts%name) // ' has no reference: ' &
+                                       // status_name(status))
+                return
+            end if
+            facts%upright_growth = ieee_value(0.0_dp, ieee_quiet_nan)
+            if (case%body%is_lagrange()) then
+                sleeping = motion_from_quaternion(0.0_dp, [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], &
+                                                  [0.0_dp, 0.0_dp, case%start%omega(3)], case%start%angle)
+                call find_equilibrium_eigenvalues(case%body, sleeping, eigenvalues, status)
+                if (status == status_ok) facts%upright_growth = maxval(real(eigenvalues, dp))
+            end if
+            facts%lyapunov_exponent = ieee_value(0.0_dp, ieee_quiet_nan)
+            call find_lyapunov(case%body, case%start, case%t_end, exponents, status)
+            if (status == status_ok) facts%lyapunov_exponent = exponents(1)
+        end associate
+    end subroutine find_facts
+
+    !> One method on a case, as a row.
+    subroutine run_method(job, case_scene, facts, k, row, verdict)
         type(job_t), intent(in) :: job
         type(scene_t), intent(in) :: case_scene
-        type(case_t), intent(in) :: case
-        type(reference_t), intent(in) :: reference
+        type(case_facts_t), intent(in) :: facts
         integer, intent(in) :: k
         type(text_buffer_t), intent(inout) :: row
         integer, intent(out) :: verdict
@@ -161,11 +197,13 @@ contains
         type(trial_t) :: trial
         character(16) :: formulation
         character(:), allocatable :: reason, ending
+        real(dp) :: floor
 
+        floor = maxval(facts%reference%floor)
         scene = case_scene
         associate (choice => job%stability%methods(k))
             call scene_of_trial(job%scene, scene, choice)
-            call make_plan(scene, case, plan, problems)
+            call make_plan(scene, facts%case, plan, problems)
             formulation = choice%formulation
             if (allocated(plan%formulation)) formulation = plan%model(:index(plan%model, ':') - 1)
             if (problems%any()) then
@@ -173,27 +211,28 @@ contains
                 reason = problems%first()
                 ending = verdict_names(verdict)
             else
-                call run_trial(case, plan, reference, trial)
-                verdict = judge_trial(trial, maxval(reference%floor))
+                call run_trial(facts%case, plan, facts%reference, trial)
+                verdict = judge_trial(trial, floor)
                 reason = explain_trial(trial, verdict)
                 ending = status_name(trial%status)
             end if
+            call row%put_text(facts%name)
             call row%put_text(choice%method%name)
         end associate
         call row%put_text(formulation)
         call row%put_text(verdict_names(verdict))
         associate (errors => trial%errors, counts => trial%counts)
             call row%put_reals([errors%orientation, errors%tip, errors%energy, errors%vertical, &
-                                errors%axial, errors%quaternion, maxval(reference%floor)])
+                                errors%axial, errors%quaternion, floor])
             call row%put_integer(counts%steps)
             call row%put_integer(counts%rejected)
             call row%put_integer(counts%evaluations)
         end associate
         call row%put_reals([trial%time])
         call row%put_text(trim(ending))
-        call row%put_reals([trial%t])
-        call row%put_text(reference%source)
-        call row%put_reals([reference%uncertainty])
+        call row%put_reals([trial%t, facts%upright_growth, facts%lyapunov_exponent])
+        call row%put_text(facts%reference%source)
+        call row%put_reals([facts%reference%uncertainty])
         call row%put_text(reason)
         call row%end_row()
     end subroutine run_method

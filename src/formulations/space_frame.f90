@@ -5,12 +5,12 @@
 !> What is left is bilinear, has no trigonometric functions and no singular attitude. With the axis
 !> e, a quadratic form of p, L' = m g l (-e2, e1, 0) and e' = L x e/I1.
 module spintop_space_frame
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, qp
     use spintop_attitude, only: follow_angles, conjugate_quaternion, quaternion_product, to_space, &
         turn_less_one
     use spintop_body, only: body_t
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_series_order, &
-        max_states, structure_group, structure_series
+        max_states, structure_group, structure_quadruple, structure_series
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_status, only: status_ok
     use spintop_vectors, only: cross
@@ -24,6 +24,7 @@ module spintop_space_frame
         !> Momentum about the vertical, spin rate about the axis, and sigma, its part split off.
         real(dp) :: vertical = 0, omega3 = 0, sigma = 0
         real(dp) :: mgl = 0, i1 = 1
+        type(motion_t) :: start
     contains
         procedure, nopass :: info
         procedure :: prepare
@@ -32,6 +33,7 @@ module spintop_space_frame
         procedure :: follow
         procedure :: invariants
         procedure :: series
+        procedure :: series_quadruple
         procedure :: group_velocity
         procedure :: group_bracket
         procedure :: group_move
@@ -45,7 +47,7 @@ contains
         info = formulation_info_t('space_frame', &
             'momentum in space axes and quaternion without spin, for symmetric tops; no pole is singular', &
             6, singular_at_poles=.false., invariants=3, quaternion=3)
-        info%offers([structure_group, structure_series]) = .true.
+        info%offers([structure_group, structure_series, structure_quadruple]) = .true.
     end function info
 
     !> Constants of the motion and initial state.
@@ -59,6 +61,7 @@ contains
         self%body = body
         momentum = to_space(start%quaternion, body%inertia * start%omega)
         self%vertical = momentum(3)
+        self%start = start
         self%omega3 = start%omega(3)
         self%i1 = body%inertia(1)
         self%sigma = (body%inertia(1) - body%inertia(3)) * start%omega(3) / body%inertia(1)
@@ -242,5 +245,55 @@ contains
         change(3:6) = quaternion_product(turn_less_one(xi(1:3)), y(3:6))
         change(7:8) = 0
     end subroutine group_move
+
+    !> Momentum about the vertical, the quaternion taken for the attitude that it points to. Near the
+    !> upright its difference from that about the axis decides on the motion.
+    pure real(qp) function vertical_momentum(body, start)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        real(qp) :: q(4), momentum(3)
+        q = start%quaternion
+        momentum = real(body%inertia, qp) * start%omega
+        vertical_momentum = (2 * ((q(2) * q(4) - q(1) * q(3)) * momentum(1) &
+                                  + (q(3) * q(4) + q(1) * q(2)) * momentum(2)) &
+                             + (q(1)**2 + q(4)**2 - q(2)**2 - q(3)**2) * momentum(3)) / sum(q**2)
+    end function vertical_momentum
+
+    !> Taylor coefficients of the motion in quadruple precision.
+    pure subroutine series_quadruple(self, y, order, coefficient)
+        class(space_frame_t), intent(in) :: self
+        real(qp), intent(in) :: y(max_states)
+        integer, intent(in) :: order
+        real(qp), intent(out) :: coefficient(max_states, 0:max_series_order)
+        real(qp) :: by_l1(4), by_l2(4), by_p0(2), by_p3(2), half, vertical, pull
+        integer :: k, j
+
+        half = 1 / (2 * real(self%i1, qp))
+        vertical = vertical_momentum(self%body, self%start) * half
+        pull = 2 * real(self%body%mass, qp) * self%body%gravity * self%body%centre_of_mass(3) / sum(y(3:6)**2)
+        coefficient(:, 0) = y
+        associate (c => coefficient)
+            do k = 0, order - 1
+                by_l1 = 0
+                by_l2 = 0
+                by_p0 = 0
+                by_p3 = 0
+                do j = 0, k
+                    by_l1 = by_l1 + c(1, j) * c(3:6, k - j)
+                    by_l2 = by_l2 + c(2, j) * c(3:6, k - j)
+                    by_p0 = by_p0 + c(3, j) * c(4:5, k - j)
+                    by_p3 = by_p3 + c(6, j) * c(4:5, k - j)
+                end do
+                c(1, k + 1) = pull * (by_p0(1) - by_p3(2))
+                c(2, k + 1) = pull * (by_p0(2) + by_p3(1))
+                c(3, k + 1) = -half * (by_l1(2) + by_l2(3)) - vertical * c(6, k)
+                c(4, k + 1) = half * (by_l1(1) + by_l2(4)) - vertical * c(5, k)
+                c(5, k + 1) = half * (by_l2(1) - by_l1(4)) + vertical * c(4, k)
+                c(6, k + 1) = half * (by_l1(3) - by_l2(2)) + vertical * c(3, k)
+                c(7:8, k + 1) = 0
+                c(:, k + 1) = c(:, k + 1) / (k + 1)
+            end do
+        end associate
+    end subroutine series_quadruple
 
 end module spintop_space_frame

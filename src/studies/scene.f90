@@ -184,7 +184,7 @@ contains
         call table%add('stability.cases', scene%stability_cases, &
                        what="cases of the catalogue, or 'input' for the case of this file (all but long ones)")
         call table%add('stability.methods', scene%stability_methods, &
-                       what='methods, alone or as method/formulation (all, some of them in Euler angles too)')
+                       what='methods, alone or as method/formulation (all, some under more than one formulation)')
 
     contains
 

@@ -2,7 +2,7 @@
 module spintop_stability_plan
     use spintop_body_of_scene, only: is_set
     use spintop_errors, only: error_t
-    use spintop_formulation, only: formulation_info_t
+    use spintop_formulation, only: formulation_info_t, structure_quadruple
     use spintop_formulations, only: formulation_infos
     use spintop_hard_cases, only: hard_cases, make_scene
     use spintop_kinds, only: dp
@@ -36,9 +36,10 @@ module spintop_stability_plan
     real(dp), parameter :: default_tolerance = 1.0e-12_dp
     !> Equal steps of the input's own case where it gives none.
     integer, parameter :: default_steps = 8000
-    !> Formulations with poles, under which these methods are tried too.
-    character(*), parameter :: in_angles(*) = [character(16) :: 'lagrange', 'euler']
-    character(*), parameter :: tried_in_angles(*) = [character(20) :: 'rk4', 'ode45', 'dop853']
+    !> What is tried besides each method under the formulation that suits the body.
+    character(*), parameter :: more_choices(*) = [character(28) :: 'rk4/lagrange', 'rk4/euler', &
+        'ode45/lagrange', 'ode45/euler', 'dop853/lagrange', 'dop853/euler', 'taylor/rigid_body', &
+        'taylor/cayley_klein']
 
 contains
 
@@ -112,19 +113,20 @@ contains
         end do
     end subroutine take_methods
 
-    !> Every method under the formulation that suits the body, some of them in angles too.
+    !> Every method under the formulation that suits the body, some of them under others too.
     subroutine take_all_methods(choices)
         type(method_choice_t), allocatable, intent(out) :: choices(:)
         type(method_info_t), allocatable :: methods(:)
-        integer :: i, k
+        integer :: i, k, slash
 
         allocate (methods, source=method_infos())
         allocate (choices(0))
         do i = 1, size(methods)
             choices = [choices, method_choice_t(methods(i))]
-            if (.not. any(tried_in_angles == methods(i)%name)) cycle
-            do k = 1, size(in_angles)
-                choices = [choices, method_choice_t(methods(i), in_angles(k))]
+            do k = 1, size(more_choices)
+                slash = index(more_choices(k), '/')
+                if (more_choices(k)(:slash - 1) /= methods(i)%name) cycle
+                choices = [choices, method_choice_t(methods(i), more_choices(k)(slash + 1:))]
             end do
         end do
     end subroutine take_all_methods
@@ -158,6 +160,7 @@ contains
         if (.not. choice%method%adaptive) return
         scene%steps = unset_integer
         scene%relative_tolerance = default_tolerance
+        if (choice%method%needs == structure_quadruple) scene%relative_tolerance = unset
         if (is_set(input%relative_tolerance)) scene%relative_tolerance = input%relative_tolerance
         scene%absolute_tolerance = input%absolute_tolerance
     end subroutine scene_of_trial

@@ -5,13 +5,16 @@
 !> b cos(theta) and A+- = (E +- b + a^2)/4:
 !>     alpha'' = (b |alpha|^2 - b/2 - A+) alpha,  beta'' = (b/2 - b |beta|^2 - A-) beta.
 !> No attitude is singular. |alpha|^2 + |beta|^2 = 1 holds for the exact motion only.
+!>
+!> Drift and kick are those of any such pair of equations y'' = g(y): y moves at its rate, the rate
+!> changes by g at rest. Splitting methods are then symplectic Runge-Kutta-Nystrom methods.
 module spintop_cayley_klein
     use spintop_kinds, only: dp
     use spintop_attitude, only: follow_angles, conjugate_quaternion, quaternion_product, &
         vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_series_order, &
-        max_states, structure_series
+        max_states, structure_series, structure_split
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_status, only: status_ok
     implicit none
@@ -27,6 +30,9 @@ module spintop_cayley_klein
         procedure, nopass :: info
         procedure :: prepare
         procedure :: derivative
+        procedure :: drift
+        procedure :: kick
+        procedure :: compose
         procedure :: motion
         procedure :: follow
         procedure :: invariants
@@ -41,7 +47,7 @@ contains
         info = formulation_info_t('cayley_klein', &
             'two oscillators for the Cayley-Klein parameters, for symmetric tops; no pole is singular', &
             8, singular_at_poles=.false., invariants=5, quaternion=1)
-        info%offers(structure_series) = .true.
+        info%offers([structure_split, structure_series]) = .true.
     end function info
 
     !> Constants of the motion and initial state.
@@ -71,13 +77,71 @@ contains
         real(dp), intent(in) :: y(max_states)
         real(dp), intent(out) :: dy(max_states)
         integer, intent(out) :: status
-        real(dp) :: stiffness(2)
-        stiffness(1) = self%b * (y(1)**2 + y(4)**2) - self%upper
-        stiffness(2) = self%lower - self%b * (y(2)**2 + y(3)**2)
         dy(1:4) = y(5:8)
-        dy(5:8) = stiffness([1, 2, 2, 1]) * y(1:4)
+        dy(5:8) = acceleration(self, y(1:4), 1.0_dp)
         status = status_ok
     end subroutine derivative
+
+    !> How the rates of the amplitudes change within a time h at rest.
+    pure function acceleration(self, amplitude, h) result(change)
+        class(cayley_klein_t), intent(in) :: self
+        real(dp), intent(in) :: amplitude(4), h
+        real(dp) :: change(4), stiffness(2)
+        stiffness(1) = self%b * (amplitude(1)**2 + amplitude(4)**2) - self%upper
+        stiffness(2) = self%lower - self%b * (amplitude(2)**2 + amplitude(3)**2)
+        change = stiffness([1, 2, 2, 1]) * (h * amplitude)
+    end function acceleration
+
+    !> Amplitudes move at their rates.
+    pure subroutine drift(self, y, h, change)
+        class(cayley_klein_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h
+        real(dp), intent(inout) :: change(max_states)
+        associate (unused => self)
+        end associate
+        change(1:4) = change(1:4) + h * (y(5:8) + change(5:8))
+    end subroutine drift
+
+    !> Rates change.
+    pure subroutine kick(self, y, h, change)
+        class(cayley_klein_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h
+        real(dp), intent(inout) :: change(max_states)
+        change(5:8) = change(5:8) + acceleration(self, y(1:4) + change(1:4), h)
+    end subroutine kick
+
+    !> Drifts and kicks in turn: calls would cost several times what they do. The two oscillators go
+    !> side by side, in vectors of two real and of two imaginary parts.
+    pure subroutine compose(self, y, h, kicks, drifts, change)
+        class(cayley_klein_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h, kicks(0:), drifts(:)
+        real(dp), intent(out) :: change(max_states)
+        real(dp), dimension(2) :: strength, offset, re, im, re_rate, im_rate
+        real(dp), dimension(2) :: re_moved, im_moved, re_kicked, im_kicked, stiffness
+        integer :: i
+        re = y(1:2)
+        im = y(4:3:-1)
+        re_rate = y(5:6)
+        im_rate = y(8:7:-1)
+        strength = [self%b, -self%b]
+        offset = [-self%upper, self%lower]
+        re_moved = 0
+        im_moved = 0
+        stiffness = strength * (re**2 + im**2) + offset
+        re_kicked = stiffness * (h * kicks(0) * re)
+        im_kicked = stiffness * (h * kicks(0) * im)
+        do i = 1, size(drifts)
+            re_moved = re_moved + h * drifts(i) * (re_rate + re_kicked)
+            im_moved = im_moved + h * drifts(i) * (im_rate + im_kicked)
+            stiffness = strength * ((re + re_moved)**2 + (im + im_moved)**2) + offset
+            re_kicked = re_kicked + stiffness * (h * kicks(i) * (re + re_moved))
+            im_kicked = im_kicked + stiffness * (h * kicks(i) * (im + im_moved))
+        end do
+        change(1:2) = re_moved
+        change(4:3:-1) = im_moved
+        change(5:6) = re_kicked
+        change(8:7:-1) = im_kicked
+    end subroutine compose
 
     !> The motion. The oscillators are a motion of their own, of the same axis, that lacks the spin
     !> by sigma t: with its quaternion p, 2 conj(p) p'/|p|^2 is its angular velocity.

@@ -48,8 +48,9 @@ module spintop_formulation
     !> A form of the equations of motion.
     type, abstract :: formulation_t
         type(body_t) :: body
-        !> The drift is a flow, not an approximation of one of order 2.
-        logical :: drift_is_exact = .true.
+        !> Drift and kick are flows, the kick changes rates by what the attitude alone tells, and the
+        !> drift turns by rates to which it is linear: the ground of Runge-Kutta-Nystrom tables.
+        logical :: splits_as_nystrom = .true.
     contains
         procedure(info_of), deferred, nopass :: info
         procedure(prepare), deferred :: prepare
@@ -58,6 +59,7 @@ module spintop_formulation
         procedure :: invariants => no_invariants
         procedure :: drift => no_flow
         procedure :: kick => no_flow
+        procedure :: compose => compose_flows
         procedure :: group_velocity => no_group_velocity
         procedure :: group_bracket => no_group_bracket
         procedure :: group_move => no_group_move
@@ -120,17 +122,36 @@ contains
         values = 0
     end subroutine no_invariants
 
-    !> How a drift (`drift`) or a kick (`kick`) over `h` seconds, of either sign, changes the state.
-    !> The two together are the motion: their right-hand sides add up to `derivative`. Both are
-    !> exact, the drift if `drift_is_exact`; else it is symmetric in h and of order 2.
+    !> A drift (`drift`) or a kick (`kick`) over `h` seconds, of either sign, from the state y + change:
+    !> adds to `change` what it does.
+    !> The two together are the motion: their right-hand sides add up to `derivative`. The kick is
+    !> an exact flow; the drift is one or, without `splits_as_nystrom`, may be an approximation that is
+    !> symmetric in h and of order 2.
     pure subroutine no_flow(self, y, h, change)
         class(formulation_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states), h
-        real(dp), intent(out) :: change(max_states)
-        associate (unused => self, also_unused => y, unused_too => h)
+        real(dp), intent(inout) :: change(max_states)
+        associate (unused => self, also_unused => y, a => h, b => change)
         end associate
-        change = 0
     end subroutine no_flow
+
+    !> How kicks over `kicks` h and drifts over `drifts` h seconds, in turn and beginning with a kick,
+    !> change the state. Formulations whose flows cost less than their calls bring one of their own.
+    !>
+    !> The change is summed from zero: so rounding cuts off shares of it, as the flows do that make
+    !> it up, and not shares of the state.
+    pure subroutine compose_flows(self, y, h, kicks, drifts, change)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h, kicks(0:), drifts(:)
+        real(dp), intent(out) :: change(max_states)
+        integer :: i
+        change = 0
+        if (abs(kicks(0)) > 0) call self%kick(y, h * kicks(0), change)
+        do i = 1, size(drifts)
+            call self%drift(y, h * drifts(i), change)
+            if (abs(kicks(i)) > 0) call self%kick(y, h * kicks(i), change)
+        end do
+    end subroutine compose_flows
 
     !> The element of the Lie algebra along which the state moves: y' = d/ds group_move(y, s xi) at
     !> s = 0 equals `derivative`.

@@ -2,14 +2,23 @@
 !>
 !> No attitude is singular. The equations take the quaternion for the attitude that it points to,
 !> whatever its length: they keep the length constant, and integrators nearly so.
+!>
+!> The motion splits into the free turning of the body, the drift, and the moments of weight and
+!> damping on it at rest, the kick. The kinetic energy is that of a symmetric body with the axis k and
+!> the moments I_i, I_i, I_k, which turns by h Pi/I_i and then by h (1/I_k - 1/I_i) Pi_k about k, and
+!> the rest (1/I_j - 1/I_i) Pi_j^2/2, a turn about j, of which one half comes before and one after
+!> (Touma and Wisdom, Astron. J. 107, 1994; Fasso, J. Comput. Phys. 189, 2003). For a symmetric body
+!> the rest vanishes, and the drift is exact.
 module spintop_rigid_body
     use spintop_kinds, only: dp, qp
     use spintop_attitude, only: follow_angles, quaternion_product, turn_less_one, &
         vertical_from_quaternion
     use spintop_body, only: body_t
+    use spintop_compare, only: is_zero
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_series_order, &
-        max_states, structure_group, structure_quadruple, structure_series
+        max_states, structure_group, structure_quadruple, structure_series, structure_split
+    use spintop_small_turn, only: half_turn
     use spintop_status, only: status_ok
     use spintop_vectors, only: cross
     implicit none
@@ -24,10 +33,15 @@ module spintop_rigid_body
         !> What couples the momenta in Pi x omega: 1/I3 - 1/I2 and cyclic, exactly zero for equal
         !> moments, so that a symmetric body keeps its momentum about the axis to the last digit.
         real(dp) :: coupling(3) = 0
+        !> Axis k of the symmetric body in the drift.
+        integer :: axis = 3
+        logical :: damped = .false.
     contains
         procedure, nopass :: info
         procedure :: prepare
         procedure :: derivative
+        procedure :: drift
+        procedure :: kick
         procedure :: motion
         procedure :: follow
         procedure :: invariants
@@ -46,7 +60,7 @@ contains
         info = formulation_info_t('rigid_body', &
             'quaternion and body momentum, for any body with damping; no pole is singular', 7, &
             symmetric_only=.false., singular_at_poles=.false., invariants=4, quaternion=1)
-        info%offers([structure_group, structure_series, structure_quadruple]) = .true.
+        info%offers([structure_split, structure_group, structure_series, structure_quadruple]) = .true.
     end function info
 
     !> Initial state.
@@ -63,6 +77,10 @@ contains
             self%coupling(2) = (inertia(3) - inertia(1)) / inertia(3) / inertia(1)
             self%coupling(3) = (inertia(1) - inertia(2)) / inertia(1) / inertia(2)
         end associate
+        ! The axis about which the body is closest to symmetric.
+        self%axis = minloc(abs(self%coupling), dim=1)
+        self%damped = any(abs(body%damping) > 0)
+        self%splits_as_nystrom = is_zero(self%coupling(self%axis)) .and. .not. self%damped
         y = 0
         y(1:4) = start%quaternion
         y(5:7) = body%inertia * start%omega
@@ -98,6 +116,138 @@ contains
         end associate
         status = status_ok
     end subroutine derivative
+
+    !> The axis that follows x, y, z in turn.
+    elemental integer function next(axis)
+        integer, intent(in) :: axis
+        next = mod(axis, 3) + 1
+    end function next
+
+    !> Free turning: in body axes the momentum turns backwards, as much as the body turns forwards.
+    pure subroutine drift(self, y, h, change)
+        class(rigid_body_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h
+        real(dp), intent(inout) :: change(max_states)
+        real(dp) :: turn(4), q0, q1, q2, q3, rest
+        integer :: i, j
+
+        turn = 0
+        associate (k => self%axis, p => y(5:7), lag => change(5:7))
+            i = next(k)
+            j = next(i)
+            rest = h / 2 * self%coupling(k)
+            if (abs(rest) > 0) call turn_about(j, rest, p, lag, turn)
+            call turn_along(h / 2 / self%body%inertia(i), p, lag, turn)
+            call turn_about(k, -h * self%coupling(j), p, lag, turn)
+            if (abs(rest) > 0) call turn_about(j, rest, p, lag, turn)
+        end associate
+        q0 = y(1) + change(1)
+        q1 = y(2) + change(2)
+        q2 = y(3) + change(3)
+        q3 = y(4) + change(4)
+        change(1) = change(1) + (q0 * turn(1) - q1 * turn(2) - q2 * turn(3) - q3 * turn(4))
+        change(2) = change(2) + (q0 * turn(2) + q1 * turn(1) + q2 * turn(4) - q3 * turn(3))
+        change(3) = change(3) + (q0 * turn(3) - q1 * turn(4) + q2 * turn(1) + q3 * turn(2))
+        change(4) = change(4) + (q0 * turn(4) + q1 * turn(3) - q2 * turn(2) + q3 * turn(1))
+    end subroutine drift
+
+    !> Goes on turning about a body axis, by `h` times the momentum about it. `turn` is the quaternion
+    !> of all the turn less 1, `lag` what it changes of the momentum `p` in body axes.
+    pure subroutine turn_about(axis, h, p, lag, turn)
+        integer, intent(in) :: axis
+        real(dp), intent(in) :: h, p(3)
+        real(dp), intent(inout) :: lag(3), turn(4)
+        real(dp) :: half, sinc, half_sine, half_drop, sine, drop, along, across
+        real(dp) :: t0, ti, tj, tk
+        integer :: i, j
+
+        i = next(axis)
+        j = next(i)
+        half = h / 2 * (p(axis) + lag(axis))
+        call half_turn(half**2, sinc, half_drop)
+        half_sine = sinc * half
+        drop = -2 * half_sine**2
+        sine = 2 * half_sine * (1 + half_drop)
+        along = p(i) + lag(i)
+        across = p(j) + lag(j)
+        lag(i) = lag(i) + (drop * along + sine * across)
+        lag(j) = lag(j) + (drop * across - sine * along)
+        t0 = turn(1)
+        ti = turn(1 + i)
+        tj = turn(1 + j)
+        tk = turn(1 + axis)
+        turn(1) = t0 + (half_drop * t0 - half_sine * tk + half_drop)
+        turn(1 + axis) = tk + (half_drop * tk + half_sine * t0 + half_sine)
+        turn(1 + i) = ti + (half_drop * ti + half_sine * tj)
+        turn(1 + j) = tj + (half_drop * tj - half_sine * ti)
+    end subroutine turn_about
+
+    !> Goes on turning about the direction of the momentum, by 2 `scale` times its length.
+    pure subroutine turn_along(scale, p, lag, turn)
+        real(dp), intent(in) :: scale, p(3), lag(3)
+        real(dp), intent(inout) :: turn(4)
+        real(dp) :: sinc, drop, w1, w2, w3, t0, t1, t2, t3
+
+        w1 = scale * (p(1) + lag(1))
+        w2 = scale * (p(2) + lag(2))
+        w3 = scale * (p(3) + lag(3))
+        call half_turn(w1**2 + w2**2 + w3**2, sinc, drop)
+        w1 = sinc * w1
+        w2 = sinc * w2
+        w3 = sinc * w3
+        t0 = turn(1)
+        t1 = turn(2)
+        t2 = turn(3)
+        t3 = turn(4)
+        turn(1) = t0 + (t0 * drop - (t1 * w1 + t2 * w2 + t3 * w3) + drop)
+        turn(2) = t1 + (t1 * drop + (t0 * w1 + t2 * w3 - t3 * w2) + w1)
+        turn(3) = t2 + (t2 * drop + (t0 * w2 + t3 * w1 - t1 * w3) + w2)
+        turn(4) = t3 + (t3 * drop + (t0 * w3 + t1 * w2 - t2 * w1) + w3)
+    end subroutine turn_along
+
+    !> The momentum changes by the moments of the weight, constant at rest, and of the damping:
+    !> Pi' = m g Gamma x r - d Pi/I.
+    pure subroutine kick(self, y, h, change)
+        class(rigid_body_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h
+        real(dp), intent(inout) :: change(max_states)
+        real(dp) :: q0, q1, q2, q3, g1, g2, g3, scale, push(3)
+
+        q0 = y(1) + change(1)
+        q1 = y(2) + change(2)
+        q2 = y(3) + change(3)
+        q3 = y(4) + change(4)
+        scale = h / ((q0**2 + q3**2) + (q1**2 + q2**2))
+        g1 = 2 * (q1 * q3 - q0 * q2)
+        g2 = 2 * (q2 * q3 + q0 * q1)
+        g3 = (q0**2 + q3**2) - (q1**2 + q2**2)
+        associate (r => self%moment)
+            push(1) = scale * (g2 * r(3) - g3 * r(2))
+            push(2) = scale * (g3 * r(1) - g1 * r(3))
+            push(3) = scale * (g1 * r(2) - g2 * r(1))
+        end associate
+        if (self%damped) then
+            associate (x => h * self%body%damping / self%body%inertia)
+                push = (push - x * (y(5:7) + change(5:7))) * decay_mean(x)
+            end associate
+        end if
+        change(5) = change(5) + push(1)
+        change(6) = change(6) + push(2)
+        change(7) = change(7) + push(3)
+    end subroutine kick
+
+    !> Mean of exp(-s) over s from 0 to x: (1 - exp(-x))/x.
+    elemental real(dp) function decay_mean(x)
+        real(dp), intent(in) :: x
+        real(dp), parameter :: small = 1
+        if (abs(x) > small) then
+            decay_mean = (1 - exp(-x)) / x
+        else if (abs(x) > 0) then
+            decay_mean = exp(-x / 2) * sinh(x / 2) / (x / 2)
+        else
+            decay_mean = 1
+        end if
+    end function decay_mean
 
     !> The motion, with the angular acceleration of the derivative.
     pure type(motion_t) function motion(self, t, y, near)

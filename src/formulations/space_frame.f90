@@ -4,14 +4,19 @@
 !> turn with the angular velocity L/I1, is linear in time. It is split off: q = p exp(k sigma t/2).
 !> What is left is bilinear, has no trigonometric functions and no singular attitude. With the axis
 !> e, a quadratic form of p, L' = m g l (-e2, e1, 0) and e' = L x e/I1.
+!>
+!> In the drift, the top without weight, L is constant and p turns about it; the kick is the moment of
+!> the weight at rest. (The split of Dullweber, Leimkuhler and McLachlan, J. Chem. Phys. 107, 1997, in
+!> the axes in which free symmetric tops turn uniformly.)
 module spintop_space_frame
     use spintop_kinds, only: dp, qp
     use spintop_attitude, only: follow_angles, conjugate_quaternion, quaternion_product, to_space, &
         turn_less_one
     use spintop_body, only: body_t
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_series_order, &
-        max_states, structure_group, structure_quadruple, structure_series
+        max_states, structure_group, structure_quadruple, structure_series, structure_split
     use spintop_motion, only: motion_t, motion_from_quaternion
+    use spintop_small_turn, only: half_turn
     use spintop_status, only: status_ok
     use spintop_vectors, only: cross
     implicit none
@@ -29,6 +34,8 @@ module spintop_space_frame
         procedure, nopass :: info
         procedure :: prepare
         procedure :: derivative
+        procedure :: drift
+        procedure :: kick
         procedure :: motion
         procedure :: follow
         procedure :: invariants
@@ -47,7 +54,7 @@ contains
         info = formulation_info_t('space_frame', &
             'momentum in space axes and quaternion without spin, for symmetric tops; no pole is singular', &
             6, singular_at_poles=.false., invariants=3, quaternion=3)
-        info%offers([structure_group, structure_series, structure_quadruple]) = .true.
+        info%offers([structure_split, structure_group, structure_series, structure_quadruple]) = .true.
     end function info
 
     !> Constants of the motion and initial state.
@@ -96,6 +103,43 @@ contains
         end associate
         status = status_ok
     end subroutine derivative
+
+    !> p turns by the angle h |L|/I1 about L: p+ = exp(h (0, L)/(2 I1)) p.
+    pure subroutine drift(self, y, h, change)
+        class(space_frame_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h
+        real(dp), intent(inout) :: change(max_states)
+        real(dp) :: w1, w2, w3, p0, p1, p2, p3, drop, scale, sinc
+
+        scale = h / (2 * self%i1)
+        w1 = scale * (y(1) + change(1))
+        w2 = scale * (y(2) + change(2))
+        w3 = scale * self%vertical
+        call half_turn(w1**2 + w2**2 + w3**2, sinc, drop)
+        p0 = y(3) + change(3)
+        p1 = y(4) + change(4)
+        p2 = y(5) + change(5)
+        p3 = y(6) + change(6)
+        change(3) = change(3) + (drop * p0 - sinc * (w1 * p1 + w2 * p2 + w3 * p3))
+        change(4) = change(4) + (drop * p1 + sinc * (w1 * p0 + w2 * p3 - w3 * p2))
+        change(5) = change(5) + (drop * p2 + sinc * (w2 * p0 + w3 * p1 - w1 * p3))
+        change(6) = change(6) + (drop * p3 + sinc * (w3 * p0 + w1 * p2 - w2 * p1))
+    end subroutine drift
+
+    !> L changes by the moment of the weight.
+    pure subroutine kick(self, y, h, change)
+        class(space_frame_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h
+        real(dp), intent(inout) :: change(max_states)
+        real(dp) :: p0, p1, p2, p3, pull
+        p0 = y(3) + change(3)
+        p1 = y(4) + change(4)
+        p2 = y(5) + change(5)
+        p3 = y(6) + change(6)
+        pull = 2 * h * self%mgl / ((p0**2 + p3**2) + (p1**2 + p2**2))
+        change(1) = change(1) - pull * (p2 * p3 - p0 * p1)
+        change(2) = change(2) + pull * (p1 * p3 + p0 * p2)
+    end subroutine kick
 
     !> The motion; the angular velocity in space axes is L/I1 + sigma e.
     pure type(motion_t) function motion(self, t, y, near)

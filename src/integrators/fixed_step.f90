@@ -1,7 +1,7 @@
 !> Methods that go through the span in equal steps.
 module spintop_fixed_step
     use spintop_kinds, only: dp
-    use spintop_compare, only: is_equal, is_finite
+    use spintop_compare, only: is_equal
     use spintop_dense_output, only: dense_output_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_stepper, only: stepper_t, workspace_t
@@ -24,6 +24,7 @@ module spintop_fixed_step
         procedure :: advance => advance_on_grid
         procedure :: interpolate
         procedure(step), deferred :: step
+        procedure :: starts_from_slope
     end type fixed_step_t
 
     !> Keeps the polynomial of the last step, once a time within it was asked for.
@@ -34,7 +35,8 @@ module spintop_fixed_step
     end type grid_workspace_t
 
     abstract interface
-        !> How the state `work%y`, whose slope is `work%slope`, changes within a time `h`.
+        !> How the state `work%y`, whose slope is `work%slope` for methods that start from it, changes
+        !> within a time `h`.
         subroutine step(self, formulation, work, h, change, status)
             import :: fixed_step_t, formulation_t, workspace_t, dp, max_states
             class(fixed_step_t), intent(in) :: self
@@ -57,6 +59,14 @@ contains
         allocate (grid_workspace_t :: work)
     end subroutine new_workspace
 
+    !> Whether steps start from the slope; if not, slopes are taken for dense output only.
+    pure logical function starts_from_slope(self)
+        class(fixed_step_t), intent(in) :: self
+        associate (unused => self)
+        end associate
+        starts_from_slope = .true.
+    end function starts_from_slope
+
     !> Takes the first slope and, for equal steps, sets their size.
     subroutine begin_on_grid(self, formulation, work, status)
         class(fixed_step_t), intent(in) :: self
@@ -75,8 +85,9 @@ contains
         class(workspace_t), intent(inout) :: work
         integer, intent(out) :: status
         real(dp) :: h, t_new, change(max_states), slope(max_states)
-        logical :: changed
+        logical :: changed, sloped
 
+        sloped = self%starts_from_slope()
         h = min(work%h, share_of_time_left * formulation%time_left(work%y))
         if (h < work%h) work%grid = off_grid
         do
@@ -88,8 +99,11 @@ contains
                 t_new = grid_time(work, self%controls%steps)
             end if
             call self%step(formulation, work, h, change, status)
-            if (status == status_ok .and. .not. all(is_finite(change))) status = status_non_finite
-            if (status == status_ok) then
+            ! Not by is_finite, as in `evaluate`.
+            if (status == status_ok .and. .not. all(abs(change) <= huge(1.0_dp))) then
+                status = status_non_finite
+            end if
+            if (status == status_ok .and. sloped) then
                 call work%evaluate(formulation, work%y + (change + work%rest), slope, status)
             end if
             if (status /= status_outside) exit
@@ -101,6 +115,7 @@ contains
         end do
         if (status /= status_ok) return
         call work%settle_change(formulation, t_new, change, changed)
+        if (.not. sloped) return
         if (changed) call work%evaluate(formulation, work%y, slope, status)
         work%slope = slope
     end subroutine advance_on_grid
@@ -122,12 +137,17 @@ contains
         class(workspace_t), intent(inout) :: work
         real(dp), intent(in) :: t
         real(dp) :: y(max_states)
+        integer :: status
 
         y = work%y
         if (t >= work%t) return
         select type (work)
         class is (grid_workspace_t)
             if (.not. is_equal(work%t_fitted, work%t)) then
+                if (.not. self%starts_from_slope()) then
+                    call work%evaluate(formulation, work%y_last, work%slope_last, status)
+                    call work%evaluate(formulation, work%y, work%slope, status)
+                end if
                 call work%dense%set_order(self%order())
                 call work%dense%fit(formulation, work, work%slope_last)
                 work%t_fitted = work%t

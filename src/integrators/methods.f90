@@ -6,13 +6,17 @@ module spintop_methods
     use spintop_implicit_runge_kutta, only: implicit_runge_kutta_t
     use spintop_implicit_tables, only: gauss_table, theta_table
     use spintop_lie_group, only: commutator_free_t, munthe_kaas_t
+    use spintop_splitting, only: splitting_t
+    use spintop_splitting_tables, only: strang_table, nystrom_4_table, nystrom_6_table, &
+        composition_4_table, composition_6_table, composition_8_table
     use spintop_ode45, only: ode45_t
     use spintop_dop853, only: dop853_t
     use spintop_dop853_table, only: dop853_table
     use spintop_arkode, only: arkode_t
     use spintop_taylor, only: taylor_t
     use spintop_taylor_quadruple, only: taylor_quadruple_t
-    use spintop_formulation, only: structure_group, structure_quadruple, structure_series
+    use spintop_formulation, only: structure_group, structure_quadruple, structure_series, &
+        structure_split
     use spintop_kinds, only: dp
     implicit none
     private
@@ -68,6 +72,18 @@ contains
         call known%add(commutator_free_t(info=method_info_t( &
             'commutator_free_4', 'commutator-free method of Celledoni, Marthinsen and Owren', &
             order=4, fixed_step=.true., needs=structure_group)))
+        call known%add(splitting_t(nystrom=strang_table(), general=strang_table(), info=method_info_t( &
+            'splitting_2', 'kick, drift, kick (Stoermer, Verlet, Strang)', &
+            order=2, fixed_step=.true., symmetric=.true., needs=structure_split)))
+        call known%add(splitting_t(nystrom=nystrom_4_table(), general=composition_4_table(), &
+            info=method_info_t('splitting_4', 'splitting of Blanes and Moan (2002), or of Suzuki (1990)', &
+            order=4, fixed_step=.true., symmetric=.true., needs=structure_split)))
+        call known%add(splitting_t(nystrom=nystrom_6_table(), general=composition_6_table(), &
+            info=method_info_t('splitting_6', 'splitting of Blanes and Moan (2002), or of Kahan and Li (1997)', &
+            order=6, fixed_step=.true., symmetric=.true., needs=structure_split)))
+        call known%add(splitting_t(nystrom=composition_8_table(), general=composition_8_table(), &
+            info=method_info_t('splitting_8', 'splitting of Kahan and Li (1997)', &
+            order=8, fixed_step=.true., symmetric=.true., needs=structure_split)))
         call known%add(ode45_t(table=dormand_prince_table(), info=method_info_t( &
             'ode45', "Dormand-Prince 5(4) with MATLAB's step control", order=5, adaptive=.true., &
             relative_tolerance=1.0e-3_dp, absolute_tolerance=1.0e-6_dp, refine=4)))

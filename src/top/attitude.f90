@@ -5,6 +5,7 @@
 module spintop_attitude
     use spintop_compare, only: is_zero
     use spintop_kinds, only: dp, pi
+    use spintop_small_turn, only: half_turn
     implicit none
     private
     public :: quaternion_from_angles, angles_from_quaternion
@@ -122,10 +123,9 @@ contains
     !> The same less the quaternion 1: its products are the changes of an attitude by the turn.
     pure function turn_less_one(vector) result(q)
         real(dp), intent(in) :: vector(3)
-        real(dp) :: q(4), length
-        length = norm2(vector)
-        q = [0.0_dp, vector / 2]
-        if (length > 0) q = [-2 * sin(length / 4)**2, vector * (sin(length / 2) / length)]
+        real(dp) :: q(4), sinc, drop
+        call half_turn(sum((vector / 2)**2), sinc, drop)
+        q = [drop, vector * (sinc / 2)]
     end function turn_less_one
 
     !> The value next to `near` among `angle` + 2 pi n, rad.

@@ -1,0 +1,62 @@
+!> Splitting methods: compositions of the flows of drift and kick.
+!>
+!> They are symmetric, and keep what both flows keep: the symplectic form, the length of a
+!> quaternion, the momentum about the vertical. The energy error stays bounded. On equations
+!> y'' = g(y) they are symplectic Runge-Kutta-Nystrom methods (Hairer, Lubich and Wanner, Geometric
+!> Numerical Integration, II.5 and IX.3).
+module spintop_splitting
+    use spintop_kinds, only: dp
+    use spintop_fixed_step, only: fixed_step_t
+    use spintop_formulation, only: formulation_t, max_states
+    use spintop_splitting_tables, only: splitting_table_t
+    use spintop_status, only: status_ok
+    use spintop_stepper, only: workspace_t
+    implicit none
+    private
+    public :: splitting_t
+
+    !> Two methods of one order: one for Nystrom splits, and one for whatever drift and kick.
+    type, extends(fixed_step_t) :: splitting_t
+        type(splitting_table_t) :: nystrom, general
+    contains
+        procedure :: step
+        procedure :: starts_from_slope
+    end type splitting_t
+
+contains
+
+    !> One step.
+    subroutine step(self, formulation, work, h, change, status)
+        class(splitting_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: h
+        real(dp), intent(out) :: change(max_states)
+        integer, intent(out) :: status
+        if (formulation%splits_as_nystrom) then
+            call compose(self%nystrom)
+        else
+            call compose(self%general)
+        end if
+        status = status_ok
+
+    contains
+
+        subroutine compose(table)
+            type(splitting_table_t), intent(in) :: table
+            call formulation%compose(work%y, h, table%kick(:table%stages), &
+                                     table%drift(:table%stages), change)
+            work%counts%evaluations = work%counts%evaluations + table%kicks
+        end subroutine compose
+
+    end subroutine step
+
+    !> Steps are made of flows.
+    pure logical function starts_from_slope(self)
+        class(splitting_t), intent(in) :: self
+        associate (unused => self)
+        end associate
+        starts_from_slope = .false.
+    end function starts_from_slope
+
+end module spintop_splitting

@@ -75,7 +75,7 @@ contains
         do i = 1, size(known_options)
             option = known_options(i)
             name = trim(option%name) // ' ' // option%value
-            if (option%short /= '') name = trim(option%short) // ' ' // trim(option%value) // ', ' // name
+            if (option%short /= '') name = trim(option%short // ' ' // option%value) // ', ' // name
             call text%add('  ' // name // trim(option%what))
         end do
         do i = 1, size(exit_codes)

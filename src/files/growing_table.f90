@@ -7,7 +7,7 @@
 !>     call table%take_entry(entry, due, error)      ! this and `end_entry` are called;
 !>     if (due) call table%keep_entry(entry, error)  ! this without holding up the others
 !>     if (due) call table%end_entry()
-!>     call table%finish(error)                      ! or, after an error, call table%abandon()
+!>     call table%finish(error)                      ! or, after an error, table%abandon(error)
 module spintop_growing_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_checksum, only: add_to_checksum, checksum_t, checksum_text
@@ -202,10 +202,14 @@ contains
         if (.not. allocated(error)) call remove_journal(self%table%path, error)
     end subroutine finish
 
-    !> Leaves part and journal to a later run.
-    subroutine abandon(self)
+    !> Leaves part and journal to a later run; the error that made it necessary tells so.
+    subroutine abandon(self, error)
         class(growing_table_t), intent(inout) :: self
+        type(error_t), intent(inout) :: error
         call self%table%abandon()
+        if (.not. file_exists(journal_of(self%table%path))) return
+        error%message = error%message // new_line('a') // 'what is complete of ' // self%table%path // &
+                        ' is kept: --resume goes on from there'
     end subroutine abandon
 
     !> Whether a file begins with a head; `problem` tells where not, and is empty if it does.
@@ -214,10 +218,11 @@ contains
         character(:), allocatable, intent(out) :: problem
         type(input_file_t) :: file
         type(error_t), allocatable :: error
-        character(len(head)) :: found
+        character(:), allocatable :: found
         integer :: length
 
         length = 0
+        allocate (character(len(head)) :: found)
         call file%open(path, error)
         if (.not. allocated(error)) call file%read(found, length, error)
         call file%close()

@@ -83,9 +83,7 @@ contains
         call move_alloc(queue%error, error)
         if (.not. allocated(error)) call table%finish(error)
         if (allocated(error)) then
-            call table%abandon()
-            error%message = error%message // new_line('a') // 'what is complete of ' // job%output // &
-                            ' is kept: --resume goes on from there'
+            call table%abandon(error)
             return
         end if
         times%writing = times%writing + (seconds() - moment)

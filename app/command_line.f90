@@ -2,114 +2,166 @@
 module spintop_command_line
     use spintop_errors, only: error_t, input_error
     use spintop_job, only: options_t
+    use spintop_line_list, only: line_list_t
+    use spintop_shard, only: read_shard
     use spintop_text, only: string_t, nearest_word
     implicit none
     private
-    public :: request_t, read_command_line, usage
-    public :: action_run, action_check, action_list, action_help, action_version
+    public :: request_t, read_command_line, describe_usage
+    public :: action_run, action_check, action_list, action_merge, action_help, action_version
 
-    integer, parameter :: action_run = 1, action_check = 2, action_list = 3, action_help = 4, &
-        action_version = 5
+    integer, parameter :: action_run = 1, action_check = 2, action_list = 3, action_merge = 4, &
+        action_help = 5, action_version = 6
 
     !> What the user asks for.
     type :: request_t
         integer :: action = action_run
         type(options_t) :: options
+        !> Inputs to run, or parts to merge.
         type(string_t), allocatable :: inputs(:)
-        !> What to list.
-        character(:), allocatable :: topic
+        !> What to list, or the table to merge into.
+        character(:), allocatable :: topic, merged
     end type request_t
 
-    !> The help text; the options it names are the options there are.
+    !> An option: its name, a short one, what its value is called ('' if it takes none), what it does.
+    type :: option_t
+        character(10) :: name
+        character(2) :: short
+        character(16) :: value
+        character(72) :: what
+    end type option_t
+
+    !> All options there are.
+    type(option_t), parameter :: known_options(*) = [ &
+        option_t('--output', '-o', 'DIR', 'folder for results (default output/), made if missing'), &
+        option_t('--set', '', 'GROUP.KEY=VALUE', 'override a value of the input (repeatable)'), &
+        option_t('--threads', '', 'N', 'number of threads (default: all cores)'), &
+        option_t('--check', '', '', 'read, check and plan only; print the resolved input and the plan'), &
+        option_t('--resume', '', '', 'go on with an interrupted sweep'), &
+        option_t('--shard', '', 'I/N', 'compute part I of N of a sweep; `spintop merge` joins the parts'), &
+        option_t('--quiet', '', '', 'no progress display'), &
+        option_t('--progress', '', '', 'progress even when standard error is no terminal'), &
+        option_t('--help', '-h', '', 'this text'), &
+        option_t('--version', '', '', 'version and revision of the program'), &
+        option_t('--', '', '', 'what follows are inputs')]
+
     character(*), parameter :: usage(*) = [character(96) :: &
         'spintop: the motion of a heavy spinning top, exact and by many integrators', &
         '', &
         'usage: spintop [options] INPUT.nml [INPUT.nml ...]', &
+        '       spintop merge FILE PART [PART ...]', &
         '       spintop list methods|formulations|columns|events|shapes|parameters|cases', &
-        '       spintop --help | --version', &
         '', &
-        'options', &
-        '  -o DIR, --output DIR   folder for results (default output/), made if missing', &
-        '  --set GROUP.KEY=VALUE  override a value of the input (repeatable)', &
-        '  --threads N            number of threads (default: all cores)', &
-        '  --check                read, check and plan only; print the resolved input and the plan', &
-        '  --quiet                no progress display', &
-        '  --progress             progress even when standard error is no terminal', &
-        '  --                     what follows are inputs', &
+        'options']
+
+    character(*), parameter :: exit_codes(*) = [character(96) :: &
         '', &
         'exit codes: 0 all is well; 2 wrong usage or input, nothing was computed; 3 some cases', &
         'failed and are marked; 4 a result could not be written; 5 an internal error']
 
 contains
 
+    !> The help text.
+    subroutine describe_usage(lines)
+        type(string_t), allocatable, intent(out) :: lines(:)
+        type(line_list_t) :: text
+        type(option_t) :: option
+        character(24) :: name
+        integer :: i
+
+        do i = 1, size(usage)
+            call text%add(trim(usage(i)))
+        end do
+        do i = 1, size(known_options)
+            option = known_options(i)
+            name = trim(option%name) // ' ' // option%value
+            if (option%short /= '') name = trim(option%short // ' ' // option%value) // ', ' // name
+            call text%add('  ' // name // trim(option%what))
+        end do
+        do i = 1, size(exit_codes)
+            call text%add(trim(exit_codes(i)))
+        end do
+        call text%get(lines)
+    end subroutine describe_usage
+
     !> Reads the arguments of the program.
     subroutine read_command_line(request, error)
         type(request_t), intent(out) :: request
         type(error_t), allocatable, intent(out) :: error
         character(:), allocatable :: argument, value
-        logical :: only_inputs
-        integer :: i
+        logical :: only_inputs, valid
+        integer :: i, place
 
         request%options%output = 'output'
         allocate (request%options%overrides(0), request%inputs(0))
         only_inputs = .false.
         i = 0
-        do while (i < command_argument_count() .and. .not. allocated(error))
+        do while (i < command_argument_count())
             i = i + 1
             argument = argument_at(i)
             if (only_inputs .or. index(argument, '-') /= 1) then
-                if (argument == 'list' .and. size(request%inputs) == 0 .and. .not. only_inputs) then
-                    call take_topic(i)
-                    return
+                if (size(request%inputs) == 0 .and. .not. only_inputs) then
+                    select case (argument)
+                    case ('list')
+                        call take_topic()
+                        return
+                    case ('merge')
+                        call take_parts()
+                        return
+                    end select
                 end if
                 request%inputs = [request%inputs, string_t(argument)]
                 cycle
             end if
-            select case (option_name(argument))
-            case ('-h', '--help')
+            place = place_of(option_name(argument))
+            if (place == 0) then
+                error = unknown_option(argument)
+                return
+            end if
+            value = ''
+            if (known_options(place)%value /= '') then
+                call take_value(value)
+            else if (option_name(argument) /= argument) then
+                error = wrong(argument // ': this option takes no value')
+            end if
+            if (allocated(error)) return
+            select case (known_options(place)%name)
+            case ('--help')
                 request%action = action_help
                 return
             case ('--version')
                 request%action = action_version
                 return
-            case ('-o', '--output')
-                call take_value(request%options%output)
-                if (.not. allocated(error) .and. request%options%output == '') then
-                    error = wrong('the name of the folder for results is empty')
-                end if
+            case ('--output')
+                request%options%output = value
+                if (value == '') error = wrong('the name of the folder for results is empty')
             case ('--set')
-                call take_value(value)
                 request%options%overrides = [request%options%overrides, string_t(value)]
             case ('--threads')
-                call take_value(value)
                 call take_threads(value)
             case ('--check')
                 request%action = action_check
+            case ('--resume')
+                request%options%resume = .true.
+            case ('--shard')
+                call read_shard(value, request%options%shard, valid)
+                if (.not. valid) error = wrong("--shard takes I/N, part I of N, as in 2/3, not '" // value // "'")
             case ('--quiet')
                 request%options%quiet = .true.
             case ('--progress')
                 request%options%progress = .true.
             case ('--')
                 only_inputs = .true.
-            case default
-                error = unknown_option(argument)
             end select
             if (allocated(error)) return
-            if (index(argument, '=') > 0 .and. any(argument(:index(argument, '=') - 1) &
-                == [character(10) :: '--check', '--quiet', '--progress'])) then
-                error = wrong(argument // ': this option takes no value')
-            end if
         end do
-        if (.not. allocated(error) .and. size(request%inputs) == 0) then
-            error = wrong('no input is named')
-        end if
+        if (size(request%inputs) == 0) error = wrong('no input is named')
 
     contains
 
         !> The value of the option: behind its equals sign, or the next argument.
         subroutine take_value(value)
             character(:), allocatable, intent(inout) :: value
-            value = ''
             if (option_name(argument) /= argument) then
                 value = argument(index(argument, '=') + 1:)
             else if (i < command_argument_count()) then
@@ -124,7 +176,6 @@ contains
             character(*), intent(in) :: text
             integer :: status
             integer, parameter :: most_threads = 4096
-            if (allocated(error)) return
             status = verify(text, '0123456789')
             if (status == 0) read (text, *, iostat=status) request%options%threads
             if (status /= 0 .or. request%options%threads < 1 .or. request%options%threads > most_threads) then
@@ -132,8 +183,7 @@ contains
             end if
         end subroutine take_threads
 
-        subroutine take_topic(i)
-            integer, intent(in) :: i
+        subroutine take_topic()
             request%action = action_list
             if (command_argument_count() /= i + 1) then
                 error = wrong('list takes one word')
@@ -141,6 +191,21 @@ contains
                 request%topic = argument_at(i + 1)
             end if
         end subroutine take_topic
+
+        !> The table to merge into and its parts: all that follows.
+        subroutine take_parts()
+            integer :: k
+            request%action = action_merge
+            if (command_argument_count() < i + 2) then
+                error = wrong('merge takes a table to write and the parts to join')
+                return
+            end if
+            request%merged = argument_at(i + 1)
+            do k = i + 2, command_argument_count()
+                argument = argument_at(k)
+                request%inputs = [request%inputs, string_t(argument)]
+            end do
+        end subroutine take_parts
 
     end subroutine read_command_line
 
@@ -162,13 +227,24 @@ contains
         call get_command_argument(i, argument)
     end function argument_at
 
+    !> Place of an option among the known ones, by either name; 0 if there is none.
+    pure integer function place_of(name)
+        character(*), intent(in) :: name
+        do place_of = size(known_options), 1, -1
+            if (known_options(place_of)%name == name) return
+            if (known_options(place_of)%short == name .and. name /= '') return
+        end do
+    end function place_of
+
     type(error_t) function unknown_option(argument) result(error)
         character(*), intent(in) :: argument
-        type(string_t) :: known(8)
+        type(string_t) :: names(size(known_options))
         character(:), allocatable :: hint
-        known = [string_t('--output'), string_t('--set'), string_t('--threads'), string_t('--check'), &
-                 string_t('--quiet'), string_t('--progress'), string_t('--help'), string_t('--version')]
-        hint = nearest_word(option_name(argument), known)
+        integer :: i
+        do i = 1, size(names)
+            names(i)%text = trim(known_options(i)%name)
+        end do
+        hint = nearest_word(option_name(argument), names)
         if (hint /= '') hint = "; did you mean '" // hint // "'?"
         error = wrong("unknown option '" // argument // "'" // hint)
     end function unknown_option

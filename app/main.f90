@@ -1,26 +1,29 @@
 !> The batch program: reads inputs, has their studies carried out, and ends with an exit code.
 program spintop_main
     use, intrinsic :: iso_fortran_env, only: int64, output_unit, error_unit
-    use spintop_command_line, only: request_t, read_command_line, usage, action_check, action_list, &
-        action_help, action_version
+    use spintop_command_line, only: request_t, read_command_line, describe_usage, action_check, action_list, &
+        action_help, action_merge, action_version
     use spintop_errors, only: error_t, exit_ok
     use spintop_job, only: job_t
     use spintop_listing, only: list_topic
+    use spintop_merge, only: merge_tables
     use spintop_provenance, only: program_version, program_revision
     use spintop_studies, only: prepare_jobs, run_job, explain_job
-    use spintop_text, only: string_t
+    use spintop_text, only: string_t, to_text
     implicit none
     type(request_t) :: request
     type(job_t), allocatable, target :: jobs(:)
     type(string_t), allocatable :: lines(:)
     type(error_t), allocatable :: error
+    integer(int64) :: cases
     integer :: code, worst, i
 
     call read_command_line(request, error)
     call end_on(error)
     select case (request%action)
     case (action_help)
-        write (output_unit, '(a)') (trim(usage(i)), i=1, size(usage))
+        call describe_usage(lines)
+        call show(lines)
         call leave(exit_ok)
     case (action_version)
         write (output_unit, '(a)') 'spintop ' // program_version // ' (revision ' // program_revision() // ')'
@@ -30,6 +33,12 @@ program spintop_main
         call end_on(error)
         call show(lines)
         call leave(exit_ok)
+    case (action_merge)
+        call merge_tables(request%merged, request%inputs, cases, error)
+        call end_on(error)
+        write (output_unit, '(a)') to_text(size(request%inputs)) // ' parts, ' // to_text(cases) // ' cases -> ' &
+            // request%merged
+        call leave(exit_ok)
     end select
 
     call prepare_jobs(request%inputs, request%options, jobs, error)
@@ -38,7 +47,7 @@ program spintop_main
     do i = 1, size(jobs)
         if (jobs(i)%warnings /= '') write (error_unit, '(a)') jobs(i)%warnings
         if (request%action == action_check) then
-            call explain_job(jobs(i), lines)
+            call explain_job(jobs(i), request%options, lines)
             code = exit_ok
         else
             call run_job(jobs(i), request%options, lines, code, error)

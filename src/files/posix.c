@@ -1,30 +1,59 @@
 // What Fortran cannot say to the operating system. Every function that can fail returns an
 // errno value, 0 for success.
 
+#define _DEFAULT_SOURCE // flock
 #define _POSIX_C_SOURCE 200809L
 
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
-int spintop_open(const char *path, int for_writing, int *file) {
-    const int flags = for_writing ? O_WRONLY | O_CREAT | O_TRUNC : O_RDONLY;
+// What spintop_reason says of a file that another run has locked; no errno value.
+enum { in_use = -1 };
+
+int spintop_open(const char *path, int *file) {
     do {
-        *file = open(path, flags | O_CLOEXEC, 0666);
+        *file = open(path, O_RDONLY | O_CLOEXEC);
     } while (*file < 0 && errno == EINTR);
     return *file < 0 ? errno : 0;
 }
 
-int spintop_reopen(const char *path, int *file) {
-    do {
-        *file = open(path, O_WRONLY | O_APPEND | O_CLOEXEC);
-    } while (*file < 0 && errno == EINTR);
-    return *file < 0 ? errno : 0;
+// Locks a regular file for this run. Where the file system knows no locks the file stays unlocked:
+// not to run there at all would be worse.
+static int lock(int file) {
+    struct stat info;
+    if (fstat(file, &info) < 0) return errno;
+    if (!S_ISREG(info.st_mode) || flock(file, LOCK_EX | LOCK_NB) == 0) return 0;
+    if (errno == EWOULDBLOCK) return in_use;
+    return errno == ENOLCK || errno == ENOSYS || errno == EOPNOTSUPP || errno == EINVAL ? 0 : errno;
+}
+
+// Between the opening and the lock another run may have renamed the file.
+static int still_has_name(int file, const char *path) {
+    struct stat opened, named;
+    return fstat(file, &opened) == 0 && stat(path, &named) == 0 && opened.st_dev == named.st_dev &&
+           opened.st_ino == named.st_ino;
+}
+
+// Opens a file for writing at its end, makes it where it is missing, and locks it until it is closed.
+int spintop_open_locked(const char *path, int *file) {
+    for (;;) {
+        int status;
+        *file = open(path, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+        if (*file < 0 && errno == EINTR) continue;
+        if (*file < 0) return errno;
+        status = lock(*file);
+        if (status == 0 && still_has_name(*file, path)) return 0;
+        close(*file);
+        *file = -1;
+        if (status != 0) return status;
+    }
 }
 
 int spintop_write(int file, const char *bytes, long long count) {
@@ -65,8 +94,12 @@ int spintop_sync(int file) {
     return result < 0 ? errno : 0;
 }
 
+// A special file has no size that could be cut.
 int spintop_truncate(int file, long long size) {
+    struct stat info;
     int result;
+    if (fstat(file, &info) < 0) return errno;
+    if (!S_ISREG(info.st_mode)) return 0;
     do {
         result = ftruncate(file, (off_t)size);
     } while (result < 0 && errno == EINTR);
@@ -136,6 +169,10 @@ long long spintop_peak_memory(void) {
 }
 
 void spintop_reason(int number, char *text, int room) {
+    if (number == in_use) {
+        snprintf(text, (size_t)room, "another run is writing it");
+        return;
+    }
     if (strerror_r(number, text, (size_t)room) != 0) text[0] = '\0';
     text[room - 1] = '\0';
 }

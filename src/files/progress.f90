@@ -18,11 +18,12 @@ module spintop_progress
     type :: progress_t
         private
         character(:), allocatable :: name, noun
-        integer(int64) :: total = 0
+        integer(int64) :: total = 0, before = 0
         integer :: mode = silent
         real(dp) :: started = 0, shown = 0
     contains
         procedure :: start
+        procedure :: note
         procedure :: update
         procedure :: finish
     end type progress_t
@@ -31,16 +32,19 @@ contains
 
     !> Starts the clock. Nothing is shown if `quiet`, nor where standard error is no terminal
     !> unless `forced`.
-    subroutine start(self, name, noun, total, quiet, forced)
+    subroutine start(self, name, noun, total, quiet, forced, before)
         class(progress_t), intent(inout) :: self
         character(*), intent(in) :: name          !! stands before the progress
         character(*), intent(in) :: noun          !! what is counted: `cases`
         integer(int64), intent(in) :: total
         logical, intent(in) :: quiet, forced
+        integer(int64), intent(in), optional :: before !! of the total, done by an earlier run
 
         self%name = name
         self%noun = noun
         self%total = total
+        self%before = 0
+        if (present(before)) self%before = before
         self%mode = silent
         if (.not. quiet) then
             if (error_is_terminal()) then
@@ -53,6 +57,15 @@ contains
         self%shown = self%started
     end subroutine start
 
+    !> Shows a line that stays, where progress is shown.
+    subroutine note(self, text)
+        class(progress_t), intent(in) :: self
+        character(*), intent(in) :: text
+        if (self%mode == silent) return
+        call show(self, self%name // ': ' // text)
+        if (self%mode == terminal) write (error_unit, '()')
+    end subroutine note
+
     !> Shows how much is done, if the last line is old enough.
     subroutine update(self, done)
         class(progress_t), intent(inout) :: self
@@ -64,7 +77,7 @@ contains
         if (now - self%shown < merge(terminal_pause, log_pause, self%mode == terminal)) return
         self%shown = now
         call show(self, self%name // ': ' // &
-            progress_text(done, self%total, now - self%started, self%noun))
+            progress_text(done, self%total, now - self%started, self%noun, self%before))
     end subroutine update
 
     !> Removes the line from a terminal.
@@ -87,17 +100,18 @@ contains
     end subroutine show
 
     !> `45 %, 450 of 1000 cases, 120 cases/s, 0:04 left`
-    function progress_text(done, total, elapsed, noun) result(text)
+    function progress_text(done, total, elapsed, noun, before) result(text)
         integer(int64), intent(in) :: done, total
-        real(dp), intent(in) :: elapsed !! seconds
+        real(dp), intent(in) :: elapsed      !! seconds
         character(*), intent(in) :: noun
+        integer(int64), intent(in) :: before !! done when the time began
         character(:), allocatable :: text
         real(dp) :: rate
 
-        rate = done / max(elapsed, tiny(elapsed))
+        rate = (done - before) / max(elapsed, tiny(elapsed))
         text = to_text(int(100 * real(done, dp) / max(total, 1_int64))) // ' %, ' // &
             to_text(done) // ' of ' // to_text(total) // ' ' // noun
-        if (done == 0 .or. elapsed <= 0) return
+        if (done == before .or. elapsed <= 0) return
         text = text // ', ' // rate_text(rate) // ' ' // noun // '/s, ' // &
             duration_text((total - done) / rate) // ' left'
     end function progress_text

@@ -1,25 +1,39 @@
 !> The operating system: files that are surely written, folders, clocks, the terminal.
 module spintop_system
-    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_long_long, c_null_char
+    use, intrinsic :: iso_c_binding, only: c_int, c_long_long, c_null_char
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_errors, only: error_t, input_error, output_error
+    use spintop_errors, only: error_t, exit_input, input_error, output_error
     use spintop_kinds, only: dp
+    use spintop_posix, only: c_open, c_open_locked, c_write, c_read, c_sync, c_truncate, c_close, c_rename, &
+        c_remove, c_make_folder, c_inspect, c_is_terminal, c_seconds, c_pause, c_utc, &
+        c_host, c_peak_memory, c_reason
     implicit none
     private
-    public :: output_file_t, read_file, file_exists, is_folder, file_size
+    public :: input_file_t, output_file_t, read_file, replace_file, file_exists, is_folder, file_size
     public :: make_folder, rename_file, remove_file, sync_folder_of
     public :: error_is_terminal, seconds, pause_for, utc_now, host_name, peak_memory
 
     integer, parameter :: standard_error = 2
     integer, parameter :: no_file = -1
 
-    !> A file open for writing. It must be closed: that is when the last errors show.
+    !> A file open for reading, from its beginning.
+    type :: input_file_t
+        character(:), allocatable :: path
+        integer(c_int), private :: descriptor = no_file
+    contains
+        procedure :: open => open_input
+        procedure :: read => read_bytes
+        procedure :: close => close_input
+    end type input_file_t
+
+    !> A file open for writing at its end, which no other run can write meanwhile. It must be
+    !> closed: that is when the last errors show.
     type :: output_file_t
         character(:), allocatable :: path
         integer(c_int), private :: descriptor = no_file
     contains
+        procedure :: open => open_output
         procedure :: create
-        procedure :: reopen
         procedure :: write => write_bytes
         procedure :: truncate
         procedure :: sync
@@ -27,130 +41,26 @@ module spintop_system
         procedure :: is_open
     end type output_file_t
 
-    interface
-        integer(c_int) function c_open(path, for_writing, file) bind(C, name='spintop_open')
-            import :: c_char, c_int
-            character(c_char), intent(in) :: path(*)
-            integer(c_int), value :: for_writing
-            integer(c_int), intent(out) :: file
-        end function c_open
-
-        integer(c_int) function c_reopen(path, file) bind(C, name='spintop_reopen')
-            import :: c_char, c_int
-            character(c_char), intent(in) :: path(*)
-            integer(c_int), intent(out) :: file
-        end function c_reopen
-
-        integer(c_int) function c_write(file, bytes, count) bind(C, name='spintop_write')
-            import :: c_char, c_int, c_long_long
-            integer(c_int), value :: file
-            character(c_char), intent(in) :: bytes(*)
-            integer(c_long_long), value :: count
-        end function c_write
-
-        integer(c_int) function c_read(file, bytes, room, count) bind(C, name='spintop_read')
-            import :: c_char, c_int, c_long_long
-            integer(c_int), value :: file
-            character(c_char), intent(inout) :: bytes(*)
-            integer(c_long_long), value :: room
-            integer(c_long_long), intent(out) :: count
-        end function c_read
-
-        integer(c_int) function c_sync(file) bind(C, name='spintop_sync')
-            import :: c_int
-            integer(c_int), value :: file
-        end function c_sync
-
-        integer(c_int) function c_truncate(file, size) bind(C, name='spintop_truncate')
-            import :: c_int, c_long_long
-            integer(c_int), value :: file
-            integer(c_long_long), value :: size
-        end function c_truncate
-
-        integer(c_int) function c_close(file) bind(C, name='spintop_close')
-            import :: c_int
-            integer(c_int), value :: file
-        end function c_close
-
-        integer(c_int) function c_rename(from, to) bind(C, name='spintop_rename')
-            import :: c_char, c_int
-            character(c_char), intent(in) :: from(*), to(*)
-        end function c_rename
-
-        integer(c_int) function c_remove(path) bind(C, name='spintop_remove')
-            import :: c_char, c_int
-            character(c_char), intent(in) :: path(*)
-        end function c_remove
-
-        integer(c_int) function c_make_folder(path) bind(C, name='spintop_make_folder')
-            import :: c_char, c_int
-            character(c_char), intent(in) :: path(*)
-        end function c_make_folder
-
-        subroutine c_inspect(path, size, is_folder) bind(C, name='spintop_inspect')
-            import :: c_char, c_int, c_long_long
-            character(c_char), intent(in) :: path(*)
-            integer(c_long_long), intent(out) :: size
-            integer(c_int), intent(out) :: is_folder
-        end subroutine c_inspect
-
-        integer(c_int) function c_is_terminal(file) bind(C, name='spintop_is_terminal')
-            import :: c_int
-            integer(c_int), value :: file
-        end function c_is_terminal
-
-        real(c_double) function c_seconds() bind(C, name='spintop_seconds')
-            import :: c_double
-        end function c_seconds
-
-        subroutine c_pause(seconds) bind(C, name='spintop_pause')
-            import :: c_double
-            real(c_double), value :: seconds
-        end subroutine c_pause
-
-        subroutine c_utc(text, room) bind(C, name='spintop_utc')
-            import :: c_char, c_int
-            character(c_char), intent(inout) :: text(*)
-            integer(c_int), value :: room
-        end subroutine c_utc
-
-        subroutine c_host(text, room) bind(C, name='spintop_host')
-            import :: c_char, c_int
-            character(c_char), intent(inout) :: text(*)
-            integer(c_int), value :: room
-        end subroutine c_host
-
-        integer(c_long_long) function c_peak_memory() bind(C, name='spintop_peak_memory')
-            import :: c_long_long
-        end function c_peak_memory
-
-        subroutine c_reason(number, text, room) bind(C, name='spintop_reason')
-            import :: c_char, c_int
-            integer(c_int), value :: number
-            character(c_char), intent(inout) :: text(*)
-            integer(c_int), value :: room
-        end subroutine c_reason
-    end interface
-
 contains
+
+    !> Opens a file to write at its end, and makes it where it is missing. To be refused it is
+    !> enough that another run has it open for writing.
+    subroutine open_output(self, path, error)
+        class(output_file_t), intent(inout) :: self
+        character(*), intent(in) :: path
+        type(error_t), allocatable, intent(out) :: error
+        self%path = path
+        call check(c_open_locked(path // c_null_char, self%descriptor), 'write', path, error)
+    end subroutine open_output
 
     !> Makes an empty file, or empties the one that is there.
     subroutine create(self, path, error)
         class(output_file_t), intent(inout) :: self
         character(*), intent(in) :: path
         type(error_t), allocatable, intent(out) :: error
-        self%path = path
-        call check(c_open(path // c_null_char, 1_c_int, self%descriptor), 'create', path, error)
+        call self%open(path, error)
+        if (.not. allocated(error)) call self%truncate(0_int64, error)
     end subroutine create
-
-    !> Opens a file that is there, to write at its end.
-    subroutine reopen(self, path, error)
-        class(output_file_t), intent(inout) :: self
-        character(*), intent(in) :: path
-        type(error_t), allocatable, intent(out) :: error
-        self%path = path
-        call check(c_reopen(path // c_null_char, self%descriptor), 'open', path, error)
-    end subroutine reopen
 
     !> Writes all of a text.
     subroutine write_bytes(self, text, error)
@@ -196,7 +106,7 @@ contains
         integer(c_int) :: descriptor, status, ignored
 
         folder = path(:index(path, '/', back=.true.)) // '.'
-        status = c_open(folder // c_null_char, 0_c_int, descriptor)
+        status = c_open(folder // c_null_char, descriptor)
         if (status == 0) then
             status = c_sync(descriptor)
             ignored = c_close(descriptor)
@@ -238,6 +148,56 @@ contains
         call check(status, 'make folder', path, error)
     end subroutine make_folder
 
+    !> Puts a text in the place of a file: whenever the machine stops, the file holds either what
+    !> it held before or all of the text.
+    subroutine replace_file(path, text, error)
+        character(*), intent(in) :: path, text
+        type(error_t), allocatable, intent(out) :: error
+        type(output_file_t) :: file
+        type(error_t), allocatable :: ignored
+
+        call file%create(path // '.new', error)
+        if (allocated(error)) return
+        call file%write(text, error)
+        if (.not. allocated(error)) call file%sync(error)
+        if (.not. allocated(error)) call rename_file(file%path, path, error)
+        if (allocated(error)) call remove_file(file%path, ignored)
+        call file%close(ignored)
+        if (.not. allocated(error)) call sync_folder_of(path, error)
+    end subroutine replace_file
+
+    !> Opens a file to read it. The errors of reading are input errors.
+    subroutine open_input(self, path, error)
+        class(input_file_t), intent(inout) :: self
+        character(*), intent(in) :: path
+        type(error_t), allocatable, intent(out) :: error
+        self%path = path
+        if (is_folder(path)) then
+            error = input_error('cannot read ' // path // ': it is a folder')
+        else
+            call check(c_open(path // c_null_char, self%descriptor), 'read', path, error, reading=.true.)
+        end if
+    end subroutine open_input
+
+    !> Fills a text from where the last one ended; less than all of it only at the end of the file.
+    subroutine read_bytes(self, text, length, error)
+        class(input_file_t), intent(in) :: self
+        character(*), intent(inout) :: text
+        integer, intent(out) :: length !! bytes read
+        type(error_t), allocatable, intent(out) :: error
+        integer(c_long_long) :: got
+        call check(c_read(self%descriptor, text, len(text, c_long_long), got), 'read', self%path, error, &
+                   reading=.true.)
+        length = int(got)
+    end subroutine read_bytes
+
+    subroutine close_input(self)
+        class(input_file_t), intent(inout) :: self
+        integer(c_int) :: ignored
+        if (self%descriptor >= 0) ignored = c_close(self%descriptor)
+        self%descriptor = no_file
+    end subroutine close_input
+
     !> Reads a whole file, or all that a pipe gives, of at most `limit` bytes. Its errors are
     !> input errors.
     subroutine read_file(path, limit, text, error)
@@ -245,35 +205,27 @@ contains
         integer, intent(in) :: limit
         character(:), allocatable, intent(out) :: text
         type(error_t), allocatable, intent(out) :: error
+        type(input_file_t) :: file
         character(:), allocatable :: block, more
         integer, parameter :: first_room = 65536
-        integer(c_int) :: descriptor, status, ignored
-        integer(c_long_long) :: got
-        integer :: length
+        integer :: length, got
 
         text = ''
-        if (is_folder(path)) then
-            error = input_error('cannot read ' // path // ': it is a folder')
-            return
-        end if
-        status = c_open(path // c_null_char, 0_c_int, descriptor)
+        call file%open(path, error)
+        if (allocated(error)) return
+        allocate (character(first_room) :: block)
         length = 0
-        if (status == 0) then
-            allocate (character(first_room) :: block)
-            do
-                status = c_read(descriptor, block(length + 1:), int(len(block) - length, c_long_long), &
-                    got)
-                length = length + int(got)
-                if (status /= 0 .or. length < len(block) .or. length > limit) exit
-                allocate (character(2 * len(block)) :: more)
-                more(:length) = block
-                call move_alloc(more, block)
-            end do
-            ignored = c_close(descriptor)
-        end if
-        if (status /= 0) then
-            error = input_error('cannot read ' // path // ': ' // reason(status))
-        else if (length > limit) then
+        do
+            call file%read(block(length + 1:), got, error)
+            length = length + got
+            if (allocated(error) .or. length < len(block) .or. length > limit) exit
+            allocate (character(2 * len(block)) :: more)
+            more(:length) = block
+            call move_alloc(more, block)
+        end do
+        call file%close()
+        if (allocated(error)) return
+        if (length > limit) then
             error = input_error('cannot read ' // path // ': it is too large for an input')
         else
             text = block(:length)
@@ -337,23 +289,20 @@ contains
         peak_memory = c_peak_memory()
     end function peak_memory
 
-    !> Makes an output error of a status that is not 0.
-    subroutine check(status, action, path, error)
+    !> Makes an error of a status that is not 0: an output error unless it came in reading.
+    subroutine check(status, action, path, error, reading)
         integer(c_int), intent(in) :: status
         character(*), intent(in) :: action, path
         type(error_t), allocatable, intent(out) :: error
-        if (status /= 0) error = output_error('cannot ' // action // ' ' // path // ': ' // &
-            reason(status))
+        logical, intent(in), optional :: reading
+        ! Threads write, too: see `status_names` in spintop_status.
+        character(256) :: reason
+        if (status == 0) return
+        call c_reason(status, reason, len(reason))
+        error = output_error('cannot ' // action // ' ' // path // ': ' // &
+            reason(:index(reason, c_null_char) - 1))
+        if (present(reading)) error%code = exit_input
     end subroutine check
-
-    !> What the system says of an error number.
-    function reason(number) result(text)
-        integer(c_int), intent(in) :: number
-        character(:), allocatable :: text
-        character(256) :: room
-        call c_reason(number, room, len(room))
-        text = up_to_null(room)
-    end function reason
 
     pure function up_to_null(room) result(text)
         character(*), intent(in) :: room

@@ -13,8 +13,8 @@ module spintop_text_buffer
     public :: text_buffer_t
 
     type :: text_buffer_t
-        integer :: length = 0 !! bytes so far
-        character(:), allocatable, private :: room
+        integer :: length = 0                !! bytes so far
+        character(:), allocatable :: room    !! has them at its beginning
         logical, private :: in_row = .false.
     contains
         procedure :: put_reals

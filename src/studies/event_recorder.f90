@@ -70,15 +70,14 @@ contains
     end subroutine set
 
     !> Starts the table of the listed events, with these columns of the trajectory.
-    subroutine open_table(self, path, header, names, columns, case, error)
+    subroutine open_table(self, path, head, columns, case, error)
         class(event_recorder_t), intent(inout) :: self
-        character(*), intent(in) :: path, names(:)
-        type(string_t), intent(in) :: header(:)
+        character(*), intent(in) :: path, head
         integer, intent(in) :: columns(:)
         type(case_t), intent(in) :: case
         type(error_t), allocatable, intent(out) :: error
         call self%row%set(columns, case)
-        call self%file%create(path, header, names, error)
+        call self%file%create(path, head, error)
     end subroutine open_table
 
     !> Ends the table.
@@ -121,7 +120,7 @@ contains
             call line%put_integer(int(self%events(number)%count, int64))
             call line%put_reals(self%row%row(motion))
             call line%end_row()
-            call self%file%put_block(line, self%error)
+            call self%file%put(line%contents(), self%error)
             self%rows = self%rows + 1
         end if
         if (self%ends(number)) then

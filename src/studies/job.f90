@@ -12,6 +12,7 @@ module spintop_job
     use spintop_plan, only: plan_t, make_plan
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t, describe_scene
+    use spintop_shard, only: shard_t
     use spintop_stability_plan, only: make_stability_plan, stability_plan_t
     use spintop_sweep_axes, only: axes_t, make_axes, put_values
     use spintop_sweep_columns, only: sweep_columns, costly_groups
@@ -30,14 +31,19 @@ module spintop_job
         integer :: threads = 0
         logical :: quiet = .false.
         logical :: progress = .false.
+        !> Which part of a sweep, and whether to go on with an interrupted one.
+        type(shard_t) :: shard
+        logical :: resume = .false.
     end type options_t
 
     !> An input made ready. The table points into the scene: a job must stay where it was prepared.
     type :: job_t
         !> The input's path, and its name without folder and ending.
         character(:), allocatable :: input, name
-        !> Path of the table to write, and of the table of events; the latter empty without one.
-        character(:), allocatable :: output, event_output
+        !> Path of the table to write, and of the summary that a sweep keeps beside it.
+        character(:), allocatable :: output, log
+        !> Path of the table of events; empty without one.
+        character(:), allocatable :: event_output
         type(scene_t) :: scene
         type(parameter_table_t) :: table
         type(case_t) :: case
@@ -74,6 +80,7 @@ contains
         call read_namelist(input, options%overrides, job%table, diagnostics, error)
         if (allocated(error)) return
         call plan_job(job, problems)
+        if (job%scene%kind /= 'sweep') call refuse_for_sweeps_only(options, problems)
         if (job%scene%kind /= 'stability') call choose_columns(job, problems)
         call choose_events(job%scene, job%case, job%events, problems)
         if (job%scene%stop_after /= unset_integer) job%stop_after = job%scene%stop_after
@@ -83,10 +90,26 @@ contains
         job%warnings = ''
         if (diagnostics%has_warnings()) job%warnings = diagnostics%report()
         if (job%scene%file /= '') job%name = base_name(trim(job%scene%file))
-        job%output = options%output // '/' // job%name // '.csv'
-        job%event_output = ''
-        if (any(job%events%is_listed)) job%event_output = options%output // '/' // job%name // '.events.csv'
+        associate (stem => options%output // '/' // job%name // options%shard%suffix())
+            job%output = stem // '.csv'
+            job%log = stem // '.log'
+            job%event_output = ''
+            if (any(job%events%is_listed)) job%event_output = stem // '.events.csv'
+        end associate
     end subroutine prepare_job
+
+    !> Options that mean something for sweeps only.
+    subroutine refuse_for_sweeps_only(options, problems)
+        type(options_t), intent(in) :: options
+        type(problems_t), intent(inout) :: problems
+        if (options%shard%is_part()) then
+            call problems%add('study.kind', '--shard is for sweeps: this study has no parts', 'leave --shard out')
+        end if
+        if (options%resume) then
+            call problems%add('study.kind', '--resume is for sweeps: this study is always computed as a whole', &
+                              'leave --resume out')
+        end if
+    end subroutine refuse_for_sweeps_only
 
     !> Case, axes and plan. The case of a sweep is its first; the others are made as they come.
     subroutine plan_job(job, problems)

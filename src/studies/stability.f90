@@ -26,6 +26,7 @@ module spintop_stability
     use spintop_summary, only: summary_t, rounded
     use spintop_system, only: seconds
     use spintop_table_file, only: table_file_t
+    use spintop_table_head, only: table_head
     use spintop_text, only: string_t, to_text
     use spintop_text_buffer, only: text_buffer_t
     use spintop_trial, only: run_trial, trial_t
@@ -100,7 +101,7 @@ contains
         call describe_provenance(job%scene%title, 'those of the column formulation', &
             'those of the column method', input, stability_columns%name, stability_columns%unit, &
             stability_columns%what, dated=.true., lines=header)
-        call file%create(job%output, header, stability_columns%name, error)
+        call file%create(job%output, table_head(header, stability_columns%name), error)
         if (allocated(error)) return
         associate (plan => job%stability)
             call progress%start(job%name, 'trials', size(plan%cases, kind=int64) * size(plan%methods), &
@@ -141,7 +142,7 @@ contains
             call row%clear()
             call run_method(job, scene, facts, k, row, verdict)
             verdicts(k, verdict) = verdicts(k, verdict) + 1
-            call file%put_block(row, error)
+            call file%put(row%contents(), error)
             if (allocated(error)) return
             call progress%update((i - 1) * size(job%stability%methods, kind=int64) + k)
         end do

@@ -81,8 +81,9 @@ contains
     end subroutine run_job
 
     !> The resolved input, complete and runnable, headed by what will be computed and why.
-    subroutine explain_job(job, lines)
+    subroutine explain_job(job, options, lines)
         type(job_t), intent(in) :: job
+        type(options_t), intent(in) :: options
         type(string_t), allocatable, intent(out) :: lines(:)
         type(summary_t) :: summary
         type(string_t), allocatable :: input(:)
@@ -90,6 +91,7 @@ contains
         integer :: i
 
         call summary%headline(job%input // ': ' // what())
+        if (options%shard%is_part()) call summary%add('shard', options%shard%line(job%axes%cases))
         if (job%scene%kind /= 'stability') then
             call summary%describe_plan(job%plan)
             call summary%describe_motion(job%case)

@@ -20,6 +20,7 @@ module spintop_trajectory
     use spintop_summary, only: summary_t, decimal, rounded
     use spintop_system, only: seconds
     use spintop_table_file, only: table_file_t
+    use spintop_table_head, only: table_head
     use spintop_text, only: to_text, string_t
     implicit none
     private
@@ -66,7 +67,7 @@ contains
             associate (columns => trajectory_columns(job%columns))
                 call print_namelist(job%table, input)
                 call describe_table(job, input, columns, header)
-                call writer%file%create(job%output, header, columns%name, error)
+                call writer%file%create(job%output, table_head(header, columns%name), error)
                 if (allocated(error)) return
                 if (size(job%events) > 0) then
                     allocate (watch)
@@ -74,8 +75,9 @@ contains
                 end if
                 if (job%event_output /= '') then
                     call describe_table(job, input, [event_columns, columns], header)
-                    call watch%open_table(job%event_output, header, &
-                                          [character(20) :: event_columns%name, columns%name], job%columns, case, error)
+                    call watch%open_table(job%event_output, &
+                        table_head(header, [character(20) :: event_columns%name, columns%name]), &
+                        job%columns, case, error)
                 end if
             end associate
             if (allocated(error)) then

@@ -169,7 +169,7 @@ class GoodInputTest(ProgramCase):
         """All inputs at once; the largest exit code counts, and each table is whole."""
         result = self.run_program(*INPUTS, "-o", "deep/er/folder")
         self.assertEqual(result.returncode, 3, result.stderr)
-        tables = [path.name for path in (self.folder / "deep/er/folder").iterdir()]
+        tables = [path.name for path in (self.folder / "deep/er/folder").glob("*.csv")]
         events = [name for name in tables if name.endswith(".events.csv")]
         self.assertEqual(events, ["slow_top_events.events.csv"])
         self.assertEqual(len(tables) - len(events), len(INPUTS))
@@ -308,7 +308,7 @@ class GoodInputTest(ProgramCase):
         self.assertEqual(table.texts("status"), ["ok", "pole", "ok"])
         self.assertEqual(table.texts("theta_end")[1], "nan")
         self.assertIn("pole", table.texts("notes")[1])
-        self.assertEqual(self.produced(), ["output", "output/scene.csv"])
+        self.assertEqual(self.produced(), ["output", "output/scene.csv", "output/scene.log"])
 
     def test_lists_help_and_version(self) -> None:
         """Every topic lists what the input accepts."""

@@ -1,0 +1,114 @@
+!> The functions of posix.c. Those that can fail return 0, or a number that `c_reason` explains.
+module spintop_posix
+    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_long_long
+    implicit none
+    private
+    public :: c_open, c_open_locked, c_write, c_read, c_sync, c_truncate, c_close, c_rename, &
+        c_remove, c_make_folder, c_inspect, c_is_terminal, c_seconds, c_pause, c_utc, &
+        c_host, c_peak_memory, c_reason
+
+    interface
+        integer(c_int) function c_open(path, file) bind(C, name='spintop_open')
+            import :: c_char, c_int
+            character(c_char), intent(in) :: path(*)
+            integer(c_int), intent(out) :: file
+        end function c_open
+
+        integer(c_int) function c_open_locked(path, file) bind(C, name='spintop_open_locked')
+            import :: c_char, c_int
+            character(c_char), intent(in) :: path(*)
+            integer(c_int), intent(out) :: file
+        end function c_open_locked
+
+        integer(c_int) function c_write(file, bytes, count) bind(C, name='spintop_write')
+            import :: c_char, c_int, c_long_long
+            integer(c_int), value :: file
+            character(c_char), intent(in) :: bytes(*)
+            integer(c_long_long), value :: count
+        end function c_write
+
+        integer(c_int) function c_read(file, bytes, room, count) bind(C, name='spintop_read')
+            import :: c_char, c_int, c_long_long
+            integer(c_int), value :: file
+            character(c_char), intent(inout) :: bytes(*)
+            integer(c_long_long), value :: room
+            integer(c_long_long), intent(out) :: count
+        end function c_read
+
+        integer(c_int) function c_sync(file) bind(C, name='spintop_sync')
+            import :: c_int
+            integer(c_int), value :: file
+        end function c_sync
+
+        integer(c_int) function c_truncate(file, size) bind(C, name='spintop_truncate')
+            import :: c_int, c_long_long
+            integer(c_int), value :: file
+            integer(c_long_long), value :: size
+        end function c_truncate
+
+        integer(c_int) function c_close(file) bind(C, name='spintop_close')
+            import :: c_int
+            integer(c_int), value :: file
+        end function c_close
+
+        integer(c_int) function c_rename(from, to) bind(C, name='spintop_rename')
+            import :: c_char, c_int
+            character(c_char), intent(in) :: from(*), to(*)
+        end function c_rename
+
+        integer(c_int) function c_remove(path) bind(C, name='spintop_remove')
+            import :: c_char, c_int
+            character(c_char), intent(in) :: path(*)
+        end function c_remove
+
+        integer(c_int) function c_make_folder(path) bind(C, name='spintop_make_folder')
+            import :: c_char, c_int
+            character(c_char), intent(in) :: path(*)
+        end function c_make_folder
+
+        subroutine c_inspect(path, size, is_folder) bind(C, name='spintop_inspect')
+            import :: c_char, c_int, c_long_long
+            character(c_char), intent(in) :: path(*)
+            integer(c_long_long), intent(out) :: size
+            integer(c_int), intent(out) :: is_folder
+        end subroutine c_inspect
+
+        integer(c_int) function c_is_terminal(file) bind(C, name='spintop_is_terminal')
+            import :: c_int
+            integer(c_int), value :: file
+        end function c_is_terminal
+
+        real(c_double) function c_seconds() bind(C, name='spintop_seconds')
+            import :: c_double
+        end function c_seconds
+
+        subroutine c_pause(seconds) bind(C, name='spintop_pause')
+            import :: c_double
+            real(c_double), value :: seconds
+        end subroutine c_pause
+
+        subroutine c_utc(text, room) bind(C, name='spintop_utc')
+            import :: c_char, c_int
+            character(c_char), intent(inout) :: text(*)
+            integer(c_int), value :: room
+        end subroutine c_utc
+
+        subroutine c_host(text, room) bind(C, name='spintop_host')
+            import :: c_char, c_int
+            character(c_char), intent(inout) :: text(*)
+            integer(c_int), value :: room
+        end subroutine c_host
+
+        integer(c_long_long) function c_peak_memory() bind(C, name='spintop_peak_memory')
+            import :: c_long_long
+        end function c_peak_memory
+
+        subroutine c_reason(number, text, room) bind(C, name='spintop_reason')
+            import :: c_char, c_int
+            integer(c_int), value :: number
+            character(c_char), intent(inout) :: text(*)
+            integer(c_int), value :: room
+        end subroutine c_reason
+    end interface
+
+end module spintop_posix

@@ -1,0 +1,116 @@
+!> Part I of N of a sweep: which cases it has, and how its table tells.
+module spintop_shard
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_text, only: to_text
+    implicit none
+    private
+    public :: shard_t, read_shard, read_shard_line
+
+    !> Most parts of a sweep.
+    integer, parameter :: most_shards = 1000000
+
+    !> Part `number` of `count`; by default the whole.
+    type :: shard_t
+        integer :: number = 1, count = 1
+    contains
+        procedure :: is_part
+        procedure :: first
+        procedure :: last
+        procedure :: suffix
+        procedure :: line
+    end type shard_t
+
+contains
+
+    !> Whether it is not the whole.
+    pure logical function is_part(self)
+        class(shard_t), intent(in) :: self
+        is_part = self%count > 1
+    end function is_part
+
+    !> First of so many cases. The parts follow each other in order, and differ by a case at most.
+    pure integer(int64) function first(self, cases)
+        class(shard_t), intent(in) :: self
+        integer(int64), intent(in) :: cases
+        first = last_before(self%number, self%count, cases) + 1
+    end function first
+
+    !> Last of so many cases; less than the first where there are more parts than cases.
+    pure integer(int64) function last(self, cases)
+        class(shard_t), intent(in) :: self
+        integer(int64), intent(in) :: cases
+        last = last_before(self%number + 1, self%count, cases)
+    end function last
+
+    !> Cases before part `number`.
+    pure integer(int64) function last_before(number, count, cases)
+        integer, intent(in) :: number, count
+        integer(int64), intent(in) :: cases
+        last_before = (number - 1) * (cases / count) + min(number - 1_int64, mod(cases, int(count, int64)))
+    end function last_before
+
+    !> What the name of its table has behind the name of the whole: `.2-of-3`.
+    pure function suffix(self)
+        class(shard_t), intent(in) :: self
+        character(:), allocatable :: suffix
+        suffix = ''
+        if (self%is_part()) suffix = '.' // to_text(self%number) // '-of-' // to_text(self%count)
+    end function suffix
+
+    !> What its table says in its first line.
+    pure function line(self, cases)
+        class(shard_t), intent(in) :: self
+        integer(int64), intent(in) :: cases !! of the whole
+        character(:), allocatable :: line
+        line = 'part ' // to_text(self%number) // ' of ' // to_text(self%count) // ': cases ' // &
+               to_text(self%first(cases)) // ' to ' // to_text(self%last(cases)) // ' of ' // to_text(cases)
+    end function line
+
+    !> Reads `I/N`.
+    subroutine read_shard(text, shard, valid)
+        character(*), intent(in) :: text
+        type(shard_t), intent(out) :: shard
+        logical, intent(out) :: valid
+        integer :: slash, status
+
+        slash = index(text, '/')
+        valid = slash > 1 .and. slash < len(text) .and. verify(text, '0123456789/') == 0 &
+                .and. index(text, '/', back=.true.) == slash
+        if (.not. valid) return
+        read (text(:slash - 1), *, iostat=status) shard%number
+        if (status == 0) read (text(slash + 1:), *, iostat=status) shard%count
+        valid = status == 0 .and. shard%number >= 1 .and. shard%number <= shard%count &
+                .and. shard%count <= most_shards
+    end subroutine read_shard
+
+    !> Reads the first line of a part's table.
+    subroutine read_shard_line(text, shard, cases, valid)
+        character(*), intent(in) :: text
+        type(shard_t), intent(out) :: shard
+        integer(int64), intent(out) :: cases !! of the whole
+        logical, intent(out) :: valid
+        integer :: colon, status
+
+        cases = 0
+        shard = shard_t()
+        colon = index(text, ':')
+        valid = .false.
+        if (index(text, 'part ') /= 1 .or. colon == 0) return
+        call read_pair(text(len('part '):colon - 1))
+        if (.not. valid) return
+        read (text(index(text, ' ', back=.true.) + 1:), *, iostat=status) cases
+        ! Only the line that would be written is taken for one.
+        valid = status == 0 .and. shard%line(cases) == text
+
+    contains
+
+        subroutine read_pair(pair)
+            character(*), intent(in) :: pair
+            integer :: of
+            of = index(pair, ' of ')
+            if (of > 0) call read_shard(trim(adjustl(pair(:of))) // '/' // pair(of + len(' of '):), shard, valid)
+        end subroutine read_pair
+
+    end subroutine read_shard_line
+
+end module spintop_shard

@@ -1,0 +1,105 @@
+!> The head of a table: `#` lines and the names of its columns. It tells where the rows come from;
+!> so tables with the same head are the same, as far as they go.
+module spintop_table_head
+    use spintop_errors, only: error_t, input_error
+    use spintop_system, only: input_file_t
+    use spintop_text, only: join, string_t
+    implicit none
+    private
+    public :: table_head, comment_lines, read_head, first_line_of, compare_heads
+
+    character, parameter :: nl = new_line('a')
+
+contains
+
+    !> What stands above the rows: comment lines and the names of the columns.
+    function table_head(comments, columns) result(head)
+        type(string_t), intent(in) :: comments(:) !! without the `#`
+        character(*), intent(in) :: columns(:)
+        character(:), allocatable :: head
+        head = comment_lines(comments) // join(columns, ',') // nl
+    end function table_head
+
+    !> Comment lines as they stand in tables.
+    function comment_lines(lines) result(text)
+        type(string_t), intent(in) :: lines(:)
+        character(:), allocatable :: text
+        integer :: i
+        text = ''
+        do i = 1, size(lines)
+            text = text // trim('# ' // lines(i)%text) // nl
+        end do
+    end function comment_lines
+
+    !> The head of a table in a file.
+    subroutine read_head(path, head, error)
+        character(*), intent(in) :: path
+        character(:), allocatable, intent(out) :: head
+        type(error_t), allocatable, intent(out) :: error
+        integer, parameter :: largest_head = 16 * 1024 * 1024, piece = 64 * 1024
+        type(input_file_t) :: file
+        character(piece) :: block
+        integer :: length, first, break
+
+        head = ''
+        first = 1
+        call file%open(path, error)
+        if (allocated(error)) return
+        do
+            call file%read(block, length, error)
+            if (allocated(error) .or. length == 0 .or. len(head) > largest_head) exit
+            head = head // block(:length)
+            do
+                break = index(head(first:), nl)
+                if (break == 0) exit
+                if (head(first:first) /= '#') then
+                    head = head(:first + break - 1)
+                    call file%close()
+                    return
+                end if
+                first = first + break
+            end do
+        end do
+        call file%close()
+        if (.not. allocated(error)) error = input_error(path // ' is no table: it has no line with names of columns')
+    end subroutine read_head
+
+    !> The first line of a head, without its `# `.
+    pure function first_line_of(head) result(line)
+        character(*), intent(in) :: head
+        character(:), allocatable :: line
+        line = head(3:index(head // nl, nl) - 1)
+    end function first_line_of
+
+    !> The first line in which two heads differ, ready to print; '' where they are the same.
+    pure function compare_heads(first, first_name, second, second_name) result(difference)
+        character(*), intent(in) :: first, second           !! heads
+        character(*), intent(in) :: first_name, second_name !! what they are called in print
+        character(:), allocatable :: difference
+        integer :: i, line
+
+        difference = ''
+        if (len(first) == len(second) .and. first == second) return
+        line = 1
+        do i = 1, min(len(first), len(second))
+            if (first(i:i) /= second(i:i)) exit
+            if (first(i:i) == nl) line = i + 1
+        end do
+        difference = nl // '    ' // first_name // ': ' // line_at(first, line) // &
+                     nl // '    ' // second_name // ': ' // line_at(second, line)
+    end function compare_heads
+
+    !> The line that begins at a place, without the mark of a comment.
+    pure function line_at(text, first) result(line)
+        character(*), intent(in) :: text
+        integer, intent(in) :: first
+        character(:), allocatable :: line
+        if (first > len(text)) then
+            line = '(ends here)'
+        else
+            line = text(first:first + index(text(first:) // nl, nl) - 2)
+            if (index(line, '#') == 1) line = trim(adjustl(line(2:)))
+        end if
+    end function line_at
+
+end module spintop_table_head

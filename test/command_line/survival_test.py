@@ -1,0 +1,433 @@
+"""A sweep that nothing can lose: threads, parts, signals, full disks, damaged files."""
+
+import os
+import random
+import resource
+import shutil
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+from program_test import PROGRAM, ROOT, ProgramCase, Table
+
+# Long enough to be interrupted at any moment: a few seconds on one thread.
+SLOW = """\
+&study kind = 'sweep' /
+&top mass = 1.0, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387 /
+&initial theta_deg = 20 /
+&span t_end = 2 /
+&integration formulation = 'lagrange', method = 'rk4', steps = 2000 /
+&sweep parameter(1) = 'initial.psi_rate', from(1) = 1, to(1) = 100, count(1) = 1000 /
+"""
+# The same in closed form: over in no time.
+FAST = SLOW.replace("formulation = 'lagrange', method = 'rk4', steps = 2000", "method = 'exact'")
+
+
+class SurvivalCase(ProgramCase):
+    """Runs that end before their time."""
+
+    reference: bytes = b""  # the table of SLOW, from a run that nothing stopped
+    duration = 0.0  # of that run on one thread, in seconds
+
+    def setUp(self) -> None:
+        """The slow sweep and its table."""
+        super().setUp()
+        self.slow = self.write(SLOW, "slow.nml")
+        if not SurvivalCase.reference:
+            began = time.monotonic()
+            self.run_sweep("-o", "reference", "--threads", "1")
+            SurvivalCase.duration = time.monotonic() - began
+            SurvivalCase.reference = self.read("reference/slow.csv")
+            shutil.rmtree(self.folder / "reference")
+
+    def run_sweep(self, *arguments: str | Path, code: int = 0, **options: object) -> str:
+        """Run the slow sweep to its end; returns all that it said."""
+        result = self.run_program(self.slow, *arguments, **options)
+        self.assertEqual(result.returncode, code, result.stdout + result.stderr)
+        return result.stdout + result.stderr
+
+    def start(self, *arguments: str | Path) -> subprocess.Popen:
+        """Start the slow sweep on one thread, and do not wait for it."""
+        run = subprocess.Popen(
+            [PROGRAM, self.slow, "--threads", "1", *map(str, arguments)],
+            cwd=self.folder,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        self.addCleanup(run.wait)
+        self.addCleanup(run.kill)
+        return run
+
+    def read(self, name: str) -> bytes:
+        """A file in the folder."""
+        return (self.folder / name).read_bytes()
+
+    def journalled_rows(self, table: str = "output/slow.csv") -> int:
+        """Rows that the journal of a table has; -1 if there is no journal."""
+        try:
+            lines = (self.folder / f"{table}.journal").read_text(encoding="ascii").splitlines()
+        except FileNotFoundError:
+            return -1
+        (rows,) = (line for line in lines if line.startswith("rows: "))
+        return sum(map(int, rows.split()[1:]))
+
+    def wait_for_rows(
+        self, run: subprocess.Popen, least: int, table: str = "output/slow.csv"
+    ) -> None:
+        """Wait until the journal has so many rows."""
+        deadline = time.monotonic() + 30
+        while self.journalled_rows(table) < least:
+            self.assertIsNone(run.poll(), "the run ended too early")
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.01)
+
+    def interrupt(self, *arguments: str | Path, table: str = "output/slow.csv") -> None:
+        """Start the slow sweep and kill it when some of it is done."""
+        run = self.start(*arguments)
+        self.wait_for_rows(run, 1, table)
+        run.kill()
+        run.wait()
+
+    def check_complete(self, name: str = "output/slow.csv") -> None:
+        """The table is that of an uninterrupted run, and nothing else is left of it."""
+        self.assertEqual(self.read(name), self.reference)
+        path = self.folder / name
+        left = sorted(p.name for p in path.parent.glob(f"{path.stem}*"))
+        self.assertEqual(left, [path.name, f"{path.stem}.log"])
+
+
+class InterruptionTest(SurvivalCase):
+    """Runs that are killed, and go on."""
+
+    def test_any_number_of_threads_gives_the_same_bytes(self) -> None:
+        """One (the reference), two, four threads; the log has what varies."""
+        for threads in ("2", "4"):
+            said = self.run_sweep("--threads", threads, "-o", threads)
+            self.check_complete(f"{threads}/slow.csv")
+            log = self.read(f"{threads}/slow.log").decode()
+            self.assertEqual(log, said)
+            self.assertIn(f" s on {threads} threads", log)
+            self.assertRegex(log, r"\n  ended     20\d\d-\d\d-\d\dT\d\d:\d\d:\d\dZ on \S+\n")
+            self.assertIn("\n  status    1000 ok", log)
+
+    def test_killed_at_random_moments(self) -> None:
+        """SIGKILL and SIGTERM at moments of the start and of the whole run, until it is through."""
+        seed = random.randrange(10**9)
+        print(f"seed {seed}, {self.duration:.2f} s a run")
+        moments = random.Random(seed)
+        taken_over = 0
+        for trial in range(14):
+            before = max(self.journalled_rows(), 0)
+            run = self.start("--resume")
+            time.sleep(moments.uniform(0, 0.05 if trial % 2 else self.duration / 2))
+            number = (signal.SIGKILL, signal.SIGTERM)[trial // 2 % 2]
+            run.send_signal(number)
+            code = run.wait()
+            if (self.folder / "output/slow.csv").exists():
+                self.assertIn(code, (0, -number))
+                self.run_sweep("--resume")
+                self.assertEqual(self.read("output/slow.csv"), self.reference)
+                shutil.rmtree(self.folder / "output")
+            else:
+                self.assertEqual(code, -number)
+                self.assertGreaterEqual(max(self.journalled_rows(), 0), before)
+                taken_over = max(taken_over, self.journalled_rows())
+        self.assertGreater(taken_over, 0)
+        self.run_sweep("--resume")
+        self.check_complete()
+
+    def test_a_resumed_run_tells_what_it_took_over(self) -> None:
+        """Its summary counts all cases, and says how many are of an earlier run."""
+        self.interrupt()
+        rows = self.journalled_rows()
+        said = self.run_sweep("--resume", "--progress")
+        self.assertEqual(said.count(f"goes on after {rows} rows of an interrupted run"), 2)
+        self.assertIn("  status    1000 ok", said)
+        self.check_complete()
+        before = (self.folder / "output/slow.csv").stat()
+        said = self.run_sweep("--resume")
+        self.assertIn("nothing was computed: the table is complete already", said)
+        self.assertEqual((self.folder / "output/slow.csv").stat(), before)
+
+    def test_nothing_to_resume(self) -> None:
+        """No part, or a part of which no journal tells: from the beginning, and that is said."""
+        said = self.run_sweep("--resume")
+        self.assertIn("nothing to go on with: starts from the beginning", said)
+        (self.folder / "output/slow.csv").rename(self.folder / "output/slow.csv.part")
+        said = self.run_sweep("--resume")
+        self.assertIn("nothing to go on with: starts from the beginning", said)
+        self.check_complete()
+
+    def test_failed_cases_of_an_earlier_run_count(self) -> None:
+        """The exit code of a resumed run is that of the whole."""
+        axis = "count(1) = 200, parameter(2) = 'initial.theta_deg', values(2,:) = 0, 20, 30, 40, 50"
+        text = SLOW.replace("theta_deg = 20", "").replace("count(1) = 1000", axis)
+        self.slow.write_text(text, encoding="utf-8")
+        self.interrupt()
+        said = self.run_sweep("--resume", code=3)
+        self.assertIn("  status    800 ok", said)
+        self.assertIn("  status    200 pole", said)
+
+    def test_without_resume(self) -> None:
+        """It starts anew, and says what it took the place of."""
+        self.interrupt()
+        rows = self.journalled_rows()
+        said = self.run_sweep()
+        self.assertIn(f"takes the place of an interrupted run of {rows} rows", said)
+        self.check_complete()
+
+    def test_damage_and_strangers_are_refused(self) -> None:
+        """With the reason, exit code 2, and all as it was."""
+        self.interrupt()
+        part, journal = self.read("output/slow.csv.part"), self.read("output/slow.csv.journal")
+        bytes_there = int(journal.split(b"\n")[1].split()[1])
+        middle = bytes_there - 100
+        revision = part.index(b"# revision: ") + len(b"# revision: ")
+        for new_part, new_journal, settings, reason in (
+            (part[:middle], journal, [], "shorter than its journal says"),
+            (part[:middle] + b"~" + part[middle + 1 :], journal, [], "not what was written"),
+            (part[:revision] + b"~" + part[revision + 1 :], journal, [], "revision: ~"),
+            (part, journal.replace(b"bytes: ", b"bytes: 1"), [], "journal is damaged"),
+            (part, journal[:-5], [], "journal is damaged"),
+            (part, b"", [], "journal is damaged"),
+            (part, journal, ["--set", "top.mass=2"], "here: mass = 2"),
+        ):
+            with self.subTest(reason):
+                (self.folder / "output/slow.csv.part").write_bytes(new_part)
+                (self.folder / "output/slow.csv.journal").write_bytes(new_journal)
+                said = self.run_sweep("--resume", *settings, code=2)
+                self.assertIn(reason, said)
+                self.assertIn("without --resume it is computed from the beginning", said)
+                self.assertEqual(self.read("output/slow.csv.part"), new_part)
+                self.assertEqual(self.read("output/slow.csv.journal"), new_journal)
+        # What lies behind the journalled bytes may be anything: a power cut leaves zeros, say.
+        (self.folder / "output/slow.csv.part").write_bytes(part[:bytes_there] + bytes(5000))
+        (self.folder / "output/slow.csv.journal").write_bytes(journal)
+        self.run_sweep("--resume")
+        self.check_complete()
+        said = self.run_sweep("--resume", "--set", "top.mass=2", code=2)
+        self.assertIn("here: mass = 2", said)
+        self.check_complete()
+
+    def test_two_runs_at_once(self) -> None:
+        """The second is refused, with --resume or without; the first goes on."""
+        first = self.start()
+        self.wait_for_rows(first, 0)
+        for arguments in ([], ["--resume"]):
+            self.assertIn("another run is writing it", self.run_sweep(*arguments, code=4))
+        self.assertEqual(first.wait(), 0)
+        self.check_complete()
+
+    def test_resume_and_shard_are_for_sweeps(self) -> None:
+        """A trajectory has neither parts nor a journal."""
+        scene = self.write()
+        self.assertIn("--shard is for sweeps", self.refuse(scene, "--shard", "1/2"))
+        self.assertIn("--resume is for sweeps", self.refuse(scene, "--resume"))
+        for shard in ("0/3", "4/3", "3", "1/2/3", "a/b"):
+            self.assertIn("--shard takes I/N", self.refuse(self.slow, "--shard", shard))
+
+
+class DiskTest(SurvivalCase):
+    """Places where nothing more can be written."""
+
+    def test_a_disk_that_fills_up(self) -> None:
+        """Exit code 4; with more room it goes on."""
+        disk = self.folder / "disk"
+        disk.mkdir()
+        command = ["mount", "-t", "tmpfs", "-o", "size=256k", "none", disk]
+        if (
+            os.geteuid() != 0
+            or subprocess.run(command, capture_output=True, check=False).returncode
+        ):
+            self.skipTest("takes root")
+        self.addCleanup(subprocess.run, ["umount", disk], check=True)
+        said = self.run_sweep("-o", disk, code=4)
+        self.assertIn("No space left on device", said)
+        self.assertIn("slow.csv is kept: --resume goes on from there", said)
+        self.assertFalse((disk / "slow.csv").exists())
+        self.run_sweep("-o", disk, "--resume", code=4)
+        subprocess.run(["mount", "-o", "remount,size=4m", disk], check=True)
+        self.assertIn("rows of an interrupted run", self.run_sweep("-o", disk, "--resume"))
+        self.check_complete("disk/slow.csv")
+
+    def test_a_file_that_may_not_grow(self) -> None:
+        """The system stops the run in the midst of a write; without the limit it goes on."""
+
+        def limit() -> None:
+            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+            resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
+
+        result = self.run_program(self.slow, preexec_fn=limit)
+        self.assertIn(result.returncode, (4, -signal.SIGXFSZ))
+        self.assertEqual((self.folder / "output/slow.csv.part").stat().st_size, 200_000)
+        self.assertGreater(self.journalled_rows(), -1)
+        self.run_sweep("--resume")
+        self.check_complete()
+
+    def test_a_folder_removed_meanwhile(self) -> None:
+        """Exit code 4, and a name."""
+        run = subprocess.Popen(
+            [PROGRAM, self.slow, "--threads", "1"],
+            cwd=self.folder,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        self.wait_for_rows(run, 0)
+        shutil.rmtree(self.folder / "output")
+        said = run.communicate(timeout=60)[1]
+        self.assertEqual(run.returncode, 4, said)
+        self.assertIn("output/slow.csv", said)
+        self.assertNotIn("is kept", said)
+
+    def test_folders_that_cannot_be_written(self) -> None:
+        """Exit code 4 before anything is computed, on any way there."""
+        self.run_sweep("-o", "/proc/spintop", code=4)
+        (self.folder / "output/slow.csv.journal.new").mkdir(parents=True)
+        began = time.monotonic()
+        said = self.run_sweep(code=4)
+        self.assertLess(time.monotonic() - began, self.duration / 2)
+        self.assertIn("slow.csv.journal.new", said)
+        self.assertEqual(self.produced(), ["output", "output/slow.csv.journal.new"])
+        if os.geteuid() != 0:
+            locked = self.folder / "locked"
+            locked.mkdir(mode=0o500)
+            self.run_sweep("-o", locked, code=4)
+
+
+class ShardTest(SurvivalCase):
+    """A sweep in parts."""
+
+    def merge(self, *names: str, code: int = 0) -> str:
+        """Merge tables in the output folder; returns all that was said."""
+        result = self.run_program("merge", *(f"output/{name}" for name in names))
+        self.assertEqual(result.returncode, code, result.stdout + result.stderr)
+        return result.stdout + result.stderr
+
+    def test_three_parts_make_the_whole(self) -> None:
+        """The same bytes, though one part was killed; in any order."""
+        self.run_sweep("--shard", "1/3")
+        self.interrupt("--shard", "2/3", table="output/slow.2-of-3.csv")
+        self.merge("slow.csv", "slow.1-of-3.csv", "slow.2-of-3.csv", "slow.3-of-3.csv", code=2)
+        self.run_sweep("--resume", "--shard", "2/3")
+        said = self.run_sweep("--resume", "--shard", "3/3", "--threads", "1")
+        self.assertIn("part 3 of 3: cases 668 to 1000 of 1000", said)
+        said = self.merge("slow.csv", "slow.3-of-3.csv", "slow.1-of-3.csv", "slow.2-of-3.csv")
+        self.assertEqual(said, "3 parts, 1000 cases -> output/slow.csv\n")
+        self.assertEqual(self.read("output/slow.csv"), self.reference)
+        self.assertFalse((self.folder / "output/slow.csv.part").exists())
+        part = Table(self.folder / "output/slow.2-of-3.csv")
+        self.assertEqual(part.header[0], "part 2 of 3: cases 335 to 667 of 1000")
+        self.assertEqual((part.texts("case")[0], part.texts("case")[-1]), ("335", "667"))
+
+    def test_closed_forms_in_parts(self) -> None:
+        """Where a block of cases is computed at once, it does not matter which."""
+        scene = self.write(FAST, "fast.nml")
+        self.run_program(scene)
+        names = []
+        for number in range(1, 8):
+            result = self.run_program(scene, "--shard", f"{number}/7")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            names.append(f"fast.{number}-of-7.csv")
+        self.merge("merged.csv", *names)
+        self.assertEqual(self.read("output/merged.csv"), self.read("output/fast.csv"))
+
+    def test_parts_that_do_not_fit(self) -> None:
+        """A missing, repeated, foreign or cut part is refused by its name; nothing is written."""
+        scene = self.write(FAST, "fast.nml")
+        for shard in ("1/2", "2/2", "2/3"):
+            self.run_program(scene, "--shard", shard)
+        one, two, third = "fast.1-of-2.csv", "fast.2-of-2.csv", "fast.2-of-3.csv"
+        self.assertIn("missing of 2 parts: 2", self.merge("fast.csv", one, code=2))
+        self.assertIn(f"{one}: it is part 1", self.merge("fast.csv", one, two, one, code=2))
+        self.assertIn(f"{third}: it is a part of ", self.merge("fast.csv", one, third, code=2))
+        self.assertIn("also one of the parts", self.merge(one, one, two, code=2))
+        whole = self.read(f"output/{two}")
+        (self.folder / "output" / two).write_bytes(whole[:-200])
+        self.assertIn(f"{two}: it holds 49", self.merge("fast.csv", one, two, code=2))
+        (self.folder / "output" / two).write_bytes(whole)
+        (self.folder / "output/fast.csv.part").write_bytes(b"of an interrupted merge")
+        self.merge("fast.csv", one, two)
+        merged = self.read("output/fast.csv")
+        self.run_program(scene)
+        self.assertEqual(self.read("output/fast.csv"), merged)
+        self.run_program(scene, "--shard", "2/2", "--set", "top.mass=2")
+        said = self.merge("fast.csv", one, two, code=2)
+        self.assertIn(f"output/{two}: mass = 2\n", said)
+        self.assertEqual(self.read("output/fast.csv"), merged)
+        for arguments in ([], ["output/fast.csv"]):
+            self.assertEqual(self.run_program("merge", *arguments).returncode, 2)
+
+    def test_a_job_array(self) -> None:
+        """The script for Slurm, with a stand-in for sbatch that runs each task in turn."""
+        sbatch = self.folder / "bin/sbatch"
+        sbatch.parent.mkdir()
+        sbatch.write_text(
+            "#!/usr/bin/env bash\n"
+            "for a; do\n"
+            "    case $a in --array=1-*) tasks=${a#--array=1-} ;; */slurm_sweep.sh) break ;; esac\n"
+            "    shift\n"
+            "done\n"
+            "for ((i = 1; i <= ${tasks:-1}; ++i)); do\n"
+            '    SLURM_ARRAY_TASK_ID=$i SLURM_CPUS_PER_TASK=1 "$@" >>log 2>&1\n'
+            "done\n"
+            "echo 17\n",
+            encoding="utf-8",
+        )
+        sbatch.chmod(0o755)
+        path = f"{sbatch.parent}:{os.environ['PATH']}"
+        scene = self.write(FAST.replace("/\n", "/\n&output file = 'named.csv' /\n", 1), "fast.nml")
+        self.assertEqual(self.run_program(scene, "-o", "whole").returncode, 0)
+        result = subprocess.run(
+            [ROOT / "scripts/slurm_sweep.sh", scene, "4", "--time=1"],
+            cwd=self.folder,
+            env=os.environ | {"PATH": path, "SPINTOP_EXE": PROGRAM},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(self.read("output/named.csv"), self.read("whole/named.csv"))
+
+
+class FailingCasesTest(SurvivalCase):
+    """Bad cases among good ones."""
+
+    def test_bad_cases_do_not_touch_the_others(self) -> None:
+        """About one case in a hundred is no top or starts at a pole; each is named."""
+        thetas = [10 + 0.1 * i for i in range(200)]
+        inertias = [0.2 + 0.005 * i for i in range(200)]
+        text = (
+            SLOW.replace("theta_deg = 20", "psi_rate = 3").replace("steps = 2000", "steps = 4")
+        ).split("&sweep")[0]
+
+        def sweep(first: list[float], second: list[float], code: int) -> Table:
+            axes = ((1, "top.inertia(3)", first), (2, "initial.theta_deg", second))
+            lines = [
+                f"parameter({i}) = '{name}', values({i},:) = " + ",\n ".join(map(repr, values))
+                for i, name, values in axes
+            ]
+            scene = self.write(text + "&sweep " + "\n".join(lines) + " /\n", "bad.nml")
+            result = self.run_program(scene)
+            self.assertEqual(result.returncode, code, result.stderr)
+            for line in result.stdout.splitlines():
+                self.assertNotIn("internal", line)
+            return self.table("bad")
+
+        good = sweep(inertias, thetas, 0)
+        bad = sweep([*inertias[:77], 1.8, *inertias[77:]], [*thetas[:123], 0, *thetas[123:]], 3)
+        self.assertEqual(len(bad.rows), 201 * 201)
+        status, notes = bad.names.index("status"), bad.names.index("notes")
+        expected = {(1.8, theta): "bad_input" for theta in [*thetas, 0]}
+        expected |= {(inertia, 0.0): "pole" for inertia in inertias}
+        left = []
+        for row in bad.rows:
+            case = (float(row[1]), float(row[2]))
+            if row[status] == "ok":
+                left.append(row[1:])
+                continue
+            self.assertEqual(row[status], expected.pop(case))
+            self.assertNotEqual(row[notes], "")
+        self.assertEqual(expected, {})
+        self.assertEqual(left, [row[1:] for row in good.rows])

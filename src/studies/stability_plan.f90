@@ -159,8 +159,8 @@ contains
         scene%absolute_tolerance = unset
         if (.not. choice%method%adaptive) return
         scene%steps = unset_integer
+        if (choice%method%needs == structure_quadruple) return ! it has finer tolerances of its own
         scene%relative_tolerance = default_tolerance
-        if (choice%method%needs == structure_quadruple) scene%relative_tolerance = unset
         if (is_set(input%relative_tolerance)) scene%relative_tolerance = input%relative_tolerance
         scene%absolute_tolerance = input%absolute_tolerance
     end subroutine scene_of_trial

@@ -158,7 +158,7 @@ contains
         character(*), intent(in) :: method, table
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: y(max_states)
-        real(dp), parameter :: t_end = 4, small = 1.0e-8_dp, tiny = 1.0e-12_dp, alike = 0.3_dp
+        real(dp), parameter :: t_end = 4, small = 1.0e-8_dp, tiny = 1.0e-12_dp, alike = 0.4_dp
         integer, parameter :: most_steps = 1024
         class(stepper_t), allocatable :: stepper
         type(run_t) :: run

@@ -144,12 +144,13 @@ contains
         logical, allocatable :: suitable(:)
         integer :: i
         allocate (infos, source=formulation_infos())
+        allocate (suitable(size(infos)))
         if (stepper%info%needs == structure_none) then
             suitable = infos%name == 'lagrange'
         else
             suitable = [(infos(i)%offers(stepper%info%needs), i=1, size(infos))]
         end if
-        names = pack(infos%name, suitable)
+        allocate (names, source=pack(infos%name, suitable))
     end function formulations_for
 
     !> Order of convergence of a method with equal steps: steps are halved until the error is
@@ -158,7 +159,7 @@ contains
         character(*), intent(in) :: method, table
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: y(max_states)
-        real(dp), parameter :: t_end = 4, small = 1.0e-8_dp, tiny = 1.0e-12_dp, alike = 0.3_dp
+        real(dp), parameter :: t_end = 4, small = 1.0e-8_dp, tiny = 5.0e-12_dp, alike = 0.3_dp
         integer, parameter :: most_steps = 1024
         class(stepper_t), allocatable :: stepper
         type(run_t) :: run

@@ -144,12 +144,13 @@ contains
         logical, allocatable :: suitable(:)
         integer :: i
         allocate (infos, source=formulation_infos())
+        allocate (suitable(size(infos)))
         if (stepper%info%needs == structure_none) then
             suitable = infos%name == 'lagrange'
         else
             suitable = [(infos(i)%offers(stepper%info%needs), i=1, size(infos))]
         end if
-        names = pack(infos%name, suitable)
+        allocate (names, source=pack(infos%name, suitable))
     end function formulations_for
 
     !> Order of convergence of a method with equal steps: steps are halved until the error is

@@ -26,7 +26,7 @@ module spintop_growing_table
 
     !> Seconds between two entries of the journal, or, where the disk is slow, so many times what
     !> the last entry took: they cost one thread less than a twentieth of its time.
-    real(dp), parameter :: entry_pause = 0.5_dp, entry_times_pause = 20
+    real(dp), parameter :: first_pause = 0.05_dp, entry_pause = 0.5_dp, entry_times_pause = 20
 
     !> Bytes that are read at once.
     integer, parameter :: block_size = 1024 * 1024
@@ -83,7 +83,7 @@ contains
             call self%table%reserve(path, error)
             if (.not. allocated(error)) call self%start_anew(head, resume, error)
         end if
-        self%due = seconds() + entry_pause
+        self%due = seconds() + first_pause
     end subroutine start
 
     !> Starts from the beginning, with an entry that says so. What an earlier run left is lost.

@@ -89,6 +89,8 @@ def footer(table: Table, width: int) -> str:
 def describe_run(table: Table) -> str:
     """Formulation, method, and steps or tolerances, in words."""
     method = table.setting("integration.method")
+    if "method" in table.rows:
+        return ", ".join(["methods and formulations as named", *describe_tolerances(table)])
     if method == "exact":
         return "exact motion"
     formulation = table.setting("integration.formulation")

@@ -14,8 +14,8 @@ from figures.table import Table
 ACROSS = 4
 """Panels in a row."""
 
-PANEL_HEIGHT = 1.35
-"""In inches."""
+PANEL_HEIGHT, LEAST_HEIGHT = 1.35, 2.6
+"""Of a panel, and of all of them, in inches."""
 
 LEAST_ERROR = 1e-15
 """Smaller errors are drawn here, rad."""
@@ -42,8 +42,9 @@ def draw_costs(table: Table) -> Figure:
     cases = list(rows["case"].unique())
     across = min(ACROSS, len(cases))
     down = -(-len(cases) // across)
-    figure = new_figure(table, "Error of the methods against their cost", 2.3 + PANEL_HEIGHT * down)
-    grid = figure.add_gridspec(down + 1, across, height_ratios=[PANEL_HEIGHT] * down + [1.1])
+    height = max(PANEL_HEIGHT, LEAST_HEIGHT / down)
+    figure = new_figure(table, "Error of the methods against their cost", 2.4 + height * down)
+    grid = figure.add_gridspec(down + 1, across, height_ratios=[height] * down + [1.1])
     first = figure.add_subplot(grid[0, 0])
     set_scales(first, rows)
     panels = [first]
@@ -92,7 +93,7 @@ def set_scales(axes: Axes, rows: pd.DataFrame) -> None:
     axes.set_xlim(costs.min() / 2, costs.max() * 2)
     axes.set_ylim(max(errors.min(), LEAST_ERROR) / 10, errors.max() * 10)
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(LogLocator(numticks=5))
+        axis.set_major_locator(LogLocator(numticks=6))
         axis.set_minor_locator(NullLocator())
 
 
@@ -105,7 +106,7 @@ def add_legend(axes: Axes, rows: pd.DataFrame) -> None:
         handles.append(Line2D([], [], label=NAMES[verdict], **marker(grey, fullness)))
     handles.append(Line2D([], [], color=FAINT, linewidth=6, label="within rounding of the data"))
     axes.axis("off")
-    axes.legend(
+    legend = axes.legend(
         handles=handles,
         loc="upper center",
         ncols=3,
@@ -114,3 +115,4 @@ def add_legend(axes: Axes, rows: pd.DataFrame) -> None:
         title="right-hand sides evaluated (those of Taylor methods give a whole series each)",
         title_fontsize=10,
     )
+    legend.set_in_layout(False)  # it may be wider than the panels

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
+from figures.style import FAULT
 from figures.table import Table
 
 
@@ -22,7 +23,7 @@ VERDICTS = {
     for verdict in (
         Verdict("accurate", "#d3e8f0", "black", "{digits}"),
         Verdict("drifts", "#e39b35", "black", "~{digits}"),
-        Verdict("wrong", "#b0392a", "white", "\N{MULTIPLICATION SIGN}"),
+        Verdict("wrong", FAULT, "white", "\N{MULTIPLICATION SIGN}"),
         Verdict("gave_up", "#1c1c1c", "white", "{why}"),
         Verdict("unsuitable", "white", "0.55", "\N{EN DASH}"),
     )

@@ -7,6 +7,9 @@ from matplotlib.figure import Figure
 
 from figures import table1
 from figures.costs import draw_costs, object_to_costs
+from figures.curves import draw_curves, object_to_curves
+from figures.events import draw_events, draw_sections, object_to_events, object_to_sections
+from figures.maps import draw_maps, object_to_maps
 from figures.methods import object_to_trials
 from figures.sweep import draw_sweep, good_rows, sweep_columns
 from figures.table import Table
@@ -41,7 +44,7 @@ class FigureKind(NamedTuple):
     def refusal(self, table: Table) -> str:
         """Why the figure does not belong to a table; empty if it does."""
         if table.kind != self.kind:
-            return f"is not the table of a {self.kind} study"
+            return f"is no table of the kind {self.kind}"
         if missing := table.missing(self.words + self.columns):
             return f"has no column {', '.join(missing)}"
         if wordless := [name for name in self.words if table.numeric(name)]:
@@ -139,6 +142,40 @@ FIGURES = (
         table1.draw_table1,
         object_to_table1,
         sparse=True,
+    ),
+    FigureKind(
+        "events",
+        "when the events of a trajectory happen",
+        "events",
+        ("t",),
+        draw_events,
+        object_to_events,
+        words=("event",),
+    ),
+    FigureKind(
+        "sections",
+        "inclination and its rate at the events that happen often (Poincare sections)",
+        "events",
+        ("theta", "theta_rate"),
+        draw_sections,
+        object_to_sections,
+        words=("event",),
+    ),
+    FigureKind(
+        "curves",
+        "the quantities of a sweep against its one parameter",
+        "sweep",
+        (),
+        draw_curves,
+        object_to_curves,
+    ),
+    FigureKind(
+        "maps",
+        "maps of the quantities of a sweep over a grid of two parameters",
+        "sweep",
+        (),
+        draw_maps,
+        object_to_maps,
     ),
     FigureKind(
         "verdicts",

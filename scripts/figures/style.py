@@ -28,6 +28,9 @@ LINES = (
 FAINT = "0.8"
 GREY = "0.35"
 
+FAULT = "#b0392a"
+"""What failed or is wrong."""
+
 WIDE_RANGE, USUAL = 3e4, 0.2
 """A quantity goes on a log axis if its largest size is more than so many times the size that it
 exceeds in all but this part of the rows. The paper's residuals stay on linear ones, as printed."""
@@ -69,6 +72,17 @@ def new_figure(table: Table, what: str, height: float, width: float = WIDTH) -> 
         footer(table, int(width * 15)), x=0.012, ha="left", fontsize=9, color=GREY, parse_math=False
     )
     return figure
+
+
+def add_panels(figure: Figure, count: int, sharey: bool = True) -> list[Axes]:
+    """Two panels in a row over the same x; the first of an odd number has its row to itself."""
+    cells = figure.add_gridspec((count + 1) // 2, 2)
+    panels: list[Axes] = []
+    for place in range(count % 2, count + count % 2):
+        first = panels[0] if panels else None
+        spot = cells[0, :] if count % 2 and not panels else cells[divmod(place, 2)]
+        panels.append(figure.add_subplot(spot, sharex=first, sharey=first if sharey else None))
+    return panels
 
 
 def footer(table: Table, width: int) -> str:

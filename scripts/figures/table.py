@@ -9,6 +9,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+EVENT = "event"
+"""First column of a table of events, which may have no rows."""
+
 MANY_CASES = 20_000
 """Rows of a sweep over one parameter beyond which only some are kept, about KEPT_CASES."""
 KEPT_CASES = 5_000
@@ -47,7 +50,7 @@ class Table:
     @property
     def kind(self) -> str:
         """The kind of the study, or `events` for the table of a trajectory's events."""
-        return "events" if self.rows.columns[0] == "event" else self.setting("study.kind")
+        return "events" if self.rows.columns[0] == EVENT else self.setting("study.kind")
 
     def setting(self, key: str) -> str:
         """The first value of a setting, such as study.kind; empty if it has none."""
@@ -107,7 +110,7 @@ def read_table(path: Path) -> Table:
     if is_sweep and len(body) > MANY_CASES and len(swept(body[0].split(","))) == 1:
         stride = len(body) // KEPT_CASES
     rows = read_rows([body[0], *body[1::stride]], first + 1)
-    if rows.empty:
+    if rows.empty and not body[0].startswith(f"{EVENT},"):
         raise TableError("has no rows" + (f" (status: {status})" if status else ""))
     return Table(path, header, settings, units, meanings, rows, status, stride)
 

@@ -170,7 +170,7 @@ def draw_counts(axes: Axes, rows: pd.DataFrame, layout: Layout) -> None:
         for begin, share, verdict in counts:
             side = -BAR * (begin + share)
             axes.add_patch(bar(place + 0.15, side, 0.7, BAR * share, verdict))
-    axes.text(x, HEAD - 0.15, "accurate of suitable", va="bottom", fontsize=8.5, color=GREY)
+    axes.text(x, 0.1, "accurate of suitable", va="bottom", fontsize=8.5, color=GREY)
     axes.text(
         -0.25, -BAR / 2, "verdicts on\neach case", ha="right", va="center", fontsize=8.5, color=GREY
     )

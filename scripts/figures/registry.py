@@ -6,6 +6,11 @@ from typing import NamedTuple
 from matplotlib.figure import Figure
 
 from figures import table1
+from figures.costs import draw_costs, object_to_costs
+from figures.curves import draw_curves, object_to_curves
+from figures.events import draw_events, draw_sections, object_to_events, object_to_sections
+from figures.maps import draw_maps, object_to_maps
+from figures.methods import object_to_trials
 from figures.sweep import draw_sweep, good_rows, sweep_columns
 from figures.table import Table
 from figures.trajectory import (
@@ -15,6 +20,10 @@ from figures.trajectory import (
     draw_path,
     draw_residuals,
 )
+from figures.verdicts import draw_verdicts
+
+TRIALS = ("case", "method", "formulation", "verdict", "status", "reference", "reason")
+"""The columns of words of a stability study."""
 
 
 class FigureKind(NamedTuple):
@@ -29,13 +38,17 @@ class FigureKind(NamedTuple):
     """Why a table with these columns has no such figure; empty if it has."""
     sparse: bool = False
     """Whether some of the columns may have no numbers."""
+    words: tuple[str, ...] = ()
+    """Columns of words that it is made of, too."""
 
     def refusal(self, table: Table) -> str:
         """Why the figure does not belong to a table; empty if it does."""
-        if table.setting("study.kind") != self.kind:
-            return f"is not the table of a {self.kind}"
-        if missing := table.missing(self.columns):
+        if table.kind != self.kind:
+            return f"is no table of the kind {self.kind}"
+        if missing := table.missing(self.words + self.columns):
             return f"has no column {', '.join(missing)}"
+        if wordless := [name for name in self.words if table.numeric(name)]:
+            return f"has no word in column {', '.join(wordless)}"
         empty = table.empty(self.columns)
         if empty and not (self.sparse and len(empty) < len(self.columns)):
             return f"has no number in column {', '.join(empty)}"
@@ -44,8 +57,8 @@ class FigureKind(NamedTuple):
     def is_expected(self, table: Table) -> bool:
         """Whether the table has all columns, so that it is an error if they hold no number."""
         return (
-            table.setting("study.kind") == self.kind
-            and not table.missing(self.columns)
+            table.kind == self.kind
+            and not table.missing(self.words + self.columns)
             and not self.objection(table)
         )
 
@@ -129,5 +142,57 @@ FIGURES = (
         table1.draw_table1,
         object_to_table1,
         sparse=True,
+    ),
+    FigureKind(
+        "events",
+        "when the events of a trajectory happen",
+        "events",
+        ("t",),
+        draw_events,
+        object_to_events,
+        words=("event",),
+    ),
+    FigureKind(
+        "sections",
+        "inclination and its rate at the events that happen often (Poincare sections)",
+        "events",
+        ("theta", "theta_rate"),
+        draw_sections,
+        object_to_sections,
+        words=("event",),
+    ),
+    FigureKind(
+        "curves",
+        "the quantities of a sweep against its one parameter",
+        "sweep",
+        (),
+        draw_curves,
+        object_to_curves,
+    ),
+    FigureKind(
+        "maps",
+        "maps of the quantities of a sweep over a grid of two parameters",
+        "sweep",
+        (),
+        draw_maps,
+        object_to_maps,
+    ),
+    FigureKind(
+        "verdicts",
+        "what each method is worth on each hard case",
+        "stability",
+        ("error_orientation",),
+        draw_verdicts,
+        object_to_trials,
+        words=TRIALS,
+    ),
+    FigureKind(
+        "costs",
+        "error against cost of the methods, a panel a hard case",
+        "stability",
+        ("error_orientation", "evaluations", "double_floor"),
+        draw_costs,
+        object_to_costs,
+        words=TRIALS,
     ),
 )

@@ -28,6 +28,9 @@ LINES = (
 FAINT = "0.8"
 GREY = "0.35"
 
+FAULT = "#b0392a"
+"""What failed or is wrong."""
+
 WIDE_RANGE, USUAL = 3e4, 0.2
 """A quantity goes on a log axis if its largest size is more than so many times the size that it
 exceeds in all but this part of the rows. The paper's residuals stay on linear ones, as printed."""
@@ -71,6 +74,17 @@ def new_figure(table: Table, what: str, height: float, width: float = WIDTH) -> 
     return figure
 
 
+def add_panels(figure: Figure, count: int, sharey: bool = True) -> list[Axes]:
+    """Two panels in a row over the same x; the first of an odd number has its row to itself."""
+    cells = figure.add_gridspec((count + 1) // 2, 2)
+    panels: list[Axes] = []
+    for place in range(count % 2, count + count % 2):
+        first = panels[0] if panels else None
+        spot = cells[0, :] if count % 2 and not panels else cells[divmod(place, 2)]
+        panels.append(figure.add_subplot(spot, sharex=first, sharey=first if sharey else None))
+    return panels
+
+
 def footer(table: Table, width: int) -> str:
     """Title, run, program and revision, and how the run ended if not well."""
     header = table.header
@@ -89,6 +103,8 @@ def footer(table: Table, width: int) -> str:
 def describe_run(table: Table) -> str:
     """Formulation, method, and steps or tolerances, in words."""
     method = table.setting("integration.method")
+    if "method" in table.rows:
+        return ", ".join(["methods and formulations as named", *describe_tolerances(table)])
     if method == "exact":
         return "exact motion"
     formulation = table.setting("integration.formulation")

@@ -8,23 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
+from figures.quantities import has_log_axis, is_wide, label_parameter, succeeded
 from figures.style import LINES, new_figure, with_unit
 from figures.table import Table
 
-NAMES = {
-    "initial.spin_ratio": r"spin ratio $\lambda=\omega_3\,/\sqrt{4mgl/I_3}$",
-    "initial.omega3": r"$\omega_3$",
-    "initial.theta": r"initial inclination $\theta_0$",
-    "initial.theta_deg": r"initial inclination $\theta_0$",
-}
-"""How parameters are written; the others stand by their keys."""
-
 FORMULA = "_fast_top"
 """Ending of the columns that hold the paper's formula for a fast top."""
-
-WIDE_AXIS = 12
-"""Values over a larger ratio stand on a log axis."""
-
 
 MOST_MARKS = 60
 """Curves with more points have no marks at them."""
@@ -55,35 +44,26 @@ def sweep_columns() -> list[str]:
 
 def good_rows(table: Table) -> pd.DataFrame:
     """The cases that succeeded, by the swept parameter."""
-    rows = table.rows[table.rows["status"] == "ok"]
-    return rows.sort_values(table.axes()[0], kind="stable")
+    return succeeded(table).sort_values(table.axes()[0], kind="stable")
 
 
 def draw_sweep(table: Table) -> Figure:
     """The paper's formulas and the exact values against the swept parameter."""
     figure = new_figure(table, "Formulas for a fast top against the exact motion", height=7.4)
     panels = figure.subplots(3, 2, sharex=True)
-    parameter = table.axes()[0]
     rows = good_rows(table)
-    x = rows[parameter].to_numpy(float)
+    x = rows[table.axes()[0]].to_numpy(float)
     for quantity, axes in zip(QUANTITIES, panels.flat, strict=False):
         draw_quantity(axes, x, rows, quantity, table.units.get(quantity.column, ""))
     draw_azimuth(panels[2, 0], x, rows[AZIMUTH].to_numpy(float))
     draw_deviations(panels[2, 1], x, rows)
-    label = with_unit(NAMES.get(parameter, parameter), table.units.get(parameter, ""))
     for axes in panels[2]:
-        axes.set_xlabel(label, parse_math=parameter in NAMES)
+        label_parameter(table, 0, axes.xaxis)
     figure.align_ylabels()
-    if is_wide(x):
+    if has_log_axis(table, 0):
         panels[0, 0].set_xscale("log")
         panels[2, 0].xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     return figure
-
-
-def is_wide(values: np.ndarray) -> bool:
-    """Whether values belong on a log axis."""
-    finite = values[np.isfinite(values)]
-    return finite.size > 1 and finite.min() > 0 and finite.max() > WIDE_AXIS * finite.min()
 
 
 def marks(x: np.ndarray, marker: str, **style: object) -> dict[str, object]:

@@ -9,13 +9,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-TEXT_COLUMNS = ("status", "motion_class", "notes")
+EVENT = "event"
+"""First column of a table of events, which may have no rows."""
+
 MANY_CASES = 20_000
-"""Rows of a sweep beyond which only some are kept, about KEPT_CASES."""
+"""Rows of a sweep over one parameter beyond which only some are kept, about KEPT_CASES."""
 KEPT_CASES = 5_000
 VALUE = re.compile(r"'((?:[^']|'')*)'|([^\s,]+)")
 ASSIGNMENT = re.compile(r"([a-z]\w*(?:\([^)]*\))?)\s*=\s*(.*)", re.IGNORECASE)
-COLUMN = re.compile(r"(\S+?)(?:\s+\[(.*?)\])?:")
+COLUMN = re.compile(r"(\S+?)(?:\s+\[(.*?)\])?:\s*(.*)")
 
 
 class TableError(Exception):
@@ -27,14 +29,15 @@ class Table:
     """A table that was read.
 
     `header` holds the `key: value` lines of its head, `settings` the resolved input by
-    `group.key`, `units` those of the columns, `status` how a trajectory ended. Of a long sweep
-    only every `stride`-th row is kept, more than a figure can show.
+    `group.key`, `units` and `meanings` those of the columns, `status` how a trajectory ended. Of a
+    long sweep over one parameter only every `stride`-th row is kept, more than a figure can show.
     """
 
     path: Path
     header: dict[str, str]
     settings: dict[str, list[str]]
     units: dict[str, str]
+    meanings: dict[str, str]
     rows: pd.DataFrame
     status: str | None
     stride: int = 1
@@ -43,6 +46,11 @@ class Table:
     def title(self) -> str:
         """The title that the input gives."""
         return self.header.get("title", "")
+
+    @property
+    def kind(self) -> str:
+        """The kind of the study, or `events` for the table of a trajectory's events."""
+        return "events" if self.rows.columns[0] == EVENT else self.setting("study.kind")
 
     def setting(self, key: str) -> str:
         """The first value of a setting, such as study.kind; empty if it has none."""
@@ -55,14 +63,26 @@ class Table:
     def empty(self, columns: Iterable[str]) -> list[str]:
         """Those of these columns that are there but have no finite number."""
         there = [name for name in columns if name in self.rows]
-        return [name for name in there if not np.isfinite(self.rows[name]).any()]
+        return [name for name in there if not (self.numeric(name) and self.finite(name).any())]
+
+    def numeric(self, column: str) -> bool:
+        """Whether a column holds numbers, and no words."""
+        return pd.api.types.is_numeric_dtype(self.rows[column])
+
+    def finite(self, column: str) -> np.ndarray:
+        """Which rows have a finite number in a column."""
+        return np.isfinite(self.rows[column].to_numpy(float))
 
     def axes(self) -> list[str]:
         """The swept parameters: the columns between `case` and `status`."""
-        names = list(self.rows.columns)
-        if names[0] != "case" or "status" not in names:
-            return []
-        return names[1 : names.index("status")]
+        return swept(list(self.rows.columns))
+
+
+def swept(names: list[str]) -> list[str]:
+    """The swept parameters among the columns of a sweep."""
+    if names[0] != "case" or "status" not in names:
+        return []
+    return names[1 : names.index("status")]
 
 
 def read_table(path: Path) -> Table:
@@ -73,7 +93,7 @@ def read_table(path: Path) -> Table:
         raise TableError((error.strerror or str(error)).lower()) from error
     lines = text.splitlines() if "\r\n" in text else text.split("\n")
     first = next((i for i, line in enumerate(lines) if not line.startswith("#")), len(lines))
-    header, settings, units = read_head([line[1:].strip() for line in lines[:first]])
+    header, settings, units, meanings = read_head([line[1:].strip() for line in lines[:first]])
     if not header.get("program", "").startswith("spintop"):
         raise TableError("is no table of spintop: its head names no program")
     if not text.endswith("\n"):
@@ -86,19 +106,23 @@ def read_table(path: Path) -> Table:
     if not body:
         raise TableError("is cut short: it names no columns")
     stride = 1
-    if settings.get("study.kind") == ["sweep"] and len(body) > MANY_CASES:
+    is_sweep = settings.get("study.kind") == ["sweep"]
+    if is_sweep and len(body) > MANY_CASES and len(swept(body[0].split(","))) == 1:
         stride = len(body) // KEPT_CASES
     rows = read_rows([body[0], *body[1::stride]], first + 1)
-    if rows.empty:
+    if rows.empty and not body[0].startswith(f"{EVENT},"):
         raise TableError("has no rows" + (f" (status: {status})" if status else ""))
-    return Table(path, header, settings, units, rows, status, stride)
+    return Table(path, header, settings, units, meanings, rows, status, stride)
 
 
-def read_head(lines: list[str]) -> tuple[dict[str, str], dict[str, list[str]], dict[str, str]]:
-    """The `key: value` lines of a head, the resolved input, and the units of the columns."""
+def read_head(
+    lines: list[str],
+) -> tuple[dict[str, str], dict[str, list[str]], dict[str, str], dict[str, str]]:
+    """The `key: value` lines of a head, the resolved input, units and meanings of the columns."""
     header: dict[str, str] = {}
     settings: dict[str, list[str]] = {}
     units: dict[str, str] = {}
+    meanings: dict[str, str] = {}
     group = key = ""
     in_columns = False
     for line in lines:
@@ -116,10 +140,11 @@ def read_head(lines: list[str]) -> tuple[dict[str, str], dict[str, list[str]], d
             in_columns = True
         elif in_columns and (column := COLUMN.match(line)):
             units[column[1]] = column[2] or ""
+            meanings[column[1]] = column[3]
         elif ":" in line:
             name, _, value = line.partition(":")
             header[name.strip().lower()] = value.strip()
-    return header, settings, units
+    return header, settings, units, meanings
 
 
 def read_values(text: str) -> list[str]:
@@ -128,23 +153,28 @@ def read_values(text: str) -> list[str]:
 
 
 def read_rows(body: list[str], first: int) -> pd.DataFrame:
-    """The rows below the line of column names, which is line `first` of the file."""
+    """The rows below the line of column names, which is line `first` of the file.
+
+    A column holds numbers or words, and is read as what its cells are.
+    """
     names = body[0].split(",")
     for number, line in enumerate(body[1:], start=first + 1):
         cells = line.count(",") + 1
         if cells != len(names):
             raise TableError(f"line {number} has {cells} cells in place of {len(names)}")
-    rows = pd.read_csv(io.StringIO("\n".join(body)), dtype=dict.fromkeys(TEXT_COLUMNS, str))
+    text = io.StringIO("\n".join(body))
+    rows = pd.read_csv(text, keep_default_na=False, na_values=["nan"], low_memory=False)
     for name in rows if len(rows) else ():
-        if name in TEXT_COLUMNS:
-            rows[name] = rows[name].fillna("")
-        elif not pd.api.types.is_numeric_dtype(rows[name]):
-            bad = next(i for i, cell in enumerate(rows[name]) if is_text(cell))
+        if pd.api.types.is_numeric_dtype(rows[name]):
+            continue
+        words = [is_word(cell) for cell in rows[name]]
+        if not all(words) and any(words):
+            bad = words.index(True)
             raise TableError(f"line {first + 1 + bad}: {rows[name][bad]!r} in {name} is no number")
     return rows
 
 
-def is_text(cell: object) -> bool:
+def is_word(cell: object) -> bool:
     """Whether a cell holds something that is no number."""
     try:
         float(cell)

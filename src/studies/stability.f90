@@ -101,6 +101,7 @@ contains
         call describe_provenance(job%scene%title, 'those of the column formulation', &
             'those of the column method', input, stability_columns%name, stability_columns%unit, &
             stability_columns%what, dated=.true., lines=header)
+        call explain_verdicts(header)
         call file%create(job%output, table_head(header, stability_columns%name), error)
         if (allocated(error)) return
         associate (plan => job%stability)
@@ -119,6 +120,17 @@ contains
         end if
         call summarize(job, verdicts, seconds() - began, summary)
     end subroutine run_stability
+
+    !> Says in the head of the table what its verdicts mean.
+    subroutine explain_verdicts(header)
+        type(string_t), allocatable, intent(inout) :: header(:)
+        type(string_t) :: line
+        integer :: k
+        do k = 1, size(verdict_names)
+            line%text = 'verdict ' // trim(verdict_names(k)) // ': ' // trim(verdict_meanings(k))
+            header = [header, line]
+        end do
+    end subroutine explain_verdicts
 
     !> All methods on case number i of the plan.
     subroutine run_case(job, i, file, progress, verdicts, error)

@@ -132,6 +132,7 @@ class ReaderTest(TableCase):
         self.assertEqual(table.setting("study.title"), "It's a top, = trajectory")
         self.assertEqual(table.settings["sweep.values(1,:)"], ["0.5", "1.0", "2.0"])
         self.assertEqual(table.units, {"t": "s", "force_x": "kg m/s^2"})
+        self.assertEqual(table.meanings["force_x"], "support force: x")
         self.assertEqual(table.status, "ok")
         self.assertEqual(table.rows["phi"][3], 0.1 * 3)
         self.assertEqual(describe_run(table), "formulation lagrange, method rk4, 992 steps")

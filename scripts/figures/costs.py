@@ -1,0 +1,118 @@
+"""Error against cost of the methods of a stability study, a panel a case."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, NullLocator
+
+from figures.methods import FAMILIES, Family, trials
+from figures.style import FAINT, GREY, new_figure
+from figures.table import Table
+
+ACROSS = 4
+"""Panels in a row."""
+
+PANEL_HEIGHT, LEAST_HEIGHT = 1.35, 2.6
+"""Of a panel, and of all of them, in inches."""
+
+LEAST_ERROR = 1e-15
+"""Smaller errors are drawn here, rad."""
+
+FACES = {"accurate": 1.0, "drifts": 0.35, "wrong": 0.0}
+"""How full the marker of a verdict is; the other verdicts have none."""
+
+NAMES = {"accurate": "full: accurate", "drifts": "pale: drifts", "wrong": "empty: wrong"}
+
+
+def object_to_costs(table: Table) -> str:
+    """A cost has to be there on a log axis."""
+    return "" if not judged(table.rows).empty else "has no trial that went to its end"
+
+
+def judged(rows: pd.DataFrame) -> pd.DataFrame:
+    """The trials that went to their end, at some cost."""
+    return rows[rows["verdict"].isin(FACES) & (rows["evaluations"] > 0)]
+
+
+def draw_costs(table: Table) -> Figure:
+    """Error against evaluations, a panel a case, a marker a method."""
+    rows = judged(trials(table))
+    cases = list(rows["case"].unique())
+    across = min(ACROSS, len(cases))
+    down = -(-len(cases) // across)
+    height = max(PANEL_HEIGHT, LEAST_HEIGHT / down)
+    figure = new_figure(table, "Error of the methods against their cost", 2.4 + height * down)
+    grid = figure.add_gridspec(down + 1, across, height_ratios=[height] * down + [1.1])
+    first = figure.add_subplot(grid[0, 0])
+    set_scales(first, rows)
+    panels = [first]
+    for place in range(1, len(cases)):
+        panels.append(figure.add_subplot(grid[divmod(place, across)], sharex=first, sharey=first))
+    for case, axes in zip(cases, panels, strict=True):
+        draw_case(axes, rows[rows["case"] == case])
+        axes.set_title(case, loc="left", fontsize=9, pad=3)
+    for place, axes in enumerate(panels):
+        is_left, is_low = place % across == 0, place + across >= len(cases)
+        axes.tick_params(labelleft=is_left, labelbottom=is_low)
+    panels[down // 2 * across].set_ylabel(
+        "largest error of the attitude (rad)", y=0.5 if down % 2 else 1.1
+    )
+    add_legend(figure.add_subplot(grid[down, :]), rows)
+    return figure
+
+
+def draw_case(axes: Axes, rows: pd.DataFrame) -> None:
+    """The trials of a case, over what rounding of the data does to its motion."""
+    floor = max(rows["double_floor"].max(), LEAST_ERROR)
+    axes.axhspan(1e-30, floor, color=FAINT, linewidth=0, zorder=0)
+    for family in FAMILIES:
+        for verdict, fullness in FACES.items():
+            chosen = rows[(rows["family"] == family.name) & (rows["verdict"] == verdict)]
+            errors = np.maximum(chosen["error_orientation"], LEAST_ERROR)
+            axes.plot(chosen["evaluations"], errors, **marker(family, fullness))
+
+
+def marker(family: Family, fullness: float) -> dict[str, object]:
+    """How a family is marked."""
+    return {
+        "linestyle": "",
+        "marker": family.marker,
+        "markersize": 7 if family.marker == "*" else 5,
+        "markerfacecolor": (family.colour, fullness),
+        "markeredgecolor": family.colour,
+        "markeredgewidth": 0.8,
+    }
+
+
+def set_scales(axes: Axes, rows: pd.DataFrame) -> None:
+    """Log axes, from the least to the largest of all cases."""
+    costs, errors = rows["evaluations"], rows["error_orientation"]
+    axes.set(xscale="log", yscale="log")
+    axes.set_xlim(costs.min() / 2, costs.max() * 2)
+    axes.set_ylim(max(errors.min(), LEAST_ERROR) / 10, errors.max() * 10)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(LogLocator(numticks=6))
+        axis.set_minor_locator(NullLocator())
+
+
+def add_legend(axes: Axes, rows: pd.DataFrame) -> None:
+    """What the markers mean, below the panels."""
+    families = [family for family in FAMILIES if (rows["family"] == family.name).any()]
+    handles = [Line2D([], [], label=family.name, **marker(family, 1)) for family in families]
+    grey = Family("", (), "o", GREY)
+    for verdict, fullness in FACES.items():
+        handles.append(Line2D([], [], label=NAMES[verdict], **marker(grey, fullness)))
+    handles.append(Line2D([], [], color=FAINT, linewidth=6, label="within rounding of the data"))
+    axes.axis("off")
+    legend = axes.legend(
+        handles=handles,
+        loc="upper center",
+        ncols=3,
+        columnspacing=1.2,
+        handletextpad=0.4,
+        title="right-hand sides evaluated (those of Taylor methods give a whole series each)",
+        title_fontsize=10,
+    )
+    legend.set_in_layout(False)  # it may be wider than the panels

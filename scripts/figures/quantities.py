@@ -1,0 +1,182 @@
+"""What the maps and curves of a sweep show: quantities made of its columns, and its parameters."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from matplotlib.axis import Axis
+
+from figures.style import with_unit
+from figures.table import Table
+
+PARAMETERS = {
+    "initial.spin_ratio": r"spin ratio $\lambda=\omega_3\,/\sqrt{4mgl/I_3}$",
+    "initial.omega3": r"$\omega_3$",
+    "initial.theta": r"initial inclination $\theta_0$",
+    "initial.theta_deg": r"initial inclination $\theta_0$",
+}
+"""How parameters are written; the others stand by their keys."""
+
+WIDE_AXIS = 12
+"""Listed values of a parameter over a larger ratio stand on a log axis."""
+
+WIDE_VALUES, WIDE_ERRORS = 1e3, 10
+"""The ratio over which a quantity has a log scale; errors and costs are compared by ratios."""
+
+ROUNDING = 1e-6
+"""Growth rates come from eigenvalues, which are double at the limit of stability: there the root of
+the rounding error is seen."""
+
+CLASSES = (
+    "loop",
+    "cusp",
+    "wave",
+    "steady",
+    "sleeping",
+    "hanging",
+    "separatrix",
+    "libration",
+    "circulation",
+)
+"""Classes of motion in the order in which they are drawn; others come after them."""
+
+
+class Quantity(NamedTuple):
+    """A quantity of a case, of columns of the table."""
+
+    columns: tuple[str, ...]
+    label: str
+    unit: str
+    values: Callable[[pd.DataFrame], pd.Series]
+    log_over: float = WIDE_VALUES
+    """Values above zero over a larger ratio have a log scale."""
+    none: str = ""
+    """What a value is called that is nothing but rounding beside the largest."""
+
+    def is_none(self, values: np.ndarray) -> np.ndarray:
+        """Which values are nothing but rounding, where that has a name."""
+        finite = values[np.isfinite(values)]
+        if not self.none or not finite.size:
+            return np.zeros(values.shape, dtype=bool)
+        return np.abs(values) <= ROUNDING * np.abs(finite).max()
+
+    def has_log_scale(self, values: np.ndarray) -> bool:
+        """Whether values above zero or equal to it have a log scale."""
+        finite = values[np.isfinite(values)]
+        return bool(finite.min(initial=0) >= 0 and is_wide(finite[finite > 0], self.log_over))
+
+
+def the_column(name: str) -> Callable[[pd.DataFrame], pd.Series]:
+    """The values of a column."""
+    return lambda rows: rows[name]
+
+
+def in_degrees(name: str) -> Callable[[pd.DataFrame], pd.Series]:
+    """The values of a column in degrees."""
+    return lambda rows: np.degrees(rows[name])
+
+
+def swing(rows: pd.DataFrame) -> pd.Series:
+    """How far the inclination swings, in degrees."""
+    return np.degrees(rows["theta_max"] - rows["theta_min"])
+
+
+QUANTITIES = (
+    Quantity(("motion_class",), "class of the motion", "", the_column("motion_class")),
+    Quantity(("theta_min", "theta_max"), "swing of the inclination", "degrees", swing),
+    Quantity(
+        ("precession_per_nutation",),
+        "precession per nutation",
+        "degrees",
+        in_degrees("precession_per_nutation"),
+    ),
+    Quantity(
+        ("growth_rate",), "growth of deviations", "1/s", the_column("growth_rate"), none="stable"
+    ),
+    Quantity(
+        ("lyapunov_exponent",),
+        "Lyapunov exponent",
+        "1/s",
+        the_column("lyapunov_exponent"),
+    ),
+    Quantity(
+        ("orientation_error",),
+        "orientation error",
+        "rad",
+        the_column("orientation_error"),
+        WIDE_ERRORS,
+    ),
+    Quantity(
+        ("energy_error_max",),
+        "largest energy error",
+        "",
+        the_column("energy_error_max"),
+        WIDE_ERRORS,
+    ),
+    Quantity(
+        ("evaluations",), "right-hand sides evaluated", "", the_column("evaluations"), WIDE_ERRORS
+    ),
+)
+"""Those that any table shows that has their columns."""
+
+
+def quantities_of(table: Table) -> list[Quantity]:
+    """The quantities that a table has values of: those above, and all that its input names."""
+    known = [quantity for quantity in QUANTITIES if not table.missing(quantity.columns)]
+    shown = {name for quantity in known for name in quantity.columns}
+    for name in table.settings.get("output.columns", []):
+        if name not in shown and name in table.rows:
+            meaning = table.meanings.get(name) or name
+            known.append(Quantity((name,), meaning, table.units.get(name, ""), the_column(name)))
+    return [quantity for quantity in known if has_values(table, quantity)]
+
+
+def has_values(table: Table, quantity: Quantity) -> bool:
+    """Whether a quantity has a value in any case that succeeded."""
+    values = quantity.values(succeeded(table))
+    return bool((is_words(values) and len(values)) or np.isfinite(values.to_numpy(float)).any())
+
+
+def is_words(values: pd.Series) -> bool:
+    """Whether values are words."""
+    return not pd.api.types.is_numeric_dtype(values)
+
+
+def succeeded(table: Table) -> pd.DataFrame:
+    """The cases that succeeded."""
+    return table.rows[table.rows["status"] == "ok"]
+
+
+def order_classes(words: pd.Series) -> list[str]:
+    """The classes that there are, in their order."""
+    known = {name: place for place, name in enumerate(CLASSES)}
+    return sorted(words.unique(), key=lambda name: (known.get(name, len(known)), name))
+
+
+def is_wide(values: np.ndarray, ratio: float = WIDE_AXIS) -> bool:
+    """Whether values belong on a log axis."""
+    finite = values[np.isfinite(values)]
+    return bool(finite.size > 1 and finite.min() > 0 and finite.max() > ratio * finite.min())
+
+
+def has_log_axis(table: Table, place: int) -> bool:
+    """Whether parameter number `place` from 0 is spaced by ratios, or listed over a wide range."""
+    if f"sweep.values({place + 1},:)" in table.settings:
+        return is_wide(table.rows[table.axes()[place]].to_numpy(float))
+    spacing = table.settings.get("sweep.spacing", [])
+    return place < len(spacing) and spacing[place] == "log"
+
+
+def label_parameter(table: Table, place: int, axis: Axis) -> None:
+    """Label the axis of parameter number `place` from 0."""
+    name = table.axes()[place]
+    label = with_unit(PARAMETERS.get(name, name), table.units.get(name, ""))
+    axis.set_label_text(label, parse_math=name in PARAMETERS)
+
+
+def tell_failed(table: Table) -> str:
+    """How many cases have a cross, and why."""
+    counts = table.rows["status"].value_counts().drop("ok", errors="ignore")
+    reasons = ", ".join(f"{count} {status}" for status, count in counts.items())
+    return f" (crossed: {reasons})" if reasons else ""

@@ -112,7 +112,7 @@ def add_legend(axes: Axes, rows: pd.DataFrame) -> None:
         ncols=3,
         columnspacing=1.2,
         handletextpad=0.4,
-        title="right-hand sides evaluated (those of Taylor methods give a whole series each)",
+        title="right-hand sides evaluated (a Taylor series of order p counts as p)",
         title_fontsize=10,
     )
     legend.set_in_layout(False)  # it may be wider than the panels

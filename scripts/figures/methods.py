@@ -55,7 +55,8 @@ FAMILIES = (
     Family("on the rotation group, equal steps", ("rkmk_", "commutator_free_"), "P", "#5aa9a3"),
     Family("Runge-Kutta, step control", ("ode45", "dop853", "arkode_"), "o", "#12355b"),
     Family("Taylor series, step control", ("taylor",), "*", "#2f7d32"),
-    Family("other methods", ("",), "D", "0.35"),
+    Family("splitting, equal steps", ("splitting_",), "D", "0.35"),
+    Family("other methods", ("",), "X", "0.6"),
 )
 """A method belongs to the first of them that has the beginning of its name."""
 

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullLocator
 
-from figures.methods import FAMILIES, Family, trials
+from figures.methods import FAMILIES, Family, object_to_trials, trials
 from figures.style import FAINT, GREY, new_figure
 from figures.table import Table
 
@@ -27,7 +27,9 @@ NAMES = {"accurate": "full: accurate", "drifts": "pale: drifts", "wrong": "empty
 
 
 def object_to_costs(table: Table) -> str:
-    """A cost has to be there on a log axis."""
+    """The trials have to be known, and one to have gone to its end."""
+    if objection := object_to_trials(table):
+        return objection
     return "" if not judged(table.rows).empty else "has no trial that went to its end"
 
 

@@ -47,10 +47,7 @@ def draw_curves(table: Table) -> Figure:
     panels = add_panels(figure, len(quantities), sharey=False)
     for quantity, axes in zip(quantities, panels, strict=True):
         draw_curve(axes, x, quantity, quantity.values(rows), failed)
-        style = {"color": FAULT, "markersize": 4, "clip_on": False}
-        axes.plot(
-            x[failed], np.zeros(failed.sum()), "x", transform=axes.get_xaxis_transform(), **style
-        )
+        cross(axes, x[failed])
         is_low = axes.get_subplotspec().is_last_row()
         axes.tick_params(labelbottom=is_low)
         if is_low:

@@ -1,124 +1,29 @@
 """Tests of scripts/plot: reading tables, choosing figures, drawing them, complaining."""
 
-import contextlib
-import io
 import math
-import os
-import runpy
-import subprocess
 import sys
-import tempfile
 import unittest
-import unittest.mock
-import xml.etree.ElementTree
 from pathlib import Path
 
-SCRIPTS = Path(__file__).resolve().parent.parent.parent / "scripts"
 sys.dont_write_bytecode = True
-sys.path.insert(0, str(SCRIPTS))
+TESTS = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts")]
 
-from figures.registry import FIGURES  # noqa: E402
 from figures.style import describe_run  # noqa: E402
 from figures.table import TableError, read_table  # noqa: E402
 from figures.table1 import as_text, notes_on  # noqa: E402
-
-HEAD = """\
-# title: A top, {kind}: $5
-# program: spintop 0.1.0
-# revision: 0123456789ab-dirty
-# compiler: GCC version 12.2.0
-# options: -O3
-# input:
-#     &study
-#         kind = '{kind}'
-#         title = 'It''s a top, = {kind}'
-#     /
-#     &integration
-#         formulation = 'lagrange'
-#         method = 'rk4'
-#         steps = 992
-#     /
-#     &sweep
-#         values(1,:) = 0.5, 1.0,
-#                       2.0
-#     /
-# columns:
-#     t [s]: time
-#     force_x [kg m/s^2]: support force: x
-"""
-
-TRAJECTORY = [
-    *("t", "phi", "theta", "psi", "com_x", "com_y", "com_z", "kinetic", "potential", "energy"),
-    *("R1", "R2", "R3", "R4", "force_x", "force_y", "force_z", "orientation_error"),
-]
-SWEEP = [
-    *("case", "initial.spin_ratio", "status", "delta_u", "delta_u_fast_top", "nutation_rate"),
-    *("nutation_rate_fast_top", "precession_rate", "precession_rate_fast_top"),
-    *("nutations_per_turn", "nutations_per_turn_fast_top", "azimuth_after_period_deg"),
-    *("phi_rate_max", "fast_top_ratio", "notes"),
-]
-
-
-def a_trajectory(columns: list[str] = TRAJECTORY, count: int = 40, **other: object) -> str:
-    """A steady precession as a table; `other` gives columns other values."""
-    lines = [HEAD.format(kind="trajectory") + ",".join(columns)]
-    for i in range(count):
-        t = 0.1 * i
-        known = {"t": t, "phi": t, "theta": 0.5, "psi": 9 * t, "R4": 1e-12 * t, "R3": 0.0}
-        known |= {"com_x": 0.5 * math.sin(t), "com_y": -0.5 * math.cos(t), "com_z": 0.8}
-        known |= {"orientation_error": 1e-9 * t} | other
-        lines.append(",".join(repr(known.get(name, 1.0)) for name in columns))
-    return "\n".join([*lines, "# status: ok", ""])
-
-
-def a_sweep(parameter: str = "initial.spin_ratio", status: str = "ok", cases: int = 4) -> str:
-    """A sweep as a table; the last case has the status."""
-    names = [parameter if name == "initial.spin_ratio" else name for name in SWEEP]
-    lines = [HEAD.format(kind="sweep") + ",".join(names)]
-    for i in range(1, cases + 1):
-        good = i < cases or status == "ok"
-        numbers = [repr(0.5 * i if good else math.nan)] * (len(names) - 4)
-        lines.append(",".join([str(i), repr(i / 2), "ok" if good else status, *numbers, ""]))
-    return "\n".join([*lines, ""])
-
-
-class TableCase(unittest.TestCase):
-    """Works in a folder that goes away, whose name has a space."""
-
-    def setUp(self) -> None:
-        """Make the folder."""
-        folder = tempfile.TemporaryDirectory(prefix="plot test ")
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
-    def put(self, name: str, text: str) -> Path:
-        """Write a table."""
-        path = self.folder / name
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    def plot(self, *arguments: str | Path, **environment: str) -> subprocess.CompletedProcess:
-        """Run scripts/plot."""
-        command = [sys.executable, SCRIPTS / "plot", *arguments]
-        return subprocess.run(
-            command, capture_output=True, text=True, check=False, env=os.environ | environment
-        )
-
-    def call(self, *arguments: str | Path) -> tuple[int, str]:
-        """Run its main procedure here, which is faster; give exit code and standard error."""
-        script = str(SCRIPTS / "plot")
-        main = runpy.run_path(script)["main"]
-        output, complaints = io.TextIOWrapper(io.BytesIO()), io.StringIO()
-        with (
-            unittest.mock.patch("sys.argv", [script, *map(str, arguments)]),
-            contextlib.redirect_stdout(output),
-            contextlib.redirect_stderr(complaints),
-        ):
-            try:
-                code = main()
-            except SystemExit as end:
-                code = end.code
-        return code, complaints.getvalue()
+from plot_case import (  # noqa: E402
+    HEAD,
+    SCRIPTS,
+    TRAJECTORY,
+    TRIALS,
+    TableCase,
+    a_stability,
+    a_sweep,
+    a_table,
+    a_trajectory,
+    some_events,
+)
 
 
 class ReaderTest(TableCase):
@@ -172,11 +77,6 @@ class ReaderTest(TableCase):
 class ChoiceTest(TableCase):
     """The table decides which figures belong to it."""
 
-    def figures_of(self, text: str) -> str:
-        """Names of the figures that belong to a table."""
-        table = read_table(self.put("table1_path.csv", text))
-        return " ".join(kind.name for kind in FIGURES if not kind.refusal(table))
-
     def test_trajectory(self) -> None:
         """Its columns, and numbers in them, bring the figures."""
         self.assertEqual(self.figures_of(a_trajectory()), "residuals angles forces path error")
@@ -219,18 +119,6 @@ class PageTest(TableCase):
 class DrawTest(TableCase):
     """Runs the script."""
 
-    def check_pictures(self, folder: Path, expected: set[str]) -> None:
-        """The folder holds these figures, as PNG and SVG with something on them."""
-        names = {path.name for path in folder.iterdir() if path.suffix != ".csv"}
-        self.assertEqual(names, {f"{name}.{end}" for name in expected for end in ("png", "svg")})
-        for path in (folder / name for name in names):
-            data = path.read_bytes()
-            self.assertGreater(len(data), 10_000)
-            if path.suffix == ".png":
-                self.assertTrue(data.startswith(b"\x89PNG\r\n\x1a\n"))
-            else:
-                self.assertTrue(xml.etree.ElementTree.fromstring(data).tag.endswith("svg"))
-
     def test_trajectory_beside_its_table(self) -> None:
         """All figures, in a locale with decimal commas, of a run that overflowed."""
         wild = a_trajectory(count=20).splitlines()
@@ -266,10 +154,26 @@ class DrawTest(TableCase):
         table = self.put("a.csv", a_trajectory(["t", "R1", "R2", "R3", "R4"], R2=math.nan))
         (self.folder / "b").mkdir()
         clash = self.put("b/a.csv", a_sweep())
+        odd = self.put("odd.csv", a_stability().replace("wrong", "odd"))
+        reason = a_table("stability", TRIALS, [[*8 * ["1"], "2", "3"]])
+        numbers = self.put("numbers.csv", reason.replace("1,1,1,1,", "a,b,c,wrong,"))
+        none = self.put("none.csv", some_events(0))
         blocked = table / "folder"
         expected = {
             ("--figure", "pie", table): (2, "invalid choice: 'pie'"),
             ("--figure", "path", table): (2, "a.csv: has no column com_x, com_y, com_z: no path"),
+            ("--figure", "verdicts", table): (2, "a.csv: is no table of the kind stability"),
+            ("--figure", "maps", clash): (2, "a.csv: is no sweep over two parameters"),
+            ("--figure", "verdicts", odd): (2, "odd.csv: has the unknown verdict 'odd'"),
+            ("--figure", "verdicts", numbers): (
+                2,
+                "numbers.csv: has no word in column reference, reason",
+            ),
+            ("--figure", "events", none): (
+                2,
+                "none.csv: has no number in column t: no events figure",
+            ),
+            (none,): (0, "none.csv: no figure belongs to its columns"),
             (table,): (2, "a.csv: has no number in column R2: no residuals figure"),
             ("-o", self.folder / "c", table, clash): (2, "would replace those of"),
             ("-o", blocked, clash): (4, f"cannot write to {blocked}: "),

@@ -1,0 +1,189 @@
+"""What the tests of scripts/plot share: made-up tables, a folder for them, calls of the script."""
+
+import contextlib
+import io
+import math
+import os
+import runpy
+import subprocess
+import sys
+import tempfile
+import unittest
+import unittest.mock
+import xml.etree.ElementTree
+from pathlib import Path
+
+from figures.registry import FIGURES
+from figures.table import read_table
+
+SCRIPTS = Path(__file__).resolve().parent.parent / "scripts"
+
+HEAD = """\
+# title: A top, {kind}: $5
+# program: spintop 0.1.0
+# revision: 0123456789ab-dirty
+# compiler: GCC version 12.2.0
+# options: -O3
+# input:
+#     &study
+#         kind = '{kind}'
+#         title = 'It''s a top, = {kind}'
+#     /
+#     &integration
+#         formulation = 'lagrange'
+#         method = 'rk4'
+#         steps = 992
+#     /
+#     &sweep
+#         values(1,:) = 0.5, 1.0,
+#                       2.0
+#     /
+# columns:
+#     t [s]: time
+#     force_x [kg m/s^2]: support force: x
+"""
+
+TRAJECTORY = [
+    *("t", "phi", "theta", "psi", "com_x", "com_y", "com_z", "kinetic", "potential", "energy"),
+    *("R1", "R2", "R3", "R4", "force_x", "force_y", "force_z", "orientation_error"),
+]
+SWEEP = [
+    *("case", "initial.spin_ratio", "status", "delta_u", "delta_u_fast_top", "nutation_rate"),
+    *("nutation_rate_fast_top", "precession_rate", "precession_rate_fast_top"),
+    *("nutations_per_turn", "nutations_per_turn_fast_top", "azimuth_after_period_deg"),
+    *("phi_rate_max", "fast_top_ratio", "notes"),
+]
+
+
+def a_trajectory(columns: list[str] = TRAJECTORY, count: int = 40, **other: object) -> str:
+    """A steady precession as a table; `other` gives columns other values."""
+    lines = [HEAD.format(kind="trajectory") + ",".join(columns)]
+    for i in range(count):
+        t = 0.1 * i
+        known = {"t": t, "phi": t, "theta": 0.5, "psi": 9 * t, "R4": 1e-12 * t, "R3": 0.0}
+        known |= {"com_x": 0.5 * math.sin(t), "com_y": -0.5 * math.cos(t), "com_z": 0.8}
+        known |= {"orientation_error": 1e-9 * t} | other
+        lines.append(",".join(repr(known.get(name, 1.0)) for name in columns))
+    return "\n".join([*lines, "# status: ok", ""])
+
+
+def a_sweep(parameter: str = "initial.spin_ratio", status: str = "ok", cases: int = 4) -> str:
+    """A sweep as a table; the last case has the status."""
+    names = [parameter if name == "initial.spin_ratio" else name for name in SWEEP]
+    lines = [HEAD.format(kind="sweep") + ",".join(names)]
+    for i in range(1, cases + 1):
+        good = i < cases or status == "ok"
+        numbers = [repr(0.5 * i if good else math.nan)] * (len(names) - 4)
+        lines.append(",".join([str(i), repr(i / 2), "ok" if good else status, *numbers, ""]))
+    return "\n".join([*lines, ""])
+
+
+def a_table(kind: str, columns: list[str], rows: list[list[object]]) -> str:
+    """A table of these rows."""
+    lines = [",".join(map(str, row)) for row in [columns, *rows]]
+    return HEAD.format(kind=kind) + "\n".join([*lines, ""])
+
+
+MAP = [
+    *("case", "initial.spin_ratio", "initial.theta_deg", "status", "motion_class", "theta_min"),
+    *("theta_max", "growth_rate", "orientation_error", "evaluations", "notes"),
+]
+
+
+def a_map(across: int = 5, down: int = 4, axes: int = 2) -> str:
+    """A sweep over a grid, or over its first parameter; the last case failed."""
+    rows = []
+    for i in range(across * down):
+        x, y = divmod(i, down)
+        good = i + 1 < across * down
+        growth = 3.0 - x if x < 3 else 1e-16
+        numbers = [0.1, 0.1 + 0.1 * y, growth, 10.0 ** (x - 9), 100 * (x + 1)]
+        words = ["ok", "loop" if x > y else "wave"] if good else ["step_limit", "none"]
+        rows.append([i + 1, 10.0**x, 10.0 * y, *words, *(numbers if good else 5 * ["nan"]), ""])
+    rows = rows if axes == 2 else [row[:2] + row[3:] for row in rows[::down] + rows[-1:]]
+    columns = MAP if axes == 2 else MAP[:2] + MAP[3:]
+    return a_table("sweep", columns, rows)
+
+
+TRIALS = [
+    *("case", "method", "formulation", "verdict", "error_orientation", "double_floor"),
+    *("evaluations", "status", "reference", "reason"),
+]
+
+
+def a_stability() -> str:
+    """Two cases with two methods, one of them under two formulations."""
+    rows = [
+        ["fall", "rk4", "space_frame", "accurate", 1e-8, 1e-15, 400, "ok", "exact motion", ""],
+        ["fall", "rk4", "lagrange", "gave_up", 0.0, 1e-15, 3, "pole", "exact motion", "t: a pole"],
+        ["fall", "new", "space_frame", "drifts", 3e-3, 1e-15, 90, "ok", "exact motion", "off"],
+        ["tumble", "rk4", "rigid_body", "wrong", 2.0, 1e-12, 800, "ok", "quadruple", "off"],
+        ["tumble", "rk4", "lagrange", "unsuitable", 0.0, 0.0, 0, "unsuitable", "quadruple", "no"],
+        ["tumble", "new", "rigid_body", "accurate", 0.0, 1e-12, 100, "ok", "quadruple", ""],
+    ]
+    return a_table("stability", TRIALS, rows)
+
+
+def some_events(count: int = 25) -> str:
+    """Events of two kinds, one of them often."""
+    rows = [["turning_point", i + 1, 0.1 * i, 0.5, math.sin(i)] for i in range(count)]
+    rows += [["psi=0 rising", 1, 0.3, 0.4, 0.1]] if count else []
+    return a_table("trajectory", ["event", "number", "t", "theta", "theta_rate"], rows) + (
+        "# status: ok\n"
+    )
+
+
+class TableCase(unittest.TestCase):
+    """Works in a folder that goes away, whose name has a space."""
+
+    def setUp(self) -> None:
+        """Make the folder."""
+        folder = tempfile.TemporaryDirectory(prefix="plot test ")
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def put(self, name: str, text: str) -> Path:
+        """Write a table."""
+        path = self.folder / name
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    def plot(self, *arguments: str | Path, **environment: str) -> subprocess.CompletedProcess:
+        """Run scripts/plot."""
+        command = [sys.executable, SCRIPTS / "plot", *arguments]
+        return subprocess.run(
+            command, capture_output=True, text=True, check=False, env=os.environ | environment
+        )
+
+    def call(self, *arguments: str | Path) -> tuple[int, str]:
+        """Run its main procedure here, which is faster; give exit code and standard error."""
+        script = str(SCRIPTS / "plot")
+        main = runpy.run_path(script)["main"]
+        output, complaints = io.TextIOWrapper(io.BytesIO()), io.StringIO()
+        with (
+            unittest.mock.patch("sys.argv", [script, *map(str, arguments)]),
+            contextlib.redirect_stdout(output),
+            contextlib.redirect_stderr(complaints),
+        ):
+            try:
+                code = main()
+            except SystemExit as end:
+                code = end.code
+        return code, complaints.getvalue()
+
+    def figures_of(self, text: str) -> str:
+        """Names of the figures that belong to a table."""
+        table = read_table(self.put("table1_path.csv", text))
+        return " ".join(kind.name for kind in FIGURES if not kind.refusal(table))
+
+    def check_pictures(self, folder: Path, expected: set[str]) -> None:
+        """The folder holds these figures, as PNG and SVG with something on them."""
+        names = {path.name for path in folder.iterdir() if path.suffix != ".csv"}
+        self.assertEqual(names, {f"{name}.{end}" for name in expected for end in ("png", "svg")})
+        for path in (folder / name for name in names):
+            data = path.read_bytes()
+            self.assertGreater(len(data), 10_000)
+            if path.suffix == ".png":
+                self.assertTrue(data.startswith(b"\x89PNG\r\n\x1a\n"))
+            else:
+                self.assertTrue(xml.etree.ElementTree.fromstring(data).tag.endswith("svg"))

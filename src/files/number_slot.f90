@@ -18,6 +18,7 @@ module spintop_number_slot
         procedure :: bind_integer
         procedure :: put
         procedure :: get
+        procedure :: is_whole
         procedure :: refusal
     end type number_slot_t
 
@@ -58,6 +59,12 @@ contains
             get = self%integer_value
         end if
     end function get
+
+    !> Whether the variable is an integer.
+    pure logical function is_whole(self)
+        class(number_slot_t), intent(in) :: self
+        is_whole = associated(self%integer_value)
+    end function is_whole
 
     !> Why the variable cannot have a value ('must be > 0'), or ''.
     function refusal(self, value) result(reason)

@@ -13,7 +13,7 @@ module spintop_axes_of_scene
     use spintop_text, only: to_text
     implicit none
     private
-    public :: make_axes, find_swept
+    public :: make_axes, find_swept, count_axes
 
     !> What a sweep as a whole has, and its cases have not.
     character(*), parameter :: fixed(*) = [character(15) :: 'sweep.', 'span.samples', 'span.stop_after']
@@ -28,16 +28,13 @@ contains
         type(parameter_table_t), intent(in) :: table
         type(axes_t), intent(out) :: axes
         type(problems_t), intent(inout) :: problems
-        integer :: i, count, combination
+        type(number_slot_t) :: slots(max_axes)
+        integer :: i, combination
         logical :: drawn
 
         combination = findloc(combination_names, scene%combine, dim=1)
         drawn = all(combination /= [combine_grid, combine_zip])
-        count = 0
-        do i = 1, max_axes
-            if (scene%parameter(i) /= '') count = i
-        end do
-        if (count == 0) then
+        if (count_axes(scene) == 0) then
             call problems%add('sweep', 'a sweep needs an axis', &
                               "give parameter(1) = 'initial.spin_ratio', say, and its values; or a table")
             return
@@ -48,9 +45,9 @@ contains
             call problems%add('sweep.cases', 'the cases of a ' // trim(scene%combine) // ' are those of its values', &
                               "leave it out, or take combine = 'random' or 'latin_hypercube'")
         end if
-        allocate (axes%axis(count))
-        do i = 1, count
-            call make_axis(i, axes%axis(i))
+        allocate (axes%axis(count_axes(scene)))
+        do i = 1, size(axes%axis)
+            call make_axis(i, axes%axis(i), slots(i))
         end do
         if (combination == combine_zip .and. any(axes%axis%count /= axes%axis(1)%count) &
             .and. .not. problems%any()) call refuse_lengths()
@@ -62,10 +59,10 @@ contains
 
     contains
 
-        subroutine make_axis(i, axis)
+        subroutine make_axis(i, axis, slot)
             integer, intent(in) :: i
             type(axis_t), intent(out) :: axis
-            type(number_slot_t) :: slot
+            type(number_slot_t), intent(out) :: slot
             character(:), allocatable :: problem, hint, subscript
             logical :: has_ends, has_count
             integer :: listed, k
@@ -82,12 +79,9 @@ contains
                 call problems%add('sweep.parameter' // subscript, problem, hint)
                 return
             end if
-            do k = 1, i - 1
-                if (axes%axis(k)%name == axis%name) then
-                    call problems%add('sweep.parameter' // subscript, axis%name // ' is on two axes', &
-                                      'vary it on one')
-                end if
-            end do
+            if (any([(slots(k)%is_same(slot), k=1, i - 1)])) then
+                call problems%add('sweep.parameter' // subscript, axis%name // ' is on two axes', 'vary it on one')
+            end if
             axis%whole = slot%is_whole()
             has_ends = is_set(scene%from(i)) .and. is_set(scene%to(i))
             has_count = scene%count(i) /= unset_integer
@@ -104,7 +98,7 @@ contains
                                   'leave it out; sweep.cases is the number of cases')
                 return
             else if (has_ends .and. (drawn .or. has_count)) then
-                call space_values(i, axis)
+                call space_values(i, axis, subscript)
             else
                 call problems%add('sweep.parameter' // subscript, 'axis ' // to_text(i) // ' has no values', &
                                   'give values, or ' // trim(merge('from and to       ', 'from, to and count', drawn)))
@@ -114,19 +108,26 @@ contains
         end subroutine make_axis
 
         !> Values equally spaced, or with equal ratios, or any between two ends.
-        subroutine space_values(i, axis)
+        subroutine space_values(i, axis, subscript)
             integer, intent(in) :: i
             type(axis_t), intent(inout) :: axis
+            character(*), intent(in) :: subscript
+            real(dp) :: distance
             axis%from = scene%from(i)
             axis%to = scene%to(i)
             if (.not. drawn) axis%count = scene%count(i)
             axis%logarithmic = scene%spacing(i) == 'log'
-            if (axis%logarithmic .and. .not. (axis%from > 0 .and. axis%to > 0)) then
-                call problems%add('sweep.spacing', 'logarithmic spacing needs positive ends', &
-                                  "take spacing = 'linear' or other ends")
-            else if (axis%logarithmic .and. .not. (is_finite(axis%to / axis%from) .and. axis%to / axis%from > 0) &
-                     .or. .not. is_finite(axis%to - axis%from)) then
-                call problems%add('sweep.to', 'the ends of axis ' // to_text(i) // ' are too far apart', &
+            distance = axis%to - axis%from
+            if (axis%logarithmic) then
+                if (.not. (axis%from > 0 .and. axis%to > 0)) then
+                    call problems%add('sweep.spacing', 'logarithmic spacing needs positive ends', &
+                                      "take spacing = 'linear' or other ends")
+                    return
+                end if
+                distance = max(axis%from, axis%to) / min(axis%from, axis%to)
+            end if
+            if (.not. is_finite(distance)) then
+                call problems%add('sweep.to' // subscript, 'the ends of axis ' // to_text(i) // ' are too far apart', &
                                   'take other ends')
             end if
         end subroutine space_values
@@ -195,6 +196,15 @@ contains
             hint = 'vary a parameter of the top, its start, its span or its integration'
         end do
     end subroutine find_swept
+
+    !> Number of the last axis of which anything is given; 0 if there is none.
+    pure integer function count_axes(scene) result(count)
+        type(scene_t), intent(in) :: scene
+        do count = max_axes, 1, -1
+            if (scene%parameter(count) /= '' .or. scene%count(count) /= unset_integer .or. any(is_set( &
+                [scene%values(count, 1), scene%from(count), scene%to(count)]))) return
+        end do
+    end function count_axes
 
     !> Number of leading values that are given.
     pure integer function count_listed(values) result(count)

@@ -9,7 +9,7 @@
 module spintop_axes_of_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
-    use spintop_axes_of_scene, only: find_swept
+    use spintop_axes_of_scene, only: count_axes, find_swept
     use spintop_checksum, only: checksum_t, checksum_text, add_to_checksum
     use spintop_diagnostics, only: diagnostics_t, place_t
     use spintop_errors, only: error_t
@@ -98,8 +98,8 @@ contains
     subroutine check_scene(scene, problems)
         type(scene_t), intent(in) :: scene
         type(problems_t), intent(inout) :: problems
-        if (any(scene%parameter /= '')) then
-            call problems%add('sweep.parameter', 'the cases are given twice', 'give either axes or a table')
+        if (count_axes(scene) > 0) then
+            call problems%add('sweep.table', 'the cases are given twice', 'give either axes or a table')
         else if (scene%combine /= combination_names(combine_grid)) then
             call problems%add('sweep.combine', 'a table has its cases in its rows', 'leave it out')
         else if (scene%cases /= unset_integer) then
@@ -145,12 +145,10 @@ contains
             axes%axis(i)%name = walk%cell()
             call find_swept(axes%axis(i)%name, table, slots(i), problem, hint)
             axes%axis(i)%whole = slots(i)%is_whole()
-            do k = 1, i - 1
-                if (problem == '' .and. axes%axis(k)%name == axes%axis(i)%name) then
-                    problem = axes%axis(i)%name // ' has two columns'
-                    hint = 'give it one'
-                end if
-            end do
+            if (any([(slots(k)%is_same(slots(i)), k=1, i - 1)])) then
+                problem = axes%axis(i)%name // ' has two columns'
+                hint = 'give it one'
+            end if
             if (problem == '') cycle
             if (axes%axis(i)%name == '') problem = 'a column has no name'
             call walk%refuse(diagnostics, problem, hint)

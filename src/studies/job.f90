@@ -1,7 +1,7 @@
 !> A job: one input file read, checked and planned, ready to run.
 module spintop_job
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_axes_of_scene, only: make_axes
+    use spintop_axes_of_scene, only: count_axes, make_axes
     use spintop_axes_of_table, only: read_axes
     use spintop_case, only: case_t, make_case
     use spintop_columns, only: trajectory_columns, default_trajectory_columns, needs_exact_motion
@@ -139,7 +139,7 @@ contains
             if (job%axes%cases == 0) return
             call describe_scene(first, first_table)
             call put_values(job%axes%slots_in(first_table), job%axes%values_of(1_int64))
-        else if (any(job%scene%parameter /= '') .or. job%scene%sweep_table /= '') then
+        else if (count_axes(job%scene) > 0 .or. job%scene%sweep_table /= '') then
             call problems%add('sweep', 'a trajectory has no axes', "set study.kind = 'sweep'")
         end if
         call make_case(first, job%case, problems)

@@ -94,8 +94,7 @@ contains
         character(:), allocatable :: text
         text = self%name // ': '
         if (allocated(self%listed)) then
-            text = text // plural(size(self%listed), 'value') // ', the first ' // to_text(self%listed(1)) &
-                   // ', the last ' // to_text(self%listed(size(self%listed)))
+            text = text // plural(size(self%listed), 'listed value')
             return
         end if
         if (self%count > 0) then

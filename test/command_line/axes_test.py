@@ -46,6 +46,21 @@ class CombinationTest(ProgramCase):
             again = self.compute(self.write(table.resolved(), "again.nml"))
             self.assertEqual(again.rows, table.rows)
 
+    def test_shards_of_a_drawn_sweep_are_its_parts(self) -> None:
+        """Each computes the values of its own cases; joined they are the whole, byte for byte."""
+        text = FREE + NUTATION + "&sweep combine = 'latin_hypercube', " + DRAWN
+        scene = self.write(text.replace("cases = 700", "cases = 3000"))
+        self.compute(scene)
+        parts = []
+        for i in (1, 2, 3):
+            result = self.run_program(scene, "--shard", f"{i}/3", "-o", "parts")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            parts.append(self.folder / "parts" / f"scene.{i}-of-3.csv")
+        result = self.run_program("merge", "whole.csv", *parts)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        whole = (self.folder / "whole.csv").read_bytes()
+        self.assertEqual(whole, (self.folder / "output/scene.csv").read_bytes())
+
     def test_a_latin_hypercube_of_one_case(self) -> None:
         """And of a few."""
         for cases in (1, 2, 3):

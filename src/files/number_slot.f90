@@ -18,6 +18,8 @@ module spintop_number_slot
         procedure :: bind_integer
         procedure :: put
         procedure :: get
+        procedure :: is_whole
+        procedure :: is_same
         procedure :: refusal
     end type number_slot_t
 
@@ -58,6 +60,20 @@ contains
             get = self%integer_value
         end if
     end function get
+
+    !> Whether the variable is an integer.
+    pure logical function is_whole(self)
+        class(number_slot_t), intent(in) :: self
+        is_whole = associated(self%integer_value)
+    end function is_whole
+
+    !> Whether both are the same variable.
+    pure logical function is_same(self, other)
+        class(number_slot_t), intent(in) :: self
+        type(number_slot_t), intent(in) :: other
+        is_same = associated(self%real_value, other%real_value) &
+                  .or. associated(self%integer_value, other%integer_value)
+    end function is_same
 
     !> Why the variable cannot have a value ('must be > 0'), or ''.
     function refusal(self, value) result(reason)

@@ -1,6 +1,8 @@
 !> A job: one input file read, checked and planned, ready to run.
 module spintop_job
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_axes_of_scene, only: count_axes, make_axes
+    use spintop_axes_of_table, only: read_axes
     use spintop_case, only: case_t, make_case
     use spintop_columns, only: trajectory_columns, default_trajectory_columns, needs_exact_motion
     use spintop_diagnostics, only: diagnostics_t
@@ -14,7 +16,7 @@ module spintop_job
     use spintop_scene, only: scene_t, describe_scene
     use spintop_shard, only: shard_t
     use spintop_stability_plan, only: make_stability_plan, stability_plan_t
-    use spintop_sweep_axes, only: axes_t, make_axes, put_values
+    use spintop_sweep_axes, only: axes_t, put_values
     use spintop_sweep_columns, only: sweep_columns, costly_groups
     use spintop_text, only: string_t, nearest_word
     implicit none
@@ -79,7 +81,7 @@ contains
         if (allocated(error)) return
         call read_namelist(input, options%overrides, job%table, diagnostics, error)
         if (allocated(error)) return
-        call plan_job(job, problems)
+        call plan_job(job, problems, diagnostics)
         if (job%scene%kind /= 'sweep') call refuse_for_sweeps_only(options, problems)
         if (job%scene%kind /= 'stability') call choose_columns(job, problems)
         call choose_events(job%scene, job%case, job%events, problems)
@@ -112,9 +114,10 @@ contains
     end subroutine refuse_for_sweeps_only
 
     !> Case, axes and plan. The case of a sweep is its first; the others are made as they come.
-    subroutine plan_job(job, problems)
+    subroutine plan_job(job, problems, diagnostics)
         type(job_t), target, intent(inout) :: job
         type(problems_t), intent(inout) :: problems
+        type(diagnostics_t), intent(inout) :: diagnostics
         type(scene_t), allocatable, target :: first
         type(parameter_table_t) :: first_table
 
@@ -128,11 +131,15 @@ contains
         end if
         allocate (first, source=job%scene)
         if (job%scene%kind == 'sweep') then
-            call make_axes(job%scene, job%table, job%axes, problems)
-            if (problems%any()) return
+            if (job%scene%sweep_table == '') then
+                call make_axes(job%scene, job%table, job%axes, problems)
+            else
+                call read_axes(job%input, job%scene, job%table, job%axes, problems, diagnostics)
+            end if
+            if (job%axes%cases == 0) return
             call describe_scene(first, first_table)
             call put_values(job%axes%slots_in(first_table), job%axes%values_of(1_int64))
-        else if (any(job%scene%parameter /= '')) then
+        else if (count_axes(job%scene) > 0 .or. job%scene%sweep_table /= '') then
             call problems%add('sweep', 'a trajectory has no axes', "set study.kind = 'sweep'")
         end if
         call make_case(first, job%case, problems)

@@ -4,12 +4,14 @@
 !> component to its name, unit, range and meaning. Reading, checking, printing the resolved input
 !> and `spintop list parameters` derive from it.
 module spintop_scene
+    use spintop_checksum, only: checksum_width
     use spintop_kinds, only: dp
     use spintop_projection, only: projection_names, project_nothing
     use spintop_parameters, only: parameter_table_t, unset, unset_integer, any_elements
     use spintop_formulations, only: formulation_infos
     use spintop_methods, only: method_infos
     use spintop_shapes, only: shape_infos, shape_by_inertia
+    use spintop_sweep_axes, only: combination_names, combine_grid
     use spintop_text, only: join
     implicit none
     private
@@ -79,6 +81,11 @@ module spintop_scene
         real(dp) :: to(max_axes) = unset
         integer :: count(max_axes) = unset_integer
         character(word) :: spacing(max_axes) = 'linear'
+        character(word) :: combine = combination_names(combine_grid)
+        integer :: cases = unset_integer
+        integer :: seed = 1
+        character(line) :: sweep_table = ''
+        character(checksum_width) :: sweep_table_checksum = ''
         ! &stability
         character(word) :: stability_cases(64) = ''
         character(2 * word) :: stability_methods(64) = ''
@@ -178,8 +185,16 @@ contains
         call table%add('sweep.to', scene%to, '', '', 'last value of an axis', elements=any_elements)
         call table%add('sweep.count', scene%count, '', '>= 1', 'number of values of an axis', &
                        elements=any_elements)
-        call table%add('sweep.spacing', scene%spacing, 'linear|log', 'spacing of the values', &
-                       elements=any_elements)
+        call table%add('sweep.spacing', scene%spacing, 'linear|log', &
+                       'spacing of the values, or of what values are drawn from', elements=any_elements)
+        call table%add('sweep.combine', scene%combine, join(combination_names, '|'), &
+                       'how the axes make cases: all combinations, side by side, or drawn from the axes')
+        call table%add('sweep.cases', scene%cases, '', '>= 1', 'number of cases that are drawn')
+        call table%add('sweep.seed', scene%seed, '', '', 'another seed draws other values')
+        call table%add('sweep.table', scene%sweep_table, &
+                       what='CSV file instead of axes: parameters as columns, a case each row (path from the input)')
+        call table%add('sweep.table_checksum', scene%sweep_table_checksum, &
+                       what='of the bytes of the table: one with another is refused (computed)')
 
         call table%add('stability.cases', scene%stability_cases, &
                        what="cases of the catalogue, or 'input' for the case of this file (all but long ones)")

@@ -96,6 +96,7 @@ contains
             call summary%describe_plan(job%plan)
             call summary%describe_motion(job%case)
         end if
+        if (job%scene%kind == 'sweep') call summary%describe_axes(job%axes)
         do i = 1, size(summary%lines)
             call text%add('! ' // summary%lines(i)%text)
         end do

@@ -13,6 +13,7 @@ module spintop_summary
     use spintop_sleeping_top, only: critical_omega3
     use spintop_status, only: status_ok
     use spintop_stepper, only: counts_t
+    use spintop_sweep_axes, only: axes_t
     use spintop_text, only: to_text, string_t
     implicit none
     private
@@ -26,6 +27,7 @@ module spintop_summary
         procedure :: add
         procedure :: describe_plan
         procedure :: describe_motion
+        procedure :: describe_axes
         procedure :: describe_cost
     end type summary_t
 
@@ -91,6 +93,21 @@ contains
                 // decimal(fast%ratio_of_paper) // ')')
         end associate
     end subroutine describe_motion
+
+    !> The cases of a sweep, its axes, and what the first and the last case have of them.
+    subroutine describe_axes(self, axes)
+        class(summary_t), intent(inout) :: self
+        type(axes_t), intent(in) :: axes
+        real(dp) :: first(size(axes%axis)), last(size(axes%axis))
+        integer :: i
+        first = axes%values_of(1_int64)
+        last = axes%values_of(axes%cases)
+        call self%add('sweep', axes%in_words())
+        do i = 1, size(axes%axis)
+            call self%add('', axes%axis(i)%in_words() // '; first case ' // to_text(first(i)) &
+                          // ', last case ' // to_text(last(i)))
+        end do
+    end subroutine describe_axes
 
     !> Steps and evaluations of a run; output points of a method with its own convention for them.
     subroutine describe_cost(self, counts, refine)

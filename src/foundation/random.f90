@@ -1,0 +1,95 @@
+!> Random numbers by counting: each is a function of a seed, a number and a stream, so that whoever
+!> needs one computes it, in any order, on any thread or machine, without a state to carry along.
+!>
+!> The arithmetic is that of unsigned words of 32 bits, held in 64-bit integers whose products never
+!> overflow.
+module spintop_random
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_kinds, only: dp
+    implicit none
+    private
+    public :: philox, mix, uniform, random_words
+
+    !> All bits of a word.
+    integer(int64), parameter :: word = int(z'FFFFFFFF', int64)
+
+contains
+
+    !> Philox4x32-10, the block function of four words under a key of two (Salmon, Moraes, Dror and
+    !> Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC11, 2011). All words are in [0, 2^32).
+    pure function philox(counter, key) result(words)
+        integer(int64), intent(in) :: counter(4), key(2)
+        integer(int64) :: words(4)
+        integer, parameter :: rounds = 10
+        integer(int64), parameter :: factor1 = int(z'D2511F53', int64), factor2 = int(z'CD9E8D57', int64)
+        !> 2^32 times the fractional parts of the golden ratio and of sqrt(3).
+        integer(int64), parameter :: golden = int(z'9E3779B9', int64), root3 = int(z'BB67AE85', int64)
+        integer(int64) :: w1, w2, w3, w4, key1, key2, high1, low1, high2, low2
+        integer :: round
+
+        ! Scalars stay in registers; arrays take twice as long.
+        w1 = counter(1)
+        w2 = counter(2)
+        w3 = counter(3)
+        w4 = counter(4)
+        key1 = key(1)
+        key2 = key(2)
+        do round = 1, rounds
+            call multiply(factor1, w1, high1, low1)
+            call multiply(factor2, w3, high2, low2)
+            w1 = ieor(ieor(high2, w2), key1)
+            w2 = low2
+            w3 = ieor(ieor(high1, w4), key2)
+            w4 = low1
+            key1 = iand(key1 + golden, word)
+            key2 = iand(key2 + root3, word)
+        end do
+        words = [w1, w2, w3, w4]
+    end function philox
+
+    !> A bijection of words in which each bit changes every other with probability one half nearly (the
+    !> last step of MurmurHash3, A. Appleby 2011).
+    elemental integer(int64) function mix(x)
+        integer(int64), intent(in) :: x !! in [0, 2^32)
+        integer(int64) :: high, low
+        call multiply(int(z'85EBCA6B', int64), ieor(x, shiftr(x, 16)), high, low)
+        mix = ieor(low, shiftr(low, 13))
+        call multiply(int(z'C2B2AE35', int64), mix, high, low)
+        mix = ieor(low, shiftr(low, 16))
+    end function mix
+
+    !> Four random words that belong to a seed, a number and a stream, all of any sign.
+    pure function random_words(seed, number, stream) result(words)
+        integer(int64), intent(in) :: seed, number, stream
+        integer(int64) :: words(4)
+        words = philox([halves(number), halves(stream)], halves(seed))
+    end function random_words
+
+    !> A number uniform in (0, 1), both ends excluded, in steps of 2^-52.
+    pure real(dp) function uniform(seed, number, stream)
+        integer(int64), intent(in) :: seed, number, stream
+        integer(int64) :: words(4)
+        words = random_words(seed, number, stream)
+        uniform = scale(real(shiftl(words(1), 20) + shiftr(words(2), 12), dp) + 0.5_dp, -52)
+    end function uniform
+
+    !> The low and the high word of a 64-bit integer.
+    pure function halves(x)
+        integer(int64), intent(in) :: x
+        integer(int64) :: halves(2)
+        halves = [iand(x, word), shiftr(x, 32)]
+    end function halves
+
+    !> The product of two words, in two words. Where the upper bit of b is set, b - 2^32 is multiplied
+    !> in its place: a product of that size a 64-bit integer holds.
+    elemental subroutine multiply(a, b, high, low)
+        integer(int64), intent(in) :: a, b
+        integer(int64), intent(out) :: high, low
+        integer(int64) :: product, upper
+        upper = shiftr(b, 31)
+        product = a * (b - shiftl(upper, 32))
+        high = shifta(product, 32) + a * upper
+        low = iand(product, word)
+    end subroutine multiply
+
+end module spintop_random

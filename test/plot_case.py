@@ -124,10 +124,13 @@ def a_stability() -> str:
     return a_table("stability", TRIALS, rows)
 
 
-def some_events(count: int = 25) -> str:
+def some_events(count: int = 25, swing: float = 0.1) -> str:
     """Events of two kinds, one of them often."""
-    rows = [["turning_point", i + 1, 0.1 * i, 0.5, math.sin(i)] for i in range(count)]
-    rows += [["psi=0 rising", 1, 0.3, 0.4, 0.1]] if count else []
+    rows = [
+        ["omega3=0 rising", i + 1, 0.1 * i, 0.5 + swing * math.cos(i), math.sin(i)]
+        for i in range(count)
+    ]
+    rows += [["psi=0 rising", 1, 0.3, 0.5, 0.1]] if count else []
     return a_table("trajectory", ["event", "number", "t", "theta", "theta_rate"], rows) + (
         "# status: ok\n"
     )

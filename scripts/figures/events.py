@@ -9,6 +9,9 @@ from figures.table import Table
 LEAST_EVENTS = 20
 """Fewer events of a kind show no section."""
 
+FLAT = 1e-6
+"""Events whose inclination or nutation rate differs by less, of the largest, make no section."""
+
 ROW_HEIGHT, PANEL_HEIGHT, LEAST_HEIGHT = 0.36, 2.5, 4.0
 """Of a kind of event, of a row of sections, and of all of them, in inches."""
 
@@ -19,14 +22,21 @@ def object_to_events(table: Table) -> str:
 
 
 def sections(table: Table) -> list[str]:
-    """The kinds of events that happen often enough."""
-    counts = table.rows["event"].value_counts(sort=False)
-    return [str(name) for name in counts[counts >= LEAST_EVENTS].index]
+    """The kinds of events that happen often, at different inclinations and nutation rates."""
+    names = []
+    plane = table.rows[["theta", "theta_rate"]]
+    least = FLAT * plane.abs().max()
+    for name, rows in plane.groupby(table.rows["event"], sort=False):
+        if len(rows) >= LEAST_EVENTS and (rows.max() - rows.min() > least).all():
+            names.append(str(name))
+    return names
 
 
 def object_to_sections(table: Table) -> str:
-    """A section takes many points."""
-    return "" if sections(table) else f"has no event that happens {LEAST_EVENTS} times"
+    """A section takes many points that do not lie on a line by their definition."""
+    if sections(table):
+        return ""
+    return f"has no event that happens {LEAST_EVENTS} times, at inclinations and rates that differ"
 
 
 def draw_events(table: Table) -> Figure:

@@ -53,6 +53,7 @@ FAMILIES = (
     ),
     Family("Gauss, equal steps", ("gauss_",), "^", "#7a2048"),
     Family("on the rotation group, equal steps", ("rkmk_", "commutator_free_"), "P", "#5aa9a3"),
+    Family("splitting, equal steps", ("splitting_",), "X", "#b08b00"),
     Family("Runge-Kutta, step control", ("ode45", "dop853", "arkode_"), "o", "#12355b"),
     Family("Taylor series, step control", ("taylor",), "*", "#2f7d32"),
     Family("splitting, equal steps", ("splitting_",), "D", "0.35"),

@@ -47,6 +47,7 @@ class ChoiceTest(TableCase):
         self.assertEqual(self.figures_of(a_stability().replace("wrong", "odd")), "")
         self.assertEqual(self.figures_of(some_events()), "events sections")
         self.assertEqual(self.figures_of(some_events(19)), "events")
+        self.assertEqual(self.figures_of(some_events(swing=1e-9)), "events")
         self.assertEqual(self.figures_of(some_events(0)), "")
 
 

@@ -25,6 +25,8 @@ module spintop_reference_motion
         real(dp), allocatable :: floor(:)
         !> What the motion comes from.
         character(24) :: source = ''
+        !> Computed by the method in quadruple precision.
+        logical :: is_computed = .false.
         !> How far apart two computations of it are, rad; zero for the exact motion.
         real(dp) :: uncertainty = 0
     end type reference_t
@@ -87,6 +89,7 @@ contains
         type(motion_t) :: start
 
         reference%source = 'quadruple precision'
+        reference%is_computed = .true.
         call compute(case, case%start, times, fine, reference%motions, status)
         if (status /= status_ok) return
         call compute(case, case%start, times, coarse, again, status)

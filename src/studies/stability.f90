@@ -8,6 +8,7 @@ module spintop_stability
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t, make_case
     use spintop_errors, only: error_t, internal_error
+    use spintop_formulation, only: structure_quadruple
     use spintop_hard_cases, only: hard_cases
     use spintop_job, only: job_t, options_t
     use spintop_kinds, only: dp
@@ -76,6 +77,7 @@ module spintop_stability
         real(dp) :: upright_growth = 0, lyapunov_exponent = 0
     end type case_facts_t
 
+    integer, parameter :: no_verdict = 0
     !> Times at which a motion is compared; the steps of the catalogue are multiples of the intervals.
     integer, parameter :: samples = 41
 
@@ -143,6 +145,7 @@ contains
         type(scene_t) :: scene
         type(case_facts_t) :: facts
         type(text_buffer_t) :: row
+        character(40) :: tried(size(job%stability%methods))
         integer :: k, verdict
 
         facts%name = own_case
@@ -150,9 +153,11 @@ contains
         call scene_of_case(job%scene, job%stability%cases(i), scene, error)
         if (.not. allocated(error)) call find_facts(scene, facts, error)
         if (allocated(error)) return
+        tried = ''
         do k = 1, size(job%stability%methods)
             call row%clear()
-            call run_method(job, scene, facts, k, row, verdict)
+            call run_method(job, scene, facts, k, tried, row, verdict)
+            if (verdict == no_verdict) cycle
             verdicts(k, verdict) = verdicts(k, verdict) + 1
             call file%put(row%contents(), error)
             if (allocated(error)) return
@@ -196,12 +201,14 @@ contains
         end associate
     end subroutine find_facts
 
-    !> One method on a case, as a row.
-    subroutine run_method(job, case_scene, facts, k, row, verdict)
+    !> One method on a case, as a row. There is none, and no verdict, for what was tried already or
+    !> would be compared with itself.
+    subroutine run_method(job, case_scene, facts, k, tried, row, verdict)
         type(job_t), intent(in) :: job
         type(scene_t), intent(in) :: case_scene
         type(case_facts_t), intent(in) :: facts
         integer, intent(in) :: k
+        character(*), intent(inout) :: tried(:) !! methods with their formulations
         type(text_buffer_t), intent(inout) :: row
         integer, intent(out) :: verdict
         type(scene_t) :: scene
@@ -219,6 +226,10 @@ contains
             call make_plan(scene, facts%case, plan, problems)
             formulation = choice%formulation
             if (allocated(plan%formulation)) formulation = plan%model(:index(plan%model, ':') - 1)
+            verdict = no_verdict
+            if (facts%reference%is_computed .and. choice%method%needs == structure_quadruple) return
+            tried(k) = trim(choice%method%name) // '/' // formulation
+            if (any(tried(:k - 1) == tried(k))) return
             if (problems%any()) then
                 verdict = verdict_unsuitable
                 reason = problems%first()

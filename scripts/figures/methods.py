@@ -56,8 +56,7 @@ FAMILIES = (
     Family("splitting, equal steps", ("splitting_",), "X", "#b08b00"),
     Family("Runge-Kutta, step control", ("ode45", "dop853", "arkode_"), "o", "#12355b"),
     Family("Taylor series, step control", ("taylor",), "*", "#2f7d32"),
-    Family("splitting, equal steps", ("splitting_",), "D", "0.35"),
-    Family("other methods", ("",), "X", "0.6"),
+    Family("other methods", ("",), "D", "0.35"),
 )
 """A method belongs to the first of them that has the beginning of its name."""
 

@@ -35,7 +35,7 @@ module spintop_command_line
     type(option_t), parameter :: known_options(*) = [ &
         option_t('--output', '-o', 'DIR', 'folder for results (default output/), made if missing'), &
         option_t('--set', '', 'GROUP.KEY=VALUE', 'override a value of the input (repeatable)'), &
-        option_t('--threads', '', 'N', 'number of threads (default: all cores)'), &
+        option_t('--threads', '', 'N', 'number of threads, of each rank under MPI (default: all cores)'), &
         option_t('--check', '', '', 'read, check and plan only; print the resolved input and the plan'), &
         option_t('--resume', '', '', 'go on with an interrupted sweep'), &
         option_t('--shard', '', 'I/N', 'compute part I of N of a sweep; `spintop merge` joins the parts'), &

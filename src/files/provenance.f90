@@ -37,6 +37,27 @@ contains
         end do
     end function program_revision
 
+    !> Compiler options without folders and macros, which change no number: a build with MPI writes the
+    !> same tables as one without, wherever either is made.
+    pure function options_that_matter(options) result(text)
+        character(*), intent(in) :: options !! each begins with ` -`, but for the first
+        character(:), allocatable :: text
+        integer :: first, next
+
+        text = ''
+        first = 1
+        do while (first <= len(options))
+            next = first + index(options(first:) // ' -', ' -')
+            select case (options(first:min(first + 2, len(options))))
+            case ('-I ', '-J ', '-D ')
+            case default
+                text = text // ' ' // options(first:next - 2)
+            end select
+            first = next
+        end do
+        text = trim(adjustl(text))
+    end function options_that_matter
+
     !> The comment lines at the head of a table: `key: value`, then the input, then the columns.
     subroutine describe_provenance(title, model, method, input, names, units, meanings, dated, lines)
         character(*), intent(in) :: title
@@ -53,7 +74,7 @@ contains
         call text%add('program: spintop ' // program_version)
         call text%add('revision: ' // program_revision())
         call text%add('compiler: ' // compiler_version())
-        call text%add('options: ' // compiler_options())
+        call text%add('options: ' // options_that_matter(compiler_options()))
         if (dated) call text%add('date: ' // utc_now())
         call text%add('model: ' // model)
         call text%add('method: ' // method)

@@ -1,9 +1,9 @@
-!> Blocks of rows that are computed in any order, written in the order of their cases.
+!> Blocks of rows that are computed in any order, written in the order of their cases. The queue gives
+!> out the numbers of the blocks, from 1 on, and keeps those that come early.
 !>
-!>     call queue%start(room=8)
-!>     call queue%hand_in(number, block, table, accepted)   ! by one thread at a time
-!>
-!> A thread whose block is not accepted is too far ahead: it waits and hands it in again.
+!>     call queue%start(room=8, blocks=100)           ! these by one thread at a time
+!>     call queue%take(number)                        ! a block to compute, or come_again, or none_left
+!>     call queue%hand_in(number, block, table)
 module spintop_row_queue
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t
@@ -11,44 +11,63 @@ module spintop_row_queue
     use spintop_row_block, only: row_block_t
     implicit none
     private
-    public :: row_queue_t
+    public :: row_queue_t, come_again, none_left
+
+    !> What is taken in place of a number: those who compute are too far ahead of a slow one, or there
+    !> is nothing more to do.
+    integer(int64), parameter :: come_again = 0, none_left = -1
 
     type :: row_queue_t
-        !> The first error in writing; after it nothing more is written.
+        !> The first error in writing; after it nothing more is written, and no number given out.
         type(error_t), allocatable :: error
-        !> Blocks written so far: all up to this number.
-        integer(int64), private :: written = 0
+        !> Blocks there are; given out so far, and written so far: all up to these numbers.
+        integer(int64), private :: blocks = 0, taken = 0, written = 0
         !> Blocks that came early, in a ring.
         type(row_block_t), allocatable, private :: waiting(:)
         logical, allocatable, private :: is_waiting(:)
     contains
         procedure :: start
+        procedure :: take
         procedure :: hand_in
     end type row_queue_t
 
 contains
 
-    !> Starts an empty queue with room for so many blocks.
-    subroutine start(self, room)
+    !> Starts an empty queue for so many blocks, with room for so many that come early.
+    subroutine start(self, room, blocks)
         class(row_queue_t), intent(inout) :: self
         integer, intent(in) :: room
+        integer(int64), intent(in) :: blocks
+        self%blocks = blocks
+        self%taken = 0
         self%written = 0
         allocate (self%waiting(room), self%is_waiting(room))
         self%is_waiting = .false.
     end subroutine start
 
-    !> Takes a block (its number counts from 1) and writes what is complete. The block handed in
-    !> comes back empty where it was accepted.
-    subroutine hand_in(self, number, block, table, accepted)
+    !> Gives out the next number. There is room for the rows of all blocks that are given out.
+    subroutine take(self, number)
+        class(row_queue_t), intent(inout) :: self
+        integer(int64), intent(out) :: number
+        if (allocated(self%error) .or. self%taken == self%blocks) then
+            number = none_left
+        else if (self%taken - self%written == size(self%waiting)) then
+            number = come_again
+        else
+            self%taken = self%taken + 1
+            number = self%taken
+        end if
+    end subroutine take
+
+    !> Takes the block of a number that was given out, and writes what is complete. The block comes
+    !> back empty.
+    subroutine hand_in(self, number, block, table)
         class(row_queue_t), intent(inout) :: self
         integer(int64), intent(in) :: number
         type(row_block_t), intent(inout) :: block
         type(growing_table_t), intent(inout) :: table
-        logical, intent(out) :: accepted
         integer :: place
 
-        accepted = number - self%written <= size(self%waiting)
-        if (.not. accepted) return
         place = place_of(self, number)
         call self%waiting(place)%swap(block)
         self%is_waiting(place) = .true.

@@ -13,6 +13,7 @@ module spintop_job
     use spintop_parameters, only: parameter_table_t, unset_integer
     use spintop_plan, only: plan_t, make_plan
     use spintop_problems, only: problems_t
+    use spintop_ranks, only: ranks_t
     use spintop_scene, only: scene_t, describe_scene
     use spintop_shard, only: shard_t
     use spintop_stability_plan, only: make_stability_plan, stability_plan_t
@@ -23,7 +24,7 @@ module spintop_job
     private
     public :: job_t, options_t, prepare_job
 
-    !> What the command line says for all inputs.
+    !> What the command line says for all inputs, and the processes that carry it out.
     type :: options_t
         !> Folder for results.
         character(:), allocatable :: output
@@ -36,6 +37,7 @@ module spintop_job
         !> Which part of a sweep, and whether to go on with an interrupted one.
         type(shard_t) :: shard
         logical :: resume = .false.
+        type(ranks_t) :: ranks
     end type options_t
 
     !> An input made ready. The table points into the scene: a job must stay where it was prepared.
@@ -100,7 +102,7 @@ contains
         end associate
     end subroutine prepare_job
 
-    !> Options that mean something for sweeps only.
+    !> Options and ranks mean something for sweeps only.
     subroutine refuse_for_sweeps_only(options, problems)
         type(options_t), intent(in) :: options
         type(problems_t), intent(inout) :: problems
@@ -110,6 +112,10 @@ contains
         if (options%resume) then
             call problems%add('study.kind', '--resume is for sweeps: this study is always computed as a whole', &
                               'leave --resume out')
+        end if
+        if (options%ranks%count > 1) then
+            call problems%add('study.kind', 'MPI is for sweeps: this study is computed by one process', &
+                              'run it without mpirun')
         end if
     end subroutine refuse_for_sweeps_only
 

@@ -20,7 +20,8 @@ module spintop_studies
 
 contains
 
-    !> Reads and checks all inputs before any is run; the error tells of all that is wrong.
+    !> Reads and checks all inputs before any is run; the error tells of all that is wrong. It is the
+    !> same in all ranks.
     subroutine prepare_jobs(inputs, options, jobs, error)
         type(string_t), intent(in) :: inputs(:)
         type(options_t), intent(in) :: options
@@ -50,6 +51,7 @@ contains
                 error = problem
             end if
         end do
+        call options%ranks%agree(error)
     end subroutine prepare_jobs
 
     !> Runs a job, shows its progress, and gives the lines of its summary and its exit code.
@@ -64,7 +66,8 @@ contains
         integer :: status
 
         code = exit_ok
-        call make_folder(options%output, error)
+        if (options%ranks%is_writer()) call make_folder(options%output, error)
+        call options%ranks%agree(error)
         if (allocated(error)) return
         !$ if (options%threads > 0) call omp_set_num_threads(options%threads)
         select case (job%scene%kind)

@@ -1,44 +1,53 @@
 !> The sweep study: a case for each combination of the axes, one row each, on all cores. Blocks of
-!> cases are computed in any order, by threads that know nothing of each other; a queue has their
-!> rows written in the order of the cases.
+!> cases are computed in any order, by threads that know nothing of each other, in one process or in
+!> many (see `spintop_ranks`); a queue has their rows written in the order of the cases.
 module spintop_sweep
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
-    use spintop_errors, only: error_t
+    use spintop_errors, only: error_t, input_error
     use spintop_growing_table, only: growing_table_t
     use spintop_job, only: job_t, options_t
     use spintop_journal, only: journal_entry_t
     use spintop_parameter_print, only: print_namelist
     use spintop_progress, only: progress_t
     use spintop_provenance, only: describe_provenance
+    use spintop_ranks, only: ranks_t, signed_off
     use spintop_row_block, only: row_block_t
-    use spintop_row_queue, only: row_queue_t
+    use spintop_row_queue, only: come_again, none_left, row_queue_t
     use spintop_shard, only: shard_t
     use spintop_status, only: status_ok, status_name, status_meaning, last_status
     use spintop_summary, only: summary_t, rounded
     use spintop_sweep_columns, only: sweep_column_t, sweep_columns
     use spintop_sweep_worker, only: sweep_worker_t, size_of_block
     use spintop_system, only: host_name, peak_memory, pause_for, replace_file, seconds, utc_now
-    use spintop_table_head, only: comment_lines, table_head
+    use spintop_table_head, only: comment_lines, compare_heads, table_head
     use spintop_text, only: join, string_t, to_text
-    !$ use omp_lib, only: omp_get_num_threads
+    !$ use omp_lib, only: omp_get_max_threads, omp_get_thread_num
     implicit none
     private
     public :: run_sweep
 
     !> Blocks a thread that a fast thread may be ahead of a slow one, and how long it waits then, s.
     integer, parameter :: blocks_ahead = 8
-    real(dp), parameter :: pause_when_ahead = 1.0e-4_dp
+    real(dp), parameter :: pause_when_ahead = 1.0e-3_dp
 
-    !> Seconds spent by all threads together on making, computing, formatting and writing cases.
-    type :: times_t
-        real(dp) :: making = 0, computing = 0, formatting = 0, writing = 0
-    end type times_t
+    !> How long the writer waits where no other rank has anything for it, s.
+    real(dp), parameter :: pause_of_writer = 5.0e-5_dp
+
+    !> First and last case where there are none.
+    integer(int64), parameter :: no_cases(2) = [1, 0]
+
+    !> Seconds spent by all threads together on making, computing, formatting and writing cases, and
+    !> the largest memory of all ranks together in bytes.
+    type :: costs_t
+        real(dp) :: making = 0, computing = 0, formatting = 0, writing = 0, memory = 0
+    end type costs_t
 
 contains
 
     !> Computes all cases, or those of one part, and writes the table; `counts` are the cases of each
     !> status. After an error the part of the table that is complete stays, for a later run to resume.
+    !> Only the writer among the ranks has a summary and counts.
     subroutine run_sweep(job, options, summary, counts, error)
         type(job_t), intent(inout) :: job
         type(options_t), intent(in) :: options
@@ -47,37 +56,60 @@ contains
         type(error_t), allocatable, intent(out) :: error
         type(growing_table_t) :: table
         type(progress_t) :: progress
+        type(ranks_t) :: ranks
         type(row_queue_t) :: queue
-        type(times_t) :: times
+        type(costs_t) :: costs
         character(:), allocatable :: head
-        integer(int64) :: first, last, taken
-        real(dp) :: began, moment
-        integer :: threads
+        integer(int64) :: span(2)
+        real(dp) :: began, moment, team(1)
+        integer :: threads, servers
 
         counts = 0
         call describe_table(job, options%shard, head)
-        call table%start(job%output, head, options%resume, error)
+        call compare_with_writer(options%ranks, head, error)
+        if (allocated(error)) return
+        if (options%ranks%is_writer()) then
+            call table%start(job%output, head, options%resume, error)
+            span = [options%shard%first(job%axes%cases) + table%rows(), options%shard%last(job%axes%cases)]
+            if (allocated(error) .or. table%is_complete) span = no_cases
+        end if
+        call options%ranks%tell(span)
+        ! The others take part where there is something to compute.
+        ranks = options%ranks
+        if (span(1) > span(2)) then
+            if (.not. ranks%is_writer()) return
+            ranks = ranks_t()
+        end if
         if (allocated(error)) return
         if (table%is_complete) then
             call summary%headline(job%input // ': sweep -> ' // job%output)
             call summary%add('note', table%remark)
             return
         end if
-        first = options%shard%first(job%axes%cases) + table%rows()
-        last = options%shard%last(job%axes%cases)
-        call progress%start(job%name, 'cases', table%rows() + last - first + 1, options%quiet, &
-                            options%progress, before=table%rows())
-        if (table%remark /= '') call progress%note(table%remark)
-        taken = 0
+
         threads = 1
+        !$ threads = omp_get_max_threads()
+        team = threads
+        call ranks%add_up(team)
         began = seconds()
-        !$omp parallel
-        !$omp single
-        !$ threads = omp_get_num_threads()
-        call queue%start(blocks_ahead * threads)
-        !$omp end single
-        call compute_share()
+        servers = 0
+        if (ranks%is_writer()) then
+            call progress%start(job%name, 'cases', table%rows() + span(2) - span(1) + 1, options%quiet, &
+                                options%progress, before=table%rows())
+            if (table%remark /= '') call progress%note(table%remark)
+            call queue%start(blocks_ahead * nint(team(1)), (span(2) - span(1)) / size_of_block(job) + 1)
+            if (ranks%count > 1) servers = 1
+        end if
+        !$omp parallel num_threads(threads + servers)
+        if (this_thread() < servers) then
+            call serve_others()
+        else
+            call compute_share()
+        end if
         !$omp end parallel
+        if (.not. ranks%is_writer()) call ranks%sign_off()
+        call add_up_costs()
+        if (.not. ranks%is_writer()) return
         call progress%finish()
         moment = seconds()
         call move_alloc(queue%error, error)
@@ -86,88 +118,153 @@ contains
             call table%abandon(error)
             return
         end if
-        times%writing = times%writing + (seconds() - moment)
+        costs%writing = costs%writing + (seconds() - moment)
         counts = table%counts
-        call describe_sweep(job, options%shard, table, threads, seconds() - began, times, summary)
+        call describe_sweep(job, options%shard, table, team_text(ranks%count, threads, nint(team(1))), &
+                            seconds() - began, costs, summary)
         ! The table itself holds nothing that varies from run to run.
         call replace_file(job%log, join(summary%lines, new_line('a')) // new_line('a'), error)
 
     contains
 
-        !> What each thread does: takes the next block, computes it and hands it in, until none is left.
+        !> What each thread that computes does: takes the next block, computes it and hands it in, until
+        !> none is left.
         subroutine compute_share()
             type(sweep_worker_t), allocatable, target :: worker
             type(row_block_t) :: rows
             integer(int64) :: number, start
             integer :: cases_of_block
-            logical :: is_over
 
             cases_of_block = size_of_block(job)
             allocate (worker)
             call worker%prepare(job)
+            number = come_again
             do
-                !$omp critical (queue)
-                taken = taken + 1
-                number = taken
-                is_over = allocated(queue%error)
-                !$omp end critical (queue)
-                start = first + (number - 1) * cases_of_block
-                if (is_over .or. start > last) exit
-                call worker%compute_rows(job, start, min(start + cases_of_block - 1, last), rows)
-                call hand_in(number, rows)
+                if (ranks%is_writer()) then
+                    call exchange(number, rows)
+                else
+                    call ranks%exchange(number, rows)
+                end if
+                if (number == none_left) exit
+                if (number == come_again) then
+                    call pause_for(pause_when_ahead)
+                    cycle
+                end if
+                start = span(1) + (number - 1) * cases_of_block
+                call worker%compute_rows(job, start, min(start + cases_of_block - 1, span(2)), rows)
             end do
             !$omp critical (queue)
-            times%making = times%making + worker%making
-            times%computing = times%computing + worker%computing
-            times%formatting = times%formatting + worker%formatting
+            costs%making = costs%making + worker%making
+            costs%computing = costs%computing + worker%computing
+            costs%formatting = costs%formatting + worker%formatting
             !$omp end critical (queue)
         end subroutine compute_share
 
-        !> Hands in a block, once it is not too far ahead of the others, and sees to the journal.
-        subroutine hand_in(number, rows)
-            integer(int64), intent(in) :: number
+        !> What a thread of the writer does for the other ranks: exchanges in their name, until all have
+        !> signed off.
+        subroutine serve_others()
+            type(row_block_t) :: rows
+            integer(int64) :: number
+            integer :: rank, left
+            logical :: is_there
+
+            left = ranks%count - 1
+            do while (left > 0)
+                call ranks%receive(rank, number, rows, is_there)
+                if (.not. is_there) then
+                    call pause_for(pause_of_writer)
+                else if (number == signed_off) then
+                    left = left - 1
+                else
+                    call exchange(number, rows)
+                    call ranks%answer(rank, number)
+                end if
+            end do
+        end subroutine serve_others
+
+        !> Hands in a block (`number` > 0) and takes the number of another, and sees to the journal.
+        subroutine exchange(number, rows)
+            integer(int64), intent(inout) :: number
             type(row_block_t), intent(inout) :: rows
             type(journal_entry_t) :: entry
             type(error_t), allocatable :: problem
             real(dp) :: moment
-            logical :: accepted, due
+            logical :: due
 
-            do
-                !$omp critical (queue)
-                moment = seconds()
-                call queue%hand_in(number, rows, table, accepted)
-                if (accepted) then
-                    ! These make texts: see `status_names`.
-                    !$omp critical (texts)
-                    call progress%update(table%rows())
-                    call table%take_entry(entry, due, queue%error)
-                    !$omp end critical (texts)
-                end if
-                times%writing = times%writing + (seconds() - moment)
-                !$omp end critical (queue)
-                if (accepted) exit
-                call pause_for(pause_when_ahead)
-            end do
+            due = .false.
+            !$omp critical (queue)
+            moment = seconds()
+            if (number > 0) then
+                call queue%hand_in(number, rows, table)
+                ! These make texts: see `status_names`.
+                !$omp critical (texts)
+                call progress%update(table%rows())
+                call table%take_entry(entry, due, queue%error)
+                !$omp end critical (texts)
+            end if
+            call queue%take(number)
+            costs%writing = costs%writing + (seconds() - moment)
+            !$omp end critical (queue)
             if (.not. due) return
             moment = seconds()
             call table%keep_entry(entry, problem)
             !$omp critical (queue)
             call table%end_entry()
             if (.not. allocated(queue%error)) call move_alloc(problem, queue%error)
-            times%writing = times%writing + (seconds() - moment)
+            costs%writing = costs%writing + (seconds() - moment)
             !$omp end critical (queue)
-        end subroutine hand_in
+        end subroutine exchange
+
+        !> Adds the costs of the other ranks to those of the writer.
+        subroutine add_up_costs()
+            real(dp) :: parts(5)
+            parts = [costs%making, costs%computing, costs%formatting, costs%writing, real(peak_memory(), dp)]
+            call ranks%add_up(parts)
+            costs = costs_t(parts(1), parts(2), parts(3), parts(4), parts(5))
+        end subroutine add_up_costs
 
     end subroutine run_sweep
 
+    !> Number of the calling thread, from 0.
+    integer function this_thread()
+        this_thread = 0
+        !$ this_thread = omp_get_thread_num()
+    end function this_thread
+
+    !> Who computes: `2 threads`, `4 ranks x 2 threads`, or `2 ranks, 24 threads` where they differ.
+    function team_text(ranks, threads, all_threads) result(text)
+        integer, intent(in) :: ranks, threads, all_threads !! threads of the writer, of all ranks
+        character(:), allocatable :: text
+        if (ranks == 1) then
+            text = to_text(threads) // ' threads'
+        else if (ranks * threads == all_threads) then
+            text = to_text(ranks) // ' ranks x ' // to_text(threads) // ' threads'
+        else
+            text = to_text(ranks) // ' ranks, ' // to_text(all_threads) // ' threads'
+        end if
+    end function team_text
+
+    !> Whether all ranks have the same build and input: their tables would have the same head.
+    subroutine compare_with_writer(ranks, head, error)
+        type(ranks_t), intent(in) :: ranks
+        character(:), allocatable, intent(in) :: head
+        type(error_t), allocatable, intent(out) :: error
+        character(:), allocatable :: head_of_writer, problem
+        head_of_writer = head
+        call ranks%tell(head_of_writer)
+        problem = compare_heads(head_of_writer, 'rank 0', head, 'rank ' // to_text(ranks%number))
+        if (problem /= '') error = input_error('the ranks are not of one build and input' // problem)
+        call ranks%agree(error)
+    end subroutine compare_with_writer
+
     !> The summary: plan, cases by status, time by part.
-    subroutine describe_sweep(job, shard, table, threads, elapsed, times, summary)
+    subroutine describe_sweep(job, shard, table, team, elapsed, costs, summary)
         type(job_t), intent(in) :: job
         type(shard_t), intent(in) :: shard
         type(growing_table_t), intent(in) :: table
-        integer, intent(in) :: threads
+        character(*), intent(in) :: team !! that computed it
         real(dp), intent(in) :: elapsed
-        type(times_t), intent(in) :: times
+        type(costs_t), intent(in) :: costs
         type(summary_t), intent(out) :: summary
         integer(int64) :: computed
         integer :: status
@@ -178,13 +275,13 @@ contains
         call summary%describe_plan(job%plan)
         if (table%remark /= '') call summary%add('note', table%remark)
         call summary%add('ended', utc_now() // ' on ' // host_name())
-        call summary%add('time', rounded(elapsed) // ' s on ' // to_text(threads) // ' threads, ' &
+        call summary%add('time', rounded(elapsed) // ' s on ' // team // ', ' &
             // rounded(computed / elapsed) // ' cases/s')
-        call summary%add('parts', 'making cases ' // rounded(times%making) // ' s, computing ' &
-            // rounded(times%computing) // ' s (' // rounded(computed / max(times%computing, tiny(elapsed))) &
-            // ' cases/s a thread), formatting ' // rounded(times%formatting) &
-            // ' s, all threads together; writing ' // rounded(times%writing) // ' s')
-        call summary%add('memory', rounded(peak_memory() / 1.0e6_dp) // ' MB at most')
+        call summary%add('parts', 'making cases ' // rounded(costs%making) // ' s, computing ' &
+            // rounded(costs%computing) // ' s (' // rounded(computed / max(costs%computing, tiny(elapsed))) &
+            // ' cases/s a thread), formatting ' // rounded(costs%formatting) &
+            // ' s, all threads together; writing ' // rounded(costs%writing) // ' s')
+        call summary%add('memory', rounded(costs%memory / 1.0e6_dp) // ' MB at most')
         do status = status_ok, last_status
             if (table%counts(status) == 0) cycle
             call summary%add('status', to_text(table%counts(status)) // ' ' // status_name(status) // ': ' &

@@ -105,6 +105,8 @@ def digits(number: str) -> str:
 class ProgramCase(unittest.TestCase):
     """Runs the program in a folder that goes away."""
 
+    command: tuple[str | Path, ...] = (PROGRAM,)  # that starts it
+
     def setUp(self) -> None:
         """Work in a new folder."""
         folder = tempfile.TemporaryDirectory(prefix="spintop test ")  # a path with a space
@@ -114,9 +116,8 @@ class ProgramCase(unittest.TestCase):
     def run_program(self, *arguments: str | Path, **options: object) -> subprocess.CompletedProcess:
         """Call the program; quiet unless it is told otherwise."""
         environment = os.environ | options.pop("environment", {})
-        command = [PROGRAM, *map(str, arguments)]
         return subprocess.run(
-            command,
+            [*self.command, *map(str, arguments)],
             cwd=self.folder,
             env=environment,
             capture_output=True,

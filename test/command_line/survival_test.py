@@ -50,7 +50,7 @@ class SurvivalCase(ProgramCase):
     def start(self, *arguments: str | Path) -> subprocess.Popen:
         """Start the slow sweep on one thread, and do not wait for it."""
         run = subprocess.Popen(
-            [PROGRAM, self.slow, "--threads", "1", *map(str, arguments)],
+            [*self.command, self.slow, "--threads", "1", *map(str, arguments)],
             cwd=self.folder,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,

@@ -1,0 +1,43 @@
+#ifndef SPINTOP_MPI
+!> Ranks in a build without MPI: a process is alone, and has nobody to tell or to hear.
+submodule(spintop_ranks) ranks_alone
+    implicit none
+
+contains
+
+    module procedure start_ranks
+        ranks = ranks_t()
+    end procedure start_ranks
+
+    module procedure end_ranks
+    end procedure end_ranks
+
+    module procedure agree
+    end procedure agree
+
+    module procedure tell_numbers
+    end procedure tell_numbers
+
+    module procedure tell_text
+    end procedure tell_text
+
+    module procedure add_up
+    end procedure add_up
+
+    module procedure exchange
+    end procedure exchange
+
+    module procedure sign_off
+    end procedure sign_off
+
+    module procedure receive
+        is_there = .false.
+        rank = self%number
+        number = 0
+    end procedure receive
+
+    module procedure answer
+    end procedure answer
+
+end submodule ranks_alone
+#endif

@@ -33,6 +33,7 @@ module spintop
     use spintop_methods, only: method_infos, create_stepper
     use spintop_events, only: event_t, event_watch_t, path_t
     use spintop_integration, only: integrate, observer_t, outcome_t
+    use spintop_many_bodies, only: integrate_many
     implicit none
     public
 end module spintop

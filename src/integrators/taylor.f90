@@ -13,7 +13,7 @@ module spintop_taylor
     use spintop_stepper, only: controls_t, stepper_t, workspace_t
     implicit none
     private
-    public :: taylor_t
+    public :: taylor_t, taylor_order, safety, largest_growth, smallest_spacings, stretch
 
     !> Taylor's method of an order that the tolerance sets.
     type, extends(stepper_t) :: taylor_t
@@ -39,15 +39,23 @@ module spintop_taylor
     real(dp), parameter :: largest_growth = 4
     !> Smallest step in units of the spacing of the time.
     real(dp), parameter :: smallest_spacings = 16
+    !> A step that so many times its length would bring to the end is stretched to it.
+    real(dp), parameter :: stretch = 1.01_dp
 
 contains
 
-    !> Order that costs least for the relative tolerance, found by measurement.
+    !> Order in use.
     integer function order(self)
         class(taylor_t), intent(in) :: self
-        order = nint(6 - 0.6_dp * log(self%controls%relative_tolerance))
-        order = min(max(order, lowest_order), max_series_order)
+        order = taylor_order(self%controls%relative_tolerance)
     end function order
+
+    !> Order that costs least for a relative tolerance, found by measurement.
+    pure integer function taylor_order(tolerance) result(order)
+        real(dp), intent(in) :: tolerance
+        order = nint(6 - 0.6_dp * log(tolerance))
+        order = min(max(order, lowest_order), max_series_order)
+    end function taylor_order
 
     !> A workspace with room for a series.
     subroutine new_workspace(self, work)
@@ -94,8 +102,7 @@ contains
             if (h <= smallest_spacings * spacing(work%t)) return
             work%h = h
             t_new = work%t + h
-            ! A step that nearly reaches the end is stretched to it.
-            if (1.01_dp * h >= work%t_end - work%t) t_new = work%t_end
+            if (stretch * h >= work%t_end - work%t) t_new = work%t_end
             change = sum_of_terms(work, t_new - work%t)
             call work%settle_change(formulation, t_new, change, changed)
             status = status_ok

@@ -15,8 +15,9 @@ module spintop_sweep_worker
     use spintop_scene, only: scene_t, describe_scene
     use spintop_status, only: status_ok, status_bad_input, status_names
     use spintop_sweep_axes, only: put_values
+    use spintop_sweep_batch, only: sweep_batch_t, goes_in_batch
     use spintop_sweep_columns, only: sweep_columns, sweep_groups, quantities, group_end, group_energy, &
-        group_period, q_motion_class
+        group_period, q_motion_class, q_phi_end, q_psi_end
     use spintop_sweep_exact, only: load_lane, unload_lane, kernel_runs, stop_exactly
     use spintop_sweep_quantities, only: no_values, note_no_stop
     use spintop_sweep_stepping, only: compute_stepping
@@ -27,8 +28,8 @@ module spintop_sweep_worker
     private
     public :: sweep_worker_t, size_of_block
 
-    !> Cases that a thread computes before it hands in their rows, where cases cost much; where they
-    !> cost little these are as many as the exact motion takes at once.
+    !> Cases that a thread computes before it hands in their rows, where each costs much; where they
+    !> are computed together these are as many as the exact motion takes at once.
     integer, parameter :: block_of_stepping = 16
 
     !> What a thread needs of its own to make and compute cases.
@@ -52,6 +53,7 @@ module spintop_sweep_worker
         logical, private :: came(block_size) = .true.
         real(dp), private :: values(quantities, block_size) = 0
         type(exact_block_t), private :: block
+        type(sweep_batch_t), private :: batch
         !> Seconds spent on making, computing and formatting cases.
         real(dp) :: making = 0, computing = 0, formatting = 0
     contains
@@ -62,9 +64,10 @@ module spintop_sweep_worker
 contains
 
     !> Cases in a block of a sweep.
-    pure integer function size_of_block(job)
+    integer function size_of_block(job)
         type(job_t), intent(in) :: job
-        size_of_block = merge(block_size, block_of_stepping, job%plan%exact)
+        size_of_block = merge(block_size, block_of_stepping, &
+                              job%plan%exact .or. goes_in_batch(job, job%case, job%plan))
     end function size_of_block
 
     !> A scene, a case and a plan of the thread's own.
@@ -84,7 +87,8 @@ contains
     end subroutine prepare
 
     !> Rows of the cases from `first` to `last`, at most `block_size`. Cases known in closed form are
-    !> computed together, the others each when it is made, while its plan stands.
+    !> computed together, and so are those of which the end alone is wanted; the others each when it
+    !> is made, while its plan stands.
     subroutine compute_rows(worker, job, first, last, rows)
         class(sweep_worker_t), target, intent(inout) :: worker
         type(job_t), intent(in) :: job
@@ -110,6 +114,8 @@ contains
                     block%n = block%n + 1
                     worker%lane(k) = block%n
                     call load_lane(worker%case, block, block%n)
+                else if (goes_in_batch(job, worker%case, worker%plan)) then
+                    call worker%batch%add(worker%case, worker%plan, k)
                 else
                     worker%making = worker%making + (seconds() - moment)
                     moment = seconds()
@@ -124,6 +130,10 @@ contains
             moment = seconds()
             if (any(worker%lane(:n) > 0) .and. kernel_runs(worker%wanted)) then
                 call block%compute(any(worker%wanted([group_end, group_energy])), worker%wanted(group_period))
+            end if
+            if (worker%batch%n > 0) then
+                call worker%batch%compute(worker%cases, worker%wanted, any(job%columns == q_phi_end .or. &
+                    job%columns == q_psi_end), worker%values, worker%status, worker%note)
             end if
             worker%computing = worker%computing + (seconds() - moment)
 

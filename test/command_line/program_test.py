@@ -717,6 +717,43 @@ class EventTest(ProgramCase):
             self.assertEqual(note, "" if came[-1] else "stop_at did not come in the span")
         self.assertEqual(set(came), {True, False})
 
+    def test_bodies_without_closed_form_are_computed_together(self) -> None:
+        """They end as one at a time, under any method and on any number of threads."""
+        scene = self.write(
+            "&study kind = 'sweep' /\n"
+            "&top mass = 1, inertia = 0.875, 0.7, 0.25, length = 0.8660254037844387,\n"
+            "     damping = 0.01, 0.01, 0.005 /\n"
+            "&initial theta_deg = 11.25, phi_rate = 0 /\n"
+            "&span t_end = 3 /\n"
+            "&integration relative_tolerance = 1e-11, max_steps = 40 /\n"
+            "&output columns = 't_end', 'theta_end', 'phi_end', 'psi_end', 'theta_rate_end', 'evaluations' /\n"
+            "&sweep parameter(1) = 'initial.omega3', from(1) = 0.5, to(1) = 40, count(1) = 600,\n"
+            "       spacing(1) = 'log' /\n"
+        )
+        contents = []
+        for threads in ("1", "3"):
+            result = self.run_program(scene, "--threads", threads, "-o", threads)
+            self.assertEqual(result.returncode, 3, result.stderr)
+            contents.append((self.folder / threads / "scene.csv").read_bytes())
+        self.assertEqual(contents[0], contents[1])
+        together = self.table(folder="1")
+        self.assertIn("taylor", together.resolved() + "".join(together.header))
+        exactly = ("integration.relative_tolerance=1e-15", "integration.max_steps=100000")
+        alone = self.compute(scene, "integration.method=dop853", *exactly)
+        self.assertEqual(set(alone.texts("status")), {"ok"})
+        status = together.texts("status")
+        for name in ("t_end", "theta_end", "phi_end", "psi_end", "theta_rate_end"):
+            for how, ours, other in zip(
+                status, together.texts(name), alone.column(name), strict=True
+            ):
+                if how == "ok":
+                    self.assertAlmostEqual(float(ours), other, delta=1e-8)
+                else:
+                    self.assertEqual(ours, "nan")
+        for how, note in zip(status, together.texts("notes"), strict=True):
+            self.assertEqual("max_steps" in note, how == "step_limit")
+        self.assertEqual(set(status), {"ok", "step_limit"})
+
     def test_a_body_without_closed_form_is_measured(self) -> None:
         """A slightly asymmetric body beside the symmetric one; a short span has no nutation."""
         scene = self.write(

@@ -1,4 +1,7 @@
 !> The ends of many motions at once: cases queue for the lanes of Taylor's method.
+!>
+!>     call integrate_many(controls, bodies, starts, t_end, .false., ends, outcomes)
+!>     if (outcomes(i)%status == status_ok) then; ... = ends(i)%quaternion
 module spintop_many_bodies
     use spintop_kinds, only: dp, pi
     use spintop_attitude, only: follow_angles, quaternion_from_axes
@@ -29,9 +32,9 @@ contains
     !> Follows each of the bodies from its start over its span and gives the motions at the ends and
     !> how they were reached. `controls` are the tolerances and the most steps of a case. Any body
     !> will do, damped or not, and any attitude. phi and psi are continuous along the motion with
-    !> `follows_angles`, which costs about as much again; else they are the values next to those of
-    !> the start. What a case gives does not depend on the others. A case that fails gives the last
-    !> motion that it reached.
+    !> `follows_angles`, with which a run takes about three times as long; else they are the values
+    !> next to those of the start. What a case gives does not depend on the others. A case that fails
+    !> gives the last motion that it reached.
     subroutine integrate_many(controls, bodies, starts, t_end, follows_angles, ends, outcomes)
         type(controls_t), intent(in) :: controls
         type(body_t), intent(in) :: bodies(:)

@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from figures.netcdf import FormatError, Variable, cells_of, read_netcdf
+
 EVENT = "event"
 """First column of a table of events, which may have no rows."""
 
@@ -87,6 +89,49 @@ def swept(names: list[str]) -> list[str]:
 
 def read_table(path: Path) -> Table:
     """Read a table, or raise a TableError that says why it is none."""
+    return read_netcdf_table(path) if path.suffix == ".nc" else read_text_table(path)
+
+
+def read_netcdf_table(path: Path) -> Table:
+    """Read the NetCDF table of a sweep."""
+    try:
+        attributes, variables = read_netcdf(path)
+    except OSError as error:
+        raise TableError((error.strerror or str(error)).lower()) from error
+    except FormatError as error:
+        raise TableError(str(error)) from error
+    if not str(attributes.get("program", "")).startswith("spintop"):
+        raise TableError("is no table of spintop: its attributes name no program")
+    header = {key: str(value) for key, value in attributes.items()}
+    _, settings, _, _ = read_head(header.pop("input", "").split("\n"))
+    columns = {str(variable.attributes["column"]): variable for variable in variables.values()}
+    stride = stride_of(settings, list(columns), columns["case"].values.size)
+    cells = {name: cells_of(column, columns["case"]) for name, column in columns.items()}
+    rows = pd.DataFrame({name: native(column[::stride]) for name, column in cells.items()})
+    units = {name: attribute(column, "units") for name, column in columns.items()}
+    meanings = {name: attribute(column, "long_name") for name, column in columns.items()}
+    return Table(path, header, settings, units, meanings, rows, None, stride)
+
+
+def attribute(variable: Variable, name: str) -> str:
+    """An attribute of a variable, empty if it has none; so is the unit of a pure number."""
+    text = str(variable.attributes.get(name, ""))
+    return "" if (name, text) == ("units", "1") else text
+
+
+def native(cells: np.ndarray) -> np.ndarray:
+    """Cells in the byte order of this machine."""
+    return cells.astype(cells.dtype.newbyteorder("="))
+
+
+def stride_of(settings: dict[str, list[str]], names: list[str], count: int) -> int:
+    """How many rows there are for one that a figure can show."""
+    is_long = settings.get("study.kind") == ["sweep"] and count > MANY_CASES
+    return count // KEPT_CASES if is_long and len(swept(names)) == 1 else 1
+
+
+def read_text_table(path: Path) -> Table:
+    """Read a table of texts."""
     try:
         text = path.read_text(encoding="utf-8", errors="replace")
     except OSError as error:
@@ -105,10 +150,7 @@ def read_table(path: Path) -> Table:
         raise TableError("is cut short: its last line, the status, is missing")
     if not body:
         raise TableError("is cut short: it names no columns")
-    stride = 1
-    is_sweep = settings.get("study.kind") == ["sweep"]
-    if is_sweep and len(body) > MANY_CASES and len(swept(body[0].split(","))) == 1:
-        stride = len(body) // KEPT_CASES
+    stride = stride_of(settings, body[0].split(","), len(body) - 1)
     rows = read_rows([body[0], *body[1::stride]], first + 1)
     if rows.empty and not body[0].startswith(f"{EVENT},"):
         raise TableError("has no rows" + (f" (status: {status})" if status else ""))

@@ -2,12 +2,7 @@
 !> power cut. Beside its part lies a journal that tells how much of the part is surely on the disk;
 !> a later run cuts the part back to it and goes on there.
 !>
-!>     call table%start(path, head, resume, error)
-!>     call table%put(block, error)                  ! by one thread at a time, as
-!>     call table%take_entry(entry, due, error)      ! this and `end_entry` are called;
-!>     if (due) call table%keep_entry(entry, error)  ! this without holding up the others
-!>     if (due) call table%end_entry()
-!>     call table%finish(error)                      ! or, after an error, table%abandon(error)
+!>     call table%start(path, head, resume, error)   ! and on as in spintop_row_table
 module spintop_growing_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_checksum, only: add_to_checksum, checksum_t, checksum_text
@@ -15,7 +10,8 @@ module spintop_growing_table
     use spintop_journal, only: journal_entry_t, journal_of, read_journal, remove_journal, write_journal
     use spintop_kinds, only: dp
     use spintop_row_block, only: row_block_t
-    use spintop_status, only: last_status
+    use spintop_row_table, only: row_table_t
+    use spintop_row_text, only: format_rows
     use spintop_system, only: file_exists, input_file_t, seconds, sync_folder_of
     use spintop_table_file, only: part_of, table_file_t
     use spintop_table_head, only: compare_heads
@@ -31,20 +27,14 @@ module spintop_growing_table
     !> Bytes that are read at once.
     integer, parameter :: block_size = 1024 * 1024
 
-    type :: growing_table_t
-        !> Rows of each status: put so far, and those of them taken over from an earlier run.
-        integer(int64) :: counts(0:last_status) = 0, taken_over(0:last_status) = 0
-        !> The table was there already, complete.
-        logical :: is_complete = .false.
-        !> What was found of earlier runs, ready to print; empty if nothing.
-        character(:), allocatable :: remark
+    type, extends(row_table_t) :: growing_table_t
         type(table_file_t), private :: table
         !> When the next entry is due; whether one is being written, and since when.
         real(dp), private :: due = 0, entry_began = 0
         logical, private :: in_entry = .false.
     contains
         procedure :: start
-        procedure :: rows
+        procedure :: format => format_block
         procedure :: put
         procedure :: take_entry
         procedure :: keep_entry
@@ -143,11 +133,12 @@ contains
         self%remark = 'goes on after ' // to_text(sum(entry%counts)) // ' rows of an interrupted run'
     end subroutine resume
 
-    !> Rows so far.
-    pure integer(int64) function rows(self)
+    !> Makes the text of a block.
+    subroutine format_block(self, block)
         class(growing_table_t), intent(in) :: self
-        rows = sum(self%counts)
-    end function rows
+        type(row_block_t), intent(inout) :: block
+        call format_rows(self%columns, block)
+    end subroutine format_block
 
     !> Adds rows.
     subroutine put(self, block, error)

@@ -7,7 +7,13 @@ module spintop_provenance
     use spintop_text, only: string_t
     implicit none
     private
-    public :: program_version, program_revision, describe_provenance
+    public :: fact_t, fact_count, program_version, program_revision, gather_facts, describe_provenance
+
+    !> What a table says of its origin: so many keys and values.
+    integer, parameter :: fact_count = 8
+    type :: fact_t
+        character(:), allocatable :: key, value
+    end type fact_t
 
     !> Version of the program.
     character(*), parameter :: program_version = '0.1.0'
@@ -58,26 +64,49 @@ contains
         text = trim(adjustl(text))
     end function options_that_matter
 
-    !> The comment lines at the head of a table: `key: value`, then the input, then the columns.
-    subroutine describe_provenance(title, model, method, input, names, units, meanings, dated, lines)
+    !> What a table says of its origin, in this order; a value may be empty.
+    subroutine gather_facts(title, model, method, dated, facts)
         character(*), intent(in) :: title
         character(*), intent(in) :: model, method !! what computed the table
-        type(string_t), intent(in) :: input(:)    !! the resolved namelist
-        character(*), intent(in) :: names(:), units(:), meanings(:) !! of the columns
         logical, intent(in) :: dated              !! whether to give the date
+        type(fact_t), intent(out) :: facts(fact_count)
+        integer :: n
+
+        n = 0
+        call add('title', trim(title))
+        call add('program', 'spintop ' // program_version)
+        call add('revision', program_revision())
+        call add('compiler', compiler_version())
+        call add('options', options_that_matter(compiler_options()))
+        call add('date', '')
+        if (dated) facts(n)%value = utc_now()
+        call add('model', model)
+        call add('method', method)
+
+    contains
+
+        subroutine add(key, value)
+            character(*), intent(in) :: key, value
+            n = n + 1
+            facts(n)%key = key
+            facts(n)%value = value
+        end subroutine add
+
+    end subroutine gather_facts
+
+    !> The comment lines at the head of a table: `key: value`, then the input, then the columns.
+    subroutine describe_provenance(facts, input, names, units, meanings, lines)
+        type(fact_t), intent(in) :: facts(fact_count)
+        type(string_t), intent(in) :: input(:) !! the resolved namelist
+        character(*), intent(in) :: names(:), units(:), meanings(:) !! of the columns
         type(string_t), allocatable, intent(out) :: lines(:)
         type(line_list_t) :: text
         character(:), allocatable :: unit
         integer :: i
 
-        if (title /= '') call text%add('title: ' // trim(title))
-        call text%add('program: spintop ' // program_version)
-        call text%add('revision: ' // program_revision())
-        call text%add('compiler: ' // compiler_version())
-        call text%add('options: ' // options_that_matter(compiler_options()))
-        if (dated) call text%add('date: ' // utc_now())
-        call text%add('model: ' // model)
-        call text%add('method: ' // method)
+        do i = 1, size(facts)
+            if (facts(i)%value /= '') call text%add(facts(i)%key // ': ' // facts(i)%value)
+        end do
         call text%add('input:')
         do i = 1, size(input)
             call text%add('    ' // input(i)%text)

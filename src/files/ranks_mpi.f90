@@ -10,10 +10,12 @@ submodule(spintop_ranks) ranks_mpi
     implicit none
 
     integer, parameter :: writer = 0
-    !> Kinds of message: what goes before the rows of a block, the rows, and the answer.
-    integer, parameter :: tag_block = 1, tag_rows = 2, tag_answer = 3
-    !> Numbers that go before the rows: that of the block, bytes of text, rows of each status.
-    integer, parameter :: numbers_before = 2
+    !> Kinds of message: what goes before the rows of a block, the rows as text, or else their cells,
+    !> and the answer.
+    integer, parameter :: tag_block = 1, tag_text = 2, tag_cells = 3, tag_answer = 4
+    !> Numbers that go before the rows: that of the block, bytes of text, columns and rows of cells; then
+    !> rows of each status.
+    integer, parameter :: numbers_before = 4
 
 contains
 
@@ -71,11 +73,16 @@ contains
 
         numbers = 0
         numbers(1) = number
-        if (number > 0) numbers(2:) = [int(rows%text%length, int64), rows%counts]
+        if (number > 0) numbers(2:) = [int([rows%text%length, size(rows%cells, 1), rows%rows], int64), rows%counts]
         !$omp critical (ranks)
         call MPI_Send(numbers, size(numbers), MPI_INTEGER8, writer, tag_block, MPI_COMM_WORLD)
         if (number > 0) then
-            call MPI_Send(rows%text%room, rows%text%length, MPI_CHARACTER, writer, tag_rows, MPI_COMM_WORLD)
+            if (rows%rows == 0) then
+                call MPI_Send(rows%text%room, rows%text%length, MPI_CHARACTER, writer, tag_text, MPI_COMM_WORLD)
+            else
+                call MPI_Send(rows%cells, size(rows%cells, 1) * rows%rows, MPI_DOUBLE_PRECISION, writer, tag_cells, &
+                              MPI_COMM_WORLD)
+            end if
         end if
         if (number /= signed_off) then
             call MPI_Recv(number, 1, MPI_INTEGER8, writer, tag_answer, MPI_COMM_WORLD, MPI_STATUS_IGNORE)
@@ -104,9 +111,16 @@ contains
         call MPI_Recv(numbers, size(numbers), MPI_INTEGER8, rank, tag_block, MPI_COMM_WORLD, MPI_STATUS_IGNORE)
         number = numbers(1)
         if (number <= 0) return
-        allocate (character(numbers(2)) :: text)
-        call MPI_Recv(text, len(text), MPI_CHARACTER, rank, tag_rows, MPI_COMM_WORLD, MPI_STATUS_IGNORE)
-        call rows%text%append(text)
+        if (numbers(4) == 0) then
+            allocate (character(numbers(2)) :: text)
+            call MPI_Recv(text, len(text), MPI_CHARACTER, rank, tag_text, MPI_COMM_WORLD, MPI_STATUS_IGNORE)
+            call rows%text%append(text)
+        else
+            call rows%reserve(int(numbers(3)), int(numbers(4)))
+            call MPI_Recv(rows%cells, int(product(numbers(3:4))), MPI_DOUBLE_PRECISION, rank, tag_cells, &
+                          MPI_COMM_WORLD, MPI_STATUS_IGNORE)
+            rows%rows = int(numbers(4))
+        end if
         rows%counts = numbers(numbers_before + 1:)
     end procedure receive
 

@@ -7,8 +7,8 @@
 module spintop_row_queue
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t
-    use spintop_growing_table, only: growing_table_t
     use spintop_row_block, only: row_block_t
+    use spintop_row_table, only: row_table_t
     implicit none
     private
     public :: row_queue_t, come_again, none_left
@@ -65,7 +65,7 @@ contains
         class(row_queue_t), intent(inout) :: self
         integer(int64), intent(in) :: number
         type(row_block_t), intent(inout) :: block
-        type(growing_table_t), intent(inout) :: table
+        class(row_table_t), intent(inout) :: table
         integer :: place
 
         place = place_of(self, number)

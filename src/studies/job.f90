@@ -10,6 +10,8 @@ module spintop_job
     use spintop_event_choice, only: choose_events
     use spintop_event_text, only: column_event_t
     use spintop_namelist, only: read_namelist
+    use spintop_netcdf_axis, only: most_netcdf_rows
+    use spintop_netcdf_table, only: has_netcdf
     use spintop_parameters, only: parameter_table_t, unset_integer
     use spintop_plan, only: plan_t, make_plan
     use spintop_problems, only: problems_t
@@ -19,7 +21,7 @@ module spintop_job
     use spintop_stability_plan, only: make_stability_plan, stability_plan_t
     use spintop_sweep_axes, only: axes_t, put_values
     use spintop_sweep_columns, only: sweep_columns, costly_groups
-    use spintop_text, only: string_t, nearest_word
+    use spintop_text, only: string_t, nearest_word, to_text
     implicit none
     private
     public :: job_t, options_t, prepare_job
@@ -85,6 +87,7 @@ contains
         if (allocated(error)) return
         call plan_job(job, problems, diagnostics)
         if (job%scene%kind /= 'sweep') call refuse_for_sweeps_only(options, problems)
+        if (job%scene%format == 'netcdf') call refuse_for_netcdf(job, options, problems)
         if (job%scene%kind /= 'stability') call choose_columns(job, problems)
         call choose_events(job%scene, job%case, job%events, problems)
         if (job%scene%stop_after /= unset_integer) job%stop_after = job%scene%stop_after
@@ -96,6 +99,7 @@ contains
         if (job%scene%file /= '') job%name = base_name(trim(job%scene%file))
         associate (stem => options%output // '/' // job%name // options%shard%suffix())
             job%output = stem // '.csv'
+            if (job%scene%format == 'netcdf') job%output = stem // '.nc'
             job%log = stem // '.log'
             job%event_output = ''
             if (any(job%events%is_listed)) job%event_output = stem // '.events.csv'
@@ -118,6 +122,23 @@ contains
                               'run it without mpirun')
         end if
     end subroutine refuse_for_sweeps_only
+
+    !> What a NetCDF table cannot be.
+    subroutine refuse_for_netcdf(job, options, problems)
+        type(job_t), intent(in) :: job
+        type(options_t), intent(in) :: options
+        type(problems_t), intent(inout) :: problems
+        character(*), parameter :: key = 'output.format', hint = "set output.format = 'csv'"
+        if (.not. has_netcdf) then
+            call problems%add(key, 'this build has no NetCDF', 'SPINTOP_NETCDF=1 scripts/run ... builds one that has')
+        else if (job%scene%kind /= 'sweep') then
+            call problems%add(key, 'only the table of a sweep can be NetCDF', hint)
+        else if (options%shard%is_part() .or. options%resume) then
+            call problems%add(key, 'a NetCDF table is written as a whole: it knows no --shard and no --resume', hint)
+        else if (job%axes%cases > most_netcdf_rows) then
+            call problems%add(key, 'a NetCDF table holds ' // to_text(most_netcdf_rows) // ' cases at most', hint)
+        end if
+    end subroutine refuse_for_netcdf
 
     !> Case, axes and plan. The case of a sweep is its first; the others are made as they come.
     subroutine plan_job(job, problems, diagnostics)

@@ -174,7 +174,8 @@ contains
 
         call table%add('output.file', scene%file, what='name of the table (default: that of the input)')
         call table%add('output.columns', scene%columns, what='columns of the table, or all')
-        call table%add('output.format', scene%format, 'csv', 'format of the table')
+        call table%add('output.format', scene%format, 'csv|netcdf', &
+                       'format of the table; netcdf is for sweeps, where the build has it')
         call table%add('output.events', scene%events, &
                        what='events for a table of their own: `spintop list events` says which')
 

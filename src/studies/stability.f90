@@ -18,7 +18,7 @@ module spintop_stability
     use spintop_plan, only: plan_t, make_plan
     use spintop_problems, only: problems_t
     use spintop_progress, only: progress_t
-    use spintop_provenance, only: describe_provenance
+    use spintop_provenance, only: describe_provenance, fact_count, fact_t, gather_facts
     use spintop_reference_motion, only: reference_t, find_reference
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_scene, only: scene_t
@@ -91,6 +91,7 @@ contains
         type(error_t), allocatable, intent(out) :: error
         type(table_file_t) :: file
         type(progress_t) :: progress
+        type(fact_t) :: facts(fact_count)
         type(string_t), allocatable :: input(:), header(:)
         type(string_t) :: no_trailer(0)
         integer :: verdicts(size(job%stability%methods), size(verdict_names))
@@ -100,9 +101,10 @@ contains
         began = seconds()
         verdicts = 0
         call print_namelist(job%table, input)
-        call describe_provenance(job%scene%title, 'those of the column formulation', &
-            'those of the column method', input, stability_columns%name, stability_columns%unit, &
-            stability_columns%what, dated=.true., lines=header)
+        call gather_facts(job%scene%title, 'those of the column formulation', 'those of the column method', &
+                          dated=.true., facts=facts)
+        call describe_provenance(facts, input, stability_columns%name, stability_columns%unit, &
+                                 stability_columns%what, header)
         call explain_verdicts(header)
         call file%create(job%output, table_head(header, stability_columns%name), error)
         if (allocated(error)) return

@@ -5,23 +5,21 @@ module spintop_sweep
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_errors, only: error_t, input_error
-    use spintop_growing_table, only: growing_table_t
     use spintop_job, only: job_t, options_t
     use spintop_journal, only: journal_entry_t
-    use spintop_parameter_print, only: print_namelist
     use spintop_progress, only: progress_t
-    use spintop_provenance, only: describe_provenance
     use spintop_ranks, only: ranks_t, signed_off
     use spintop_row_block, only: row_block_t
     use spintop_row_queue, only: come_again, none_left, row_queue_t
+    use spintop_row_table, only: row_table_t
     use spintop_shard, only: shard_t
     use spintop_status, only: status_ok, status_name, status_meaning, last_status
     use spintop_summary, only: summary_t, rounded
-    use spintop_sweep_columns, only: sweep_column_t, sweep_columns
+    use spintop_sweep_table, only: describe_table, start_table
     use spintop_sweep_worker, only: sweep_worker_t, size_of_block
     use spintop_system, only: host_name, peak_memory, pause_for, replace_file, seconds, utc_now
-    use spintop_table_head, only: comment_lines, compare_heads, table_head
-    use spintop_text, only: join, string_t, to_text
+    use spintop_table_head, only: compare_heads
+    use spintop_text, only: join, to_text
     !$ use omp_lib, only: omp_get_max_threads, omp_get_thread_num
     implicit none
     private
@@ -46,15 +44,15 @@ module spintop_sweep
 contains
 
     !> Computes all cases, or those of one part, and writes the table; `counts` are the cases of each
-    !> status. After an error the part of the table that is complete stays, for a later run to resume.
-    !> Only the writer among the ranks has a summary and counts.
+    !> status. After an error the part of the table that is complete stays, where a later run can
+    !> resume it. Only the writer among the ranks has a summary and counts.
     subroutine run_sweep(job, options, summary, counts, error)
         type(job_t), intent(inout) :: job
         type(options_t), intent(in) :: options
         type(summary_t), intent(out) :: summary
         integer(int64), intent(out) :: counts(0:last_status)
         type(error_t), allocatable, intent(out) :: error
-        type(growing_table_t) :: table
+        class(row_table_t), allocatable :: table
         type(progress_t) :: progress
         type(ranks_t) :: ranks
         type(row_queue_t) :: queue
@@ -65,11 +63,11 @@ contains
         integer :: threads, servers
 
         counts = 0
-        call describe_table(job, options%shard, head)
+        call describe_table(job, options%shard, table, head)
         call compare_with_writer(options%ranks, head, error)
         if (allocated(error)) return
         if (options%ranks%is_writer()) then
-            call table%start(job%output, head, options%resume, error)
+            call start_table(job, options%resume, head, table, error)
             span = [options%shard%first(job%axes%cases) + table%rows(), options%shard%last(job%axes%cases)]
             if (allocated(error) .or. table%is_complete) span = no_cases
         end if
@@ -134,10 +132,12 @@ contains
             type(row_block_t) :: rows
             integer(int64) :: number, start
             integer :: cases_of_block
+            real(dp) :: moment, formatting
 
             cases_of_block = size_of_block(job)
             allocate (worker)
             call worker%prepare(job)
+            formatting = 0
             number = come_again
             do
                 if (ranks%is_writer()) then
@@ -152,11 +152,14 @@ contains
                 end if
                 start = span(1) + (number - 1) * cases_of_block
                 call worker%compute_rows(job, start, min(start + cases_of_block - 1, span(2)), rows)
+                moment = seconds()
+                call table%format(rows)
+                formatting = formatting + (seconds() - moment)
             end do
             !$omp critical (queue)
             costs%making = costs%making + worker%making
             costs%computing = costs%computing + worker%computing
-            costs%formatting = costs%formatting + worker%formatting
+            costs%formatting = costs%formatting + worker%filling + formatting
             !$omp end critical (queue)
         end subroutine compute_share
 
@@ -261,7 +264,7 @@ contains
     subroutine describe_sweep(job, shard, table, team, elapsed, costs, summary)
         type(job_t), intent(in) :: job
         type(shard_t), intent(in) :: shard
-        type(growing_table_t), intent(in) :: table
+        class(row_table_t), intent(in) :: table
         character(*), intent(in) :: team !! that computed it
         real(dp), intent(in) :: elapsed
         type(costs_t), intent(in) :: costs
@@ -288,43 +291,5 @@ contains
                              // status_meaning(status))
         end do
     end subroutine describe_sweep
-
-    !> Head of the table: where it comes from, and its columns (case, swept parameters, status,
-    !> quantities, notes). The table of a part has the head of the whole below a line that tells the part.
-    subroutine describe_table(job, shard, head)
-        type(job_t), intent(in) :: job
-        type(shard_t), intent(in) :: shard
-        character(:), allocatable, intent(out) :: head
-        type(string_t), allocatable :: input(:), header(:), part(:)
-        type(sweep_column_t), allocatable :: columns(:)
-        integer :: i, axes
-
-        axes = size(job%axes%axis)
-        allocate (columns(axes + size(job%columns) + 3))
-        columns(1) = sweep_column_t('case', '', 'number of the case', 0)
-        do i = 1, axes
-            associate (name => job%axes%axis(i)%name)
-                associate (parameter => job%table%parameters(job%table%find(base_of(name))))
-                    columns(1 + i) = sweep_column_t(name, parameter%unit, parameter%what, 0)
-                end associate
-            end associate
-        end do
-        columns(axes + 2) = sweep_column_t('status', '', 'ok, or what failed', 0)
-        columns(axes + 3:size(columns) - 1) = sweep_columns(job%columns)
-        columns(size(columns)) = sweep_column_t('notes', '', 'why a quantity does not exist', 0)
-        call print_namelist(job%table, input)
-        call describe_provenance(job%scene%title, job%plan%model, job%plan%method, input, columns%name, &
-                                 columns%unit, columns%what, dated=.false., lines=header)
-        allocate (part(merge(1, 0, shard%is_part())))
-        if (shard%is_part()) part(1)%text = shard%line(job%axes%cases)
-        head = comment_lines(part) // table_head(header, columns%name)
-    end subroutine describe_table
-
-    !> Name of a parameter without its subscript.
-    pure function base_of(name) result(base)
-        character(*), intent(in) :: name
-        character(:), allocatable :: base
-        base = name(:index(name // '(', '(') - 1)
-    end function base_of
 
 end module spintop_sweep

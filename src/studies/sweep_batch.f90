@@ -16,10 +16,10 @@ module spintop_sweep_batch
     use spintop_stepper, only: controls_t
     use spintop_sweep_columns, only: quantities, group_nutation, group_fast_top, group_period, &
         group_energy, group_details, sweep_columns, sweep_groups, q_energy_error_max, q_evaluations
-    use spintop_sweep_quantities, only: no_values, put_fast_top, put_end, add_note
+    use spintop_sweep_notes, only: note_t
+    use spintop_sweep_quantities, only: no_values, put_fast_top, put_end
     use spintop_sweep_stability, only: put_stability
     use spintop_taylor, only: taylor_t
-    use spintop_text, only: string_t
     implicit none
     private
     public :: sweep_batch_t, goes_in_batch
@@ -89,7 +89,7 @@ contains
         logical, intent(in) :: wants_turns
         real(dp), intent(inout) :: values(:, :) !! quantities, cases
         integer, intent(inout) :: status(:)
-        type(string_t), intent(inout) :: note(:)
+        type(note_t), intent(inout) :: note(:)
         type(motion_t) :: ends(block_size)
         type(outcome_t) :: outcomes(block_size)
         integer :: i, k
@@ -102,14 +102,14 @@ contains
             k = self%place(i)
             status(k) = outcomes(i)%status
             values(:, k) = no_values()
-            note(k)%text = ''
-            call put_stability(cases(k), wanted, values(:, k), note(k)%text)
-            if (wanted(group_fast_top)) call put_fast_top(cases(k), values(:, k), note(k)%text)
+            call note(k)%clear()
+            call put_stability(cases(k), wanted, values(:, k), note(k))
+            if (wanted(group_fast_top)) call put_fast_top(cases(k), values(:, k), note(k))
             values(q_evaluations, k) = real(outcomes(i)%counts%evaluations, dp)
             if (status(k) == status_ok) then
                 call put_end(cases(k), ends(i), values(q_energy_error_max, k), values(:, k))
             else
-                call add_note(note(k)%text, trim(status_meanings(status(k))))
+                call note(k)%explain(trim(status_meanings(status(k))))
             end if
         end do
         self%n = 0

@@ -13,8 +13,9 @@ module spintop_sweep_exact
     use spintop_sweep_columns, only: quantities, group_nutation, group_fast_top, group_period, &
         group_end, group_energy, group_floor, group_details, sweep_groups, q_orientation_error, q_double_floor, &
         q_evaluations
+    use spintop_sweep_notes, only: note_t
     use spintop_sweep_quantities, only: no_values, put_nutation, put_fast_top, put_azimuth, put_end, put_details, &
-        precession_period, add_note
+        precession_period
     use spintop_sweep_stability, only: put_stability
     implicit none
     private
@@ -74,14 +75,13 @@ contains
         logical, intent(in) :: wanted(sweep_groups)
         real(dp), intent(out) :: values(quantities)
         integer, intent(out) :: status
-        character(:), allocatable, intent(inout) :: note
+        type(note_t), intent(inout) :: note
         type(nutation_t) :: nutation
 
         values = no_values()
-        note = ''
         status = block%status(lane)
         if (status /= status_ok) then
-            call add_note(note, trim(status_meanings(status)))
+            call note%explain(trim(status_meanings(status)))
             return
         end if
         if (wanted(group_nutation)) then

@@ -11,6 +11,8 @@ module spintop_sweep_quantities
     use spintop_nutation, only: nutation_t, find_nutation
     use spintop_nutation_watch, only: nutation_watch_t, no_class
     use spintop_status, only: status_ok, status_meanings
+    use spintop_sweep_notes, only: note_t, note_no_period, note_no_turns, note_no_nutation, note_no_class, &
+        note_no_fast_top, note_no_details, note_no_azimuth
     use spintop_sweep_columns, only: quantities, q_theta_min, q_theta_max, q_delta_u, &
         q_delta_u_fast_top, q_nutation_period, q_nutation_rate, q_nutation_rate_fast_top, &
         q_precession_per_nutation, q_precession_rate, q_precession_rate_fast_top, &
@@ -22,14 +24,15 @@ module spintop_sweep_quantities
     implicit none
     private
     public :: no_values, put_nutation, put_measured, put_fast_top, put_azimuth, put_end, put_details, &
-        precession_period, add_note, note_no_stop
+        precession_period
 
 contains
 
-    !> No quantity at all.
+    !> No quantity at all, and no class of motion.
     pure function no_values() result(values)
         real(dp) :: values(quantities)
         values = ieee_value(0.0_dp, ieee_quiet_nan)
+        values(q_motion_class) = no_class
     end function no_values
 
     !> The whole nutation.
@@ -37,7 +40,7 @@ contains
         type(case_t), intent(in) :: case
         type(nutation_t), intent(in) :: nutation
         real(dp), intent(inout) :: values(quantities)
-        character(:), allocatable, intent(inout) :: note
+        type(note_t), intent(inout) :: note
 
         values(q_theta_min) = nutation%theta_min
         values(q_theta_max) = nutation%theta_max
@@ -49,7 +52,7 @@ contains
         values(q_phi_rate_max) = nutation%phi_rate_max
         values(q_com_z_min) = case%body%centre_of_mass(3) * cos(nutation%theta_max)
         if (.not. is_finite(nutation%period)) then
-            call add_note(note, 'no nutation period: the axis approaches the upright for ever')
+            call note%add(note_no_period, 'the axis approaches the upright for ever')
             return
         end if
         values(q_nutation_period) = nutation%period
@@ -59,7 +62,7 @@ contains
         if (abs(nutation%precession) > 0) then
             values(q_nutations_per_turn) = 2 * pi / abs(nutation%precession)
         else
-            call add_note(note, 'no nutations per turn: no precession')
+            call note%add(note_no_turns, 'no precession')
         end if
         if (precession_period(case) > 0) then
             values(q_nutations_in_period) = precession_period(case) / nutation%period
@@ -71,31 +74,31 @@ contains
         type(case_t), intent(in) :: case
         type(nutation_watch_t), intent(in) :: watch
         real(dp), intent(inout) :: values(quantities)
-        character(:), allocatable, intent(inout) :: note
+        type(note_t), intent(inout) :: note
         type(nutation_t) :: nutation
         logical :: seen
 
         call watch%nutation(nutation, seen)
         if (.not. seen) then
-            call add_note(note, 'no full nutation in the span')
+            call note%add(note_no_nutation)
             return
         end if
         call put_nutation(case, nutation, values, note)
         values(q_com_z_min) = watch%com_z_min
         values(q_spin_per_nutation) = nutation%spin
-        if (nutation%class /= no_class) values(q_motion_class) = nutation%class
-        if (nutation%class == no_class) call add_note(note, 'no class: it changes from nutation to nutation')
+        values(q_motion_class) = nutation%class
+        if (nutation%class == no_class) call note%add(note_no_class, 'it changes from nutation to nutation')
     end subroutine put_measured
 
     !> The paper's formulas for a fast top.
     subroutine put_fast_top(case, values, note)
         type(case_t), intent(in) :: case
         real(dp), intent(inout) :: values(quantities)
-        character(:), allocatable, intent(inout) :: note
+        type(note_t), intent(inout) :: note
         type(fast_top_t) :: motion
 
         if (.not. precession_period(case) > 0) then
-            call add_note(note, 'no fast-top formulas: they need a spin and a weight')
+            call note%add(note_no_fast_top, 'they need a spin and a weight')
             return
         end if
         motion = fast_top(case%body, case%start%angle(2), case%start%omega(3))
@@ -111,14 +114,14 @@ contains
     subroutine put_details(case, values, note)
         type(case_t), intent(in) :: case
         real(dp), intent(inout) :: values(quantities)
-        character(:), allocatable, intent(inout) :: note
+        type(note_t), intent(inout) :: note
         type(nutation_t) :: nutation
         type(force_extremes_t) :: force
         integer :: status
         call find_nutation(case%body, case%start, nutation, status)
         if (status == status_ok) call find_force_extremes(case%body, case%start, force, status)
         if (status /= status_ok) then
-            call add_note(note, trim(status_meanings(status)))
+            call note%add(note_no_details, trim(status_meanings(status)))
             return
         end if
         values(q_motion_class) = nutation%class
@@ -134,11 +137,11 @@ contains
         logical, intent(in) :: seen
         real(dp), intent(in) :: azimuth
         real(dp), intent(inout) :: values(quantities)
-        character(:), allocatable, intent(inout) :: note
+        type(note_t), intent(inout) :: note
         if (seen) then
             values(q_azimuth_after_period_deg) = azimuth / degree
         else
-            call add_note(note, 'no azimuth after a period: the span has no step at T_p')
+            call note%add(note_no_azimuth, 'the span has no step at T_p')
         end if
     end subroutine put_azimuth
 
@@ -165,19 +168,5 @@ contains
         if (.not. case%body%mgl() > 0) return
         precession_period = 2 * pi * abs(case%body%inertia(3) * case%start%omega(3)) / case%body%mgl()
     end function precession_period
-
-    !> Notes that the event which was to end the motion did not come.
-    subroutine note_no_stop(note)
-        character(:), allocatable, intent(inout) :: note
-        call add_note(note, 'stop_at did not come in the span')
-    end subroutine note_no_stop
-
-    !> Adds a reason to the notes of a case.
-    subroutine add_note(note, reason)
-        character(:), allocatable, intent(inout) :: note
-        character(*), intent(in) :: reason
-        if (note /= '') note = note // '; '
-        note = note // reason
-    end subroutine add_note
 
 end module spintop_sweep_quantities

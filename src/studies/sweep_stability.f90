@@ -7,7 +7,7 @@ module spintop_sweep_stability
     use spintop_status, only: status_ok, status_unsuitable, status_meanings
     use spintop_sweep_columns, only: quantities, group_growth, group_lyapunov, sweep_groups, &
         q_growth_rate, q_lyapunov_exponent
-    use spintop_sweep_quantities, only: add_note
+    use spintop_sweep_notes, only: note_t, note_no_growth, note_no_lyapunov
     implicit none
     private
     public :: put_stability
@@ -19,7 +19,7 @@ contains
         type(case_t), intent(in) :: case
         logical, intent(in) :: wanted(sweep_groups)
         real(dp), intent(inout) :: values(quantities)
-        character(:), allocatable, intent(inout) :: note
+        type(note_t), intent(inout) :: note
         complex(dp) :: eigenvalues(6)
         real(dp) :: exponents(1)
         integer :: status
@@ -29,9 +29,9 @@ contains
             if (status == status_ok) then
                 values(q_growth_rate) = maxval(real(eigenvalues, dp))
             else if (status == status_unsuitable) then
-                call add_note(note, 'no growth rate: the start is not at rest, sleeping or steady')
+                call note%add(note_no_growth, 'the start is not at rest, sleeping or steady')
             else
-                call add_note(note, 'no growth rate: ' // trim(status_meanings(status)))
+                call note%add(note_no_growth, trim(status_meanings(status)))
             end if
         end if
         if (wanted(group_lyapunov)) then
@@ -39,7 +39,7 @@ contains
             if (status == status_ok) then
                 values(q_lyapunov_exponent) = exponents(1)
             else
-                call add_note(note, 'no Lyapunov exponent: ' // trim(status_meanings(status)))
+                call note%add(note_no_lyapunov, trim(status_meanings(status)))
             end if
         end if
     end subroutine put_stability

@@ -17,8 +17,9 @@ module spintop_sweep_stepping
     use spintop_sweep_columns, only: quantities, group_nutation, group_fast_top, group_period, &
         group_end, group_energy, group_oracle, group_cost, group_floor, group_details, sweep_groups, &
         q_orientation_error, q_double_floor, q_evaluations
+    use spintop_sweep_notes, only: note_t, note_no_extremes, note_no_stop
     use spintop_sweep_quantities, only: no_values, put_nutation, put_measured, put_fast_top, put_azimuth, put_end, &
-        put_details, precession_period, add_note, note_no_stop
+        put_details, precession_period
     use spintop_sweep_stability, only: put_stability
     implicit none
     private
@@ -51,13 +52,12 @@ contains
         integer, intent(in) :: n
         real(dp), intent(out) :: values(quantities)
         integer, intent(out) :: status
-        character(:), allocatable, intent(out) :: note
+        type(note_t), intent(inout) :: note
         type(nutation_watch_t), allocatable :: watch
         type(nutation_t) :: nutation
         logical :: measures
 
         values = no_values()
-        note = ''
         status = status_ok
         if (case%body%is_lagrange()) then
             if (wanted(group_nutation)) then
@@ -80,10 +80,10 @@ contains
         if (status /= status_ok) return
         if (measures) call put_measured(case, watch, values, note)
         if (measures .and. wanted(group_details)) then
-            call add_note(note, 'no extremes of theta_rate and force: they are not measured')
+            call note%add(note_no_extremes, 'they are not measured')
         end if
         if (size(events) > 0) then
-            if (watch%ended_by == 0) call note_no_stop(note)
+            if (watch%ended_by == 0) call note%add(note_no_stop)
         end if
     end subroutine compute_stepping
 
@@ -95,7 +95,7 @@ contains
         type(nutation_watch_t), intent(inout), optional :: watch
         real(dp), intent(inout) :: values(quantities)
         integer, intent(out) :: status
-        character(:), allocatable, intent(inout) :: note
+        type(note_t), intent(inout) :: note
         type(witness_t) :: witness
         type(outcome_t) :: outcome
         real(dp), allocatable :: times(:)
@@ -113,7 +113,7 @@ contains
             call put_azimuth(witness%saw_period, witness%azimuth_at_period, values, note)
         end if
         if (status /= status_ok) then
-            call add_note(note, trim(status_meanings(status)))
+            call note%explain(trim(status_meanings(status)))
             return
         end if
         call put_end(case, witness%last, witness%energy_error, values)

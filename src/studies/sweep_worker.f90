@@ -1,29 +1,27 @@
-!> One thread's share of a sweep: makes cases, computes them, and writes their rows to memory.
+!> One thread's share of a sweep: makes cases, computes them, and fills their rows.
 module spintop_sweep_worker
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_case, only: case_t, make_case
-    use spintop_compare, only: is_finite
     use spintop_exact_block, only: exact_block_t, block_size
     use spintop_job, only: job_t
-    use spintop_nutation, only: class_names
     use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: parameter_table_t
     use spintop_plan, only: plan_t, make_plan
     use spintop_problems, only: problems_t
     use spintop_row_block, only: row_block_t
-    use spintop_scene, only: scene_t, describe_scene
-    use spintop_status, only: status_ok, status_bad_input, status_names
+    use spintop_scene, only: scene_t, describe_scene, max_axes
+    use spintop_status, only: status_ok, status_bad_input
     use spintop_sweep_axes, only: put_values
     use spintop_sweep_batch, only: sweep_batch_t, goes_in_batch
     use spintop_sweep_columns, only: sweep_columns, sweep_groups, quantities, group_end, group_energy, &
-        group_period, q_motion_class, q_phi_end, q_psi_end
+        group_period, q_phi_end, q_psi_end
     use spintop_sweep_exact, only: load_lane, unload_lane, kernel_runs, stop_exactly
-    use spintop_sweep_quantities, only: no_values, note_no_stop
+    use spintop_sweep_notes, only: note_t, note_no_stop
+    use spintop_sweep_quantities, only: no_values
     use spintop_sweep_stepping, only: compute_stepping
+    use spintop_sweep_table, only: put_row, reserve_rows
     use spintop_system, only: seconds
-    use spintop_text, only: string_t
-    use spintop_text_buffer, only: text_buffer_t
     implicit none
     private
     public :: sweep_worker_t, size_of_block
@@ -44,18 +42,18 @@ module spintop_sweep_worker
         logical, private :: for_lagrange = .false.
         !> Which groups of quantities are wanted.
         logical, private :: wanted(sweep_groups) = .false.
-        !> The cases of a block: status, note, quantities, and lane in the block of the exact motion
+        !> The cases of a block: status, note, swept parameters, quantities, and lane in the block of the exact motion
         !> (0 for cases without).
         type(case_t), private :: cases(block_size)
         integer, private :: status(block_size) = status_ok, lane(block_size) = 0
-        type(string_t), private :: note(block_size)
+        type(note_t), private :: note(block_size)
         !> Whether the event came that was to end the motion.
         logical, private :: came(block_size) = .true.
-        real(dp), private :: values(quantities, block_size) = 0
+        real(dp), private :: parameters(max_axes, block_size) = 0, values(quantities, block_size) = 0
         type(exact_block_t), private :: block
         type(sweep_batch_t), private :: batch
-        !> Seconds spent on making, computing and formatting cases.
-        real(dp) :: making = 0, computing = 0, formatting = 0
+        !> Seconds spent on making and computing cases, and on filling their rows.
+        real(dp) :: making = 0, computing = 0, filling = 0
     contains
         procedure :: prepare
         procedure :: compute_rows
@@ -97,12 +95,14 @@ contains
         real(dp) :: moment
         integer :: k
 
-        associate (n => int(last - first + 1), block => worker%block)
+        associate (n => int(last - first + 1), axes => size(job%axes%axis), block => worker%block)
             moment = seconds()
             block%n = 0
             do k = 1, n
-                call put_values(worker%slots, job%axes%values_of(first + k - 1))
-                call make_worker_case(worker, worker%status(k), worker%note(k)%text)
+                call worker%note(k)%clear()
+                worker%parameters(:axes, k) = job%axes%values_of(first + k - 1)
+                call put_values(worker%slots, worker%parameters(:axes, k))
+                call make_worker_case(worker, worker%status(k), worker%note(k))
                 if (worker%plan%exact .and. worker%status(k) == status_ok .and. size(job%events) > 0) then
                     call stop_exactly(worker%case, job%events, job%stop_after, worker%came(k))
                 end if
@@ -120,7 +120,7 @@ contains
                     worker%making = worker%making + (seconds() - moment)
                     moment = seconds()
                     call compute_stepping(worker%case, worker%plan, worker%wanted, job%events, job%stop_after, &
-                                          worker%values(:, k), worker%status(k), worker%note(k)%text)
+                                          worker%values(:, k), worker%status(k), worker%note(k))
                     worker%computing = worker%computing + (seconds() - moment)
                     moment = seconds()
                 end if
@@ -138,52 +138,25 @@ contains
             worker%computing = worker%computing + (seconds() - moment)
 
             moment = seconds()
-            call rows%clear()
+            call reserve_rows(job, block_size, rows)
             do k = 1, n
                 if (worker%lane(k) > 0) then
                     call unload_lane(worker%cases(k), block, worker%lane(k), worker%wanted, &
-                                     worker%values(:, k), worker%status(k), worker%note(k)%text)
-                    if (worker%status(k) == status_ok .and. .not. worker%came(k)) call note_no_stop(worker%note(k)%text)
+                                     worker%values(:, k), worker%status(k), worker%note(k))
+                    if (worker%status(k) == status_ok .and. .not. worker%came(k)) call worker%note(k)%add(note_no_stop)
                 end if
-                call rows%text%put_integer(first + k - 1)
-                call rows%text%put_reals(job%axes%values_of(first + k - 1))
-                call rows%text%put_text(trim(status_names(worker%status(k))))
-                call put_quantities(job%columns, worker%values(:, k), rows%text)
-                call rows%text%put_text(worker%note(k)%text)
-                call rows%text%end_row()
-                rows%counts(worker%status(k)) = rows%counts(worker%status(k)) + 1
+                call put_row(job, first + k - 1, worker%parameters(:axes, k), worker%status(k), worker%values(:, k), &
+                             worker%note(k), rows)
             end do
-            worker%formatting = worker%formatting + (seconds() - moment)
+            worker%filling = worker%filling + (seconds() - moment)
         end associate
     end subroutine compute_rows
-
-    !> The cells of the chosen quantities: numbers, and the class of the motion as a word.
-    subroutine put_quantities(columns, values, rows)
-        integer, intent(in) :: columns(:)
-        real(dp), intent(in) :: values(quantities)
-        type(text_buffer_t), intent(inout) :: rows
-        integer :: i, class
-        if (all(columns /= q_motion_class)) then
-            call rows%put_reals(values(columns))
-            return
-        end if
-        do i = 1, size(columns)
-            if (columns(i) /= q_motion_class) then
-                call rows%put_reals(values(columns(i:i)))
-            else if (is_finite(values(columns(i)))) then
-                class = nint(values(columns(i)))
-                call rows%put_text(trim(class_names(class)))
-            else
-                call rows%put_text('none')
-            end if
-        end do
-    end subroutine put_quantities
 
     !> Makes the case of the worker's scene, and a plan where the last one does not fit it.
     subroutine make_worker_case(worker, status, note)
         class(sweep_worker_t), intent(inout) :: worker
         integer, intent(out) :: status
-        character(:), allocatable, intent(out) :: note
+        type(note_t), intent(inout) :: note
         type(problems_t) :: problems
 
         status = status_ok
@@ -199,7 +172,7 @@ contains
             end if
             if (problems%any()) then
                 status = status_bad_input
-                note = problems%first()
+                call note%explain(problems%first())
             end if
             !$omp end critical (texts)
         end associate

@@ -15,7 +15,7 @@ module spintop_trajectory
     use spintop_plan, only: sample_time, sample_times
     use spintop_progress, only: progress_t
     use spintop_parameter_print, only: print_namelist
-    use spintop_provenance, only: describe_provenance
+    use spintop_provenance, only: describe_provenance, fact_count, fact_t, gather_facts
     use spintop_status, only: status_ok, status_name, status_meaning
     use spintop_summary, only: summary_t, decimal, rounded
     use spintop_system, only: seconds
@@ -134,8 +134,10 @@ contains
         type(string_t), intent(in) :: input(:)
         type(column_t), intent(in) :: columns(:)
         type(string_t), allocatable, intent(out) :: header(:)
-        call describe_provenance(job%scene%title, job%plan%model, job%plan%method, input, columns%name, &
-                                 columns%unit, columns%what, dated=.true., lines=header)
+        type(fact_t) :: facts(fact_count)
+
+        call gather_facts(job%scene%title, job%plan%model, job%plan%method, dated=.true., facts=facts)
+        call describe_provenance(facts, input, columns%name, columns%unit, columns%what, header)
     end subroutine describe_table
 
     !> Whether it was an event that ended the motion.

@@ -1,0 +1,52 @@
+!> The grid of a NetCDF table, and what its parts are called.
+module spintop_netcdf_axis
+    use, intrinsic :: iso_fortran_env, only: int64
+    implicit none
+    private
+    public :: netcdf_axis_t, netcdf_name, netcdf_unit, netcdf_word, most_netcdf_rows
+
+    !> Rows that a column can have: in the format with 64-bit offsets a variable is below 4 GiB.
+    integer(int64), parameter :: most_netcdf_rows = 2_int64**29 - 1
+
+    !> An axis of the grid, which is also a dimension; the last varies fastest from row to row.
+    type :: netcdf_axis_t
+        character(64) :: name = ''
+        integer :: length = 0
+    end type netcdf_axis_t
+
+contains
+
+    !> A name that the CF conventions allow, of letters, digits and underscores: `top_inertia_2` for
+    !> `top.inertia(2)`.
+    pure function netcdf_name(name)
+        character(*), intent(in) :: name
+        character(len_trim(name)) :: netcdf_name
+        integer :: i
+        netcdf_name = name
+        do i = 1, len(netcdf_name)
+            if (scan(netcdf_name(i:i), '.()') > 0) netcdf_name(i:i) = '_'
+        end do
+        if (index(name, ')') > 0) netcdf_name(len(netcdf_name):) = ' '
+    end function netcdf_name
+
+    !> A unit that UDUNITS knows.
+    pure function netcdf_unit(unit) result(known)
+        character(*), intent(in) :: unit
+        character(:), allocatable :: known
+        known = trim(unit)
+        if (unit == '') known = '1'
+        if (unit == 'deg') known = 'degree'
+    end function netcdf_unit
+
+    !> A phrase as a word of `flag_meanings`, which are parted by blanks.
+    pure function netcdf_word(phrase)
+        character(*), intent(in) :: phrase
+        character(len_trim(phrase)) :: netcdf_word
+        integer :: i
+        netcdf_word = phrase
+        do i = 1, len(netcdf_word)
+            if (netcdf_word(i:i) == ' ') netcdf_word(i:i) = '_'
+        end do
+    end function netcdf_word
+
+end module spintop_netcdf_axis

@@ -1,0 +1,65 @@
+!> Notes on a case of a sweep: which quantities it does not have, and why.
+module spintop_sweep_notes
+    implicit none
+    private
+    public :: note_t, note_names
+    public :: note_no_period, note_no_turns, note_no_nutation, note_no_class, note_no_fast_top, note_no_details, &
+        note_no_azimuth, note_no_stop, note_no_extremes, note_no_growth, note_no_lyapunov
+
+    !> Places of the notes in the list below, which has them in this order.
+    enum, bind(C)
+        enumerator :: note_no_period = 1
+        enumerator :: note_no_turns, note_no_nutation, note_no_class, note_no_fast_top, note_no_details
+        enumerator :: note_no_azimuth, note_no_stop, note_no_extremes, note_no_growth, note_no_lyapunov
+    end enum
+
+    !> What there is to note, apart from the reason in a case.
+    character(*), parameter :: note_names(note_no_lyapunov) = [character(40) :: &
+        'no nutation period', 'no nutations per turn', 'no full nutation in the span', 'no class', &
+        'no fast-top formulas', 'no class and extremes', 'no azimuth after a period', &
+        'stop_at did not come in the span', 'no extremes of theta_rate and force', 'no growth rate', &
+        'no Lyapunov exponent']
+
+    !> The notes on a case.
+    type :: note_t
+        !> A bit for each of the list, from the lowest.
+        integer :: flags = 0
+        !> All as a sentence or more.
+        character(:), allocatable :: text
+    contains
+        procedure :: clear
+        procedure :: add
+        procedure :: explain
+    end type note_t
+
+contains
+
+    !> Nothing to note.
+    subroutine clear(self)
+        class(note_t), intent(inout) :: self
+        self%flags = 0
+        self%text = ''
+    end subroutine clear
+
+    !> Adds one of the list, with its reason in this case.
+    subroutine add(self, note, reason)
+        class(note_t), intent(inout) :: self
+        integer, intent(in) :: note
+        character(*), intent(in), optional :: reason
+        self%flags = ibset(self%flags, note - 1)
+        if (present(reason)) then
+            call self%explain(trim(note_names(note)) // ': ' // reason)
+        else
+            call self%explain(trim(note_names(note)))
+        end if
+    end subroutine add
+
+    !> Adds what is told of this case alone.
+    subroutine explain(self, sentence)
+        class(note_t), intent(inout) :: self
+        character(*), intent(in) :: sentence
+        if (self%text /= '') self%text = self%text // '; '
+        self%text = self%text // sentence
+    end subroutine explain
+
+end module spintop_sweep_notes

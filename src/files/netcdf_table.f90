@@ -3,39 +3,21 @@
 !> no time stamp of the library. The rows go to `NAME.part`, which takes the name of the table when
 !> all is on the disk.
 !>
-!> This is the only file that needs the library: without SPINTOP_NETCDF the table cannot be started.
+!> What the library does is in the submodule `netcdf_written`; in a build without it `netcdf_absent`
+!> is in its place, and no table can be started.
 module spintop_netcdf_table
-    use spintop_errors, only: error_t, output_error
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_errors, only: error_t
+    use spintop_kinds, only: dp
     use spintop_netcdf_axis, only: netcdf_axis_t
     use spintop_provenance, only: fact_t
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
-    use spintop_table_column, only: table_column_t
+    use spintop_table_file, only: table_file_t
     use spintop_text, only: string_t
-#ifdef SPINTOP_NETCDF
-    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-    use, intrinsic :: iso_fortran_env, only: int8, int64
-    use netcdf, only: nf90_64bit_offset, nf90_byte, nf90_close, nf90_clobber, nf90_create, nf90_def_dim, nf90_def_var, &
-        nf90_double, nf90_enddef, nf90_global, nf90_int, nf90_noerr, nf90_nofill, nf90_put_att, nf90_put_var, &
-        nf90_set_fill, nf90_strerror
-    use spintop_hyperslab, only: find_box
-    use spintop_kinds, only: dp
-    use spintop_netcdf_axis, only: netcdf_name, netcdf_unit, netcdf_word
-    use spintop_table_column, only: column_of_notes, column_of_reals, column_of_words
-    use spintop_table_file, only: part_of, table_file_t
-    use spintop_text, only: join
-#endif
     implicit none
     private
     public :: netcdf_table_t, has_netcdf
-
-#ifdef SPINTOP_NETCDF
-    !> Whether this build has the library.
-    logical, parameter :: has_netcdf = .true.
-
-    !> Rows that are gathered, so that each variable is written in long pieces; bytes that the
-    !> library hands to the system at once.
-    integer, parameter :: most_pending = 65536, bytes_at_once = 65536
 
     type, extends(row_table_t) :: netcdf_table_t
         integer, private :: id = -1
@@ -46,11 +28,6 @@ module spintop_netcdf_table
         integer, private :: held = 0
         integer(int64), private :: written = 0
         type(table_file_t), private :: file
-#else
-    logical, parameter :: has_netcdf = .false.
-
-    type, extends(row_table_t) :: netcdf_table_t
-#endif
     contains
         procedure :: start
         procedure :: put
@@ -58,255 +35,39 @@ module spintop_netcdf_table
         procedure :: abandon
     end type netcdf_table_t
 
-contains
+    interface
+        !> Whether this build has the library.
+        pure logical module function has_netcdf()
+        end function has_netcdf
 
-#ifdef SPINTOP_NETCDF
+        !> Starts a table of the columns set over a grid. Columns along an axis are its coordinate.
+        module subroutine start(self, path, facts, input, axes, error)
+            class(netcdf_table_t), intent(inout) :: self
+            character(*), intent(in) :: path
+            type(fact_t), intent(in) :: facts(:)   !! attributes of the whole file, and
+            type(string_t), intent(in) :: input(:) !! another one, the resolved namelist
+            type(netcdf_axis_t), intent(in) :: axes(:)
+            type(error_t), allocatable, intent(out) :: error
+        end subroutine start
 
-    !> Starts a table of the columns set over a grid. Columns along an axis are its coordinate.
-    subroutine start(self, path, facts, input, axes, error)
-        class(netcdf_table_t), intent(inout) :: self
-        character(*), intent(in) :: path
-        type(fact_t), intent(in) :: facts(:)   !! attributes of the whole file, and
-        type(string_t), intent(in) :: input(:) !! another one, the resolved namelist
-        type(netcdf_axis_t), intent(in) :: axes(:)
-        type(error_t), allocatable, intent(out) :: error
-        integer :: dimensions(size(axes)), i, status, chunk, old_mode
+        !> Adds rows.
+        module subroutine put(self, block, error)
+            class(netcdf_table_t), intent(inout) :: self
+            type(row_block_t), intent(in) :: block
+            type(error_t), allocatable, intent(out) :: error
+        end subroutine put
 
-        self%remark = ''
-        allocate (self%variables(size(self%columns)), self%pending(most_pending, size(self%columns)))
-        self%extent = axes(size(axes):1:-1)%length
-        call self%file%reserve(path, error)
-        if (allocated(error)) return
-        chunk = bytes_at_once
-        status = nf90_create(part_of(path), ior(nf90_clobber, nf90_64bit_offset), self%id, chunksize=chunk)
-        ! Every value is written: to fill the file beforehand would write it twice.
-        if (status == nf90_noerr) status = nf90_set_fill(self%id, nf90_nofill, old_mode)
-        call add_text(nf90_global, 'Conventions', 'CF-1.8')
-        do i = 1, size(facts)
-            call add_text(nf90_global, facts(i)%key, facts(i)%value)
-        end do
-        call add_text(nf90_global, 'input', join(input, new_line('a')))
-        do i = 1, size(axes)
-            if (status /= nf90_noerr) exit
-            ! In the order of Fortran, which is the reverse of that of the file.
-            status = nf90_def_dim(self%id, netcdf_name(axes(i)%name), axes(i)%length, dimensions(size(axes) - i + 1))
-        end do
-        do i = 1, size(self%columns)
-            call define_variable(self%columns(i), self%variables(i))
-            ! The number of the row is known beside its place on the grid.
-            if (i > 1 .and. self%columns(i)%axis == 0 .and. all(axes%name /= self%columns(1)%name)) then
-                call add_text(self%variables(i), 'coordinates', netcdf_name(self%columns(1)%name))
-            end if
-        end do
-        if (status == nf90_noerr) status = nf90_enddef(self%id)
-        call check(self, status, error)
-        if (allocated(error)) call self%abandon(error)
+        !> Gives the table its name, once it is on the disk.
+        module subroutine finish(self, error)
+            class(netcdf_table_t), intent(inout) :: self
+            type(error_t), allocatable, intent(out) :: error
+        end subroutine finish
 
-    contains
-
-        !> A variable over the whole grid, or along an axis of it.
-        subroutine define_variable(column, variable)
-            type(table_column_t), intent(in) :: column
-            integer, intent(out) :: variable
-            integer, parameter :: types(4) = [nf90_double, nf90_int, nf90_byte, nf90_int]
-            character(*), parameter :: flags(4) = [character(11) :: '', '', 'flag_values', 'flag_masks']
-
-            variable = -1
-            if (status /= nf90_noerr) return
-            if (column%axis > 0) then
-                status = nf90_def_var(self%id, netcdf_name(column%name), nf90_double, &
-                                      [dimensions(size(axes) - column%axis + 1)], variable)
-            else
-                status = nf90_def_var(self%id, netcdf_name(column%name), types(column%kind), dimensions, variable)
-            end if
-            call add_text(variable, 'column', trim(column%name))
-            call add_text(variable, 'long_name', trim(column%what))
-            select case (column%kind)
-            case (column_of_reals)
-                call add_text(variable, 'units', netcdf_unit(column%unit))
-                if (column%axis > 0 .or. status /= nf90_noerr) return
-                status = nf90_put_att(self%id, variable, '_FillValue', ieee_value(0.0_dp, ieee_quiet_nan))
-            case (column_of_words, column_of_notes)
-                call add_flags(variable, column, trim(flags(column%kind)))
-            end select
-        end subroutine define_variable
-
-        !> What the values of words, or the bits of notes, mean.
-        subroutine add_flags(variable, column, name)
-            integer, intent(in) :: variable
-            type(table_column_t), intent(in) :: column
-            character(*), intent(in) :: name
-            character(:), allocatable :: words
-            integer, allocatable :: values(:)
-            integer :: k
-
-            words = ''
-            do k = 1, size(column%words)
-                words = words // ' ' // netcdf_word(column%words(k)%text)
-            end do
-            call add_text(variable, 'flag_meanings', words(2:))
-            values = [(k, k=0, size(column%words) - 1)]
-            if (column%kind == column_of_notes) values = shiftl(1, values)
-            if (status /= nf90_noerr) return
-            if (column%kind == column_of_notes) then
-                status = nf90_put_att(self%id, variable, name, values)
-            else
-                status = nf90_put_att(self%id, variable, name, int(values, int8))
-            end if
-        end subroutine add_flags
-
-        subroutine add_text(variable, name, text)
-            integer, intent(in) :: variable
-            character(*), intent(in) :: name, text
-            if (status == nf90_noerr .and. text /= '') status = nf90_put_att(self%id, variable, name, text)
-        end subroutine add_text
-
-    end subroutine start
-
-    !> Adds rows.
-    subroutine put(self, block, error)
-        class(netcdf_table_t), intent(inout) :: self
-        type(row_block_t), intent(in) :: block
-        type(error_t), allocatable, intent(out) :: error
-        integer :: i
-
-        if (self%held + block%rows > size(self%pending, 1)) call write_pending(self, error)
-        if (allocated(error)) return
-        do i = 1, size(self%pending, 2)
-            self%pending(self%held + 1:self%held + block%rows, i) = block%cells(i, :block%rows)
-        end do
-        self%held = self%held + block%rows
-        self%counts = self%counts + block%counts
-    end subroutine put
-
-    !> Hands what was gathered to the library, a variable after the other.
-    subroutine write_pending(self, error)
-        type(netcdf_table_t), intent(inout) :: self
-        type(error_t), allocatable, intent(out) :: error
-        integer :: i, status
-
-        status = nf90_noerr
-        do i = 1, size(self%columns)
-            if (status /= nf90_noerr) exit
-            if (self%columns(i)%axis > 0) then
-                call write_coordinate(self, i, status)
-            else
-                call write_boxes(self, i, status)
-            end if
-        end do
-        call check(self, status, error)
-        self%written = self%written + self%held
-        self%held = 0
-    end subroutine write_pending
-
-    !> Writes a column over the whole grid.
-    subroutine write_boxes(self, column, status)
-        type(netcdf_table_t), intent(in) :: self
-        integer, intent(in) :: column
-        integer, intent(inout) :: status
-        integer :: start(size(self%extent)), count(size(self%extent)), done
-
-        done = 0
-        do while (done < self%held .and. status == nf90_noerr)
-            call find_box(self%extent, self%written + done + 1, int(self%held - done, int64), start, count)
-            status = nf90_put_var(self%id, self%variables(column), self%pending(done + 1:done + product(count), column), &
-                                  start, count)
-            done = done + product(count)
-        end do
-    end subroutine write_boxes
-
-    !> Writes what is new of the coordinate of an axis: where the row is the first with its value.
-    subroutine write_coordinate(self, column, status)
-        type(netcdf_table_t), intent(in) :: self
-        integer, intent(in) :: column
-        integer, intent(inout) :: status
-        integer(int64) :: stride, first, last, row
-
-        associate (along => size(self%extent) - self%columns(column)%axis + 1)
-            stride = product(int(self%extent(:along - 1), int64))
-            first = (self%written + stride - 1) / stride
-            last = min(int(self%extent(along), int64), (self%written + self%held + stride - 1) / stride) - 1
-        end associate
-        if (first > last) return
-        row = first * stride - self%written + 1
-        status = nf90_put_var(self%id, self%variables(column), &
-                              self%pending(row:row + (last - first) * stride:stride, column), &
-                              [int(first) + 1], [int(last - first) + 1])
-    end subroutine write_coordinate
-
-    !> Gives the table its name, once it is on the disk.
-    subroutine finish(self, error)
-        class(netcdf_table_t), intent(inout) :: self
-        type(error_t), allocatable, intent(out) :: error
-        type(string_t) :: no_lines(0)
-        integer :: status
-        call write_pending(self, error)
-        if (allocated(error)) return
-        status = nf90_close(self%id)
-        self%id = -1
-        call check(self, status, error)
-        if (.not. allocated(error)) call self%file%finish(no_lines, error)
-    end subroutine finish
-
-    !> Removes what was written: it has no journal with which a later run could go on.
-    subroutine abandon(self, error)
-        class(netcdf_table_t), intent(inout) :: self
-        type(error_t), intent(inout) :: error
-        integer :: ignored
-        if (self%id >= 0) ignored = nf90_close(self%id)
-        self%id = -1
-        call self%file%discard()
-        error%message = error%message // new_line('a') // 'nothing is kept of ' // self%file%path
-    end subroutine abandon
-
-    !> Makes an error of a status of the library.
-    subroutine check(self, status, error)
-        type(netcdf_table_t), intent(in) :: self
-        integer, intent(in) :: status
-        type(error_t), allocatable, intent(out) :: error
-        if (status == nf90_noerr) return
-        error = output_error('cannot write ' // part_of(self%file%path) // ': ' // trim(nf90_strerror(status)))
-    end subroutine check
-
-#else
-
-    !> Tells that it cannot be done.
-    subroutine start(self, path, facts, input, axes, error)
-        class(netcdf_table_t), intent(inout) :: self
-        character(*), intent(in) :: path
-        type(fact_t), intent(in) :: facts(:)
-        type(string_t), intent(in) :: input(:)
-        type(netcdf_axis_t), intent(in) :: axes(:)
-        type(error_t), allocatable, intent(out) :: error
-        associate (unused => self, a => facts, b => input, c => axes)
-        end associate
-        error = output_error('cannot write ' // path // ': this build has no NetCDF')
-    end subroutine start
-
-    subroutine put(self, block, error)
-        class(netcdf_table_t), intent(inout) :: self
-        type(row_block_t), intent(in) :: block
-        type(error_t), allocatable, intent(out) :: error
-        associate (unused => self, also_unused => block)
-        end associate
-        error = output_error('this build has no NetCDF')
-    end subroutine put
-
-    subroutine finish(self, error)
-        class(netcdf_table_t), intent(inout) :: self
-        type(error_t), allocatable, intent(out) :: error
-        associate (unused => self)
-        end associate
-        error = output_error('this build has no NetCDF')
-    end subroutine finish
-
-    subroutine abandon(self, error)
-        class(netcdf_table_t), intent(inout) :: self
-        type(error_t), intent(inout) :: error
-        associate (unused => self, also_unused => error)
-        end associate
-    end subroutine abandon
-
-#endif
+        !> Removes what was written: it has no journal with which a later run could go on.
+        module subroutine abandon(self, error)
+            class(netcdf_table_t), intent(inout) :: self
+            type(error_t), intent(inout) :: error
+        end subroutine abandon
+    end interface
 
 end module spintop_netcdf_table

@@ -129,7 +129,7 @@ contains
         type(options_t), intent(in) :: options
         type(problems_t), intent(inout) :: problems
         character(*), parameter :: key = 'output.format', hint = "set output.format = 'csv'"
-        if (.not. has_netcdf) then
+        if (.not. has_netcdf()) then
             call problems%add(key, 'this build has no NetCDF', 'SPINTOP_NETCDF=1 scripts/run ... builds one that has')
         else if (job%scene%kind /= 'sweep') then
             call problems%add(key, 'only the table of a sweep can be NetCDF', hint)

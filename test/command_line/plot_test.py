@@ -177,7 +177,7 @@ class DrawTest(TableCase):
             (table,): (2, "a.csv: has no number in column R2: no residuals figure"),
             ("-o", self.folder / "c", table, clash): (2, "would replace those of"),
             ("-o", blocked, clash): (4, f"cannot write to {blocked}: "),
-            (): (2, "TABLE.csv"),
+            (): (2, "required: TABLE"),
         }
         for arguments, (code, message) in expected.items():
             with self.subTest(arguments=arguments):

@@ -46,17 +46,23 @@ module spintop_netcdf_table
         integer, private :: held = 0
         integer(int64), private :: written = 0
         type(table_file_t), private :: file
-#else
-    logical, parameter :: has_netcdf = .false.
-
-    type, extends(row_table_t) :: netcdf_table_t
-#endif
     contains
         procedure :: start
         procedure :: put
         procedure :: finish
         procedure :: abandon
     end type netcdf_table_t
+#else
+    logical, parameter :: has_netcdf = .false.
+
+    type, extends(row_table_t) :: netcdf_table_t
+    contains
+        procedure :: start
+        procedure :: put
+        procedure :: finish
+        procedure :: abandon
+    end type netcdf_table_t
+#endif
 
 contains
 

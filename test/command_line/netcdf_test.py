@@ -13,6 +13,7 @@ sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts")]
 
 from figures.netcdf import Attributes, Variable, read_netcdf  # noqa: E402
 from figures.table import read_table  # noqa: E402
+from mpi_test import ENVIRONMENT  # noqa: E402
 from program_test import GOOD, ProgramCase, Table  # noqa: E402
 
 NETCDF = "output.format=netcdf"
@@ -141,6 +142,42 @@ class NetcdfTest(NetcdfCase):
             (self.folder / "output/again.nc").read_bytes(),
             (self.folder / "output/grid.nc").read_bytes(),
         )
+
+    def test_axes_side_by_side(self) -> None:
+        """What is no grid has the cases as its dimension, and a parameter for each."""
+        text = GRID.split("&sweep", maxsplit=1)[0] + (
+            "&sweep combine = 'latin_hypercube', cases = 9\n"
+            "    parameter(1) = 'initial.theta_deg', from(1) = 10, to(1) = 80\n"
+            "    parameter(2) = 'top.gravity', values(2,:) = 1, 5 /\n"
+        )
+        scene = self.write(text, "drawn.nml")
+        self.assertEqual(self.run_program(scene).returncode, 0)
+        self.sweep(scene)
+        self.check_same("drawn")
+        for name, variable in self.netcdf("drawn.nc")[1].items():
+            self.assertEqual(variable.dimensions, ("case",), name)
+            self.assertNotIn("coordinates", variable.attributes)
+
+    def test_ranks(self) -> None:
+        """Under MPI the bytes are the same."""
+        program = os.environ.get("SPINTOP_MPI_EXE")
+        if not program:
+            self.skipTest("no MPI")
+        for text, name, code in ((LONG, "long", 0), (GRID, "grid", 3)):
+            scene = self.write(text, f"{name}.nml")
+            self.sweep(scene, code=code)
+            result = subprocess.run(
+                ["mpirun", "-np", "3", program, scene, "--set", NETCDF, "-o", "ranks"],
+                cwd=self.folder,
+                env=os.environ | ENVIRONMENT,
+                capture_output=True,
+                text=True,
+                check=False,
+                timeout=60,
+            )
+            self.assertEqual(result.returncode, code, result.stderr)
+            tables = (self.folder / folder / f"{name}.nc" for folder in ("output", "ranks"))
+            self.assertEqual(*(table.read_bytes() for table in tables))
 
     def test_notes(self) -> None:
         """A bit for each thing noted, where the CSV has it and its reason."""

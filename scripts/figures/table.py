@@ -103,7 +103,8 @@ def read_netcdf_table(path: Path) -> Table:
     if not str(attributes.get("program", "")).startswith("spintop"):
         raise TableError("is no table of spintop: its attributes name no program")
     header = {key: str(value) for key, value in attributes.items()}
-    _, settings, _, _ = read_head(header.pop("input", "").split("\n"))
+    lines = header.pop("input", "").split("\n")
+    _, settings, _, _ = read_head([line.strip() for line in lines])
     columns = {str(variable.attributes["column"]): variable for variable in variables.values()}
     stride = stride_of(settings, list(columns), columns["case"].values.size)
     cells = {name: cells_of(column, columns["case"]) for name, column in columns.items()}

@@ -68,9 +68,14 @@ class NetcdfCase(ProgramCase):
         return read_netcdf(self.folder / "output" / name)
 
     def check_same(self, name: str) -> Table:
-        """Every cell of the CSV stands in the NetCDF table; returns the CSV."""
+        """Every cell of the CSV stands in the NetCDF table, and the input; returns the CSV."""
         text = self.table(name)
-        rows = read_table(self.folder / f"output/{name}.nc").rows
+        csv, netcdf = (read_table(self.folder / f"output/{name}{end}") for end in (".csv", ".nc"))
+        settings = csv.settings | {"output.format": ["netcdf"]}
+        self.assertEqual(netcdf.settings, settings)
+        self.assertEqual(netcdf.meanings, csv.meanings)
+        self.assertEqual(netcdf.header["model"], csv.header["model"])
+        rows = netcdf.rows
         self.assertEqual(list(rows), text.names)
         self.assertEqual(len(rows), len(text.rows))
         for column in text.names:

@@ -10,7 +10,7 @@ import unittest
 from pathlib import Path
 
 from program_test import GOOD, PROGRAM, ROOT
-from survival_test import FAST, SLOW, SurvivalCase
+from survival_test import FAST, SLOW, STEPS, SurvivalCase
 
 MPI_PROGRAM = os.environ.get("SPINTOP_MPI_EXE", str(ROOT / "build/mpi/spintop"))
 
@@ -98,7 +98,7 @@ class SameBytesTest(RanksCase):
     def test_steps(self) -> None:
         """Blocks of few cases."""
         text = SLOW.replace("count(1) = 1000", "count(1) = 20001")
-        self.compare(text.replace("steps = 2000", "steps = 10"), 20001)
+        self.compare(text.replace(STEPS, "steps = 10"), 20001)
 
     def test_more_ranks_than_blocks(self) -> None:
         """Some ranks find nothing to do."""
@@ -108,7 +108,7 @@ class SameBytesTest(RanksCase):
         """Their exit code is that of the run."""
         axis = "count(1) = 200, parameter(2) = 'initial.theta_deg', values(2,:) = 0, 20, 30, 40, 50"
         text = SLOW.replace("theta_deg = 20", "").replace("count(1) = 1000", axis)
-        self.compare(text.replace("steps = 2000", "steps = 10"), 1000, code=3)
+        self.compare(text.replace(STEPS, "steps = 10"), 1000, code=3)
 
     def test_several_inputs_and_parts(self) -> None:
         """One sweep after the other; a part of one is shared out like a whole."""

@@ -12,16 +12,18 @@ from pathlib import Path
 from program_test import PROGRAM, ROOT, ProgramCase, Table
 
 # Long enough to be interrupted at any moment: a few seconds on one thread.
-SLOW = """\
+STEPS = "steps = 2000"
+STEPPING = f"formulation = 'lagrange', method = 'rk4', {STEPS}"
+SLOW = f"""\
 &study kind = 'sweep' /
 &top mass = 1.0, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387 /
 &initial theta_deg = 20 /
 &span t_end = 2 /
-&integration formulation = 'lagrange', method = 'rk4', steps = 2000 /
+&integration {STEPPING} /
 &sweep parameter(1) = 'initial.psi_rate', from(1) = 1, to(1) = 100, count(1) = 1000 /
 """
 # The same in closed form: over in no time.
-FAST = SLOW.replace("formulation = 'lagrange', method = 'rk4', steps = 2000", "method = 'exact'")
+FAST = SLOW.replace(STEPPING, "method = 'exact'")
 
 
 class SurvivalCase(ProgramCase):
@@ -398,9 +400,9 @@ class FailingCasesTest(SurvivalCase):
         """About one case in a hundred is no top or starts at a pole; each is named."""
         thetas = [10 + 0.1 * i for i in range(200)]
         inertias = [0.2 + 0.005 * i for i in range(200)]
-        text = (
-            SLOW.replace("theta_deg = 20", "psi_rate = 3").replace("steps = 2000", "steps = 4")
-        ).split("&sweep")[0]
+        text = (SLOW.replace("theta_deg = 20", "psi_rate = 3").replace(STEPS, "steps = 4")).split(
+            "&sweep"
+        )[0]
 
         def sweep(first: list[float], second: list[float], code: int) -> Table:
             axes = ((1, "top.inertia(3)", first), (2, "initial.theta_deg", second))

@@ -40,6 +40,9 @@ def under(ranks: int) -> tuple[str, ...]:
 class RanksCase(SurvivalCase):
     """The slow sweep, its table from a build without MPI, and ranks of one thread each."""
 
+    # Three ranks are faster, and a launcher takes its time to end them.
+    text = SLOW.replace(STEPS, "steps = 8000")
+
     def setUp(self) -> None:
         """What is run from here on has three ranks."""
         self.command = (PROGRAM,)
@@ -184,15 +187,11 @@ class LossTest(RanksCase):
 
     def test_the_launcher_is_stopped(self) -> None:
         """SIGTERM to it ends all ranks, and nothing is lost; a complete table is left alone."""
-        for _ in range(5):
-            run = self.start()
-            self.wait_for_rows(run, 1)
-            run.terminate()
-            self.assertNotEqual(run.wait(timeout=30), 0)
-            self.wait_for_all_to_end()
-            if self.journalled_rows() > 0:
-                break
-            shutil.rmtree(self.folder / "output")  # it came to its end before the signal did
+        run = self.start()
+        self.wait_for_rows(run, 1)
+        run.terminate()
+        self.assertNotEqual(run.wait(timeout=30), 0)
+        self.wait_for_all_to_end()
         self.assertGreater(self.journalled_rows(), 0)
         self.assertIn(" rows of an interrupted run", self.run_sweep("--threads", "1", "--resume"))
         self.check_complete()

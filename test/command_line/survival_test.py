@@ -29,13 +29,14 @@ FAST = SLOW.replace(STEPPING, "method = 'exact'")
 class SurvivalCase(ProgramCase):
     """Runs that end before their time."""
 
-    reference: bytes = b""  # the table of SLOW, from a run that nothing stopped
+    text = SLOW
+    reference: bytes = b""  # the table of the text, from a run that nothing stopped
     duration = 0.0  # of that run on one thread, in seconds
 
     def setUp(self) -> None:
         """The slow sweep and its table."""
         super().setUp()
-        self.slow = self.write(SLOW, "slow.nml")
+        self.slow = self.write(self.text, "slow.nml")
         if not SurvivalCase.reference:
             began = time.monotonic()
             self.run_sweep("-o", "reference", "--threads", "1")

@@ -12,7 +12,7 @@ module spintop_growing_table
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
     use spintop_row_text, only: format_rows
-    use spintop_system, only: file_exists, input_file_t, seconds, sync_folder_of
+    use spintop_system, only: file_exists, input_file_t, seconds
     use spintop_table_file, only: part_of, table_file_t
     use spintop_table_head, only: compare_heads
     use spintop_text, only: string_t, to_text

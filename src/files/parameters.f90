@@ -14,7 +14,7 @@ module spintop_parameters
     use spintop_parameter, only: all_elements, any_elements, kind_real, leading_elements, &
         parameter_t, quoted, unset, unset_integer
     use spintop_ranges, only: parse_range
-    use spintop_text, only: nearest_word, split, string_t, to_text
+    use spintop_text, only: nearest_word, split, string_t
     implicit none
     private
     public :: parameter_table_t

@@ -6,7 +6,6 @@ module spintop_formulation
     use spintop_kinds, only: dp, qp
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
-    use spintop_status, only: status_ok
     implicit none
     private
     public :: formulation_t, formulation_info_t, max_states, max_series_order, max_invariants

@@ -7,7 +7,7 @@ module spintop_ode45
     use spintop_fixed_step, only: share_of_time_left
     use spintop_butcher, only: butcher_t, max_stages
     use spintop_runge_kutta, only: stage_sum
-    use spintop_status, only: status_ok, status_outside, status_non_finite, status_step_too_small
+    use spintop_status, only: status_ok, status_non_finite, status_step_too_small
     implicit none
     private
     public :: ode45_t

@@ -7,7 +7,6 @@
 module spintop_taylor
     use spintop_kinds, only: dp
     use spintop_compare, only: is_finite
-    use spintop_fixed_step, only: share_of_time_left
     use spintop_formulation, only: formulation_t, max_series_order, max_states
     use spintop_status, only: status_ok, status_non_finite, status_step_too_small
     use spintop_stepper, only: controls_t, stepper_t, workspace_t
@@ -66,7 +65,7 @@ contains
         allocate (taylor_workspace_t :: work)
     end subroutine new_workspace
 
-    !> The series of the start.
+    !> First slope, the order, and the span as the longest step.
     subroutine begin(self, formulation, work, status)
         class(taylor_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
@@ -104,6 +103,9 @@ contains
             t_new = work%t + h
             if (stretch * h >= work%t_end - work%t) t_new = work%t_end
             change = sum_of_terms(work, t_new - work%t)
+            ! Terms that are no number do not show in the size of the largest.
+            status = status_non_finite
+            if (.not. all(abs(change) <= huge(1.0_dp))) return
             call work%settle_change(formulation, t_new, change, changed)
             status = status_ok
         end select

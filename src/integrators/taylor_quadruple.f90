@@ -9,6 +9,7 @@ module spintop_taylor_quadruple
     use spintop_formulation, only: formulation_t, max_series_order, max_states
     use spintop_status, only: status_ok, status_non_finite, status_step_too_small
     use spintop_stepper, only: stepper_t, workspace_t
+    use spintop_taylor, only: safety, smallest_spacings, stretch
     implicit none
     private
     public :: taylor_quadruple_t
@@ -26,11 +27,6 @@ module spintop_taylor_quadruple
     type, extends(workspace_t) :: quadruple_workspace_t
         real(qp) :: coefficient(max_states, 0:max_series_order) = 0
     end type quadruple_workspace_t
-
-    !> Share of the step with which the last terms reach the tolerance.
-    real(dp), parameter :: safety = 0.9_dp
-    !> Smallest step in units of the spacing of the time.
-    real(dp), parameter :: smallest_spacings = 16
 
 contains
 
@@ -76,10 +72,11 @@ contains
             status = status_step_too_small
             if (h <= smallest_spacings * spacing(work%t)) return
             t_new = work%t + h
-            ! A step that nearly reaches the end is stretched to it.
-            if (1.01_dp * h >= work%t_end - work%t) t_new = work%t_end
+            if (stretch * h >= work%t_end - work%t) t_new = work%t_end
             y = y + sum_of_terms(work, t_new - real(work%t, qp))
             y_new = real(y, dp)
+            status = status_non_finite
+            if (.not. all(abs(y_new) <= huge(1.0_dp))) return
             rest = real(y - y_new, dp)
             call work%settle(formulation, t_new, y_new, changed)
             if (.not. changed) work%rest = rest

@@ -20,7 +20,6 @@ module spintop_axes_of_table
     use spintop_scene, only: scene_t
     use spintop_sweep_axes, only: axes_t, combination_names, combine_grid, combine_zip
     use spintop_system, only: read_file
-    use spintop_text, only: to_text
     implicit none
     private
     public :: read_axes

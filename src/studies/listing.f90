@@ -12,6 +12,7 @@ module spintop_listing
     use spintop_parameters, only: parameter_table_t
     use spintop_scene, only: scene_t, describe_scene
     use spintop_shapes, only: shape_infos, shape_by_inertia
+    use spintop_stability, only: stability_columns
     use spintop_stepper, only: method_info_t
     use spintop_sweep_columns, only: sweep_columns
     use spintop_text, only: string_t, nearest_word, join, to_text
@@ -52,6 +53,10 @@ contains
                      &parameters, status and notes')]
             do i = 1, size(sweep_columns)
                 call add(lines, sweep_columns(i)%name, sweep_columns(i)%unit, sweep_columns(i)%what)
+            end do
+            lines = [lines, string_t(''), string_t('columns of a stability study')]
+            do i = 1, size(stability_columns)
+                call add(lines, stability_columns(i)%name, stability_columns(i)%unit, stability_columns(i)%what)
             end do
         case ('events')
             do i = 1, size(named_events)

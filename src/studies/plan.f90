@@ -5,16 +5,16 @@ module spintop_plan
     use spintop_body, only: body_t
     use spintop_body_of_scene, only: is_set
     use spintop_case, only: case_t
-    use spintop_formulation, only: formulation_t, formulation_info_t, structure_none, structure_names, &
+    use spintop_formulation, only: formulation_info_t, structure_none, structure_names, &
         structure_series
     use spintop_formulations, only: create_formulation, formulation_infos
     use spintop_methods, only: create_stepper
     use spintop_parameters, only: unset_integer
     use spintop_projection, only: projection_names, project_nothing, project_unit, project_invariants
     use spintop_problems, only: problems_t
-    use spintop_run_plan, only: default_samples, plan_t, sample_time, sample_times
+    use spintop_run_plan, only: plan_t, sample_time, sample_times
     use spintop_scene, only: scene_t
-    use spintop_stepper, only: stepper_t, method_info_t
+    use spintop_stepper, only: method_info_t
     use spintop_text, only: to_text, lower_case, nearest_word, string_t, join
     implicit none
     private

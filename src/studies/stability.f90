@@ -7,7 +7,7 @@ module spintop_stability
     use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t, make_case
-    use spintop_errors, only: error_t, internal_error
+    use spintop_errors, only: error_t, exit_failed, internal_error
     use spintop_formulation, only: structure_quadruple
     use spintop_hard_cases, only: hard_cases
     use spintop_job, only: job_t, options_t
@@ -186,8 +186,8 @@ contains
         associate (case => facts%case)
             call find_reference(case, samples, facts%reference, status)
             if (status /= status_ok) then
-                error = internal_error('stability: case ' // trim(facts%name) // ' has no reference: ' &
-                                       // status_name(status))
+                error = error_t(exit_failed, 'stability: case ' // trim(facts%name) // ' has no reference: ' &
+                                // status_name(status))
                 return
             end if
             facts%upright_growth = ieee_value(0.0_dp, ieee_quiet_nan)

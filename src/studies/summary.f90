@@ -3,10 +3,8 @@ module spintop_summary
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp, degree
     use spintop_compare, only: is_finite
-    use spintop_body, only: body_t
     use spintop_case, only: case_t
     use spintop_fast_top, only: fast_top_t, fast_top
-    use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, find_nutation, class_name, class_meaning
     use spintop_plan, only: plan_t
     use spintop_quantities, only: kinetic_energy, potential_energy, vertical_momentum

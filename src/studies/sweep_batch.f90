@@ -14,7 +14,7 @@ module spintop_sweep_batch
     use spintop_rigid_body, only: rigid_body_t
     use spintop_status, only: status_ok, status_meanings
     use spintop_stepper, only: controls_t
-    use spintop_sweep_columns, only: quantities, group_nutation, group_fast_top, group_period, &
+    use spintop_sweep_columns, only: group_nutation, group_fast_top, group_period, &
         group_energy, group_details, sweep_columns, sweep_groups, q_energy_error_max, q_evaluations
     use spintop_sweep_notes, only: note_t
     use spintop_sweep_quantities, only: no_values, put_fast_top, put_end

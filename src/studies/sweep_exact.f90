@@ -5,9 +5,9 @@ module spintop_sweep_exact
     use spintop_conditioning, only: double_floor
     use spintop_event_recorder, only: event_recorder_t, exact_path_t
     use spintop_event_text, only: column_event_t
-    use spintop_exact_block, only: exact_block_t, block_size
+    use spintop_exact_block, only: exact_block_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
-    use spintop_motion, only: motion_t, motion_from_angles
+    use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t
     use spintop_status, only: status_ok, status_meanings
     use spintop_sweep_columns, only: quantities, group_nutation, group_fast_top, group_period, &

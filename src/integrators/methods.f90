@@ -20,7 +20,11 @@ module spintop_methods
     use spintop_kinds, only: dp
     implicit none
     private
-    public :: method_infos, create_stepper
+    public :: method_infos, create_stepper, exact_info
+
+    !> The exact motion, which takes no steps, where methods are named.
+    type(method_info_t), parameter :: exact_info = method_info_t( &
+        'exact', 'closed form of the undamped symmetric top: any instant, no steps')
 
     type :: entry_t
         class(stepper_t), allocatable :: prototype

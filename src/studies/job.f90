@@ -14,6 +14,7 @@ module spintop_job
     use spintop_netcdf_table, only: has_netcdf
     use spintop_parameters, only: parameter_table_t, unset_integer
     use spintop_plan, only: plan_t, make_plan
+    use spintop_precision_plan, only: make_precision_plan, precision_plan_t, read_reference
     use spintop_problems, only: problems_t
     use spintop_ranks, only: ranks_t
     use spintop_scene, only: scene_t, describe_scene
@@ -56,6 +57,7 @@ module spintop_job
         type(plan_t) :: plan
         type(axes_t) :: axes
         type(stability_plan_t) :: stability
+        type(precision_plan_t) :: precision
         !> Chosen columns by their place in the list of all columns of the study.
         integer, allocatable :: columns(:)
         !> Events to look for.
@@ -88,7 +90,7 @@ contains
         call plan_job(job, problems, diagnostics)
         if (job%scene%kind /= 'sweep') call refuse_for_sweeps_only(options, problems)
         if (job%scene%format == 'netcdf') call refuse_for_netcdf(job, options, problems)
-        if (job%scene%kind /= 'stability') call choose_columns(job, problems)
+        call choose_columns(job, problems)
         call choose_events(job%scene, job%case, job%events, problems)
         if (job%scene%stop_after /= unset_integer) job%stop_after = job%scene%stop_after
         call problems%tell(job%table, diagnostics)
@@ -147,6 +149,7 @@ contains
         type(diagnostics_t), intent(inout) :: diagnostics
         type(scene_t), allocatable, target :: first
         type(parameter_table_t) :: first_table
+        logical :: has_axes
 
         if (scan(trim(job%scene%file), '/') > 0) then
             call problems%add('output.file', 'the name of the table holds a slash', &
@@ -157,7 +160,9 @@ contains
             if (problems%any() .or. all(job%stability%cases > 0)) return
         end if
         allocate (first, source=job%scene)
-        if (job%scene%kind == 'sweep') then
+        has_axes = count_axes(job%scene) > 0 .or. job%scene%sweep_table /= ''
+        allocate (job%axes%axis(0))
+        if (job%scene%kind == 'sweep' .or. (job%scene%kind == 'work_precision' .and. has_axes)) then
             if (job%scene%sweep_table == '') then
                 call make_axes(job%scene, job%table, job%axes, problems)
             else
@@ -166,12 +171,22 @@ contains
             if (job%axes%cases == 0) return
             call describe_scene(first, first_table)
             call put_values(job%axes%slots_in(first_table), job%axes%values_of(1_int64))
-        else if (count_axes(job%scene) > 0 .or. job%scene%sweep_table /= '') then
-            call problems%add('sweep', 'a trajectory has no axes', "set study.kind = 'sweep'")
+        else if (has_axes) then
+            call problems%add('sweep', 'this study has no axes', "set study.kind = 'sweep'")
         end if
         call make_case(first, job%case, problems)
-        if (problems%any() .or. job%scene%kind == 'stability') return
-        call make_plan(first, job%case, job%plan, problems)
+        select case (job%scene%kind)
+        case ('work_precision')
+            call make_precision_plan(job%scene, job%precision, problems)
+            if (problems%any()) return
+            call read_reference(job%input, job%scene, job%case, job%precision, problems, diagnostics)
+            if (allocated(job%precision%stored) .and. has_axes) then
+                call problems%add('work_precision.reference', 'one motion is the reference of many cases', &
+                                  "take reference = 'auto'")
+            end if
+        case ('trajectory', 'sweep')
+            if (.not. problems%any()) call make_plan(first, job%case, job%plan, problems)
+        end select
     end subroutine plan_job
 
     !> The columns named, all of them, or the default set.
@@ -181,6 +196,12 @@ contains
         type(string_t), allocatable :: known(:)
         integer :: i
 
+        if (job%scene%kind == 'stability' .or. job%scene%kind == 'work_precision') then
+            if (any(job%scene%columns /= '')) then
+                call problems%add('output.columns', 'the table of this study has columns of its own', 'leave it out')
+            end if
+            return
+        end if
         if (job%scene%kind == 'sweep') then
             call take_names(sweep_columns%name)
         else

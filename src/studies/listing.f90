@@ -7,11 +7,12 @@ module spintop_listing
     use spintop_formulations, only: formulation_infos
     use spintop_hard_cases, only: hard_cases
     use spintop_formulation, only: formulation_info_t
-    use spintop_methods, only: method_infos
+    use spintop_methods, only: exact_info, method_infos
     use spintop_parameter_print, only: list_parameters
     use spintop_parameters, only: parameter_table_t
     use spintop_scene, only: scene_t, describe_scene
     use spintop_shapes, only: shape_infos, shape_by_inertia
+    use spintop_precision_table, only: precision_columns
     use spintop_stability, only: stability_columns
     use spintop_stepper, only: method_info_t
     use spintop_sweep_columns, only: sweep_columns
@@ -58,6 +59,10 @@ contains
             do i = 1, size(stability_columns)
                 call add(lines, stability_columns(i)%name, stability_columns(i)%unit, stability_columns(i)%what)
             end do
+            lines = [lines, string_t(''), string_t('columns of a work-precision study, before the swept parameters')]
+            do i = 1, size(precision_columns)
+                call add(lines, precision_columns(i)%name, precision_columns(i)%unit, precision_columns(i)%what)
+            end do
         case ('events')
             do i = 1, size(named_events)
                 if (named_events(i)%what /= '') call add(lines, named_events(i)%name, '', named_events(i)%what)
@@ -99,7 +104,7 @@ contains
 
         allocate (methods, source=method_infos())
         call add(lines, 'auto', '', 'the cheapest adequate one (the default)')
-        call add(lines, 'exact', '', 'closed form of the undamped symmetric top: any instant, no steps')
+        call add(lines, exact_info%name, '', exact_info%what)
         do i = 1, size(methods)
             call add(lines, methods(i)%name, kind_of(methods(i)), methods(i)%what)
         end do

@@ -8,7 +8,7 @@ module spintop_plan
     use spintop_formulation, only: formulation_info_t, structure_none, structure_names, &
         structure_series
     use spintop_formulations, only: create_formulation, formulation_infos
-    use spintop_methods, only: create_stepper
+    use spintop_methods, only: create_stepper, exact_info
     use spintop_parameters, only: unset_integer
     use spintop_projection, only: projection_names, project_nothing, project_unit, project_invariants
     use spintop_problems, only: problems_t
@@ -67,7 +67,7 @@ contains
         character(*), parameter :: default_with_table = 'arkode_erk'
 
         select case (scene%method)
-        case ('exact')
+        case (exact_info%name)
             plan%exact = .true.
             plan%reason = 'The exact motion was asked for.'
             if (.not. body%is_lagrange()) then
@@ -102,7 +102,7 @@ contains
         if (allocated(plan%stepper)) then
             plan%method = trim(plan%stepper%info%name) // ': ' // trim(plan%stepper%info%what)
         else
-            plan%method = 'exact'
+            plan%method = trim(exact_info%name)
         end if
         if (plan%exact) then
             plan%model = 'closed form of a symmetric top in theta functions'
@@ -110,7 +110,7 @@ contains
             call refuse('integration.steps', scene%steps /= unset_integer)
             call refuse('integration.step', is_set(scene%step))
             call refuse('integration.table', scene%table /= '')
-            if (scene%method /= 'exact') return
+            if (scene%method /= exact_info%name) return
             call refuse('integration.relative_tolerance', is_set(scene%relative_tolerance))
             call refuse('integration.absolute_tolerance', is_set(scene%absolute_tolerance))
             call refuse('integration.solver', scene%solver /= 'newton')

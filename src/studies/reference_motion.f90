@@ -12,11 +12,12 @@ module spintop_reference_motion
     use spintop_methods, only: create_stepper
     use spintop_motion, only: motion_t
     use spintop_plan, only: sample_times
+    use spintop_reference_kinds, only: reference_auto, reference_exact
     use spintop_status, only: status_ok
     use spintop_stepper, only: stepper_t
     implicit none
     private
-    public :: reference_t, find_reference
+    public :: reference_t, find_reference, check_reference
 
     !> A reference motion at equally spaced times.
     type :: reference_t
@@ -29,6 +30,9 @@ module spintop_reference_motion
         logical :: is_computed = .false.
         !> How far apart two computations of it are, rad; zero for the exact motion.
         real(dp) :: uncertainty = 0
+        !> What it was checked with, a motion by other means, and how far apart they are, rad.
+        character(24) :: check = ''
+        real(dp) :: disagreement = 0
     end type reference_t
 
     !> Keeps every motion it is shown.
@@ -41,21 +45,42 @@ module spintop_reference_motion
 
     !> Tolerances of a computed reference, and of the computation it is compared with.
     real(dp), parameter :: fine = 1.0e-24_dp, coarse = 1.0e-20_dp
+    !> Tolerance of a motion that checks a reference, as small as its arithmetic allows.
+    real(dp), parameter :: finest = 1.0e-15_dp
 
 contains
 
     !> The reference of a case at `samples` equally spaced times, both ends included.
-    subroutine find_reference(case, samples, reference, status)
+    subroutine find_reference(case, samples, kind, reference, status)
         type(case_t), intent(in) :: case
-        integer, intent(in) :: samples
+        integer, intent(in) :: samples, kind
         type(reference_t), intent(out) :: reference
         integer, intent(out) :: status
-        if (case%body%is_lagrange()) then
+        if (kind == reference_exact .or. (kind == reference_auto .and. case%body%is_lagrange())) then
             call take_exact(case, sample_times(case%t_end, samples), reference, status)
         else
             call compute_twice(case, sample_times(case%t_end, samples), reference, status)
         end if
     end subroutine find_reference
+
+    !> Compares a reference with a motion by other means: the exact motion, or a Runge-Kutta method for
+    !> bodies without one; and the exact motion with Taylor's method.
+    subroutine check_reference(case, reference, status)
+        type(case_t), intent(in) :: case
+        type(reference_t), intent(inout) :: reference
+        integer, intent(out) :: status
+        type(reference_t) :: other
+
+        if (case%body%is_lagrange() .and. reference%is_computed) then
+            call take_exact(case, reference%motions%t, other, status)
+            reference%check = other%source
+        else
+            reference%check = 'dop853'
+            if (case%body%is_lagrange()) reference%check = 'taylor'
+            call compute(case, case%start, reference%motions%t, trim(reference%check), finest, other%motions, status)
+        end if
+        if (status == status_ok) reference%disagreement = maxval(apart(reference%motions, other%motions))
+    end subroutine check_reference
 
     !> The exact motion of a symmetric top.
     subroutine take_exact(case, times, reference, status)
@@ -87,27 +112,29 @@ contains
         integer, intent(out) :: status
         type(motion_t), allocatable :: again(:), moved(:)
         type(motion_t) :: start
+        character(*), parameter :: in_quadruple = 'taylor_quadruple'
 
         reference%source = 'quadruple precision'
         reference%is_computed = .true.
-        call compute(case, case%start, times, fine, reference%motions, status)
+        call compute(case, case%start, times, in_quadruple, fine, reference%motions, status)
         if (status /= status_ok) return
-        call compute(case, case%start, times, coarse, again, status)
+        call compute(case, case%start, times, in_quadruple, coarse, again, status)
         if (status /= status_ok) return
         reference%uncertainty = maxval(apart(reference%motions, again))
         start = case%start
         start%omega = start%omega * (1 + epsilon_dp * [1, -1, 1])
         start%quaternion = start%quaternion * (1 + epsilon_dp * [1, -1, -1, 1])
-        call compute(case, start, times, coarse, moved, status)
+        call compute(case, start, times, in_quadruple, coarse, moved, status)
         if (status /= status_ok) return
         reference%floor = apart(again, moved) / 2
     end subroutine compute_twice
 
-    !> A motion in quadruple precision.
-    subroutine compute(case, start, times, tolerance, motions, status)
+    !> A motion by a method with step control.
+    subroutine compute(case, start, times, method, tolerance, motions, status)
         type(case_t), intent(in) :: case
         type(motion_t), intent(in) :: start
         real(dp), intent(in) :: times(:), tolerance
+        character(*), intent(in) :: method
         type(motion_t), allocatable, intent(out) :: motions(:)
         integer, intent(out) :: status
         class(formulation_t), allocatable :: formulation
@@ -116,7 +143,7 @@ contains
         type(outcome_t) :: outcome
 
         call create_formulation('rigid_body', formulation)
-        call create_stepper('taylor_quadruple', stepper)
+        call create_stepper(method, stepper)
         stepper%controls%relative_tolerance = tolerance
         stepper%controls%absolute_tolerance = tolerance
         allocate (keeper%motions(size(times)))

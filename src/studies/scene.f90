@@ -7,9 +7,10 @@ module spintop_scene
     use spintop_checksum, only: checksum_width
     use spintop_kinds, only: dp
     use spintop_projection, only: projection_names, project_nothing
-    use spintop_parameters, only: parameter_table_t, unset, unset_integer, any_elements
+    use spintop_parameters, only: parameter_table_t, unset, unset_integer, any_elements, leading_elements
     use spintop_formulations, only: formulation_infos
     use spintop_methods, only: method_infos
+    use spintop_reference_kinds, only: reference_auto, reference_names
     use spintop_shapes, only: shape_infos, shape_by_inertia
     use spintop_sweep_axes, only: combination_names, combine_grid
     use spintop_text, only: join
@@ -86,6 +87,13 @@ module spintop_scene
         integer :: seed = 1
         character(line) :: sweep_table = ''
         character(checksum_width) :: sweep_table_checksum = ''
+        ! &work_precision
+        character(2 * word) :: precision_methods(64) = ''
+        character(word) :: precision_formulations(16) = ''
+        real(dp) :: precision_tolerances(64) = unset
+        integer :: precision_steps(64) = unset_integer
+        integer :: precision_repeats = unset_integer
+        character(line) :: precision_reference = reference_names(reference_auto)
         ! &stability
         character(word) :: stability_cases(64) = ''
         character(2 * word) :: stability_methods(64) = ''
@@ -98,7 +106,7 @@ contains
         type(scene_t), target, intent(inout) :: scene
         type(parameter_table_t), intent(out) :: table
 
-        call table%add('study.kind', scene%kind, 'trajectory|sweep|stability', 'what to compute')
+        call table%add('study.kind', scene%kind, 'trajectory|sweep|work_precision|stability', 'what to compute')
         call table%add('study.title', scene%title, what='one line on the scene, for tables and figures')
 
         call table%add('top.shape', scene%shape, &
@@ -196,6 +204,19 @@ contains
                        what='CSV file instead of axes: parameters as columns, a case each row (path from the input)')
         call table%add('sweep.table_checksum', scene%sweep_table_checksum, &
                        what='of the bytes of the table: one with another is refused (computed)')
+
+        call table%add('work_precision.methods', scene%precision_methods, &
+                       what='methods, exact among them, alone or as method/formulation (all)')
+        call table%add('work_precision.formulations', scene%precision_formulations, &
+                       what='formulations for methods named alone (the one that suits the body)')
+        call table%add('work_precision.tolerances', scene%precision_tolerances, '', '[1e-31, 1]', &
+                       'relative tolerances of methods with step control (1e-3 to 1e-14)', elements=leading_elements)
+        call table%add('work_precision.steps', scene%precision_steps, '', '>= 1', &
+                       'numbers of equal steps of the other methods (100 to 25600)', elements=leading_elements)
+        call table%add('work_precision.repeats', scene%precision_repeats, '', '>= 1', &
+                       'runs of which the fastest counts (5; fewer where they take seconds)')
+        call table%add('work_precision.reference', scene%precision_reference, what='what errors are measured against: ' &
+                       // join(reference_names, ', ') // ', or a table with t, q0 to q3, omega1 to omega3')
 
         call table%add('stability.cases', scene%stability_cases, &
                        what="cases of the catalogue, or 'input' for the case of this file (all but long ones)")

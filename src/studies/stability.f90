@@ -19,6 +19,7 @@ module spintop_stability
     use spintop_problems, only: problems_t
     use spintop_progress, only: progress_t
     use spintop_provenance, only: describe_provenance, fact_count, fact_t, gather_facts
+    use spintop_reference_kinds, only: reference_auto
     use spintop_reference_motion, only: reference_t, find_reference
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_scene, only: scene_t
@@ -184,7 +185,7 @@ contains
             return
         end if
         associate (case => facts%case)
-            call find_reference(case, samples, facts%reference, status)
+            call find_reference(case, samples, reference_auto, facts%reference, status)
             if (status /= status_ok) then
                 error = error_t(exit_failed, 'stability: case ' // trim(facts%name) // ' has no reference: ' &
                                 // status_name(status))

@@ -2,26 +2,19 @@
 module spintop_stability_plan
     use spintop_body_of_scene, only: is_set
     use spintop_errors, only: error_t
-    use spintop_formulation, only: formulation_info_t, structure_quadruple
-    use spintop_formulations, only: formulation_infos
+    use spintop_formulation, only: structure_quadruple
     use spintop_hard_cases, only: hard_cases, make_scene
     use spintop_kinds, only: dp
+    use spintop_method_choice, only: method_choice_t, refuse_name, set_adaptive, set_steps, take_methods
     use spintop_methods, only: method_infos
     use spintop_parameters, only: unset, unset_integer
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
     use spintop_stepper, only: method_info_t
-    use spintop_text, only: string_t, nearest_word
     implicit none
     private
-    public :: stability_plan_t, method_choice_t, make_stability_plan, scene_of_case, scene_of_trial
+    public :: stability_plan_t, make_stability_plan, scene_of_case, scene_of_trial
     public :: own_case
-
-    !> A method under a formulation.
-    type :: method_choice_t
-        type(method_info_t) :: method
-        character(16) :: formulation = 'auto'
-    end type method_choice_t
 
     !> The table to fill.
     type :: stability_plan_t
@@ -58,7 +51,9 @@ contains
         if (all(scene%stability_methods == '')) then
             call take_all_methods(plan%methods)
         else
-            call take_methods(scene%stability_methods, plan%methods, problems)
+            allocate (plan%methods(0))
+            call take_methods('stability.methods', scene%stability_methods, method_infos(), ['auto'], plan%methods, &
+                              problems)
         end if
     end subroutine make_stability_plan
 
@@ -74,44 +69,12 @@ contains
             if (names(i) == '') cycle
             place = findloc(hard_cases%name == names(i), .true., dim=1)
             if (place == 0 .and. names(i) /= own_case) then
-                call refuse('stability.cases', 'case', trim(names(i)), &
-                            [character(24) :: hard_cases%name, own_case], problems)
+                call refuse_name('stability.cases', 'case', trim(names(i)), &
+                                 [character(24) :: hard_cases%name, own_case], problems)
             end if
             cases = [cases, place]
         end do
     end subroutine take_cases
-
-    !> Finds the methods that are named, alone or as method/formulation.
-    subroutine take_methods(names, choices, problems)
-        character(*), intent(in) :: names(:)
-        type(method_choice_t), allocatable, intent(out) :: choices(:)
-        type(problems_t), intent(inout) :: problems
-        type(method_info_t), allocatable :: methods(:)
-        type(formulation_info_t), allocatable :: forms(:)
-        type(method_choice_t) :: choice
-        integer :: i, slash, place
-
-        allocate (methods, source=method_infos())
-        allocate (forms, source=formulation_infos())
-        allocate (choices(0))
-        do i = 1, size(names)
-            if (names(i) == '') cycle
-            slash = index(trim(names(i)) // '/', '/')
-            place = findloc(methods%name == names(i)(:slash - 1), .true., dim=1)
-            if (place == 0) then
-                call refuse('stability.methods', 'method', names(i)(:slash - 1), methods%name, problems)
-                cycle
-            end if
-            choice = method_choice_t(methods(place))
-            if (slash < len_trim(names(i))) then
-                choice%formulation = names(i)(slash + 1:)
-                if (.not. any(forms%name == choice%formulation)) then
-                    call refuse('stability.methods', 'formulation', trim(choice%formulation), forms%name, problems)
-                end if
-            end if
-            choices = [choices, choice]
-        end do
-    end subroutine take_methods
 
     !> Every method under the formulation that suits the body, some of them under others too.
     subroutine take_all_methods(choices)
@@ -151,34 +114,18 @@ contains
         type(scene_t), intent(in) :: input
         type(scene_t), intent(inout) :: scene
         type(method_choice_t), intent(in) :: choice
+        real(dp) :: tolerance
 
-        scene%method = choice%method%name
-        scene%formulation = choice%formulation
-        scene%step = unset
-        scene%relative_tolerance = unset
-        scene%absolute_tolerance = unset
-        if (.not. choice%method%adaptive) return
-        scene%steps = unset_integer
-        if (choice%method%needs == structure_quadruple) return ! it has finer tolerances of its own
-        scene%relative_tolerance = default_tolerance
-        if (is_set(input%relative_tolerance)) scene%relative_tolerance = input%relative_tolerance
-        scene%absolute_tolerance = input%absolute_tolerance
+        if (.not. choice%method%adaptive) then
+            call set_steps(scene, choice, scene%steps)
+        else if (choice%method%needs == structure_quadruple) then
+            call set_adaptive(scene, choice, unset) ! it has finer tolerances of its own
+        else
+            tolerance = default_tolerance
+            if (is_set(input%relative_tolerance)) tolerance = input%relative_tolerance
+            scene%absolute_tolerance = input%absolute_tolerance
+            call set_adaptive(scene, choice, tolerance)
+        end if
     end subroutine scene_of_trial
-
-    !> There is no case or method of that name.
-    subroutine refuse(key, noun, name, known, problems)
-        character(*), intent(in) :: key, noun, name, known(:)
-        type(problems_t), intent(inout) :: problems
-        type(string_t) :: words(size(known))
-        character(:), allocatable :: hint
-        integer :: i
-        do i = 1, size(known)
-            words(i)%text = trim(known(i))
-        end do
-        hint = nearest_word(name, words)
-        if (hint /= '') hint = "did you mean '" // hint // "'?"
-        if (hint == '') hint = '`spintop list ' // noun // 's` shows them all'
-        call problems%add(key, 'there is no ' // noun // " '" // name // "'", hint)
-    end subroutine refuse
 
 end module spintop_stability_plan

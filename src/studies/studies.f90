@@ -13,6 +13,7 @@ module spintop_studies
     use spintop_system, only: make_folder
     use spintop_text, only: string_t, to_text
     use spintop_trajectory, only: run_trajectory
+    use spintop_work_precision, only: run_work_precision
     !$ use omp_lib, only: omp_set_num_threads
     implicit none
     private
@@ -63,7 +64,7 @@ contains
         type(error_t), allocatable, intent(out) :: error
         type(summary_t) :: summary
         integer(int64) :: counts(0:last_status)
-        integer :: status
+        integer :: status, failures
 
         code = exit_ok
         if (options%ranks%is_writer()) call make_folder(options%output, error)
@@ -74,6 +75,9 @@ contains
         case ('sweep')
             call run_sweep(job, options, summary, counts, error)
             if (any(counts(status_ok + 1:) > 0)) code = exit_failed
+        case ('work_precision')
+            call run_work_precision(job, options, summary, failures, error)
+            if (failures > 0) code = exit_failed
         case ('stability')
             call run_stability(job, options, summary, error)
         case default
@@ -95,11 +99,9 @@ contains
 
         call summary%headline(job%input // ': ' // what())
         if (options%shard%is_part()) call summary%add('shard', options%shard%line(job%axes%cases))
-        if (job%scene%kind /= 'stability') then
-            call summary%describe_plan(job%plan)
-            call summary%describe_motion(job%case)
-        end if
-        if (job%scene%kind == 'sweep') call summary%describe_axes(job%axes)
+        if (allocated(job%plan%reason)) call summary%describe_plan(job%plan)
+        if (job%scene%kind /= 'stability') call summary%describe_motion(job%case)
+        if (job%axes%cases > 0) call summary%describe_axes(job%axes)
         do i = 1, size(summary%lines)
             call text%add('! ' // summary%lines(i)%text)
         end do
@@ -121,6 +123,9 @@ contains
             select case (job%scene%kind)
             case ('sweep')
                 what = 'a sweep of ' // to_text(job%axes%cases) // ' cases, of which this is the first'
+            case ('work_precision')
+                what = 'the cost of ' // to_text(sum(job%precision%settings(job%precision%choices))) &
+                       // ' methods and settings at their errors'
             case ('stability')
                 what = 'the stability of ' // to_text(size(job%stability%methods)) // ' methods on ' &
                        // to_text(size(job%stability%cases)) // ' cases'

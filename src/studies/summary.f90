@@ -145,13 +145,16 @@ contains
         text = with_letter(trim(adjustl(buffer)))
     end function decimal
 
-    !> A measured number with four digits; measurements mean no more.
-    function rounded(value) result(text)
+    !> A measured number with as many digits as measurements mean, four unless told.
+    function rounded(value, digits) result(text)
         real(dp), intent(in) :: value
+        integer, intent(in), optional :: digits
         character(:), allocatable :: text
-        integer, parameter :: significant = 4
+        integer :: significant
         character(32) :: buffer
         integer :: exponent
+        significant = 4
+        if (present(digits)) significant = digits
         exponent = 0
         if (value > 0 .and. value <= huge(value)) exponent = floor(log10(value))
         if (exponent < -6 .or. exponent > 12) then

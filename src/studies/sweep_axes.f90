@@ -35,6 +35,7 @@ module spintop_sweep_axes
         procedure :: combine
         procedure :: values_of
         procedure :: slots_in
+        procedure :: place_of
         procedure :: varies
         procedure :: in_words
     end type axes_t
@@ -123,6 +124,21 @@ contains
             call table%find_number(self%axis(i)%name, slots(i), problem)
         end do
     end function slots_in
+
+    !> Place of the parameter of an axis in a table.
+    integer function place_of(self, i, table)
+        class(axes_t), intent(in) :: self
+        integer, intent(in) :: i
+        type(parameter_table_t), intent(in) :: table
+        place_of = table%find(base_of(self%axis(i)%name))
+    end function place_of
+
+    !> Name of a parameter without its subscript.
+    pure function base_of(name) result(base)
+        character(*), intent(in) :: name
+        character(:), allocatable :: base
+        base = name(:index(name // '(', '(') - 1)
+    end function base_of
 
     !> Puts the values of a case into the slots of a scene.
     subroutine put_values(slots, values)

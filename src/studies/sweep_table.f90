@@ -109,7 +109,7 @@ contains
         columns(1) = table_column_t(case_column, '', 'number of the case', column_of_integers)
         do i = 1, axes
             associate (name => job%axes%axis(i)%name, column => columns(1 + i))
-                associate (parameter => job%table%parameters(job%table%find(base_of(name))))
+                associate (parameter => job%table%parameters(job%axes%place_of(i, job%table)))
                     column = table_column_t(name, parameter%unit, parameter%what)
                     if (job%axes%combination == combine_grid) column%axis = i
                 end associate
@@ -168,12 +168,5 @@ contains
         rows%notes(rows%rows)%text = note%text
         rows%counts(status) = rows%counts(status) + 1
     end subroutine put_row
-
-    !> Name of a parameter without its subscript.
-    pure function base_of(name) result(base)
-        character(*), intent(in) :: name
-        character(:), allocatable :: base
-        base = name(:index(name // '(', '(') - 1)
-    end function base_of
 
 end module spintop_sweep_table

@@ -1,9 +1,11 @@
 !> One motion computed by one method, measured against a reference.
 module spintop_trial
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, pi
     use spintop_attitude, only: rotation_angle
     use spintop_body, only: body_t
     use spintop_case, only: case_t
+    use spintop_compare, only: is_finite
+    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_formulation, only: formulation_t, max_states
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_motion, only: motion_t
@@ -18,7 +20,7 @@ module spintop_trial
     private
     public :: trial_t, errors_t, run_trial
 
-    !> Largest differences from the reference at its times.
+    !> Sizes of the differences from the reference.
     type :: errors_t
         !> Angle of the turn between the attitudes, rad, and distance of the axis tips.
         real(dp) :: orientation = 0, tip = 0
@@ -27,6 +29,9 @@ module spintop_trial
         real(dp) :: energy = 0, vertical = 0, axial = 0
         !> Length of the quaternion less 1.
         real(dp) :: quaternion = 0
+        !> phi, theta, psi, rad, phi and psi within half a turn; and their rates, rad/s, where those of
+        !> the reference are finite.
+        real(dp) :: angle(3) = 0, rate(3) = 0
     end type errors_t
 
     !> What became of a computation.
@@ -34,11 +39,10 @@ module spintop_trial
         integer :: status = status_ok
         !> Time reached, s.
         real(dp) :: t = 0
-        type(errors_t) :: errors
-        !> Orientation error at the last time seen, rad.
-        real(dp) :: orientation_end = 0
+        !> Largest at the times of the reference, and those at the last time seen.
+        type(errors_t) :: errors, last
         type(counts_t) :: counts
-        !> Seconds it took.
+        !> Seconds it took, comparisons left out.
         real(dp) :: time = 0
     end type trial_t
 
@@ -48,10 +52,13 @@ module spintop_trial
         type(reference_t) :: reference
         integer :: seen = 0
         real(dp) :: energy_scale = 1, momentum_scale = 1
-        type(errors_t) :: errors
-        real(dp) :: orientation_end = 0
+        type(errors_t) :: errors, last
+        !> Seconds spent on comparisons.
+        real(dp) :: comparing = 0
     contains
+        procedure :: begin
         procedure :: observe
+        procedure :: compare
     end type judge_t
 
 contains
@@ -64,52 +71,115 @@ contains
         type(trial_t), intent(out) :: trial
         type(judge_t) :: judge
         type(outcome_t) :: outcome
-        real(dp) :: began, weight
+        real(dp) :: began
 
-        judge%case = case
-        judge%reference = reference
-        weight = case%body%mass * case%body%gravity * norm2(case%body%centre_of_mass)
-        judge%energy_scale = kinetic_energy(case%body, case%start) + weight
-        judge%momentum_scale = norm2(case%body%inertia * case%start%omega) &
-                               + sqrt(weight * maxval(case%body%inertia))
+        call judge%begin(case, reference)
         began = seconds()
-        call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, &
-                       reference%motions%t, judge, outcome)
-        trial%time = seconds() - began
+        if (plan%exact) then
+            call judge_exact_motion(judge, outcome)
+        else
+            call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, &
+                           reference%motions%t, judge, outcome)
+        end if
+        trial%time = seconds() - began - judge%comparing
         trial%status = outcome%status
         trial%t = outcome%t
         trial%counts = outcome%counts
         trial%errors = judge%errors
-        trial%orientation_end = judge%orientation_end
+        trial%last = judge%last
     end subroutine run_trial
+
+    !> The exact motion at the times of the reference.
+    subroutine judge_exact_motion(judge, outcome)
+        type(judge_t), intent(inout) :: judge
+        type(outcome_t), intent(out) :: outcome
+        type(exact_motion_t) :: exact
+        integer :: i
+
+        call prepare_exact_motion(judge%case%body, judge%case%start, exact, outcome%status)
+        if (outcome%status /= status_ok) return
+        do i = 1, size(judge%reference%motions)
+            outcome%t = judge%reference%motions(i)%t
+            call judge%compare(exact%at(outcome%t))
+        end do
+    end subroutine judge_exact_motion
+
+    !> Takes the case, the reference, and the scales of their energy and momenta.
+    subroutine begin(self, case, reference)
+        class(judge_t), intent(inout) :: self
+        type(case_t), intent(in) :: case
+        type(reference_t), intent(in) :: reference
+        real(dp) :: weight
+
+        self%case = case
+        self%reference = reference
+        weight = case%body%mass * case%body%gravity * norm2(case%body%centre_of_mass)
+        self%energy_scale = kinetic_energy(case%body, case%start) + weight
+        self%momentum_scale = norm2(case%body%inertia * case%start%omega) &
+                              + sqrt(weight * maxval(case%body%inertia))
+    end subroutine begin
 
     !> Compares a state with the reference at its time.
     subroutine observe(self, formulation, t, y, near)
         class(judge_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: t, y(max_states), near(3)
-        type(motion_t) :: motion
-        type(body_t) :: body
+        real(dp) :: began
+        began = seconds()
+        call self%compare(formulation%motion(t, y, near))
+        self%comparing = self%comparing + (seconds() - began)
+    end subroutine observe
+
+    !> Compares a motion with the next of the reference.
+    subroutine compare(self, motion)
+        class(judge_t), intent(inout) :: self
+        type(motion_t), intent(in) :: motion
 
         if (self%seen == size(self%reference%motions)) return
         self%seen = self%seen + 1
-        motion = formulation%motion(t, y, near)
-        body = self%case%body
-        associate (truth => self%reference%motions(self%seen), errors => self%errors)
-            self%orientation_end = rotation_angle(truth%quaternion, motion%quaternion)
-            call enlarge(errors%orientation, self%orientation_end)
-            call enlarge(errors%tip, norm2(axis_tip(body, motion) - axis_tip(body, truth)))
-            call enlarge(errors%energy, (energy(body, motion) - energy(body, truth)) / self%energy_scale)
-            call enlarge(errors%vertical, (vertical_momentum(body, motion) &
-                                           - vertical_momentum(body, truth)) / self%momentum_scale)
-            call enlarge(errors%axial, (axial_momentum(body, motion) - axial_momentum(body, truth)) &
-                                       / self%momentum_scale)
-            call enlarge(errors%quaternion, motion%quaternion_drift)
+        self%last = errors_t()
+        associate (truth => self%reference%motions(self%seen), body => self%case%body, last => self%last)
+            call enlarge(last%orientation, rotation_angle(truth%quaternion, motion%quaternion))
+            call enlarge(last%tip, norm2(axis_tip(body, motion) - axis_tip(body, truth)))
+            call enlarge(last%energy, (energy(body, motion) - energy(body, truth)) / self%energy_scale)
+            call enlarge(last%vertical, (vertical_momentum(body, motion) &
+                                         - vertical_momentum(body, truth)) / self%momentum_scale)
+            call enlarge(last%axial, (axial_momentum(body, motion) - axial_momentum(body, truth)) &
+                                     / self%momentum_scale)
+            call enlarge(last%quaternion, motion%quaternion_drift)
+            call compare_angles(self%case, motion, truth, last)
         end associate
-    end subroutine observe
+        associate (errors => self%errors, last => self%last)
+            call enlarge(errors%orientation, last%orientation)
+            call enlarge(errors%tip, last%tip)
+            call enlarge(errors%energy, last%energy)
+            call enlarge(errors%vertical, last%vertical)
+            call enlarge(errors%axial, last%axial)
+            call enlarge(errors%quaternion, last%quaternion)
+            call enlarge(errors%angle, last%angle)
+            call enlarge(errors%rate, last%rate)
+        end associate
+    end subroutine compare
+
+    !> Compares angles and rates, in the axes in which the body was given.
+    subroutine compare_angles(case, motion, truth, errors)
+        type(case_t), intent(in) :: case
+        type(motion_t), intent(in) :: motion, truth
+        type(errors_t), intent(inout) :: errors
+        type(motion_t) :: computed, true
+        real(dp) :: difference(3)
+
+        computed = case%turn%back(motion, case%given_start%angle)
+        true = case%turn%back(truth, case%given_start%angle)
+        difference = computed%angle - true%angle
+        call enlarge(errors%angle, difference - 2 * pi * anint(difference / (2 * pi)))
+        difference = 0
+        where (is_finite(true%rate)) difference = computed%rate - true%rate
+        call enlarge(errors%rate, difference)
+    end subroutine compare_angles
 
     !> The larger of an error and a new one; one that is not a number is the largest of all.
-    pure subroutine enlarge(error, difference)
+    elemental subroutine enlarge(error, difference)
         real(dp), intent(inout) :: error
         real(dp), intent(in) :: difference
         if (.not. abs(difference) <= error) error = min(abs(difference), huge(error))

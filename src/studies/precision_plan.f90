@@ -1,0 +1,199 @@
+!> What a work-precision study goes through: methods under formulations, each with its settings.
+module spintop_precision_plan
+    use spintop_body_of_scene, only: is_set
+    use spintop_case, only: case_t
+    use spintop_diagnostics, only: diagnostics_t
+    use spintop_formulation, only: structure_quadruple
+    use spintop_kinds, only: dp
+    use spintop_method_choice, only: method_choice_t, set_adaptive, set_steps, take_methods
+    use spintop_methods, only: exact_info, method_infos
+    use spintop_parameters, only: unset, unset_integer
+    use spintop_problems, only: problems_t
+    use spintop_reference_kinds, only: reference_auto, reference_exact, reference_names
+    use spintop_reference_motion, only: reference_t
+    use spintop_scene, only: scene_t
+    use spintop_stepper, only: method_info_t
+    use spintop_stored_motion, only: read_motion
+    use spintop_text, only: to_text
+    implicit none
+    private
+    public :: precision_plan_t, make_precision_plan, set_setting, read_reference
+
+    !> The table to fill.
+    type :: precision_plan_t
+        type(method_choice_t), allocatable :: choices(:)
+        real(dp), allocatable :: tolerances(:)
+        integer, allocatable :: steps(:)
+        !> Times at which the motions are compared.
+        integer :: samples = 0
+        integer :: repeats = 0
+        !> Where the reference comes from; stored, where it was read from a table.
+        integer :: reference = reference_auto
+        type(reference_t), allocatable :: stored
+    contains
+        procedure :: settings
+        procedure :: setting_text
+    end type precision_plan_t
+
+    !> Tolerances and numbers of equal steps where the input gives none, and repeats.
+    real(dp), parameter :: default_tolerances(*) = [1.0e-3_dp, 1.0e-4_dp, 1.0e-5_dp, 1.0e-6_dp, 1.0e-7_dp, &
+        1.0e-8_dp, 1.0e-9_dp, 1.0e-10_dp, 1.0e-11_dp, 1.0e-12_dp, 1.0e-13_dp, 1.0e-14_dp]
+    integer, parameter :: default_steps(*) = [100, 200, 400, 800, 1600, 3200, 6400, 12800, 25600]
+    integer, parameter :: default_repeats = 5
+    !> Intervals between comparisons: at most so many.
+    integer, parameter :: most_intervals = 100
+
+contains
+
+    !> The methods, formulations and settings named, or default ones.
+    subroutine make_precision_plan(scene, plan, problems)
+        type(scene_t), intent(in) :: scene
+        type(precision_plan_t), intent(out) :: plan
+        type(problems_t), intent(inout) :: problems
+        type(method_info_t), allocatable :: known(:)
+        character(len(scene%formulation)), allocatable :: formulations(:)
+        integer :: i
+
+        allocate (known, source=[exact_info, method_infos()])
+        formulations = pack(scene%precision_formulations, scene%precision_formulations /= '')
+        if (size(formulations) == 0) formulations = ['auto']
+        allocate (plan%choices(0))
+        if (all(scene%precision_methods == '')) then
+            call take_methods('work_precision.methods', pack(known%name, known%needs /= structure_quadruple), known, &
+                              formulations, plan%choices, problems)
+        else
+            call take_methods('work_precision.methods', scene%precision_methods, known, formulations, plan%choices, problems)
+        end if
+        plan%tolerances = pack(scene%precision_tolerances, is_set(scene%precision_tolerances))
+        if (size(plan%tolerances) == 0) plan%tolerances = default_tolerances
+        plan%steps = pack(scene%precision_steps, scene%precision_steps /= unset_integer)
+        if (size(plan%steps) == 0) plan%steps = default_steps
+        plan%repeats = default_repeats
+        if (scene%precision_repeats /= unset_integer) plan%repeats = scene%precision_repeats
+        i = findloc(reference_names == scene%precision_reference, .true., dim=1)
+        if (i > 0) plan%reference = i
+        plan%samples = 1 + common_intervals(plan%steps)
+        if (scene%samples /= unset_integer) plan%samples = scene%samples
+        call check(scene, problems)
+    end subroutine make_precision_plan
+
+    !> What the input should not say.
+    subroutine check(scene, problems)
+        type(scene_t), intent(in) :: scene
+        type(problems_t), intent(inout) :: problems
+        character(*), parameter :: hint = 'give it in &work_precision'
+
+        call refuse('integration.method', scene%method /= 'auto', 'a work-precision study compares methods', hint)
+        call refuse('integration.formulation', scene%formulation /= 'auto', &
+                    'a work-precision study compares formulations', hint)
+        call refuse('integration.steps', scene%steps /= unset_integer, 'a work-precision study varies the steps', hint)
+        call refuse('integration.step', is_set(scene%step), 'a work-precision study varies the steps', hint)
+        call refuse('integration.relative_tolerance', is_set(scene%relative_tolerance), &
+                    'a work-precision study varies the tolerance', hint)
+        call refuse('span.stop_at', scene%stop_at /= '', 'a work-precision study follows each motion to its end', &
+                    'leave it out')
+
+    contains
+
+        subroutine refuse(key, given, message, hint)
+            character(*), intent(in) :: key, message, hint
+            logical, intent(in) :: given
+            if (given) call problems%add(key, message, hint)
+        end subroutine refuse
+
+    end subroutine check
+
+    !> Reads the reference motion of a case where the input names a table of one, and checks that there
+    !> can be the one wanted.
+    subroutine read_reference(input, scene, case, plan, problems, diagnostics)
+        character(*), intent(in) :: input !! path of the input
+        type(scene_t), intent(in) :: scene
+        type(case_t), intent(in) :: case
+        type(precision_plan_t), intent(inout) :: plan
+        type(problems_t), intent(inout) :: problems
+        type(diagnostics_t), intent(inout) :: diagnostics
+        character(*), parameter :: key = 'work_precision.reference'
+
+        if (plan%reference == reference_exact .and. .not. case%body%is_lagrange()) then
+            call problems%add(key, 'this body has no exact motion', "take reference = 'quadruple'")
+        else if (any(reference_names == scene%precision_reference)) then
+            call check_steps('span.samples', plan, problems)
+        else
+            allocate (plan%stored)
+            call read_motion(input, key, trim(scene%precision_reference), case, plan%stored, problems, diagnostics)
+            if (.not. allocated(plan%stored%motions)) return
+            plan%samples = size(plan%stored%motions)
+            call check_steps(key, plan, problems)
+        end if
+    end subroutine read_reference
+
+    !> The times at which motions are compared must lie on the steps of methods with equal steps.
+    subroutine check_steps(key, plan, problems)
+        character(*), intent(in) :: key !! parameter that says how many these times are
+        type(precision_plan_t), intent(in) :: plan
+        type(problems_t), intent(inout) :: problems
+        integer :: i
+
+        if (.not. any(plan%choices%method%fixed_step .and. .not. plan%choices%method%adaptive)) return
+        associate (intervals => plan%samples - 1)
+            i = findloc(mod(plan%steps, intervals) == 0, .false., dim=1)
+            if (i == 0) return
+            call problems%add(key, 'motions are compared on the steps of methods with equal steps, and ' &
+                // to_text(intervals) // ' intervals do not divide ' // to_text(plan%steps(i)) // ' steps', &
+                'take a number of rows, less one, that divides all work_precision.steps')
+        end associate
+    end subroutine check_steps
+
+    !> Number of settings of a method.
+    elemental integer function settings(self, choice)
+        class(precision_plan_t), intent(in) :: self
+        type(method_choice_t), intent(in) :: choice
+        settings = 1
+        if (choice%method%adaptive) then
+            settings = size(self%tolerances)
+        else if (choice%method%fixed_step) then
+            settings = size(self%steps)
+        end if
+    end function settings
+
+    !> Has a scene computed by a method with setting number `k`.
+    subroutine set_setting(plan, choice, k, scene)
+        type(precision_plan_t), intent(in) :: plan
+        type(method_choice_t), intent(in) :: choice
+        integer, intent(in) :: k
+        type(scene_t), intent(inout) :: scene
+        if (choice%method%adaptive) then
+            call set_adaptive(scene, choice, plan%tolerances(k))
+        else if (choice%method%fixed_step) then
+            call set_steps(scene, choice, plan%steps(k))
+        else
+            call set_adaptive(scene, choice, unset)
+        end if
+        if (.not. choice%method%takes_table) scene%table = ''
+        scene%samples = plan%samples
+    end subroutine set_setting
+
+    !> A setting in words.
+    function setting_text(self, choice, k) result(text)
+        class(precision_plan_t), intent(in) :: self
+        type(method_choice_t), intent(in) :: choice
+        integer, intent(in) :: k
+        character(:), allocatable :: text
+        text = '-'
+        if (choice%method%adaptive) then
+            text = 'tolerance ' // to_text(self%tolerances(k))
+        else if (choice%method%fixed_step) then
+            text = 'steps ' // to_text(self%steps(k))
+        end if
+    end function setting_text
+
+    !> The largest number of intervals, not above `most_intervals`, that divides all numbers of steps.
+    pure integer function common_intervals(steps) result(intervals)
+        integer, intent(in) :: steps(:)
+        do intervals = most_intervals, 2, -1
+            if (all(mod(steps, intervals) == 0)) return
+        end do
+        intervals = 1
+    end function common_intervals
+
+end module spintop_precision_plan

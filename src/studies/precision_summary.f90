@@ -1,0 +1,113 @@
+!> A work-precision study in words: what each accuracy costs at least, and by which method.
+module spintop_precision_summary
+    use spintop_kinds, only: dp
+    use spintop_precision_table, only: precision_row_t
+    use spintop_reference_motion, only: reference_t
+    use spintop_status, only: status_ok
+    use spintop_summary, only: summary_t, rounded
+    use spintop_text, only: to_text
+    implicit none
+    private
+    public :: summarize_problem, cheapest, wanted_errors
+
+    !> Errors for which the cheapest method is told, rad.
+    real(dp), parameter :: wanted_errors(*) = [1.0e-3_dp, 1.0e-6_dp, 1.0e-9_dp, 1.0e-12_dp]
+    integer, parameter :: nobody = 0
+
+contains
+
+    !> Adds what the rows of a problem, sorted by time, tell.
+    subroutine summarize_problem(problem, rows, reference, summary)
+        character(*), intent(in) :: problem
+        type(precision_row_t), intent(in) :: rows(:)
+        type(reference_t), intent(in) :: reference
+        type(summary_t), intent(inout) :: summary
+        integer :: i
+
+        call summary%add('problem', problem // ', measured against ' // about(reference))
+        do i = 1, size(wanted_errors)
+            call summary%add('', 'for ' // to_text(wanted_errors(i)) // ' ' // compared(rows, wanted_errors(i)))
+        end do
+        do i = 1, size(rows)
+            if (rows(i)%is_stepped) cycle
+            call summary%add('', 'the exact motion takes ' // duration(rows(i)%time) // ' at any time, and is ' &
+                             // rounded(rows(i)%trial%errors%orientation) // ' rad off')
+        end do
+    end subroutine summarize_problem
+
+    !> The reference and how far it is to be trusted.
+    function about(reference) result(text)
+        type(reference_t), intent(in) :: reference
+        character(:), allocatable :: text
+        text = trim(reference%source)
+        if (reference%is_computed) text = text // ' (two tolerances agree to ' // rounded(reference%uncertainty) // ' rad)'
+        if (reference%check /= '') text = text // ', with which ' // trim(reference%check) // ' agrees to ' &
+            // rounded(reference%disagreement) // ' rad'
+    end function about
+
+    !> The cheapest stepping method for an error, and by how much it is cheaper than the next.
+    function compared(rows, error) result(text)
+        type(precision_row_t), intent(in) :: rows(:)
+        real(dp), intent(in) :: error
+        character(:), allocatable :: text
+        integer :: best, next
+
+        best = cheapest(rows, error)
+        if (best == nobody) then
+            text = 'no method is exact enough'
+            return
+        end if
+        text = 'the cheapest is ' // name_of(rows(best)) // ', ' // trim(rows(best)%setting) // ': ' &
+               // duration(rows(best)%time)
+        next = cheapest(rows, error, besides=rows(best)%method)
+        if (next == nobody) then
+            text = text // '; no other method is exact enough'
+        else
+            text = text // ', ' // rounded(rows(next)%time / rows(best)%time, 2) // ' times cheaper than ' &
+                   // name_of(rows(next))
+        end if
+    end function compared
+
+    !> Place of the first of the rows, sorted by time, of a stepping method (other than `besides`) whose
+    !> error is not larger; 0 if there is none.
+    pure integer function cheapest(rows, error, besides, only)
+        type(precision_row_t), intent(in) :: rows(:)
+        real(dp), intent(in) :: error
+        character(*), intent(in), optional :: besides, only !! a method
+        do cheapest = 1, size(rows)
+            associate (row => rows(cheapest))
+                if (row%trial%status /= status_ok .or. .not. row%is_stepped) cycle
+                if (present(besides)) then
+                    if (row%method == besides) cycle
+                end if
+                if (present(only)) then
+                    if (row%method /= only) cycle
+                end if
+                if (row%trial%errors%orientation <= error) return
+            end associate
+        end do
+        cheapest = nobody
+    end function cheapest
+
+    !> Method and formulation.
+    pure function name_of(row) result(name)
+        type(precision_row_t), intent(in) :: row
+        character(:), allocatable :: name
+        name = trim(row%method) // '/' // trim(row%formulation)
+    end function name_of
+
+    !> A time with a unit that suits it.
+    function duration(time) result(text)
+        real(dp), intent(in) :: time
+        character(:), allocatable :: text
+        real(dp), parameter :: milli = 1.0e-3_dp, micro = 1.0e-6_dp
+        if (time < milli) then
+            text = rounded(time / micro, 3) // ' us'
+        else if (time < 1) then
+            text = rounded(time / milli, 3) // ' ms'
+        else
+            text = rounded(time, 3) // ' s'
+        end if
+    end function duration
+
+end module spintop_precision_summary

@@ -1,0 +1,79 @@
+!> How long a computation takes: to the end of the span, for the state there.
+module spintop_trial_time
+    use spintop_kinds, only: dp
+    use spintop_case, only: case_t
+    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
+    use spintop_formulation, only: formulation_t, max_states
+    use spintop_integration, only: integrate, observer_t, outcome_t
+    use spintop_motion, only: motion_t
+    use spintop_plan, only: plan_t
+    use spintop_system, only: seconds
+    implicit none
+    private
+    public :: time_trial
+
+    !> Keeps the last motion.
+    type, extends(observer_t) :: arrival_t
+        type(motion_t) :: motion
+    contains
+        procedure :: observe
+    end type arrival_t
+
+    !> A measurement takes at least so long, in calls one after the other, and all repeats together not
+    !> much longer than the second, s.
+    real(dp), parameter :: shortest = 2.0e-4_dp, longest = 2.0_dp
+
+contains
+
+    !> The least time of `repeats` computations of a case as planned, s. Something like it should have
+    !> run just before, as a warm-up, and have taken about `expected` seconds. A computation so slow
+    !> that the repeats would take longer than two seconds has fewer of them, one at least.
+    subroutine time_trial(case, plan, expected, repeats, time)
+        type(case_t), intent(in) :: case
+        type(plan_t), intent(inout) :: plan
+        real(dp), intent(in) :: expected
+        integer, intent(in) :: repeats
+        real(dp), intent(out) :: time
+        type(arrival_t) :: arrival
+        real(dp) :: began, start
+        integer :: calls, repeat, i
+
+        calls = 1 + int(shortest / max(expected, shortest / 1000))
+        time = huge(time)
+        start = seconds()
+        do repeat = 1, repeats
+            began = seconds()
+            do i = 1, calls
+                call go(case, plan, arrival)
+            end do
+            time = min(time, (seconds() - began) / calls)
+            if (seconds() - start > longest) exit
+        end do
+    end subroutine time_trial
+
+    !> The state at the end of the span.
+    subroutine go(case, plan, arrival)
+        type(case_t), intent(in) :: case
+        type(plan_t), intent(inout) :: plan
+        type(arrival_t), intent(inout) :: arrival
+        type(exact_motion_t) :: exact
+        type(outcome_t) :: outcome
+        integer :: status
+
+        if (plan%exact) then
+            call prepare_exact_motion(case%body, case%start, exact, status)
+            arrival%motion = exact%at(case%t_end)
+        else
+            call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, &
+                           [case%t_end], arrival, outcome)
+        end if
+    end subroutine go
+
+    subroutine observe(self, formulation, t, y, near)
+        class(arrival_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: t, y(max_states), near(3)
+        self%motion = formulation%motion(t, y, near)
+    end subroutine observe
+
+end module spintop_trial_time

@@ -155,14 +155,19 @@ contains
             call problems%add('output.file', 'the name of the table holds a slash', &
                               'name the folder with --output')
         end if
+        has_axes = count_axes(job%scene) > 0 .or. job%scene%sweep_table /= ''
+        if (has_axes .and. (job%scene%kind == 'trajectory' .or. job%scene%kind == 'stability')) then
+            call problems%add('sweep', 'a ' // trim(merge('trajectory     ', 'stability study', &
+                              job%scene%kind == 'trajectory')) // ' has no axes', "set study.kind = 'sweep'")
+            has_axes = .false.
+        end if
+        allocate (job%axes%axis(0))
         if (job%scene%kind == 'stability') then
             call make_stability_plan(job%scene, job%stability, problems)
             if (problems%any() .or. all(job%stability%cases > 0)) return
         end if
         allocate (first, source=job%scene)
-        has_axes = count_axes(job%scene) > 0 .or. job%scene%sweep_table /= ''
-        allocate (job%axes%axis(0))
-        if (job%scene%kind == 'sweep' .or. (job%scene%kind == 'work_precision' .and. has_axes)) then
+        if (job%scene%kind == 'sweep' .or. has_axes) then
             if (job%scene%sweep_table == '') then
                 call make_axes(job%scene, job%table, job%axes, problems)
             else
@@ -171,8 +176,6 @@ contains
             if (job%axes%cases == 0) return
             call describe_scene(first, first_table)
             call put_values(job%axes%slots_in(first_table), job%axes%values_of(1_int64))
-        else if (has_axes) then
-            call problems%add('sweep', 'this study has no axes', "set study.kind = 'sweep'")
         end if
         call make_case(first, job%case, problems)
         select case (job%scene%kind)

@@ -84,10 +84,14 @@ contains
             if (.not. walk%next_line()) exit
             problem = ''
             do k = 1, maxval(place)
-                if (walk%has_cell()) call walk%next_cell()
                 i = findloc(place, k, dim=1)
-                if (i == 0) cycle
-                call walk%read_number(trim(columns(i)), cells(i, row), problem, hint)
+                if (.not. walk%has_cell()) then
+                    problem = 'the row ends after ' // to_text(k - 1) // ' cells'
+                    hint = 'a row has a cell for each column'
+                else
+                    call walk%next_cell()
+                    if (i > 0) call walk%read_number(trim(columns(i)), cells(i, row), problem, hint)
+                end if
                 if (problem == '') cycle
                 call walk%refuse(diagnostics, problem, hint)
                 deallocate (cells)

@@ -1,0 +1,257 @@
+"""The work-precision study: its table, its summary, what it refuses."""
+
+import csv
+import math
+import os
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+EXE = os.environ["SPINTOP_EXE"]
+SLOW_TOP = str(ROOT / "input" / "work_precision_slow_top.nml")
+SKEW = """
+&study kind = 'work_precision' /
+&top mass = 1  inertia = 1, 1.5, 2.25  centre_of_mass = 0.1, 0.05, 0.2 /
+&initial quaternion = 0.8, 0.6, 0, 0  omega = 0.5, 0.5, 1 /
+&span t_end = 5 /
+"""
+
+Row = dict[str, str]
+
+
+class WorkPrecisionCase(unittest.TestCase):
+    """Runs of the program on small studies."""
+
+    def setUp(self) -> None:
+        """Make a folder for the results."""
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def run_program(self, *arguments: str) -> subprocess.CompletedProcess:
+        """Run the program."""
+        return subprocess.run(
+            [EXE, *arguments, "-o", self.folder], capture_output=True, text=True, timeout=120
+        )
+
+    def write(self, text: str) -> str:
+        """An input of the test's own."""
+        path = self.folder / "own.nml"
+        path.write_text(text)
+        return str(path)
+
+    def rows(self, name: str) -> list[Row]:
+        """The rows of a table."""
+        with (self.folder / name).open() as file:
+            return list(csv.DictReader(line for line in file if not line.startswith("#")))
+
+    def study(self, scene: str, methods: str, *settings: str, code: int = 0) -> list[Row]:
+        """The rows of a study, and in self.summary what the program says of it."""
+        arguments = [f"--set=work_precision.{setting}" for setting in settings]
+        result = self.run_program(scene, f"--set=work_precision.methods={methods}", *arguments)
+        self.assertEqual(result.returncode, code, result.stderr)
+        self.summary = result.stdout
+        return self.rows(Path(scene).stem + ".csv")
+
+
+def of(rows: list[Row], method: str) -> dict[str, Row]:
+    """The rows of a method by setting."""
+    return {row["setting"]: row for row in rows if row["method"] == method}
+
+
+class TableTest(WorkPrecisionCase):
+    """What the rows say."""
+
+    def test_errors_costs_and_order(self) -> None:
+        """Errors fall as the order of a method says, costs grow, rows are sorted by time."""
+        rows = self.study(
+            SLOW_TOP,
+            "exact,taylor,splitting_2,dop853/lagrange",
+            "tolerances=1e-6,1e-9,1e-12",
+            "steps=800,1600,3200",
+        )
+        self.assertEqual(len(rows), 10)
+        times = [float(row["time_s"]) for row in rows]
+        self.assertEqual(times, sorted(times))
+        self.assertGreater(times[0], 0)
+        self.assertEqual({row["status"] for row in rows}, {"ok"})
+        self.assertEqual({row["problem"] for row in rows}, {"work_precision_slow_top"})
+
+        steps = of(rows, "splitting_2")
+        for column in ("error_orientation", "error_max", "error_theta_max"):
+            coarse, fine = (float(steps[f"steps {n}"][column]) for n in (1600, 3200))
+            self.assertAlmostEqual(math.log2(coarse / fine), 2, delta=0.1, msg=column)
+        self.assertEqual(steps["steps 800"]["steps"], "800")
+        self.assertGreaterEqual(int(steps["steps 800"]["evaluations"]), 800)
+
+        series = of(rows, "taylor")
+        errors = [float(series[f"tolerance {t}"]["error_max"]) for t in ("1e-06", "1e-09", "1e-12")]
+        self.assertEqual(errors, sorted(errors, reverse=True))
+        self.assertLess(errors[-1], 1e-10)
+        self.assertEqual(series["tolerance 1e-12"]["formulation"], "space_frame")
+
+        exact = of(rows, "exact")["-"]
+        self.assertEqual((exact["formulation"], exact["steps"]), ("closed_form", "0"))
+        self.assertGreater(float(exact["error_max"]), 0)
+        self.assertLess(float(exact["error_max"]), 1e-13)
+        self.assertEqual(exact["reference"], "quadruple precision")
+        self.assertLess(float(exact["reference_error"]), 1e-15)
+        self.assertLess(float(exact["reference_check"]), 1e-13)
+
+    def test_front(self) -> None:
+        """A row is on the front if no stepping method is as fast and as exact."""
+        rows = self.study(SLOW_TOP, "taylor,rk4,splitting_4,dop853", "steps=100,400,1600")
+        for row in rows:
+            better = [
+                other
+                for other in rows
+                if float(other["time_s"]) < float(row["time_s"])
+                and float(other["error_max"]) <= float(row["error_max"])
+            ]
+            self.assertEqual(row["front"], "no" if better else "yes")
+
+    def test_errors_of_columns_are_those_of_trajectories(self) -> None:
+        """The last rows of two trajectories differ by what the study says."""
+        row = self.study(SLOW_TOP, "dop853/lagrange", "tolerances=1e-6")[0]
+        ends = []
+        for method in (
+            "--set=integration.method=exact",
+            "--set=integration.relative_tolerance=1e-6",
+        ):
+            more = []
+            if "exact" not in method:
+                more = ["--set=integration.method=dop853", "--set=integration.formulation=lagrange"]
+            columns = "output.columns=phi,theta,psi,phi_rate,theta_rate,psi_rate,energy_error"
+            result = self.run_program(
+                SLOW_TOP, method, *more, "--set=study.kind=trajectory", f"--set={columns}",
+                "--set=output.file=motion.csv", "--set=span.samples=101",
+            )  # fmt: skip
+            self.assertEqual(result.returncode, 0, result.stderr)
+            ends.append(self.rows("motion.csv")[-1])
+        for name in ("phi", "theta", "psi", "phi_rate", "theta_rate", "psi_rate"):
+            difference = abs(float(ends[0][name]) - float(ends[1][name]))
+            self.assertAlmostEqual(difference / float(row[f"error_{name}"]), 1, delta=1e-5)
+
+    def test_any_body(self) -> None:
+        """Without an exact motion the reference says how far two methods agree on it."""
+        rows = self.study(self.write(SKEW), "exact,taylor,rkmk_4", "tolerances=1e-12", "steps=400")
+        self.assertEqual({row["method"] for row in rows}, {"taylor", "rkmk_4"})
+        self.assertIn("exact/", self.summary)
+        self.assertIn("left out", self.summary)
+        self.assertLess(float(rows[0]["reference_error"]), 1e-14)
+        self.assertLess(float(rows[0]["reference_check"]), 1e-12)
+        self.assertLess(float(of(rows, "taylor")["tolerance 1e-12"]["error_max"]), 1e-10)
+        self.assertIn("dop853 agrees", self.summary)
+
+    def test_stored_reference(self) -> None:
+        """A trajectory that was stored gives the errors that the exact motion gives."""
+        columns = "output.columns=q0,q1,q2,q3,t,omega1,omega2,omega3,theta"
+        result = self.run_program(
+            SLOW_TOP, "--set=study.kind=trajectory", f"--set={columns}", "--set=span.samples=41",
+            "--set=output.file=stored.csv",
+        )  # fmt: skip
+        self.assertEqual(result.returncode, 0, result.stderr)
+        settings = ("steps=400,800", "tolerances=1e-8")
+        stored = f"reference={self.folder / 'stored.csv'}"
+        rows = self.study(SLOW_TOP, "taylor,rk4", *settings, stored)
+        self.assertEqual({row["reference"] for row in rows}, {"stored.csv"})
+        direct = self.study(SLOW_TOP, "taylor,rk4", *settings, "reference=exact")
+        for method, setting in (("rk4", "steps 800"), ("taylor", "tolerance 1e-08")):
+            left, right = of(rows, method)[setting], of(direct, method)[setting]
+            for column in ("error_orientation", "error_theta"):
+                ratio = float(left[column]) / float(right[column])
+                self.assertAlmostEqual(ratio, 1, delta=1e-4)
+
+    def test_swept_problems(self) -> None:
+        """Each case of a sweep is a problem, with its parameters beside it."""
+        result = self.run_program(
+            SLOW_TOP, "--set=work_precision.methods=taylor,rk4", "--set=work_precision.steps=100",
+            "--set=work_precision.tolerances=1e-6", "--set=sweep.parameter=initial.theta",
+            "--set=sweep.from=0.2", "--set=sweep.to=0.6", "--set=sweep.count=3",
+        )  # fmt: skip
+        self.assertEqual(result.returncode, 0, result.stderr)
+        rows = self.rows("work_precision_slow_top.csv")
+        self.assertEqual(len(rows), 6)
+        tilts = {row["problem"]: float(row["initial.theta"]) for row in rows}
+        names = [f"work_precision_slow_top.{k}" for k in (1, 2, 3)]
+        self.assertEqual([round(tilts[name], 12) for name in names], [0.2, 0.4, 0.6])
+
+    def test_what_gives_up_has_no_errors(self) -> None:
+        """A method that stops is a row with its status, and others go on."""
+        pole = SKEW.replace("0.8, 0.6, 0, 0", "1, 0, 0, 0").replace("1, 1.5, 2.25", "1, 1, 0.5")
+        pole = pole.replace("0.1, 0.05, 0.2", "0, 0, 0.2")
+        rows = self.study(
+            self.write(pole), "taylor,dop853/lagrange,rkmk_4/lagrange", "tolerances=1e-9"
+        )
+        stuck = of(rows, "dop853")["tolerance 1e-09"]
+        self.assertEqual(stuck["status"], "pole")
+        self.assertEqual((stuck["error_max"], stuck["error_tip"]), ("nan", "nan"))
+        self.assertEqual(stuck["front"], "no")
+        self.assertLess(float(of(rows, "taylor")["tolerance 1e-09"]["error_max"]), 1e-6)
+        self.assertIn("rkmk_4/lagrange: integration.formulation", self.summary)
+
+
+class SummaryTest(WorkPrecisionCase):
+    """What is said in words."""
+
+    def test_cheapest(self) -> None:
+        """The sentence names the fastest of the rows that are exact enough."""
+        rows = self.study(SLOW_TOP, "exact,taylor,rk4", "tolerances=1e-4,1e-8", "steps=800")
+        enough = [r for r in rows if r["method"] != "exact" and float(r["error_max"]) <= 1e-6]
+        best = min(enough, key=lambda row: float(row["time_s"]))
+        name = f"{best['method']}/{best['formulation']}, {best['setting']}"
+        self.assertIn(f"for 1e-06 the cheapest is {name}: ", self.summary)
+        self.assertIn("for 1e-12 no method is exact enough", self.summary)
+        self.assertIn("the exact motion takes ", self.summary)
+
+
+class BadInputTest(WorkPrecisionCase):
+    """What is refused, before anything is computed."""
+
+    def test_refusals(self) -> None:
+        """Each names what is wrong."""
+        for settings, part in (
+            (["work_precision.methods=tailor"], "did you mean 'taylor'"),
+            (["work_precision.methods=rk4/lagrang"], "did you mean 'lagrange'"),
+            (["work_precision.methods=rk4", "span.samples=8"], "7 intervals do not divide 100"),
+            (["integration.method=rk4"], "compares methods"),
+            (["integration.relative_tolerance=1e-3"], "varies the tolerance"),
+            (["output.columns=t"], "columns of its own"),
+            (["work_precision.reference=nothing.csv"], "nothing.csv: No such file"),
+            (["work_precision.repeats=0"], "work_precision.repeats"),
+            (["work_precision.tolerances=2"], "work_precision.tolerances"),
+            (["span.stop_at=maximum"], "to its end"),
+        ):
+            arguments = [f"--set={setting}" for setting in settings]
+            result = self.run_program(SLOW_TOP, *arguments)
+            self.assertEqual(result.returncode, 2, settings)
+            self.assertIn(part, result.stderr)
+        result = self.run_program(self.write(SKEW), "--set=work_precision.reference=exact")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("no exact motion", result.stderr)
+
+    def test_tables_that_are_no_reference(self) -> None:
+        """A table must have the columns, the times and the start of the motion."""
+        head = "t,q0,q1,q2,q3,omega1,omega2,omega3\n"
+        row = "0,0.995184726672197,0.098017140329561,0,0,0,0,1\n"
+        for text, part in (
+            ("t,q0\n0,1\n", "no column q1"),
+            (head + row, "1 rows"),
+            (head + row + "7,1,0,0,0,0,0,1\n", "row 2 of the table is for t = 7"),
+            (head + row + "6.66,1,0,0,1,0,0,1\n", "not of length 1"),
+            (head + row.replace("0,1\n", "0,2\n") + "6.66,1,0,0,0,0,0,1\n", "starts elsewhere"),
+            (head + row + "6.66,1,0,0,x,0,0,1\n", "x"),
+            (head + row + "6.66,1,0\n", "the row ends after 3 cells"),
+            ("", "the table is empty"),
+        ):
+            table = self.folder / "reference.csv"
+            table.write_text(text)
+            result = self.run_program(SLOW_TOP, f"--set=work_precision.reference={table}")
+            self.assertEqual(result.returncode, 2, text)
+            self.assertIn(part, result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -5,16 +5,16 @@ module spintop_plan
     use spintop_body, only: body_t
     use spintop_body_of_scene, only: is_set
     use spintop_case, only: case_t
-    use spintop_formulation, only: formulation_info_t, structure_none, structure_names, &
-        structure_series
+    use spintop_formulation, only: formulation_info_t, formulation_t, structure_none, structure_names
     use spintop_formulations, only: create_formulation, formulation_infos
     use spintop_methods, only: create_stepper, exact_info
     use spintop_parameters, only: unset_integer
     use spintop_projection, only: projection_names, project_nothing, project_unit, project_invariants
     use spintop_problems, only: problems_t
+    use spintop_recommendation, only: recommend_adaptive, recommend_steps
     use spintop_run_plan, only: plan_t, sample_time, sample_times
     use spintop_scene, only: scene_t
-    use spintop_stepper, only: method_info_t
+    use spintop_stepper, only: controls_t, method_info_t
     use spintop_text, only: to_text, lower_case, nearest_word, string_t, join
     implicit none
     private
@@ -131,25 +131,22 @@ contains
     subroutine choose_default(scene, plan)
         type(scene_t), intent(in) :: scene
         type(plan_t), intent(inout) :: plan
-        character(*), parameter :: by_series = 'taylor', by_stages = 'dop853'
-        type(formulation_info_t), allocatable :: forms(:)
-        logical :: has_series
-        integer :: i
+        type(controls_t), parameter :: defaults = controls_t()
+        class(formulation_t), allocatable :: formulation
+        character(:), allocatable :: why
+        real(dp) :: tolerance
 
-        has_series = scene%formulation == 'auto' ! what is chosen then has
-        allocate (forms, source=formulation_infos())
-        do i = 1, size(forms)
-            if (forms(i)%name == scene%formulation) has_series = forms(i)%offers(structure_series)
-        end do
-        if (has_series .and. scene%steps == unset_integer .and. .not. is_set(scene%step)) then
-            call create_stepper(by_series, plan%stepper)
-            plan%reason = plan%reason // ' ' // by_series // ' is the default for that: the cheapest at any &
-                &tolerance where the equations have a power series.'
+        tolerance = defaults%relative_tolerance
+        if (is_set(scene%relative_tolerance)) tolerance = scene%relative_tolerance
+        if (scene%steps /= unset_integer .or. is_set(scene%step)) then
+            call recommend_steps(plan%stepper, why)
+        else if (scene%formulation == 'auto') then ! what is chosen then offers everything
+            call recommend_adaptive(tolerance, plan%stepper, why)
         else
-            call create_stepper(by_stages, plan%stepper)
-            plan%reason = plan%reason // ' ' // by_stages // ' is the default for that: of high order, so cheap where &
-                &the motion is smooth and the tolerance tight.'
+            call create_formulation(trim(scene%formulation), formulation)
+            call recommend_adaptive(tolerance, plan%stepper, why, formulation%info())
         end if
+        plan%reason = plan%reason // ' ' // trim(plan%stepper%info%name) // ' is the default for that: ' // why // '.'
     end subroutine choose_default
 
     !> The formulation named, or the default one.

@@ -33,6 +33,7 @@ module spintop_precision_plan
     contains
         procedure :: settings
         procedure :: setting_text
+        procedure :: formulation
     end type precision_plan_t
 
     !> Tolerances and numbers of equal steps where the input gives none, and repeats.
@@ -155,6 +156,14 @@ contains
             settings = size(self%steps)
         end if
     end function settings
+
+    !> The formulation that all methods share, or auto.
+    pure function formulation(self)
+        class(precision_plan_t), intent(in) :: self
+        character(16) :: formulation
+        formulation = 'auto'
+        if (all(self%choices%formulation == self%choices(1)%formulation)) formulation = self%choices(1)%formulation
+    end function formulation
 
     !> Has a scene computed by a method with setting number `k`.
     subroutine set_setting(plan, choice, k, scene)

@@ -8,11 +8,25 @@ module spintop_precision_summary
     use spintop_text, only: to_text
     implicit none
     private
-    public :: summarize_problem, cheapest, wanted_errors
+    public :: summarize_problem, auto_tally_t
 
     !> Errors for which the cheapest method is told, rad.
     real(dp), parameter :: wanted_errors(*) = [1.0e-3_dp, 1.0e-6_dp, 1.0e-9_dp, 1.0e-12_dp]
     integer, parameter :: nobody = 0
+    !> A method that takes so many times as long as the cheapest is a good choice.
+    real(dp), parameter :: near = 2
+
+    !> How often method = 'auto' was a good choice.
+    type :: auto_tally_t
+        private
+        integer :: comparisons = 0, within = 0, missed = 0
+        !> Largest ratio of its time to the least, and of what.
+        real(dp) :: worst = 1
+        character(:), allocatable :: where
+    contains
+        procedure :: compare => compare_auto
+        procedure :: summarize => summarize_auto
+    end type auto_tally_t
 
 contains
 
@@ -52,14 +66,14 @@ contains
         character(:), allocatable :: text
         integer :: best, next
 
-        best = cheapest(rows, error)
+        best = cheapest(rows, error, rows%is_stepped)
         if (best == nobody) then
             text = 'no method is exact enough'
             return
         end if
         text = 'the cheapest is ' // name_of(rows(best)) // ', ' // trim(rows(best)%setting) // ': ' &
                // duration(rows(best)%time)
-        next = cheapest(rows, error, besides=rows(best)%method)
+        next = cheapest(rows, error, rows%is_stepped .and. rows%method /= rows(best)%method)
         if (next == nobody) then
             text = text // '; no other method is exact enough'
         else
@@ -68,26 +82,56 @@ contains
         end if
     end function compared
 
-    !> Place of the first of the rows, sorted by time, of a stepping method (other than `besides`) whose
-    !> error is not larger; 0 if there is none.
-    pure integer function cheapest(rows, error, besides, only)
+    !> Place of the first of the rows, sorted by time, that is in the mask and has no larger error; 0 if
+    !> there is none.
+    pure integer function cheapest(rows, error, mask)
         type(precision_row_t), intent(in) :: rows(:)
         real(dp), intent(in) :: error
-        character(*), intent(in), optional :: besides, only !! a method
+        logical, intent(in) :: mask(:)
         do cheapest = 1, size(rows)
-            associate (row => rows(cheapest))
-                if (row%trial%status /= status_ok .or. .not. row%is_stepped) cycle
-                if (present(besides)) then
-                    if (row%method == besides) cycle
-                end if
-                if (present(only)) then
-                    if (row%method /= only) cycle
-                end if
-                if (row%trial%errors%orientation <= error) return
-            end associate
+            if (.not. mask(cheapest) .or. rows(cheapest)%trial%status /= status_ok) cycle
+            if (rows(cheapest)%trial%errors%orientation <= error) return
         end do
         cheapest = nobody
     end function cheapest
+
+    !> Compares what method = 'auto' takes with the cheapest there is, for each of the errors wanted that
+    !> some method reaches.
+    subroutine compare_auto(self, problem, rows)
+        class(auto_tally_t), intent(inout) :: self
+        character(*), intent(in) :: problem
+        type(precision_row_t), intent(in) :: rows(:)
+        real(dp) :: ratio
+        integer :: i, best, own
+
+        do i = 1, size(wanted_errors)
+            best = cheapest(rows, wanted_errors(i), spread(.true., 1, size(rows)))
+            if (best == nobody .or. .not. any(rows%is_auto)) cycle
+            own = cheapest(rows, wanted_errors(i), rows%is_auto)
+            ratio = huge(ratio)
+            if (own /= nobody) ratio = rows(own)%time / rows(best)%time
+            self%comparisons = self%comparisons + 1
+            if (own == nobody) self%missed = self%missed + 1
+            if (ratio <= near) self%within = self%within + 1
+            if (own == nobody .or. ratio <= self%worst) cycle
+            self%worst = ratio
+            self%where = problem // ', for ' // to_text(wanted_errors(i)) // ' where ' // name_of(rows(best)) &
+                         // ' is the cheapest'
+        end do
+    end subroutine compare_auto
+
+    !> Adds what the comparisons have told.
+    subroutine summarize_auto(self, summary)
+        class(auto_tally_t), intent(in) :: self
+        type(summary_t), intent(inout) :: summary
+        character(:), allocatable :: text
+        if (self%comparisons == 0) return
+        text = 'takes no more than ' // rounded(near, 1) // ' times as long as the cheapest method in ' &
+               // to_text(self%within) // ' of ' // to_text(self%comparisons) // ' comparisons'
+        if (self%worst > 1) text = text // ', at worst ' // rounded(self%worst, 3) // ' times (' // self%where // ')'
+        if (self%missed > 0) text = text // '; in ' // to_text(self%missed) // ' it is not exact enough'
+        call summary%add('auto', text)
+    end subroutine summarize_auto
 
     !> Method and formulation.
     pure function name_of(row) result(name)

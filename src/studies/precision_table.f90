@@ -53,7 +53,8 @@ module spintop_precision_table
         precision_column_t('reference', '', 'what it was compared with'), &
         precision_column_t('reference_error', 'rad', 'how far apart two computations of the reference are'), &
         precision_column_t('reference_check', 'rad', 'how far the reference is from a motion by other means'), &
-        precision_column_t('front', '', 'yes: no stepping method is both faster and more exact')]
+        precision_column_t('front', '', 'yes: no stepping method is both faster and more exact'), &
+        precision_column_t('auto', '', "yes: method = 'auto' takes this method at this tolerance")]
 
     !> A method with a setting.
     type :: precision_row_t
@@ -65,6 +66,8 @@ module spintop_precision_table
         real(dp) :: time = 0
         !> Takes steps, unlike the exact motion.
         logical :: is_stepped = .true.
+        !> What method = 'auto' takes, for a tolerance as large.
+        logical :: is_auto = .false.
         logical :: is_front = .false.
     end type precision_row_t
 
@@ -101,6 +104,7 @@ contains
         call text%put_text(reference%source)
         call text%put_reals([reference%uncertainty, reference%disagreement])
         call text%put_text(trim(merge('yes', 'no ', row%is_front)))
+        call text%put_text(trim(merge('yes', 'no ', row%is_auto)))
         call text%put_reals(parameters)
         call text%end_row()
     end subroutine put_row

@@ -15,7 +15,7 @@ module spintop_work_precision
     use spintop_parameters, only: parameter_table_t
     use spintop_plan, only: plan_t, make_plan
     use spintop_precision_plan, only: set_setting
-    use spintop_precision_summary, only: summarize_problem
+    use spintop_precision_summary, only: auto_tally_t, summarize_problem
     use spintop_precision_table, only: mark_front, precision_columns, precision_row_t, put_row, sort_rows
     use spintop_problems, only: problems_t
     use spintop_progress, only: progress_t
@@ -53,6 +53,7 @@ contains
         type(number_slot_t), allocatable :: slots(:)
         type(table_file_t) :: file
         type(progress_t) :: progress
+        type(auto_tally_t) :: tally
         type(string_t) :: no_trailer(0)
         real(dp), allocatable :: values(:)
         real(dp) :: began
@@ -75,7 +76,7 @@ contains
             if (size(slots) > 0) values = job%axes%values_of(k)
             call put_values(slots, values)
             call run_problem(job, scene, name_of_problem(job, k), values, trials * (k - 1), file, progress, rows, &
-                             failures, summary, error)
+                             failures, tally, summary, error)
             if (allocated(error)) exit
         end do
         call progress%finish()
@@ -85,6 +86,7 @@ contains
             return
         end if
         summary%lines(1)%text = job%input // ': work-precision study, ' // to_text(rows) // ' rows -> ' // job%output
+        call tally%summarize(summary)
         call summary%add('time', rounded(seconds() - began) // ' s')
     end subroutine run_work_precision
 
@@ -127,7 +129,8 @@ contains
     end function name_of_problem
 
     !> All methods on the problem of a scene.
-    subroutine run_problem(job, scene, name, values, done, file, progress, rows, failures, summary, error)
+    subroutine run_problem(job, scene, name, values, done, file, progress, rows, failures, tally, &
+                           summary, error)
         type(job_t), intent(in) :: job
         type(scene_t), intent(in) :: scene
         character(*), intent(in) :: name
@@ -136,6 +139,7 @@ contains
         type(table_file_t), intent(inout) :: file
         type(progress_t), intent(inout) :: progress
         integer, intent(inout) :: rows, failures
+        type(auto_tally_t), intent(inout) :: tally
         type(summary_t), intent(inout) :: summary
         type(error_t), allocatable, intent(out) :: error
         type(case_t) :: case
@@ -165,6 +169,7 @@ contains
         end do
         call file%put(text%contents(), error)
         rows = rows + size(results)
+        call tally%compare(name, results)
         if (job%axes%cases <= most_told) call summarize_problem(name, results, reference, summary)
     end subroutine run_problem
 
@@ -206,7 +211,7 @@ contains
                 do k = 1, plan%settings(plan%choices(i))
                     call run_setting(job, scene, case, reference, i, k, tried, row, refusal)
                     if (refusal /= '') then
-                        if (k == 1) call summary%add('left out', refusal)
+                        if (k == 1 .and. done == 0) call summary%add('left out', refusal)
                         exit
                     end if
                     n = n + 1
@@ -254,10 +259,31 @@ contains
             end if
             if (refusal /= '') return
             row%setting = job%precision%setting_text(choice, k)
+            row%is_auto = is_auto(trial_scene, case, plan, job%precision%formulation())
         end associate
         call run_trial(case, plan, reference, row%trial)
         row%time = row%trial%time
         if (row%trial%status == status_ok) call time_trial(case, plan, row%trial%time, job%precision%repeats, row%time)
     end subroutine run_setting
+
+    !> Whether a plan is what would be chosen for the tolerance of a scene under a formulation (or auto).
+    logical function is_auto(scene, case, plan, formulation)
+        type(scene_t), intent(in) :: scene
+        type(case_t), intent(in) :: case
+        type(plan_t), intent(in) :: plan
+        character(*), intent(in) :: formulation
+        type(scene_t) :: free_scene
+        type(plan_t) :: free_plan
+        type(problems_t) :: problems
+
+        is_auto = plan%is_adaptive()
+        if (.not. is_auto) return
+        free_scene = scene
+        free_scene%method = 'auto'
+        free_scene%formulation = formulation
+        call make_plan(free_scene, case, free_plan, problems)
+        is_auto = free_plan%model == plan%model
+        if (is_auto .and. allocated(plan%stepper)) is_auto = free_plan%stepper%info%name == plan%stepper%info%name
+    end function is_auto
 
 end module spintop_work_precision

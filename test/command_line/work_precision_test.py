@@ -112,6 +112,19 @@ class TableTest(WorkPrecisionCase):
             ]
             self.assertEqual(row["front"], "no" if better else "yes")
 
+    def test_what_auto_takes(self) -> None:
+        """Rows of the method that would be chosen for their tolerance are marked."""
+        rows = self.study(self.write(SKEW), "taylor,dop853,rk4", "tolerances=1e-6", "steps=100")
+        self.assertEqual([r["method"] for r in rows if r["auto"] == "yes"], ["taylor"])
+        self.assertIn("auto      takes no more than 2 times", self.summary)
+        rows = self.study(SLOW_TOP, "exact,taylor", "tolerances=1e-6")
+        self.assertEqual([r["method"] for r in rows if r["auto"] == "yes"], ["exact"])
+        rows = self.study(
+            SLOW_TOP, "ode45,dop853,rk4", "formulations=lagrange", "tolerances=1e-3,1e-9"
+        )
+        chosen = {(r["method"], r["setting"]) for r in rows if r["auto"] == "yes"}
+        self.assertEqual(chosen, {("ode45", "tolerance 0.001"), ("dop853", "tolerance 1e-09")})
+
     def test_errors_of_columns_are_those_of_trajectories(self) -> None:
         """The last rows of two trajectories differ by what the study says."""
         row = self.study(SLOW_TOP, "dop853/lagrange", "tolerances=1e-6")[0]

@@ -1,0 +1,68 @@
+!> The stepper that costs least for a tolerance, as work-precision studies measured it.
+!>
+!> The closed form comes first: where there is one nothing else is chosen unless it is asked for. The
+!> rows below were found with the hard cases (`spintop list cases`) and are checked on others by
+!> `spintop input/recommendation.nml` and `input/recommendation_lagrange.nml`, whose summaries tell how
+!> far from the cheapest they are:
+!>
+!> * Taylor's method is the cheapest at any tolerance where the equations have a power series; at worst,
+!>   for 1e-2 rad of some bodies without symmetry, splitting costs a fifth less.
+!> * Below 1e-15 double precision gains nothing any more.
+!> * Without a series ode45 costs a half to the same as dop853 down to errors of 1e-4 rad, which it
+!>   reaches at tolerances of about 1e-5, and two to ten times as much at 1e-8 rad.
+module spintop_recommendation
+    use spintop_formulation, only: formulation_info_t, structure_none
+    use spintop_kinds, only: dp
+    use spintop_methods, only: create_stepper
+    use spintop_stepper, only: stepper_t
+    implicit none
+    private
+    public :: recommend_adaptive, recommend_steps
+
+    !> A method, the tolerance from which on it is recommended, and why.
+    type :: recommendation_t
+        character(20) :: method
+        real(dp) :: least
+        character(96) :: why
+    end type recommendation_t
+
+    !> The first that the equations can carry, and whose least tolerance is not above the one wanted.
+    type(recommendation_t), parameter :: recommendations(*) = [ &
+        recommendation_t('taylor', 1.0e-15_dp, 'the cheapest at any tolerance where the equations have a power series'), &
+        recommendation_t('taylor_quadruple', 0.0_dp, 'double precision cannot keep a tolerance below 1e-15'), &
+        recommendation_t('ode45', 1.0e-5_dp, 'the cheapest at tolerances from 1e-5 on without a power series'), &
+        recommendation_t('dop853', 0.0_dp, 'of high order, so cheap where the motion is smooth and the tolerance tight')]
+
+    !> For equal steps, whatever the equations.
+    type(recommendation_t), parameter :: for_steps = recommendation_t( &
+        'dop853', 0.0_dp, 'of high order, so cheap where the motion is smooth and the steps are short')
+
+contains
+
+    !> The stepper for equations (any, where `info` is left out) and a tolerance.
+    subroutine recommend_adaptive(tolerance, stepper, why, info)
+        real(dp), intent(in) :: tolerance
+        class(stepper_t), allocatable, intent(out) :: stepper
+        character(:), allocatable, intent(out) :: why
+        type(formulation_info_t), intent(in), optional :: info
+        integer :: i
+
+        do i = 1, size(recommendations)
+            if (tolerance < recommendations(i)%least) cycle
+            call create_stepper(recommendations(i)%method, stepper)
+            why = trim(recommendations(i)%why)
+            if (stepper%info%needs == structure_none) return
+            if (.not. present(info)) return
+            if (info%offers(stepper%info%needs)) return
+        end do
+    end subroutine recommend_adaptive
+
+    !> The stepper for equal steps.
+    subroutine recommend_steps(stepper, why)
+        class(stepper_t), allocatable, intent(out) :: stepper
+        character(:), allocatable, intent(out) :: why
+        call create_stepper(for_steps%method, stepper)
+        why = trim(for_steps%why)
+    end subroutine recommend_steps
+
+end module spintop_recommendation

@@ -211,47 +211,72 @@ contains
         values(3) = y(1) * axis(1) + y(2) * axis(2) + self%vertical * axis(3)
     end subroutine invariants
 
-    !> Taylor coefficients of the motion. All terms of the equations are products of two components,
-    !> the length of p being constant; coefficients of products follow Cauchy's rule.
+    !> Taylor coefficients of the motion.
+    !>
+    !> With w = L/I1, u = e3 = u0 + v, m = m g l/I1 and the constants of the motion put in, as the state has
+    !> them, the equations are, differentiated once more, linear but for the height v:
+    !>     w'' = w_z k x w' + m u0 w + m v w,
+    !>     p'' = ((m u0 - w.w/2)/2 -+ m/2) p + m v p,  - for p0 and p3, + for p1 and p2,
+    !>     v'' = v''(0) + (4 m u0 - w.w) v + 3 m v^2,
+    !> with w.w at the start. (w.w/2 + m u and w.e are constant, k x e = k e + u and e p = p k as
+    !> quaternions.) So a term needs one product only, with v, and a coefficient but the last but one.
     pure subroutine series(self, y, order, coefficient)
         class(space_frame_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states)
         integer, intent(in) :: order
         real(dp), intent(out) :: coefficient(max_states, 0:max_series_order)
-        !> Products of L1, L2, p0 and p3 with the whole state.
-        real(dp) :: by_l1(max_states), by_l2(max_states), by_p0(max_states), by_p3(max_states)
-        real(dp) :: half, vertical, pull, share
-        integer :: k, j, i
+        integer, parameter :: v = 7 !! place of v in what is below, beside the state
+        real(dp), parameter :: share_of_product(max_states) = [1, 1, 1, 1, 1, 1, 3, 0]
+        !> The series of w1, w2, p and v; the factors of their linear terms; and sums of products.
+        real(dp) :: c(max_states, 0:max_series_order), linear(max_states), product(max_states), more(max_states)
+        real(dp) :: m, w3, upper, lower, axis(3), square, weight(max_states)
+        integer :: i, j, k
+        real(dp), parameter :: share(max_series_order) = [(1.0_dp / i, i=1, max_series_order)]
 
-        half = 1 / (2 * self%i1)
-        vertical = self%vertical * half
-        pull = 2 * self%mgl / sum(y(3:6)**2)
-        coefficient(:, 0) = y
-        associate (c => coefficient)
-            do k = 0, order - 1
-                by_l1 = 0
-                by_l2 = 0
-                by_p0 = 0
-                by_p3 = 0
-                do j = k, 0, -1
-                    !$omp simd
-                    do i = 1, max_states
-                        by_l1(i) = by_l1(i) + c(1, j) * c(i, k - j)
-                        by_l2(i) = by_l2(i) + c(2, j) * c(i, k - j)
-                        by_p0(i) = by_p0(i) + c(3, j) * c(i, k - j)
-                        by_p3(i) = by_p3(i) + c(6, j) * c(i, k - j)
-                    end do
-                end do
-                share = 1.0_dp / (k + 1)
-                c(1, k + 1) = share * pull * (by_p0(4) - by_p3(5))
-                c(2, k + 1) = share * pull * (by_p0(5) + by_p3(4))
-                c(3, k + 1) = -share * (half * (by_l1(4) + by_l2(5)) + vertical * c(6, k))
-                c(4, k + 1) = share * (half * (by_l1(3) + by_l2(6)) - vertical * c(5, k))
-                c(5, k + 1) = share * (half * (by_l2(3) - by_l1(6)) + vertical * c(4, k))
-                c(6, k + 1) = share * (half * (by_l1(5) - by_l2(4)) + vertical * c(3, k))
-                c(7:8, k + 1) = 0
-            end do
+        m = self%mgl / self%i1
+        w3 = self%vertical / self%i1
+        weight = m * share_of_product
+        c(1:2, 0) = y(1:2) / self%i1
+        c(3:6, 0) = y(3:6)
+        c(7:8, 0) = 0
+        associate (w1 => c(1, 0), w2 => c(2, 0), p0 => y(3), p1 => y(4), p2 => y(5), p3 => y(6))
+            upper = p0**2 + p3**2
+            lower = p1**2 + p2**2
+            axis = [2 * (p1 * p3 + p0 * p2), 2 * (p2 * p3 - p0 * p1), upper - lower] / (upper + lower)
+            square = w1**2 + w2**2 + w3**2
+            c(1, 1) = -m * axis(2)
+            c(2, 1) = m * axis(1)
+            c(3, 1) = -(w1 * p1 + w2 * p2 + w3 * p3) / 2
+            c(4, 1) = (w1 * p0 + w2 * p3 - w3 * p2) / 2
+            c(5, 1) = (w2 * p0 + w3 * p1 - w1 * p3) / 2
+            c(6, 1) = (w3 * p0 + w1 * p2 - w2 * p1) / 2
+            c(v, 1) = w1 * axis(2) - w2 * axis(1)
+            c(8, 1) = 0
+            linear(1:2) = m * axis(3)
+            linear(3:6) = m / (upper + lower) * [-lower, upper, upper, -lower] - square / 4
+            linear(v) = 4 * m * axis(3) - square
+            linear(8) = 0
         end associate
+        do k = 0, order - 2
+            product = 0
+            more = 0
+            do j = 0, k - 2, 2 ! two sums, as each product waits for the last
+                !$omp simd
+                do i = 1, max_states
+                    product(i) = product(i) + c(v, k - j) * c(i, j)
+                    more(i) = more(i) + c(v, k - j - 1) * c(i, j + 1)
+                end do
+            end do
+            if (mod(k, 2) == 1) product = product + c(v, 1) * c(:, k - 1)
+            c(:, k + 2) = (weight * (product + more) + linear * c(:, k)) * (share(k + 1) * share(k + 2))
+            c(1, k + 2) = c(1, k + 2) - w3 * share(k + 2) * c(2, k + 1)
+            c(2, k + 2) = c(2, k + 2) + w3 * share(k + 2) * c(1, k + 1)
+            if (k == 0) c(v, 2) = (w3 * (c(1, 0) * axis(1) + c(2, 0) * axis(2)) - axis(3) * (c(1, 0)**2 + c(2, 0)**2) &
+                                   - m * (axis(1)**2 + axis(2)**2)) / 2
+        end do
+        coefficient(1:2, :order) = c(1:2, :order) * self%i1
+        coefficient(3:6, :order) = c(3:6, :order)
+        coefficient(7:, :order) = 0
     end subroutine series
 
     !> The angular velocity L/I1 and the moment, in space axes: xi = (L/I1, L1', L2').

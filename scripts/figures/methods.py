@@ -66,13 +66,13 @@ FAMILIES = (
         "o",
         "#12355b",
     ),
-    Family("Taylor series, step control", ("taylor_quadruple", "taylor"), "*", "#2f7d32"),
+    Family("Taylor series, step control", ("taylor", "taylor_quadruple"), "*", "#2f7d32"),
     Family("closed form", ("exact",), "p", "black"),
     Family("other programs", ("heyoka", "odeint", "scipy", "sundials", "octave"), "D", "0.5"),
     Family("other methods", ("",), "d", "0.35"),
 )
-"""A method belongs to the first of them that has the beginning of its name, and varies in dashes
-by the first beginning that it has."""
+"""A method belongs to the first of them that has a beginning of its name; which of the beginnings
+it has decides on dashes and tone."""
 
 DASHES = ("-", (0, (5, 1.5)), (0, (6, 1.5, 1, 1.5)), (0, (1.2, 1.2)), (0, (3, 3)))
 """Of the variations within a family, the first of which has the family's own colour."""
@@ -117,9 +117,9 @@ def family_of(method: str) -> Family:
 
 
 def variation_of(method: str) -> int:
-    """The place of a method in its family."""
+    """The place of a method in its family: that of the longest beginning that it has."""
     beginnings = family_of(method).beginnings
-    return next(i for i, beginning in enumerate(beginnings) if method.startswith(beginning))
+    return beginnings.index(max(filter(method.startswith, beginnings), key=len))
 
 
 def rank_of(method: str) -> tuple[int, int]:

@@ -103,6 +103,8 @@ def footer(table: Table, width: int) -> str:
 def describe_run(table: Table) -> str:
     """Formulation, method, and steps or tolerances, in words."""
     method = table.setting("integration.method")
+    if "setting" in table.rows:
+        return "methods, formulations and settings as named"
     if "method" in table.rows:
         return ", ".join(["methods and formulations as named", *describe_tolerances(table)])
     if method == "exact":

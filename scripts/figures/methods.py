@@ -81,8 +81,8 @@ PALER = 0.17
 """How much of the way to white the colour of a variation is from the one before it."""
 
 FILLS = {
-    "rigid_body": "full",
-    "space_frame": "none",
+    "space_frame": "full",
+    "rigid_body": "none",
     "lagrange": "left",
     "cayley_klein": "top",
     "euler": "bottom",

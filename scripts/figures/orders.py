@@ -1,5 +1,7 @@
 """Convergence of the methods of equal steps: error against step, with the orders measured."""
 
+import itertools
+
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -18,12 +20,12 @@ from figures.table import Table
 STEP = "step"
 """The column with the size of a step over the time span."""
 
-LARGEST, LEAST = 1e-2, 1e-11
-"""The order is that of errors between these, rad: small enough to fall by a power of the step, too
-large to be made of rounding."""
+ALIKE = 0.1
+"""Slopes that differ by less, over their size, are those of a power: the steps are small enough
+for the order to show, and the errors are not of rounding yet."""
 
-NOISE = 100
-"""How many times the rounding of the data an error has to be for that."""
+LEAST_SLOPE = 0.5
+"""Errors of rounding fall by less."""
 
 
 def equal_steps(table: Table) -> pd.DataFrame:
@@ -44,13 +46,16 @@ def object_to_orders(table: Table) -> str:
 
 
 def measured_order(rows: pd.DataFrame) -> float:
-    """The slope of the logarithm of the error over that of the step; nan if it cannot be told."""
-    error = rows["error_max"].to_numpy(float)
-    floor = np.nanmax(rows["double_floor"]) if "double_floor" in rows else 0.0
-    telling = (error < LARGEST) & (error > max(LEAST, NOISE * floor))
-    if telling.sum() < 2:
-        return float("nan")
-    return float(np.polyfit(np.log(rows[STEP][telling]), np.log(error[telling]), 1)[0])
+    """The slope of the logarithm of the error over that of the step; nan if it cannot be told.
+
+    It is that of the finest three steps over which it hardly changes.
+    """
+    error, step = (np.log(rows[name].to_numpy(float)) for name in ("error_max", STEP))
+    slopes = np.diff(error) / np.diff(step)
+    for one, other in itertools.pairwise(slopes[::-1]):
+        if min(one, other) > LEAST_SLOPE and abs(one - other) < ALIKE * max(one, other):
+            return float((one + other) / 2)
+    return float("nan")
 
 
 def with_order(curve: Curve) -> str:

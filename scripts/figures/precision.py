@@ -31,6 +31,9 @@ MOST_PROBLEMS = 6
 PANEL_HEIGHT = 3.4
 """In inches."""
 
+ROOM = 0.25
+"""For the triangles of orders, over the width of the curves."""
+
 ERROR_LABEL = "largest error of the attitude (rad)"
 
 
@@ -126,17 +129,24 @@ def set_limits(axes: Axes, rows: pd.DataFrame, x: str, y: str) -> None:
     axes.set_axisbelow(True)
 
 
-def method_handles(tables_rows: Iterable[pd.DataFrame], columns: Iterable[str]) -> list[Artist]:
-    """What the curves mean, each once, by family."""
+def method_handles(parts: Iterable[pd.DataFrame], columns: Iterable[str]) -> list[Artist]:
+    """What curves mean, by family, each once; and what fills markers, if not one formulation."""
     columns = list(columns)
     curves = {
         curve.label: curve
-        for rows in tables_rows
+        for rows in parts
         for curve in curves_of(rows, columns)
         if curve.method != EXACT
     }
     ordered = sorted(curves.values(), key=lambda curve: (*rank_of(curve.method), curve.label))
-    return [Line2D([], [], **curve.style(), label=curve.label) for curve in ordered]
+    handles = [Line2D([], [], **curve.style(), label=curve.label) for curve in ordered]
+    fills = dict.fromkeys(curve.formulation for curve in ordered)
+    grey = {"color": GREY, "linestyle": "", "marker": "o"}
+    if len(fills) > 1:
+        handles += [
+            Line2D([], [], **style_of("", name) | grey, label=f"under {name}") for name in fills
+        ]
+    return handles
 
 
 FLOOR_HANDLE = Patch(color=FAINT, linewidth=0, label="rounding of the data")
@@ -203,12 +213,16 @@ def draw_precision_work(table: Table) -> Figure:
 
 
 def draw_slopes(axes: Axes, orders: list[int]) -> None:
-    """Triangles at the lower left, over a third of a decade: the slopes of these orders."""
+    """Triangles at the lower left, above the band of rounding, whose slopes are these orders."""
     if not orders:
         return
+    left, right = axes.get_xlim()
+    axes.set_xlim(left / (right / left) ** ROOM, right)
     x_log, y_log = (np.log10(limits) for limits in (axes.get_xlim(), axes.get_ylim()))
-    run = 0.055 * np.ptp(x_log)
-    x, bottom = x_log[0] + 0.025 * np.ptp(x_log), y_log[0] + 0.05 * np.ptp(y_log)
+    run = ROOM / (1 + ROOM) / (1.5 * len(orders)) * np.ptp(x_log)
+    floor = max((np.log10(patch.get_corners()[:, 1].max()) for patch in axes.patches), default=-99)
+    x = x_log[0] + 0.025 * np.ptp(x_log)
+    bottom = max(floor, y_log[0]) + 0.05 * np.ptp(y_log)
     for order in orders:
         corners = [(x, bottom), (x, bottom + order * run), (x + run, bottom), (x, bottom)]
         axes.plot(*np.power(10, np.transpose(corners)), color=GREY, linewidth=0.8, zorder=1)

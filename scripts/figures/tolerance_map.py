@@ -7,17 +7,22 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from figures.maps import LEAST_HEIGHT, draw_map, label_axes, make_grid, object_to_grid
+from figures.maps import PANEL_HEIGHT, cross, draw_map, label_axes, make_grid, object_to_grid
 from figures.precision import EXACT, Curve, curves_of, problems_of
-from figures.quantities import Quantity, the_column
+from figures.quantities import Quantity, tell_failed, the_column
 from figures.style import add_panels, new_figure
 from figures.table import Table
 
-TARGET = 1e-9
-"""The error that the methods have to reach, rad."""
+TARGET, GOAL = 1e-9, "10\u207b\u2079 rad"
+"""The error that the methods have to reach, rad, and how it is written."""
 
-TIME = Quantity(("time_s",), f"least time to {TARGET:.0e} rad", "s", the_column("time_s"), 3)
-METHOD = Quantity(("method",), "by", "", the_column("method"))
+QUANTITIES = (
+    Quantity(("time_s",), f"least time to {GOAL}", "s", the_column("time_s"), 3),
+    Quantity(("method",), "by", "", the_column("method")),
+    Quantity(("ratio",), "times more by the next method", "", the_column("ratio"), 10),
+    Quantity(("next",), "which is", "", the_column("next")),
+)
+"""The columns of the table of problems, as maps."""
 
 
 def time_to(curve: Curve, target: float = TARGET) -> float:
@@ -35,15 +40,11 @@ def time_to(curve: Curve, target: float = TARGET) -> float:
     return float(np.exp(min(times))) if times else float("nan")
 
 
-def cheapest(rows: pd.DataFrame) -> tuple[float, str]:
-    """The least time in which a method that takes steps reaches the target, and its name."""
+def cheapest(rows: pd.DataFrame) -> list[tuple[float, str]]:
+    """The times in which methods that take steps reach the target, the least first; two at most."""
     curves = [c for c in curves_of(rows, ("time_s", "error_max")) if c.method != EXACT]
-    times = {curve.label: time_to(curve) for curve in curves}
-    good = {label: time for label, time in times.items() if np.isfinite(time)}
-    if not good:
-        return float("nan"), ""
-    label = min(good, key=good.get)
-    return good[label], label
+    times = sorted((time_to(curve), curve.label) for curve in curves)
+    return [(time, label) for time, label in times if np.isfinite(time)][:2]
 
 
 def swept_parameters(table: Table) -> list[str]:
@@ -57,10 +58,11 @@ def table_of_problems(table: Table) -> Table:
     rows = []
     for number, problem in enumerate(problems_of(table), start=1):
         part = table.rows[table.rows["problem"] == problem]
-        time, method = cheapest(part)
-        status = "ok" if method else "not reached"
-        rows.append([number, *part[axes].iloc[0], status, time, method])
-    columns = ["case", *axes, "status", "time_s", "method"]
+        found = [*cheapest(part), (np.nan, "none"), (np.nan, "none")]
+        (time, method), (later, other) = found[:2]
+        status = "ok" if np.isfinite(time) else "not reached"
+        rows.append([number, *part[axes].iloc[0], status, time, method, later / time, other])
+    columns = ["case", *axes, "status", *(quantity.columns[0] for quantity in QUANTITIES)]
     return dataclasses.replace(table, rows=pd.DataFrame(rows, columns=columns))
 
 
@@ -72,19 +74,20 @@ def object_to_tolerance_map(table: Table) -> str:
     if objection := object_to_grid(problems):
         return objection
     if not (problems.rows["status"] == "ok").any():
-        return f"has no method that reaches an error of {TARGET:.0e} rad"
+        return f"has no method that reaches an error of {GOAL}"
     return ""
 
 
 def draw_tolerance_map(table: Table) -> Figure:
-    """The least time to the target, and the method that takes it, side by side."""
+    """The least time to the target and the method that takes it, and what the next one takes."""
     problems = table_of_problems(table)
     grid = make_grid(problems)
     failed = (problems.rows["status"] != "ok").to_numpy()
-    title = f"The cheapest method to an error of {TARGET:.0e} rad in attitude"
-    figure = new_figure(table, title, 1.2 + LEAST_HEIGHT * 0.75)
-    panels = add_panels(figure, 2)
-    for quantity, axes in zip((TIME, METHOD), panels, strict=True):
+    title = f"The cheapest method to an error of {GOAL} in attitude"
+    figure = new_figure(table, title + tell_failed(problems), 1.2 + 2 * PANEL_HEIGHT)
+    panels = add_panels(figure, len(QUANTITIES))
+    for quantity, axes in zip(QUANTITIES, panels, strict=True):
         draw_map(axes, grid, quantity, quantity.values(problems.rows), failed)
+        cross(axes, grid, failed)
     label_axes(problems, grid, panels)
     return figure

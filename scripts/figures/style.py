@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MultipleLocator
+from PIL import Image
 
 from figures.table import Table
 
@@ -35,6 +36,9 @@ FAULT = "#b0392a"
 WIDE_RANGE, USUAL = 3e4, 0.2
 """A quantity goes on a log axis if its largest size is more than so many times the size that it
 exceeds in all but this part of the rows. The paper's residuals stay on linear ones, as printed."""
+
+PALETTE = 128
+"""Colours of a small picture."""
 
 MANY_POINTS = 20_000
 """Longer lines are stored as pixels in an SVG."""
@@ -215,3 +219,11 @@ def save_as(figure: Figure, stem: Path, endings: Sequence[str] = ("png", "svg"))
     for target in targets:
         save(figure, target)
     return targets
+
+
+def save_small(figure: Figure, path: Path) -> None:
+    """Write a figure to a PNG file of few colours, a third as large."""
+    save(figure, path)
+    with Image.open(path) as picture:
+        small = picture.convert("RGB").quantize(PALETTE, dither=Image.Dither.NONE)
+    small.save(path, optimize=True)

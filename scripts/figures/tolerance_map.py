@@ -43,8 +43,8 @@ def time_to(curve: Curve, target: float = TARGET) -> float:
 def cheapest(rows: pd.DataFrame) -> list[tuple[float, str]]:
     """The times in which methods that take steps reach the target, the least first; two at most."""
     curves = [c for c in curves_of(rows, ("time_s", "error_max")) if c.method != EXACT]
-    times = sorted((time_to(curve), curve.label) for curve in curves)
-    return [(time, label) for time, label in times if np.isfinite(time)][:2]
+    times = [(time_to(curve), curve.label) for curve in curves]
+    return sorted((time, label) for time, label in times if np.isfinite(time))[:2]
 
 
 def swept_parameters(table: Table) -> list[str]:

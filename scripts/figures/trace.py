@@ -93,7 +93,7 @@ def draw_traces(tables: Sequence[Table]) -> Figure:
     down = -(-len(tables) // across)
     side = min(WIDTH / across, 4.6)
     figure = new_figure(
-        tables, "Path of the axis tip on the unit sphere", 1.3 + (side + 0.35) * down
+        tables, "Path of the axis tip on the unit sphere", 1.15 + (side + 0.3) * down
     )
     panels = list(figure.subplots(down, across, squeeze=False).flat)
     for axes in panels:

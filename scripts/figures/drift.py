@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from figures.methods import rank_of, style_of
-from figures.style import GREY, new_figure
+from figures.style import GREY, describe_run, new_figure
 from figures.table import Table
 from figures.trajectory import TIME, numbers
 
@@ -49,6 +49,13 @@ def method_of(table: Table) -> tuple[str, str]:
     return method, formulation
 
 
+def label_of(table: Table, tables: Sequence[Table]) -> str:
+    """The method, or all of the run where the method is there twice."""
+    methods = [method_of(other)[0] for other in tables]
+    method = method_of(table)[0]
+    return method if methods.count(method) == 1 else describe_run(table).replace(", ", "\n")
+
+
 def draw_drift(tables: Sequence[Table]) -> Figure:
     """The running maximum of each constant's error against time, with guide lines."""
     there = [
@@ -72,7 +79,7 @@ def draw_drift(tables: Sequence[Table]) -> Figure:
             t, off = running_maximum(table, constant)
             off = np.where(off > LEAST, off, np.nan)
             style = style_of(*method_of(table)) | {"markevery": (0.05, 0.12)}
-            axes.plot(t, off, **style, label=method_of(table)[0])
+            axes.plot(t, off, **style, label=label_of(table, tables))
         draw_guides(axes)
         axes.set_title(constant.label, loc="left", pad=4)
     for axes in figure.axes[-across:]:

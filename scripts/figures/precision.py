@@ -102,8 +102,8 @@ def mark_exact(axes: Axes, cost: np.ndarray, error: np.ndarray) -> None:
     there = cost > 0
     axes.plot(cost[there], error[there], **style_of(EXACT) | {"linestyle": "", "markersize": 8})
     for place in zip(cost[there][:1], error[there][:1], strict=True):
-        style = {"ha": "center", "va": "top", "fontsize": 9}
-        axes.annotate("exact motion", place, (0, -6), textcoords="offset points", **style)
+        style = {"ha": "left", "va": "top", "fontsize": 9}
+        axes.annotate("exact motion", place, (6, -1), textcoords="offset points", **style)
 
 
 def draw_floor(axes: Axes, rows: pd.DataFrame) -> None:
@@ -120,7 +120,7 @@ def set_limits(axes: Axes, rows: pd.DataFrame, x: str, y: str) -> None:
         return
     axes.set_xlim(cost[shown].min() / 2, cost[shown].max() * 2)
     least = max(error[shown].min(), LEAST_ERROR)
-    axes.set_ylim(least / 30, min(error[shown].max() * 5, 2 * MOST_ERROR))
+    axes.set_ylim(least / 15, min(error[shown].max() * 5, 2 * MOST_ERROR))
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(LogLocator(numticks=9))
         axis.set_minor_locator(NullLocator())

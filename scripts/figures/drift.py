@@ -43,6 +43,12 @@ def running_maximum(table: Table, constant: Constant) -> tuple[np.ndarray, np.nd
     return t[1:], np.fmax.accumulate(off[1:])
 
 
+def object_to_drift(table: Table) -> str:
+    """Log axes show errors above zero, after the start."""
+    _, off = running_maximum(table, CONSTANTS[0])
+    return "" if (off > LEAST).any() else "has no error of the energy above zero"
+
+
 def method_of(table: Table) -> tuple[str, str]:
     """The method of a run and its formulation."""
     method, formulation = (table.header.get(key, "").split(":")[0] for key in ("method", "model"))

@@ -12,7 +12,10 @@ from figures.trajectory import numbers
 ROOM = 0.35
 """What is seen on either side of the motion, over its swing."""
 
-LEVELS = (0.25, 0.5, 0.75, 1.25, 1.5, 1.75, 2.0)
+LEAST_ROOM = 1e-9
+"""In radians."""
+
+LEVELS = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)
 """Amplitudes of the level curves over that of the motion."""
 
 INCLINATION = r"inclination $\theta$ (degrees)"
@@ -22,7 +25,7 @@ BAND = "#d3e8f0"
 def seen(reduced: Reduced) -> tuple[float, float]:
     """The range of inclinations that a figure shows, rad."""
     least, largest = reduced.turning_points()
-    room = max(ROOM * (largest - least), 1e-3 * np.pi)
+    room = max(ROOM * (largest - least), LEAST_ROOM)
     return max(0.0, least - room), min(np.pi, largest + room)
 
 
@@ -73,10 +76,10 @@ def draw_portrait(table: Table) -> Figure:
     fastest = np.sqrt(2 * depth / reduced.inertia)
     draw_levels(axes, reduced, (low, high), 1.4 * fastest)
     rate = numbers(table, "theta_rate")
-    axes.plot(np.degrees(numbers(table, "theta")), rate, **LINES[0] | {"linewidth": 1.8})
-    axes.plot([], [], **LINES[0] | {"linewidth": 1.8}, label="the motion")
-    axes.plot(np.degrees(reduced.resting_point()), 0, "+", color="black", markersize=9)
-    axes.plot([], [], "k+", markersize=9, label="steady precession")
+    dots = {"linestyle": "", "marker": "o", "markersize": 2.5, "markeredgewidth": 0}
+    axes.plot(np.degrees(numbers(table, "theta")), rate, **LINES[0] | dots, label="the motion")
+    middle = np.degrees(reduced.resting_point())
+    axes.plot(middle, 0, "k+", markersize=9, label="equilibrium")
     axes.set(xlabel=INCLINATION, ylabel=r"its rate $\dot\theta$ (rad/s)")
     axes.set(xlim=np.degrees((low, high)), ylim=(-1.4 * fastest, 1.4 * fastest))
     draw_legend(axes)
@@ -101,7 +104,7 @@ def draw_levels(axes: Axes, reduced: Reduced, seen: tuple[float, float], fastest
     curves = [bottom + amplitude**2 * depth for amplitude in LEVELS]
     style = {"colors": "0.6", "linewidths": 0.8, "linestyles": "-"}
     axes.contour(np.degrees(theta), rate, energy, levels=curves, **style)
-    axes.plot([], [], color="0.6", linewidth=0.8, label="other energies")
+    axes.plot([], [], color="0.6", linewidth=0.8, label="equal energy")
     axes.axhline(0, color=FAINT, linewidth=0.8, zorder=0)
     if (separatrix := reduced.separatrix()) is not None:
         style = {"color": GREY, "linewidth": 1.6, "linestyle": (0, (5, 2)), "zorder": 3}

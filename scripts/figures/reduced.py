@@ -15,6 +15,9 @@ SAME = 1e-6
 STEADY = 1e-10
 """A kinetic energy that changes by less, over its size, does not tell the moments of inertia."""
 
+HUGE, LEAST_ROWS = 1e100, 4
+"""Numbers of this size are of a run that is lost; what is fitted to fewer rows is not checked."""
+
 ROUNDING = 1e-12
 """Momenta that differ by less, over their size, are equal."""
 
@@ -58,19 +61,24 @@ class Reduced(NamedTuple):
         return float(least), float(largest)
 
     def resting_point(self) -> float:
-        """The inclination at which V is least: that of the steady precession, rad."""
-        theta = np.linspace(0, np.pi, 20_001)[1:-1]
+        """The inclination at which V is least: that of the steady precession, rad.
+
+        It lies between the turning points.
+        """
+        theta = np.linspace(*self.turning_points(), 20_001)
         return float(theta[np.argmin(self.potential(theta))])
 
     def separatrix(self) -> float | None:
         """The energy of the top upright at rest, where it is unstable there; else none.
 
-        Only with equal momenta does a motion reach the upright; below the spin at which the top
-        sleeps, V has its local maximum there.
+        Only with equal momenta does a motion reach the upright, the pole that the weight pulls
+        away from; below the spin at which the top sleeps, V has its local maximum there.
         """
-        if self.lz != self.l3 or self.l3**2 >= 4 * self.weight * self.inertia:
+        upright = np.copysign(1.0, self.weight)
+        height = abs(self.weight)
+        if self.lz != upright * self.l3 or self.l3**2 >= 4 * height * self.inertia:
             return None
-        return self.weight
+        return height
 
 
 def find_reduced(table: Table) -> Reduced | str:
@@ -80,7 +88,9 @@ def find_reduced(table: Table) -> Reduced | str:
     linear in I1, the potential one in m g l, and omega3 is constant.
     """
     rows = table.rows[list(COLUMNS)].astype(float)
-    rows = rows[np.isfinite(rows).all(axis=1)]
+    rows = rows[(rows.abs() < HUGE).all(axis=1)]
+    if len(rows) < LEAST_ROWS:
+        return f"has fewer than {LEAST_ROWS} rows to find the moments of inertia from"
     cosine = np.cos(rows["theta"].to_numpy())
     omega3 = (rows["phi_rate"] * cosine + rows["psi_rate"]).to_numpy()
     turning = rows["phi_rate"] * np.sin(rows["theta"])
@@ -96,7 +106,7 @@ def find_reduced(table: Table) -> Reduced | str:
         np.abs(potential - weight * cosine).max() / max(np.abs(potential).max(), 1e-300),
         np.ptp(omega3) ** 2 / max(np.max(omega3**2), transverse.max()),
     ]
-    if max(deviations) > SAME:
+    if not np.max(deviations) <= SAME:
         return "is no motion of an undamped symmetric top about its axis, body z"
     spin = float(omega3.mean())
     l3 = 2 * spin_energy / spin if spin**2 > ROUNDING * transverse.max() else 0.0

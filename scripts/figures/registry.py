@@ -9,7 +9,7 @@ from figures import table1
 from figures.cones import draw_cones
 from figures.costs import draw_costs, object_to_costs
 from figures.curves import draw_curves, object_to_curves
-from figures.drift import draw_drift
+from figures.drift import draw_drift, object_to_drift
 from figures.events import draw_events, draw_sections, object_to_events, object_to_sections
 from figures.maps import draw_maps, object_to_maps
 from figures.methods import object_to_trials
@@ -22,7 +22,7 @@ from figures.reduced import object_to_reduced
 from figures.sweep import draw_sweep, good_rows, sweep_columns
 from figures.table import Table
 from figures.tolerance_map import draw_tolerance_map, object_to_tolerance_map
-from figures.trace import draw_trace, draw_traces
+from figures.trace import draw_trace, draw_traces, object_to_trace
 from figures.trajectory import (
     draw_angles,
     draw_error,
@@ -143,6 +143,7 @@ FIGURES = (
         "trajectory",
         ("theta", "phi"),
         draw_trace,
+        object_to_trace,
     ),
     FigureKind(
         "potential",
@@ -289,6 +290,7 @@ COMPARISONS = (
         "trajectory",
         ("theta", "phi"),
         draw_traces,
+        object_to_trace,
     ),
     FigureKind(
         "drift",
@@ -296,6 +298,7 @@ COMPARISONS = (
         "trajectory",
         ("t", "energy_error"),
         draw_drift,
+        object_to_drift,
     ),
 )
 """Figures that are drawn of several tables together, of each of which they ask the same."""

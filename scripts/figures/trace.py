@@ -63,12 +63,23 @@ def draw_globe(axes: Axes) -> None:
     axes.text(0.05, top + 0.22, "$z$", color=GREY, fontsize=9)
 
 
+def path_of(table: Table) -> np.ndarray:
+    """Inclination and azimuth, where there are both."""
+    path = np.array([numbers(table, name) for name in ("theta", "phi")])
+    return path[:, np.isfinite(path).all(axis=0)]
+
+
+def object_to_trace(table: Table) -> str:
+    """A path has at least one point."""
+    return "" if path_of(table).size else "has no row with both angles"
+
+
 def draw_path_on(axes: Axes, table: Table) -> None:
     """The path of a motion, between the circles of its least and its largest inclination."""
     draw_globe(axes)
-    theta, phi = numbers(table, "theta"), numbers(table, "phi")
+    theta, phi = path_of(table)
     edge = {"color": GREY, "linewidth": 0.9, "linestyle": (0, (4, 2))}
-    for extreme in (np.nanmin(theta), np.nanmax(theta)):
+    for extreme in (theta.min(), theta.max()):
         circle = on_sphere(np.full_like(CIRCLE, extreme), CIRCLE)
         draw_seen(axes, circle, edge, edge | {"color": "0.82"})
     front = {"color": LINES[0]["color"], "linewidth": 1.5}
@@ -82,9 +93,9 @@ def draw_path_on(axes: Axes, table: Table) -> None:
 
 def turns_of(table: Table) -> str:
     """The extremes of the inclination and the azimuth passed, in words."""
-    theta, phi = (np.degrees(numbers(table, name)) for name in ("theta", "phi"))
+    theta, phi = np.degrees(path_of(table))
     turned = f"{phi[-1] - phi[0]:.4g}".replace("-", "\N{MINUS SIGN}")
-    return f"θ {np.nanmin(theta):.4g}° to {np.nanmax(theta):.4g}°, φ by {turned}°"
+    return f"θ {theta.min():.4g}° to {theta.max():.4g}°, φ by {turned}°"
 
 
 def draw_traces(tables: Sequence[Table]) -> Figure:

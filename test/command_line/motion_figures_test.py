@@ -19,7 +19,7 @@ from figures.reduced import find_reduced  # noqa: E402
 from figures.registry import COMPARISONS, FIGURES  # noqa: E402
 from figures.table import Table, read_table  # noqa: E402
 from figures.trace import draw_trace, on_sphere, project  # noqa: E402
-from plot_case import TableCase, a_sweep, a_trajectory  # noqa: E402
+from plot_case import TRAJECTORY, TableCase, a_sweep, a_trajectory  # noqa: E402
 
 EXE = os.environ["SPINTOP_EXE"]
 INPUTS = TESTS.parent / "input"
@@ -79,6 +79,10 @@ class ReducedTest(MotionCase):
         self.assertIsNone(sleeping.separatrix())
         self.assertGreater(sleeping.potential(0.01), sleeping.potential(0.0))
         self.assertIsNone(find_reduced(self.compute("slow_top")).separatrix())
+        hanging = reduced._replace(weight=-reduced.weight, lz=-reduced.lz)
+        self.assertEqual(hanging.separatrix(), reduced.separatrix())
+        self.assertAlmostEqual(float(hanging.potential(np.pi)), upright, 10)
+        self.assertIsNone(hanging._replace(lz=reduced.lz).separatrix())
 
     def test_refusals(self) -> None:
         """Only an undamped symmetric top has an effective potential, and only if it nutates."""
@@ -176,6 +180,9 @@ class TogetherTest(MotionCase):
         self.assertIn("sweep.csv: is no table of the kind trajectory: no traces", complaint)
         code, complaint = self.call("--together", "drift", motion)
         self.assertEqual((code, "no column energy_error" in complaint), (2, True))
+        exact = self.put("exact.csv", a_trajectory([*TRAJECTORY, "energy_error"], energy_error=0.0))
+        code, complaint = self.call("--together", "drift", exact)
+        self.assertEqual((code, "no error of the energy above zero" in complaint), (2, True))
         code, complaint = self.call("--together", "traces", self.folder / "none.csv")
         self.assertEqual((code, "no such file" in complaint), (2, True))
 

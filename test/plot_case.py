@@ -124,6 +124,56 @@ def a_stability() -> str:
     return a_table("stability", TRIALS, rows)
 
 
+PRECISION = [
+    *("problem", "method", "formulation", "setting", "error_orientation", "error_tip", "error_max"),
+    *("steps", "rejected", "evaluations", "time_s", "energy_drift", "status", "double_floor"),
+    *("front",),
+]
+
+STAGES = {
+    ("euler_forward", "lagrange"): (1, 1),
+    ("rk2", "lagrange"): (2, 2),
+    ("rk4", "lagrange"): (4, 4),
+    ("rk4", "rigid_body"): (4, 4),
+    ("gauss_4", "space_frame"): (4, 8),
+    ("gauss_8", "space_frame"): (8, 20),
+    ("splitting_4", "space_frame"): (4, 6),
+    ("splitting_8", "space_frame"): (8, 17),
+    ("dop853", "lagrange"): (8, 12),
+    ("dop853", "space_frame"): (8, 12),
+    ("ode45", "lagrange"): (5, 6),
+    ("taylor", "rigid_body"): (20, 20),
+    ("heyoka", "space_frame"): (20, 20),
+}
+"""Orders and stages of made-up methods."""
+
+
+def a_precision(problems: dict[str, float] | None = None, axes: tuple[str, ...] = ()) -> str:
+    """Work and precision of methods whose errors are as their orders say.
+
+    `problems` makes each of them so many times harder; `axes` are swept parameters, the values of
+    which the names of the problems end with, after slashes.
+    """
+    rows = []
+    for problem, hardness in (problems or {"top": 1.0}).items():
+        swept = problem.split("/")[1:]
+        exact = [problem, "exact", "closed_form", "-", 2e-15, 2e-15, 3e-15, 0, 0, 0, 2e-6, 0.0]
+        rows.append([*exact, "ok", 1e-15, "yes", *swept])
+        for (method, formulation), (order, stages) in STAGES.items():
+            for power in range(5, 12):
+                steps = 2**power
+                equal = method[:3] not in ("dop", "ode", "tay", "hey")
+                error = max(0.1 * (40 * hardness / steps) ** order, 1e-14)
+                setting = f"steps {steps}" if equal else f"tolerance {steps**-4.0:.3e}"
+                work = stages * steps
+                numbers = [error, error / 2, 1.5 * error, steps, 0, work, 4e-8 * work, error / 9]
+                words = [problem, method, formulation, setting]
+                rows.append([*words, *numbers, "ok", 1e-15, "no", *swept])
+        lost = [problem, "galerkin", "lagrange", "steps 9", *(["nan"] * 8), "not_solved"]
+        rows.append([*lost, 1e-15, "no", *swept])
+    return a_table("work_precision", [*PRECISION, *axes], rows)
+
+
 def some_events(count: int = 25, swing: float = 0.1) -> str:
     """Events of two kinds, one of them often."""
     rows = [

@@ -106,7 +106,7 @@ def add_legend(axes: Axes, rows: pd.DataFrame) -> None:
     grey = Family("", (), "o", GREY)
     for verdict, fullness in FACES.items():
         handles.append(Line2D([], [], label=NAMES[verdict], **marker(grey, fullness)))
-    handles.append(Line2D([], [], color=FAINT, linewidth=6, label="within rounding of the data"))
+    handles.append(Line2D([], [], color=FAINT, linewidth=6, label="rounding of the data"))
     axes.axis("off")
     legend = axes.legend(
         handles=handles,

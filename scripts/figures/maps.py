@@ -73,8 +73,8 @@ def make_grid(table: Table) -> Grid:
     return Grid(x, y, column * y.size + line, (has_log_axis(table, 0), has_log_axis(table, 1)))
 
 
-def object_to_maps(table: Table) -> str:
-    """The maps are over two parameters, all of whose values are combined."""
+def object_to_grid(table: Table) -> str:
+    """Maps are over two parameters, all of whose values are combined."""
     if len(table.axes()) != 2:
         return "is no sweep over two parameters"
     grid = make_grid(table)
@@ -82,9 +82,12 @@ def object_to_maps(table: Table) -> str:
         return "is a sweep with a single value of a parameter"
     if not np.array_equal(np.sort(grid.place), np.arange(grid.x.size * grid.y.size)):
         return "is a sweep over no grid"
-    if not quantities_of(table):
-        return "has no quantity to map"
     return ""
+
+
+def object_to_maps(table: Table) -> str:
+    """Maps show the quantities of a grid."""
+    return object_to_grid(table) or ("" if quantities_of(table) else "has no quantity to map")
 
 
 def draw_maps(table: Table) -> Figure:

@@ -1,24 +1,35 @@
 """Which figures there are, and to which tables they belong."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from matplotlib.figure import Figure
 
 from figures import table1
+from figures.cones import draw_cones
 from figures.costs import draw_costs, object_to_costs
 from figures.curves import draw_curves, object_to_curves
+from figures.drift import draw_drift, object_to_drift
 from figures.events import draw_events, draw_sections, object_to_events, object_to_sections
 from figures.maps import draw_maps, object_to_maps
 from figures.methods import object_to_trials
+from figures.orders import draw_orders, object_to_orders
+from figures.potential import draw_portrait, draw_potential
+from figures.precision import WORDS as PRECISION
+from figures.precision import draw_precision_time, draw_precision_work, object_to_precision
+from figures.reduced import COLUMNS as REDUCED
+from figures.reduced import object_to_reduced
 from figures.sweep import draw_sweep, good_rows, sweep_columns
 from figures.table import Table
+from figures.tolerance_map import draw_tolerance_map, object_to_tolerance_map
+from figures.trace import draw_trace, draw_traces, object_to_trace
 from figures.trajectory import (
     draw_angles,
     draw_error,
     draw_forces,
     draw_path,
     draw_residuals,
+    draw_support,
 )
 from figures.verdicts import draw_verdicts
 
@@ -33,7 +44,8 @@ class FigureKind(NamedTuple):
     what: str
     kind: str
     columns: tuple[str, ...]
-    draw: Callable[[Table], Figure]
+    draw: Callable[[Table], Figure] | Callable[[Sequence[Table]], Figure]
+    """From the table, or from all tables that are compared."""
     objection: Callable[[Table], str] = lambda table: ""
     """Why a table with these columns has no such figure; empty if it has."""
     sparse: bool = False
@@ -126,6 +138,44 @@ FIGURES = (
         object_to_error,
     ),
     FigureKind(
+        "trace",
+        "path of the axis tip on the unit sphere",
+        "trajectory",
+        ("theta", "phi"),
+        draw_trace,
+        object_to_trace,
+    ),
+    FigureKind(
+        "potential",
+        "effective potential of a symmetric top, with its turning points",
+        "trajectory",
+        REDUCED,
+        draw_potential,
+        object_to_reduced,
+    ),
+    FigureKind(
+        "portrait",
+        "phase portrait of the inclination of a symmetric top",
+        "trajectory",
+        REDUCED,
+        draw_portrait,
+        object_to_reduced,
+    ),
+    FigureKind(
+        "support",
+        "support force in the plane of the axis and normal to it, against time",
+        "trajectory",
+        ("t", "force_r", "force_n", "force_z"),
+        draw_support,
+    ),
+    FigureKind(
+        "cones",
+        "angular velocity in the body and in space (polhode and herpolhode)",
+        "trajectory",
+        ("phi", "theta", "psi", "omega1", "omega2", "omega3"),
+        draw_cones,
+    ),
+    FigureKind(
         "sweep",
         "formulas for a fast top and exact values against the swept parameter",
         "sweep",
@@ -195,4 +245,60 @@ FIGURES = (
         object_to_costs,
         words=TRIALS,
     ),
+    FigureKind(
+        "precision_time",
+        "error of the methods against time, a panel a problem",
+        "work_precision",
+        ("error_max", "time_s"),
+        draw_precision_time,
+        object_to_precision,
+        words=PRECISION,
+    ),
+    FigureKind(
+        "precision_work",
+        "error of the methods against right-hand sides, a panel a problem",
+        "work_precision",
+        ("error_max", "evaluations"),
+        draw_precision_work,
+        object_to_precision,
+        words=PRECISION,
+    ),
+    FigureKind(
+        "orders",
+        "error against step of the methods of equal steps, with the orders measured",
+        "work_precision",
+        ("error_max",),
+        draw_orders,
+        object_to_orders,
+        words=PRECISION,
+    ),
+    FigureKind(
+        "tolerance_map",
+        "the cheapest method to an error, over two swept parameters",
+        "work_precision",
+        ("error_max", "time_s"),
+        draw_tolerance_map,
+        object_to_tolerance_map,
+        words=PRECISION,
+    ),
 )
+
+COMPARISONS = (
+    FigureKind(
+        "traces",
+        "paths of the axis tip on the unit sphere, side by side",
+        "trajectory",
+        ("theta", "phi"),
+        draw_traces,
+        object_to_trace,
+    ),
+    FigureKind(
+        "drift",
+        "drift of energy, momenta and quaternion over long runs of several methods",
+        "trajectory",
+        ("t", "energy_error"),
+        draw_drift,
+        object_to_drift,
+    ),
+)
+"""Figures that are drawn of several tables together, of each of which they ask the same."""

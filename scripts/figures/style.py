@@ -4,6 +4,7 @@ import os
 import re
 import textwrap
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
 
 import matplotlib as mpl
@@ -11,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MultipleLocator
+from PIL import Image
 
 from figures.table import Table
 
@@ -34,6 +36,9 @@ FAULT = "#b0392a"
 WIDE_RANGE, USUAL = 3e4, 0.2
 """A quantity goes on a log axis if its largest size is more than so many times the size that it
 exceeds in all but this part of the rows. The paper's residuals stay on linear ones, as printed."""
+
+PALETTE = 128
+"""Colours of a small picture."""
 
 MANY_POINTS = 20_000
 """Longer lines are stored as pixels in an SVG."""
@@ -62,14 +67,22 @@ mpl.rcParams.update(
 warnings.filterwarnings("ignore", message="Glyph .* missing")
 
 
-def new_figure(table: Table, what: str, height: float, width: float = WIDTH) -> Figure:
-    """A figure with its title above, and below it where the table comes from."""
+def new_figure(
+    tables: Table | Sequence[Table], what: str, height: float, width: float = WIDTH
+) -> Figure:
+    """A figure with its title above, and below it where its table, or its tables, come from."""
+    tables = [tables] if isinstance(tables, Table) else list(tables)
     figure = Figure(figsize=(width, height), layout="constrained")
     figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06, hspace=0.03)
     title = textwrap.fill(what, int(width * 10.3))
     figure.suptitle(title, x=0.012, ha="left", fontsize=11, fontweight="bold", parse_math=False)
     figure.supxlabel(
-        footer(table, int(width * 15)), x=0.012, ha="left", fontsize=9, color=GREY, parse_math=False
+        footer(tables, int(width * 15)),
+        x=0.012,
+        ha="left",
+        fontsize=9,
+        color=GREY,
+        parse_math=False,
     )
     return figure
 
@@ -85,24 +98,41 @@ def add_panels(figure: Figure, count: int, sharey: bool = True) -> list[Axes]:
     return panels
 
 
-def footer(table: Table, width: int) -> str:
-    """Title, run, program and revision, and how the run ended if not well."""
-    header = table.header
-    lines = textwrap.wrap(table.title, width)
+def footer(tables: Sequence[Table], width: int) -> str:
+    """Titles, runs, program and revision, and how a run ended if not well; each once."""
+    lines = []
+    for words in (title_of, run_of, program_of):
+        text = "; ".join(dict.fromkeys(words(table) for table in tables))
+        lines += textwrap.wrap(text, width)
+    return "\n".join(lines)
+
+
+def title_of(table: Table) -> str:
+    """The title of a table."""
+    return table.title
+
+
+def run_of(table: Table) -> str:
+    """How a table was computed, and how that ended if not well."""
     run = describe_run(table)
     if table.status not in (None, "ok"):
         status = re.sub(r"\d+\.\d{6,}", lambda time: f"{float(time[0]):.6g}", table.status)
         run += f"; ended with status {status} s"
     if table.stride > 1:
         run += f"; one case in {table.stride} is drawn"
-    lines += textwrap.wrap(run[0].upper() + run[1:], width)
-    lines.append(f"{header['program']}, revision {header.get('revision', 'unknown')}")
-    return "\n".join(lines)
+    return run[0].upper() + run[1:]
+
+
+def program_of(table: Table) -> str:
+    """The program that made a table, and its revision."""
+    return f"{table.header['program']}, revision {table.header.get('revision', 'unknown')}"
 
 
 def describe_run(table: Table) -> str:
     """Formulation, method, and steps or tolerances, in words."""
     method = table.setting("integration.method")
+    if "setting" in table.rows:
+        return "methods, formulations and settings as named"
     if "method" in table.rows:
         return ", ".join(["methods and formulations as named", *describe_tolerances(table)])
     if method == "exact":
@@ -181,3 +211,19 @@ def save(figure: Figure, path: Path) -> None:
         os.replace(part, path)
     finally:
         part.unlink(missing_ok=True)
+
+
+def save_as(figure: Figure, stem: Path, endings: Sequence[str] = ("png", "svg")) -> list[Path]:
+    """Write a figure to files that differ in their endings, which come after the stem."""
+    targets = [stem.with_name(f"{stem.name}.{ending}") for ending in endings]
+    for target in targets:
+        save(figure, target)
+    return targets
+
+
+def save_small(figure: Figure, path: Path) -> None:
+    """Write a figure to a PNG file of few colours, a third as large."""
+    save(figure, path)
+    with Image.open(path) as picture:
+        small = picture.convert("RGB").quantize(PALETTE, dither=Image.Dither.NONE)
+    small.save(path, optimize=True)

@@ -126,6 +126,27 @@ def draw_forces(table: Table) -> Figure:
     return figure
 
 
+def draw_support(table: Table) -> Figure:
+    """Support force in the plane of the axis, normal to it and upward, and its size."""
+    figure, panels = four_panels(table, "Support force on the top, along and across its axis")
+    t = numbers(table, "t")
+    force = {name: numbers(table, f"force_{name}") for name in "rnz"}
+    labels = {
+        "r": "$F_r$ (N), outward",
+        "n": "$F_n$ (N), along the nodes",
+        "z": "$F_z$ (N), upward",
+    }
+    for (name, label), axes in zip(labels.items(), panels, strict=False):
+        axes.axhline(0, color=FAINT, linewidth=0.8)
+        draw_line(axes, t, force[name])
+        axes.set_ylabel(label)
+    draw_line(panels[3], t, np.sqrt(sum(part**2 for part in force.values())))
+    panels[3].set_ylabel("size of the force (N)")
+    panels[3].set_ylim(bottom=0)
+    figure.align_ylabels()
+    return figure
+
+
 def draw_path(table: Table) -> Figure:
     """Path of the centre of mass, in space and from above (Figure 11)."""
     figure = new_figure(table, "Path of the centre of mass", height=4.5)

@@ -79,11 +79,13 @@ class ChoiceTest(TableCase):
 
     def test_trajectory(self) -> None:
         """Its columns, and numbers in them, bring the figures."""
-        self.assertEqual(self.figures_of(a_trajectory()), "residuals angles forces path error")
-        self.assertEqual(self.figures_of(a_trajectory(TRAJECTORY[:7])), "angles path")
+        self.assertEqual(
+            self.figures_of(a_trajectory()), "residuals angles forces path error trace"
+        )
+        self.assertEqual(self.figures_of(a_trajectory(TRAJECTORY[:7])), "angles path trace")
         self.assertEqual(self.figures_of(a_trajectory(["t", "phi"])), "")
         without = a_trajectory(orientation_error=math.nan, R1=math.nan)
-        self.assertEqual(self.figures_of(without), "angles forces path")
+        self.assertEqual(self.figures_of(without), "angles forces path trace")
         self.assertNotIn("error", self.figures_of(a_trajectory(orientation_error=0.0)))
 
     def test_sweep(self) -> None:
@@ -128,9 +130,9 @@ class DrawTest(TableCase):
         )
         result = self.plot(table, LC_ALL="de_DE.UTF-8")
         self.assertEqual((result.returncode, result.stderr), (0, ""))
-        names = ("residuals", "angles", "forces", "path", "error")
+        names = ("residuals", "angles", "forces", "path", "error", "trace")
         self.check_pictures(self.folder, {f"two words_{name}" for name in names})
-        self.assertEqual(len(result.stdout.splitlines()), 10)
+        self.assertEqual(len(result.stdout.splitlines()), 12)
         self.assertFalse(list(SCRIPTS.rglob("__pycache__")))
 
     def test_sweep_in_folder_beside_bad_tables(self) -> None:

@@ -72,7 +72,7 @@ contains
         integer :: pieces, i
 
         sure = .true.
-        turn = h * max(norm2(omega_last), norm2(omega))
+        turn = h * sqrt(max(sum(omega_last**2), sum(omega**2)))
         if (.not. turn <= endless_turn) then
             angle = angles_from_quaternion(q, angle)
             return
@@ -97,7 +97,7 @@ contains
         end do
         angle = [half(1) + half(2), angle(2), half(1) - half(2)]
         ! At a pole one half angle begins anew, with the next turn of the axis.
-        if (any(is_zero([hypot(q_last(1), q_last(4)), hypot(q_last(2), q_last(3))]))) then
+        if (all(is_zero(q_last(1:4:3))) .or. all(is_zero(q_last(2:3)))) then
             angle = angles_from_quaternion(q, angle)
         end if
     end subroutine follow_angles

@@ -302,3 +302,15 @@ COMPARISONS = (
     ),
 )
 """Figures that are drawn of several tables together, of each of which they ask the same."""
+
+
+def choose_figures(
+    table: Table, names: list[str] | None = None
+) -> tuple[list[FigureKind], list[str]]:
+    """The figures to draw from a table, and what is wrong with those that should be drawn too."""
+    wanted = [
+        kind for kind in FIGURES if (kind.name in names if names else kind.is_expected(table))
+    ]
+    refusals = {kind: kind.refusal(table) for kind in wanted}
+    good = [kind for kind in wanted if not refusals[kind]]
+    return good, [f"{refusals[kind]}: no {kind.name} figure" for kind in wanted if refusals[kind]]

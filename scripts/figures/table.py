@@ -1,6 +1,7 @@
 """Reading a table of spintop: its head of `#` lines, its rows, its status."""
 
 import io
+import itertools
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -31,8 +32,9 @@ class Table:
     """A table that was read.
 
     `header` holds the `key: value` lines of its head, `settings` the resolved input by
-    `group.key`, `units` and `meanings` those of the columns, `status` how a trajectory ended. Of a
-    long sweep over one parameter only every `stride`-th row is kept, more than a figure can show.
+    `group.key` and `input` as text, `units` and `meanings` those of the columns, `status` how a
+    trajectory ended. Of a long sweep over one parameter only every `stride`-th row is kept, more than
+    a figure can show.
     """
 
     path: Path
@@ -43,6 +45,7 @@ class Table:
     rows: pd.DataFrame
     status: str | None
     stride: int = 1
+    input: str = ""
 
     @property
     def title(self) -> str:
@@ -103,7 +106,8 @@ def read_netcdf_table(path: Path) -> Table:
     if not str(attributes.get("program", "")).startswith("spintop"):
         raise TableError("is no table of spintop: its attributes name no program")
     header = {key: str(value) for key, value in attributes.items()}
-    lines = header.pop("input", "").split("\n")
+    resolved = header.pop("input", "")
+    lines = resolved.split("\n")
     _, settings, _, _ = read_head([line.strip() for line in lines])
     columns = {str(variable.attributes["column"]): variable for variable in variables.values()}
     stride = stride_of(settings, list(columns), columns["case"].values.size)
@@ -111,7 +115,7 @@ def read_netcdf_table(path: Path) -> Table:
     rows = pd.DataFrame({name: native(column[::stride]) for name, column in cells.items()})
     units = {name: attribute(column, "units") for name, column in columns.items()}
     meanings = {name: attribute(column, "long_name") for name, column in columns.items()}
-    return Table(path, header, settings, units, meanings, rows, None, stride)
+    return Table(path, header, settings, units, meanings, rows, None, stride, resolved)
 
 
 def attribute(variable: Variable, name: str) -> str:
@@ -155,7 +159,18 @@ def read_text_table(path: Path) -> Table:
     rows = read_rows([body[0], *body[1::stride]], first + 1)
     if rows.empty and not body[0].startswith(f"{EVENT},"):
         raise TableError("has no rows" + (f" (status: {status})" if status else ""))
-    return Table(path, header, settings, units, meanings, rows, status, stride)
+    resolved = input_of(lines[:first])
+    return Table(path, header, settings, units, meanings, rows, status, stride, resolved)
+
+
+def input_of(head: list[str]) -> str:
+    """The resolved input in the lines of a head, without what marks it as a comment."""
+    lines = [line.removeprefix("# ") for line in head]
+    if "input:" not in lines:
+        return ""
+    below = lines[lines.index("input:") + 1 :]
+    inside = itertools.takewhile(lambda line: line.startswith("    "), below)
+    return "\n".join(line.removeprefix("    ") for line in inside)
 
 
 def read_head(

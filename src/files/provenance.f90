@@ -10,7 +10,7 @@ module spintop_provenance
     public :: fact_t, fact_count, program_version, program_revision, gather_facts, describe_provenance
 
     !> What a table says of its origin: so many keys and values.
-    integer, parameter :: fact_count = 8
+    integer, parameter :: fact_count = 9
     type :: fact_t
         character(:), allocatable :: key, value
     end type fact_t
@@ -65,11 +65,12 @@ contains
     end function options_that_matter
 
     !> What a table says of its origin, in this order; a value may be empty.
-    subroutine gather_facts(title, model, method, dated, facts)
+    subroutine gather_facts(title, model, method, dated, facts, body)
         character(*), intent(in) :: title
         character(*), intent(in) :: model, method !! what computed the table
         logical, intent(in) :: dated              !! whether to give the date
         type(fact_t), intent(out) :: facts(fact_count)
+        character(*), intent(in), optional :: body !! mass properties, where all rows are of one body
         integer :: n
 
         n = 0
@@ -82,6 +83,8 @@ contains
         if (dated) facts(n)%value = utc_now()
         call add('model', model)
         call add('method', method)
+        call add('body', '')
+        if (present(body)) facts(n)%value = body
 
     contains
 

@@ -2,6 +2,7 @@
 module spintop_trajectory
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
+    use spintop_body, only: body_t
     use spintop_case, only: case_t
     use spintop_columns, only: column_computer_t, column_t, trajectory_columns
     use spintop_errors, only: error_t
@@ -136,9 +137,27 @@ contains
         type(string_t), allocatable, intent(out) :: header(:)
         type(fact_t) :: facts(fact_count)
 
-        call gather_facts(job%scene%title, job%plan%model, job%plan%method, dated=.true., facts=facts)
+        call gather_facts(job%scene%title, job%plan%model, job%plan%method, dated=.true., facts=facts, &
+                          body=body_in_words(job%case%given_body))
         call describe_provenance(facts, input, columns%name, columns%unit, columns%what, header)
     end subroutine describe_table
+
+    !> The mass properties of a body, in its own axes as they were given.
+    function body_in_words(body) result(text)
+        type(body_t), intent(in) :: body
+        character(:), allocatable :: text
+        text = 'mass ' // to_text(body%mass) // ' kg; inertia ' // listed(body%inertia) // &
+               ' kg m^2 about the pivot; centre of mass ' // listed(body%centre_of_mass) // ' m'
+
+    contains
+
+        function listed(x) result(list)
+            real(dp), intent(in) :: x(3)
+            character(:), allocatable :: list
+            list = to_text(x(1)) // ', ' // to_text(x(2)) // ', ' // to_text(x(3))
+        end function listed
+
+    end function body_in_words
 
     !> Whether it was an event that ended the motion.
     function what_ended(job, watch) result(text)

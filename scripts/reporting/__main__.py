@@ -1,0 +1,85 @@
+"""Make one HTML page of a folder of tables: what was run, figures, tables, and the top moving."""
+
+import argparse
+import subprocess
+import sys
+from pathlib import Path
+
+from reporting.errata import read_errata
+from reporting.page import make_page, write_page
+from reporting.study import read_study
+
+EXIT_INPUT, EXIT_OUTPUT = 2, 4
+SCRIPTS = Path(__file__).resolve().parent.parent
+
+
+def parse_arguments() -> argparse.Namespace:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(
+        prog="scripts/report",
+        description=__doc__ + "\nThe page needs no other file and no network.",
+        epilog="exit codes: 0 all is well; 2 wrong usage or no table; 4 the page could not be\n"
+        "written; else that of scripts/run, the page being made of what there is. A file that is\n"
+        "no table is named in the page.",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("study", metavar="STUDY_DIR", type=Path, help="folder with tables")
+    parser.add_argument(
+        "inputs",
+        metavar="INPUT.nml",
+        nargs="*",
+        type=Path,
+        help="run these first, into that folder",
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="FILE",
+        type=Path,
+        help="the page (default: STUDY_DIR/report.html)",
+    )
+    return parser.parse_args()
+
+
+def complain(message: str) -> None:
+    """Tell what is wrong."""
+    print(f"scripts/report: {message}", file=sys.stderr)
+
+
+def run_inputs(folder: Path, inputs: list[Path]) -> int:
+    """Run spintop on the inputs; return its exit code."""
+    command = [SCRIPTS / "run", "--no-plots", "-o", folder, *inputs]
+    return subprocess.run(command, check=False).returncode
+
+
+def main() -> int:
+    """Run the inputs, if any, and make the page."""
+    sys.stdout.reconfigure(errors="surrogateescape")
+    arguments = parse_arguments()
+    code = run_inputs(arguments.study, arguments.inputs) if arguments.inputs else 0
+    if code == EXIT_INPUT:
+        return code
+    if not arguments.study.is_dir():
+        complain(f"{arguments.study}: no such folder")
+        return EXIT_INPUT
+    sections, problems = read_study(arguments.study, read_errata())
+    for problem in problems:
+        complain(problem)
+    if not sections:
+        complain(f"{arguments.study}: no table of spintop in it")
+        return EXIT_INPUT
+    page, lack = make_page(arguments.study.resolve().name, sections, problems)
+    if lack:
+        complain(f"the tops do not move in the page: {lack}")
+    output = arguments.output or arguments.study / "report.html"
+    try:
+        write_page(page, output)
+    except OSError as error:
+        complain(f"cannot write {output}: {error.strerror or error}")
+        return EXIT_OUTPUT
+    print(output)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,136 @@
+"""The tables of a study, and what a report says of each."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from figures.netcdf import FormatError
+from figures.table import Table, TableError, read_table
+from reporting.errata import Erratum, errata_for
+from reporting.motion import refusal
+from reporting.pictures import Picture, pictures_of
+
+MOST_ROWS = 100
+"""Longer tables are thinned to about so many rows."""
+
+DIGITS = 10
+"""Significant digits of numbers in the tables of the page."""
+
+FACTS = ("program", "revision", "compiler", "date", "model", "method", "body")
+"""What the head of a table says of its origin, in the order in which it is told."""
+
+
+@dataclass
+class Section:
+    """A table, and what belongs to it."""
+
+    table: Table
+    anchor: str
+    pictures: list[Picture]
+    errata: list[Erratum]
+
+    @property
+    def name(self) -> str:
+        """The name of the file."""
+        return self.table.path.name
+
+    @property
+    def title(self) -> str:
+        """The title that the input gives, else the name of the file."""
+        return self.table.title or self.name
+
+    @property
+    def kind(self) -> str:
+        """The kind of the study, in words."""
+        return self.table.kind.replace("_", " ")
+
+    @property
+    def facts(self) -> dict[str, str]:
+        """Where the table comes from."""
+        header = self.table.header
+        return {key: header[key] for key in FACTS if header.get(key)}
+
+    @property
+    def outcomes(self) -> dict[str, int]:
+        """How many rows ended with which verdict or status, the most frequent first."""
+        rows = self.table.rows
+        column = next((name for name in ("verdict", "status") if name in rows), None)
+        if column is None:
+            return {}
+        return {str(word): int(count) for word, count in rows[column].value_counts().items()}
+
+    @property
+    def outcome(self) -> str:
+        """How it ended, in a few words."""
+        if self.table.status is not None:
+            return self.table.status
+        return ", ".join(f"{count} {word}" for word, count in self.outcomes.items())
+
+    @property
+    def failed(self) -> bool:
+        """Whether a motion or a case did not end well."""
+        if self.table.status is not None:
+            return self.table.status != "ok"
+        rows = self.table.rows
+        return "status" in rows and bool((rows["status"].astype(str) != "ok").any())
+
+    @property
+    def moves(self) -> bool:
+        """Whether the page can show the top move."""
+        return not refusal(self.table)
+
+    @property
+    def immobile(self) -> str:
+        """Why a trajectory cannot be shown move; empty if it can, or is none."""
+        return "" if self.moves or self.table.kind != "trajectory" else refusal(self.table)
+
+    @property
+    def input(self) -> str:
+        """The resolved namelist as it stands in the head."""
+        return self.table.input
+
+    def shown_rows(self) -> tuple[list[list[str]], int]:
+        """The rows to show as texts, and how many rows of the table there are for one of them."""
+        rows = self.table.rows
+        stride = -(-len(rows) // MOST_ROWS)
+        keep = np.unique(np.append(np.arange(0, len(rows), stride), max(len(rows) - 1, 0)))
+        part = rows.iloc[keep[: len(rows)]]
+        cells = [[as_text(cell) for cell in part[name]] for name in part]
+        return [list(row) for row in zip(*cells, strict=True)], stride * self.table.stride
+
+
+def as_text(cell: object) -> str:
+    """A cell with the digits that one reads."""
+    if isinstance(cell, float | np.floating):
+        return "\N{EN DASH}" if pd.isna(cell) else f"{cell:.{DIGITS}g}"
+    return str(cell)
+
+
+def find_tables(folder: Path) -> list[Path]:
+    """The files in a folder and below that may be tables; parts of sweeps are none."""
+    files = [path for path in folder.rglob("*") if path.suffix in (".csv", ".nc")]
+    return sorted(path for path in files if path.is_file() and not is_part(path))
+
+
+def is_part(path: Path) -> bool:
+    """Whether a table is one of the parts that `spintop merge` joins."""
+    first, of, last = path.stem.rpartition(".")[2].partition("-of-")
+    return bool(of) and first.isdigit() and last.isdigit()
+
+
+def read_study(folder: Path, errata: list[Erratum]) -> tuple[list[Section], list[str]]:
+    """The sections of a report, and what is wrong with files that have none."""
+    sections: list[Section] = []
+    problems: list[str] = []
+    for path in find_tables(folder):
+        try:
+            table = read_table(path)
+            pictures = pictures_of(table)
+        except (TableError, FormatError) as error:
+            problems.append(f"{path.relative_to(folder)}: {error}")
+            continue
+        anchor = f"table-{len(sections) + 1}"
+        sections.append(Section(table, anchor, pictures, errata_for(table, errata)))
+    return sections, problems

@@ -62,13 +62,14 @@ def main() -> int:
     if not arguments.study.is_dir():
         complain(f"{arguments.study}: no such folder")
         return EXIT_INPUT
-    sections, problems = read_study(arguments.study, read_errata())
+    errata = read_errata()
+    sections, problems = read_study(arguments.study, errata)
     for problem in problems:
         complain(problem)
     if not sections:
         complain(f"{arguments.study}: no table of spintop in it")
         return EXIT_INPUT
-    page, lack = make_page(arguments.study.resolve().name, sections, problems)
+    page, lack = make_page(arguments.study.resolve().name, sections, problems, errata)
     if lack:
         complain(f"the tops do not move in the page: {lack}")
     output = arguments.output or arguments.study / "report.html"

@@ -12,6 +12,7 @@ QUATERNION = ("q0", "q1", "q2", "q3")
 OMEGA = ("omega1", "omega2", "omega3")
 FORCE = ("force_x", "force_y", "force_z")
 FEWEST_ROWS = 2
+BODY_Z = (0.0, 0.0, 1.0)
 
 
 def is_whole(table: Table, columns: tuple[str, ...]) -> bool:
@@ -79,6 +80,11 @@ def lacking(table: Table, body: Body | None, omega: np.ndarray | None) -> list[s
             notes.append(
                 f"Drawn is the homogeneous {kind} of the same mass, centre of mass and moments of "
                 "inertia."
+            )
+        if not np.array_equal(body.axis(), BODY_Z):
+            notes.append(
+                "The centre of mass does not lie on body z, which phi, theta and psi are of; "
+                "the rod and the trace are of the centre of mass."
             )
     if not is_whole(table, FORCE):
         notes.append("No support force: it takes the columns force_x, force_y, force_z.")

@@ -23,7 +23,7 @@ from reporting.study import Section
 LARGEST = 5_000_000
 """Bytes of a page; pictures make room for the rest."""
 
-MOST_TIMES, ALL_TIMES = 4_001, 16_000
+MOST_TIMES, ALL_TIMES = 4_001, 24_000
 """Rows of a trajectory for the moving top, and of all trajectories of a page together."""
 
 CODE = re.compile(r"`([^`]+)`")
@@ -68,13 +68,16 @@ def load_script(sections: list[Section]) -> tuple[str, str]:
         return "", str(error)
 
 
-def all_errata(sections: list[Section]) -> dict[str, Erratum]:
-    """The errata that concern any section, once each, by their anchors."""
-    found = {erratum.heading: erratum for section in sections for erratum in section.errata}
-    return {f"erratum-{i}": erratum for i, erratum in enumerate(found.values(), start=1)}
+def anchored(sections: list[Section], errata: list[Erratum]) -> dict[str, Erratum]:
+    """Those errata that concern any section, in their own order, by their anchors."""
+    found = {erratum.heading for section in sections for erratum in section.errata}
+    concerned = [erratum for erratum in errata if erratum.heading in found]
+    return {f"erratum-{i}": erratum for i, erratum in enumerate(concerned, start=1)}
 
 
-def make_page(name: str, sections: list[Section], problems: list[str]) -> tuple[str, str]:
+def make_page(
+    name: str, sections: list[Section], problems: list[str], errata: list[Erratum]
+) -> tuple[str, str]:
     """The page of a study, and why its tops do not move if they should."""
     script, lack = load_script(sections)
     moving = sum(section.moves for section in sections) if script else 0
@@ -94,7 +97,7 @@ def make_page(name: str, sections: list[Section], problems: list[str]) -> tuple[
     )
     environment.filters |= {"prose": prose, "sentence": lambda text: text[:1].upper() + text[1:]}
     template = environment.get_template("page.html")
-    errata = all_errata(sections)
+    concerned = anchored(sections, errata)
 
     def render() -> str:
         return template.render(
@@ -103,8 +106,8 @@ def make_page(name: str, sections: list[Section], problems: list[str]) -> tuple[
             problems=problems,
             motions=motions,
             lack=lack,
-            errata=errata,
-            anchors={erratum.heading: anchor for anchor, erratum in errata.items()},
+            errata=concerned,
+            anchors={erratum.heading: anchor for anchor, erratum in concerned.items()},
             policy=policy(style, script),
             style=Markup(style),
             script=Markup(script),

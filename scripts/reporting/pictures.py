@@ -1,9 +1,13 @@
 """The pictures of a report: those that scripts/plot drew, else drawn here by the same functions."""
 
 import base64
+import io
+import struct
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+
+from PIL import Image
 
 from figures.registry import FigureKind, choose_figures
 from figures.style import save
@@ -13,6 +17,17 @@ SMALL = 150_000
 """Bytes up to which a picture is taken as SVG, which can be enlarged and stays sharp."""
 
 MEDIA = {".svg": "image/svg+xml", ".png": "image/png"}
+DRAWN = tuple(MEDIA)
+"""What scripts/plot makes."""
+
+FEW_COLOURS = "few colours"
+COLOURS = 64
+"""A PNG with so few colours looks the same and takes a third."""
+
+MEDIA[FEW_COLOURS] = MEDIA[".png"]
+
+
+EXTENT_OF_PNG = slice(16, 24)
 
 
 @dataclass
@@ -28,6 +43,11 @@ class Picture:
     def size(self) -> int:
         """Bytes that it takes in the page, as base64."""
         return -(-len(self.forms[self.form]) // 3) * 4 if self.form else 0
+
+    @property
+    def extent(self) -> tuple[int, int]:
+        """Width and height in pixels, by which the page keeps its place free."""
+        return struct.unpack(">II", self.forms[".png"][EXTENT_OF_PNG])
 
     @property
     def address(self) -> str:
@@ -47,7 +67,7 @@ def pictures_of(table: Table) -> list[Picture]:
 def find_picture(table: Table, kind: FigureKind, scratch: Path) -> Picture:
     """A picture as it lies beside its table, if it is not older, else drawn anew."""
     name = f"{table.path.stem}_{kind.name}"
-    paths = [table.path.with_name(name + ending) for ending in MEDIA]
+    paths = [table.path.with_name(name + ending) for ending in DRAWN]
     made = table.path.stat().st_mtime
     if not all(path.is_file() and path.stat().st_mtime >= made for path in paths):
         figure = kind.draw(table)
@@ -55,9 +75,19 @@ def find_picture(table: Table, kind: FigureKind, scratch: Path) -> Picture:
         for path in paths:
             save(figure, path)
     forms = {path.suffix: path.read_bytes() for path in paths}
-    smallest = min(forms, key=lambda form: len(forms[form]))
-    form = ".svg" if len(forms[".svg"]) <= SMALL else smallest
+    forms[FEW_COLOURS] = reduce_colours(forms[".png"])
+    form = ".svg" if len(forms[".svg"]) <= SMALL else FEW_COLOURS
     return Picture(name, kind.what, forms, form)
+
+
+def reduce_colours(png: bytes) -> bytes:
+    """A PNG with fewer colours."""
+    reduced = io.BytesIO()
+    with Image.open(io.BytesIO(png)) as image:
+        image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE).save(
+            reduced, "PNG", optimize=True
+        )
+    return reduced.getvalue()
 
 
 def fit(pictures: list[Picture], room: int) -> None:

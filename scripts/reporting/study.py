@@ -12,8 +12,8 @@ from reporting.errata import Erratum, errata_for
 from reporting.motion import refusal
 from reporting.pictures import Picture, pictures_of
 
-MOST_ROWS = 100
-"""Longer tables are thinned to about so many rows."""
+MOST_CELLS = 4_000
+"""Of longer tables only some rows are shown."""
 
 DIGITS = 10
 """Significant digits of numbers in the tables of the page."""
@@ -74,6 +74,8 @@ class Section:
         if self.table.status is not None:
             return self.table.status != "ok"
         rows = self.table.rows
+        if "verdict" in rows:  # to fail is a result, there
+            return False
         return "status" in rows and bool((rows["status"].astype(str) != "ok").any())
 
     @property
@@ -91,14 +93,21 @@ class Section:
         """The resolved namelist as it stands in the head."""
         return self.table.input
 
-    def shown_rows(self) -> tuple[list[list[str]], int]:
-        """The rows to show as texts, and how many rows of the table there are for one of them."""
+    def shown_rows(self) -> tuple[list[list[str]], str]:
+        """The rows to show as texts, and which those are; empty if they are all."""
         rows = self.table.rows
-        stride = -(-len(rows) // MOST_ROWS)
-        keep = np.unique(np.append(np.arange(0, len(rows), stride), max(len(rows) - 1, 0)))
-        part = rows.iloc[keep[: len(rows)]]
+        total, most = len(rows), max(1, MOST_CELLS // len(rows.columns))
+        stride = -(-total // most) if self.table.kind == "trajectory" else 1
+        keep = np.unique(np.append(np.arange(0, total, stride), max(total - 1, 0)))
+        keep = keep[:total] if stride > 1 else keep[: min(total, most)]
+        which = f"the first {len(keep)} of {total} rows" if len(keep) < total else ""
+        if stride > 1:
+            which = f"one row in {stride} of {total}, and the last"
+        if self.table.stride > 1:
+            which = f"{which or 'rows'}, of one case in {self.table.stride}"
+        part = rows.iloc[keep]
         cells = [[as_text(cell) for cell in part[name]] for name in part]
-        return [list(row) for row in zip(*cells, strict=True)], stride * self.table.stride
+        return [list(row) for row in zip(*cells, strict=True)], which
 
 
 def as_text(cell: object) -> str:

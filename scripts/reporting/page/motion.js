@@ -38,7 +38,8 @@ export class Motion {
     this.axis = new Vector3(...this.body.axis);
     this.hasBody = "body" in data;
     this.attitudes = this.#findAttitudes(exact);
-    this.angles = exact.phi
+    this.countsTurns = "phi" in exact; // else phi and psi are within half a turn
+    this.angles = this.countsTurns
       ? ANGLES.map((name) => unpack(exact[name], Float64Array))
       : this.#findAngles();
     this.force = drawn.force ? unpack(drawn.force, Float32Array) : null;

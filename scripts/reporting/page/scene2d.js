@@ -132,7 +132,7 @@ export class Scene2D {
     for (const edge of [x, y]) edge.applyQuaternion(attitude).multiplyScalar(size);
     const tip = this.motion.axisOf(attitude).multiplyScalar(this.scale.tip);
     this.#line([new Vector3(), tip], this.colours.ink, 3);
-    this.#circle(centre, x, y, this.colours.odd, 3);
+    this.#circle(centre, x, y, this.colours.even, 3);
     this.#line([centre, centre.clone().add(x)], this.colours.mark, 3);
   }
 

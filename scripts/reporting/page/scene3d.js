@@ -25,7 +25,8 @@ import { makeBody } from "./solid.js";
 const FIELD = 32; // degrees
 const NEAREST = 0.4; // times the first distance
 const FARTHEST = 4;
-const ROOM = 1.22; // times the reach of the body is in view
+const ROOM = 1.1; // times the reach of the body is in view
+const ABOVE = 1.004; // of its way is the part of the trace that is past, so that it hides it
 
 /** Whether the browser has WebGL. */
 export function hasWebGL() {
@@ -96,9 +97,9 @@ export class Scene3D {
     this.#clear();
     this.scene = new Scene();
     this.renderer.setClearColor(colours.ground);
-    const light = new DirectionalLight("#ffffff", 2.2);
+    const light = new DirectionalLight("#ffffff", 2.4);
     light.position.set(2, -3, 5);
-    this.scene.add(light, new HemisphereLight("#ffffff", "#9a9a9a", 1.6));
+    this.scene.add(light, new HemisphereLight("#ffffff", "#c8c8c8", 2.6));
     this.#addSpace(colours);
     this.body = makeBody(this.motion.body, colours);
     this.#addTrace(colours);
@@ -130,7 +131,8 @@ export class Scene3D {
     const { times, points } = this.motion.trace();
     this.traceTimes = times;
     this.tracePoints = points.map((value) => value * this.scale.tip);
-    this.past = makeLine(this.tracePoints, colours.trace, 2.5);
+    const outside = this.tracePoints.map((value) => value * ABOVE);
+    this.past = makeLine(outside, colours.trace, 2.5);
     this.last = makeLine([0, 0, 0, 0, 0, 0], colours.trace, 2.5);
     this.trace = new Group().add(makeLine(this.tracePoints, colours.faint, 1.2), this.past, this.last);
     this.scene.add(this.trace);

@@ -18,8 +18,9 @@ export function inShort(value) {
   return minus(String(Number(value.toPrecision(4))));
 }
 
+/** With a true minus sign, and none before a zero. */
 function minus(text) {
-  return text.replaceAll("-", "\u2212");
+  return Number(text) === 0 ? text.replace("-", "") : text.replaceAll("-", "\u2212");
 }
 
 function extremes(numbers) {
@@ -37,9 +38,14 @@ export function accountOf(motion) {
   const [low, high] = extremes(theta);
   const words = [
     `From t = ${inShort(motion.start)} s to ${inShort(motion.end)} s the inclination θ stays between`,
-    `${inDegrees(low, 2)} and ${inDegrees(high, 2)}; precession φ goes from ${inDegrees(phi[0], 1)} to`,
-    `${inDegrees(phi.at(-1), 1)}, spin ψ from ${inDegrees(psi[0], 1)} to ${inDegrees(psi.at(-1), 1)}.`,
+    `${inDegrees(low, 2)} and ${inDegrees(high, 2)}.`,
   ];
+  if (motion.countsTurns) {
+    words.push(
+      `Precession φ goes from ${inDegrees(phi[0], 1)} to ${inDegrees(phi.at(-1), 1)},`,
+      `spin ψ from ${inDegrees(psi[0], 1)} to ${inDegrees(psi.at(-1), 1)}.`,
+    );
+  }
   const longest = [
     motion.force && `support force ${inShort(motion.largest(motion.force))} N`,
     motion.momentum && `angular momentum ${inShort(motion.largest(motion.momentum))} J s`,

@@ -17,6 +17,8 @@ def main(path: Path) -> int:
     result = unittest.TextTestRunner(details, buffer=True).run(tests)
     bad = len(result.failures) + len(result.errors) + len(result.unexpectedSuccesses)
     good = result.testsRun - len(result.skipped) - len(result.expectedFailures) - bad
+    for reason in dict.fromkeys(reason for _, reason in result.skipped):
+        print(f"  left out: {reason}")
     if bad:
         print(details.getvalue())
     print(f"{path.stem}: {max(good, 0)} passed, {bad} failed", flush=True)

@@ -33,8 +33,8 @@ class Table:
 
     `header` holds the `key: value` lines of its head, `settings` the resolved input by
     `group.key` and `input` as text, `units` and `meanings` those of the columns, `status` how a
-    trajectory ended. Of a long sweep over one parameter only every `stride`-th row is kept, more than
-    a figure can show.
+    trajectory ended. Of a long sweep over one parameter only every `stride`-th row is kept, more
+    than a figure can show.
     """
 
     path: Path

@@ -47,3 +47,8 @@ export function nearTo(angle, other) {
 export function turnAbout(axis, angle) {
   return new Quaternion().setFromAxisAngle(axis, angle);
 }
+
+/** How far a turn goes about a unit vector, if the rest of it moves that vector as little as can be. */
+export function twistOf({ x, y, z, w }, axis) {
+  return 2 * Math.atan2(x * axis.x + y * axis.y + z * axis.z, w);
+}

@@ -1,7 +1,7 @@
 // A trajectory: its rows as they stand in the table, and the motion between them.
 
 import { Quaternion, Vector3 } from "three";
-import { fromAngles, nearTo, toAngles, turnAbout } from "./attitude.js";
+import { fromAngles, nearTo, toAngles, turnAbout, twistOf, withinHalfTurn } from "./attitude.js";
 
 const ANGLES = ["phi", "theta", "psi"];
 const FINEST = 0.05; // rad: how far the axis turns between two points of its trace
@@ -74,17 +74,21 @@ export class Motion {
 
   /**
    * How far the body turns about its axis from each row to the next, whole turns included: a wheel
-   * may turn several times from row to row. Without angular velocity it is taken from the angles.
+   * may turn several times from row to row. The attitudes give it but for whole turns; those are
+   * taken from the angular velocity, else from the angles.
    */
   #findSpins(omega) {
     const [phi, theta, psi] = this.angles;
     return Array.from({ length: this.count - 1 }, (_, i) => {
+      const turn = twistOf(this.attitudes[i].clone().conjugate().multiply(this.attitudes[i + 1]), this.axis);
       const dt = this.t[i + 1] - this.t[i];
       if (omega) {
-        return (dt / 2) * vectorAt(omega, i).add(vectorAt(omega, i + 1)).dot(this.axis);
+        const sum = vectorAt(omega, i).add(vectorAt(omega, i + 1));
+        return nearTo(turn, (dt / 2) * sum.dot(this.axis));
       }
+      if (!this.countsTurns || this.axis.z !== 1) return withinHalfTurn(turn);
       const height = (Math.cos(theta[i]) + Math.cos(theta[i + 1])) / 2;
-      return this.axis.z === 1 ? psi[i + 1] - psi[i] + height * (phi[i + 1] - phi[i]) : 0;
+      return nearTo(turn, psi[i + 1] - psi[i] + height * (phi[i + 1] - phi[i]));
     });
   }
 

@@ -1,0 +1,203 @@
+"""What the tests of the report's page share: a study, its report, and a browser that shows it."""
+
+import atexit
+import contextlib
+import functools
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(ROOT / "scripts")]
+
+from reporting.errata import read_errata  # noqa: E402
+from reporting.packages import PackageError, esbuild_package, need  # noqa: E402
+from reporting.page import make_page, write_page  # noqa: E402
+from reporting.study import read_study  # noqa: E402
+
+PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
+BROWSER = os.environ.get("SPINTOP_BROWSER", "")
+INPUTS = ("slow_top", "heavy_top_benchmark", "spinning_wheel_figure11", "spinning_wheel_sweep")
+
+HOSTILE = "</script><img src=x onerror=hacked=1>''\"& {{ 7*7 }} <b>"
+"""A title that would do harm if it were taken as HTML; quotes as in a namelist."""
+
+FLAGS = (
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--hide-scrollbars",
+)
+SOFTWARE_WEBGL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+NO_WEBGL = ("--disable-3d-apis",)
+DESKTOP = (1000, 640)
+PATIENCE = 20.0
+"""Seconds until something that should happen has not."""
+
+DRIVERS_OWN = "GL Driver Message"
+"""What a software renderer says of its own speed."""
+
+
+@functools.cache
+def make_study() -> Path:
+    """Compute a few studies, one with a hostile title; return their report. Once for all tests."""
+    scratch = Path(tempfile.mkdtemp(prefix="report test "))
+    atexit.register(shutil.rmtree, scratch, ignore_errors=True)
+    folder = scratch / "study"
+    folder.mkdir()
+    inputs = [ROOT / "input" / f"{name}.nml" for name in INPUTS]
+    command = [PROGRAM, "--quiet", "-o", folder]
+    subprocess.run([*command, *inputs], check=True, capture_output=True)
+    hostile = folder / "hostile.nml"
+    text = inputs[0].read_text(encoding="utf-8")
+    title = next(line for line in text.splitlines() if line.strip().startswith("title"))
+    hostile.write_text(text.replace(title, f"    title = '{HOSTILE}'"), encoding="utf-8")
+    few = ("--set", "span.samples=41", "--set", "output.columns=t,phi,theta,psi")
+    subprocess.run([*command, *few, hostile], check=True, capture_output=True)
+    errata = read_errata()
+    sections, problems = read_study(folder, errata)
+    page, lack = make_page(folder.name, sections, problems, errata)
+    if problems or lack:
+        raise AssertionError([*problems, lack])
+    write_page(page, folder / "report.html")
+    return folder / "report.html"
+
+
+def open_browser(profile: Path, *flags: str) -> object:
+    """A browser without a window, driven by selenium."""
+    from selenium import webdriver
+    from selenium.webdriver.chrome.service import Service
+
+    options = webdriver.ChromeOptions()
+    options.binary_location = BROWSER
+    for flag in (*FLAGS, *flags, f"--user-data-dir={profile}"):
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    return webdriver.Chrome(options=options, service=Service(shutil.which("chromedriver")))
+
+
+def wait_for(condition: Callable[[], object], what: str) -> object:
+    """Wait until a condition holds, and give what it gave."""
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        if result := condition():
+            return result
+        time.sleep(0.05)
+    raise AssertionError(f"waited in vain for {what}")
+
+
+class BrowserCase(unittest.TestCase):
+    """A browser, with the report of a study opened anew before each test."""
+
+    flags: tuple[str, ...] = SOFTWARE_WEBGL
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        """Compute the study, make the report, start the browser."""
+        if not BROWSER:
+            raise unittest.SkipTest("no browser: scripts/test installs one, where it may")
+        try:
+            for name in ("three", "axe-core", esbuild_package()):
+                need(name)
+        except PackageError as error:
+            raise unittest.SkipTest(str(error)) from error
+        scratch = tempfile.TemporaryDirectory(prefix="browser ", ignore_cleanup_errors=True)
+        cls.addClassCleanup(scratch.cleanup)
+        cls.page = make_study()
+        cls.folder = cls.page.parent
+        cls.browser = open_browser(Path(scratch.name), *cls.flags)
+        cls.addClassCleanup(cls.browser.quit)
+
+    def setUp(self) -> None:
+        """Open the report on a desktop's screen."""
+        self.set_screen(*DESKTOP)
+        self.open(self.page)
+
+    def tearDown(self) -> None:
+        """Nothing was complained of, and nothing fetched."""
+        entries = self.browser.get_log("browser")
+        bad = [e["message"] for e in entries if DRIVERS_OWN not in e["message"]]
+        self.assertEqual(bad, [])
+        self.assertEqual(self.fetched(), set())
+
+    def open(self, page: Path) -> None:
+        """Open a page."""
+        self.browser.get(page.as_uri())
+
+    def set_screen(self, width: int, height: int, touch: bool = False, **media: str) -> None:
+        """Have a screen of this size, with the media features given."""
+        metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": touch}
+        self.tell("Emulation.setDeviceMetricsOverride", **metrics)
+        self.tell("Emulation.setTouchEmulationEnabled", enabled=touch)
+        features = [{"name": key.replace("_", "-"), "value": value} for key, value in media.items()]
+        self.tell("Emulation.setEmulatedMedia", features=features)
+
+    def tell(self, command: str, **arguments: object) -> object:
+        """Give the browser a command of its own protocol."""
+        return self.browser.execute_cdp_cmd(command, arguments)
+
+    def run_script(self, script: str, *arguments: object) -> object:
+        """Run a script in the page, and give what it returns."""
+        return self.browser.execute_script(script, *arguments)
+
+    def fetched(self) -> set[str]:
+        """What was asked for beside the pages themselves and what is part of them."""
+        asked, stopped = {}, set()
+        for entry in self.browser.get_log("performance"):
+            message = json.loads(entry["message"])["message"]
+            facts = message["params"]
+            if message["method"] == "Network.requestWillBeSent":
+                asked[facts["requestId"]] = facts["request"]["url"]
+            elif facts.get("blockedReason") == "csp":
+                stopped.add(facts["requestId"])
+        own = ("data:", self.folder.parent.as_uri(), "chrome:", "about:")
+        addresses = {url for key, url in asked.items() if key not in stopped}
+        return {url for url in addresses if not url.startswith(own)}
+
+    def top(self, table: str = "slow_top.csv") -> object:
+        """The moving top of a table, brought to the screen."""
+        section = self.run_script(
+            "const code = [...document.querySelectorAll('article .lead code')]"
+            ".find((one) => one.textContent === arguments[0]);"
+            "const top = code.closest('article').querySelector('section.top');"
+            "top.scrollIntoView({ behavior: 'instant' }); return top;",
+            table,
+        )
+        wait_for(lambda: self.parts(section, "canvas"), "the drawing")
+        return section
+
+    def parts(self, section: object, selector: str) -> list:
+        """The elements of a section."""
+        return section.find_elements("css selector", selector)
+
+    def part(self, section: object, name: str) -> object:
+        """A part of a moving top."""
+        return section.find_element("css selector", f"[data-part={name}]")
+
+    def numbers(self, section: object) -> list[float]:
+        """What t, phi, theta and psi are read to be."""
+        texts = [self.part(section, name).text for name in ("t", "phi", "theta", "psi")]
+        return [float(text.replace("\N{MINUS SIGN}", "-")) for text in texts]
+
+    def picture(self, section: object) -> bytes:
+        """What the drawing shows."""
+        return self.part(section, "stage").screenshot_as_png
+
+    @contextlib.contextmanager
+    def changing(self, section: object) -> Iterator[None]:
+        """The drawing is another one afterwards."""
+        before = self.picture(section)
+        yield
+        wait_for(lambda: self.picture(section) != before, "another drawing")

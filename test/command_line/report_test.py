@@ -127,7 +127,7 @@ class MotionTest(ReportCase):
         return np.frombuffer(base64.b64decode(text), kind)
 
     def test_bits(self) -> None:
-        """Times and angles are the bits of the table, of all rows or one in so many and the last."""
+        """Times and angles are the bits of the table, of all rows or of some."""
         table = self.table(BODY + a_trajectory(count=40))
         data = motion_data(table, 40)
         for name in ANGLES:
@@ -314,7 +314,7 @@ class PageTest(ReportCase):
         self.assertEqual(data["title"], HOSTILE)
 
     def test_what_is_told(self) -> None:
-        """Overview, origin, input, columns, rows; failures are marked, files that are none named."""
+        """Overview, origin, input, columns, rows; failures are marked, other files named."""
         self.put("a.csv", BODY + a_trajectory(count=3, phi=1 / 3))
         self.put("b.csv", a_sweep(status="step_limit"))
         self.put("c.csv", a_stability())

@@ -25,6 +25,8 @@ function vectorAt(table, row) {
 }
 
 export class Motion {
+  #trace;
+
   /** @param data what `motion_data` of the Python side gives. */
   constructor(data) {
     const { exact, drawn } = data;
@@ -180,6 +182,11 @@ export class Motion {
 
   /** The way of the axis: times and unit vectors (x, y, z side by side), finer than the rows. */
   trace() {
+    this.#trace ??= this.#findTrace();
+    return this.#trace;
+  }
+
+  #findTrace() {
     const times = [];
     const points = [];
     const room = Math.max(1, Math.floor(MOST_POINTS / this.count));

@@ -71,10 +71,10 @@ export class Scene2D {
     const [ca, sa] = [Math.cos(this.azimuth), Math.sin(this.azimuth)];
     const [ce, se] = [Math.cos(this.elevation), Math.sin(this.elevation)];
     const { width, height } = this.canvas;
-    const unit = (this.nearness * Math.min(width, height)) / (2 * ROOM * this.scale.reach);
+    const unit = (this.nearness * Math.min(width, height)) / (2 * ROOM * this.scale.radius);
     return [
       width / 2 + unit * (ca * y - sa * x),
-      height / 2 - unit * (ce * z - se * (ca * x + sa * y)),
+      height / 2 - unit * (ce * (z - this.scale.middle) - se * (ca * x + sa * y)),
     ];
   }
 

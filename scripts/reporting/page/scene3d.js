@@ -26,7 +26,6 @@ const FIELD = 32; // degrees
 const NEAREST = 0.4; // times the first distance
 const FARTHEST = 4;
 const ROOM = 1.1; // times the reach of the body is in view
-const ABOVE = 1.004; // of its way is the part of the trace that is past, so that it hides it
 
 /** Whether the browser has WebGL. */
 export function hasWebGL() {
@@ -41,11 +40,11 @@ function makeLine(points, colour, width) {
   return new Line2(geometry, new LineMaterial({ color: colour, linewidth: width }));
 }
 
-/** A circle about the pivot in the plane of two vectors. */
-function makeCircle(radius, a, b, colour) {
+/** A circle in the plane of two vectors, as large as they are long. */
+function makeCircle(centre, a, b, colour) {
   const points = Array.from({ length: 97 }, (_, i) => {
     const angle = (2 * Math.PI * i) / 96;
-    return [...a.clone().multiplyScalar(radius * Math.cos(angle)).addScaledVector(b, radius * Math.sin(angle))];
+    return [...centre.clone().addScaledVector(a, Math.cos(angle)).addScaledVector(b, Math.sin(angle))];
   });
   return makeLine(points.flat(), colour, 1);
 }
@@ -75,10 +74,12 @@ export class Scene3D {
     this.scale = scaleOf(motion);
     this.renderer = new WebGLRenderer({ canvas, antialias: true });
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
-    this.camera = new PerspectiveCamera(FIELD, 1, this.scale.reach / 50, this.scale.reach * 50);
+    this.camera = new PerspectiveCamera(FIELD, 1, this.scale.reach / 50, this.scale.reach * 80);
     this.camera.up.set(0, 0, 1);
-    this.distance = (ROOM * this.scale.reach) / Math.sin((FIELD * Math.PI) / 360);
+    this.middle = new Vector3(0, 0, this.scale.middle);
+    this.distance = (ROOM * this.scale.radius) / Math.sin((FIELD * Math.PI) / 360);
     this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.target.copy(this.middle);
     Object.assign(this.controls, {
       enablePan: false,
       enableDamping: false,
@@ -111,12 +112,16 @@ export class Scene3D {
     for (const [name, on] of Object.entries(this.visible)) this.setVisible(name, on);
   }
 
-  /** Circles about the pivot, and the axes of space. */
+  /** The sphere of the tip, or the two circles between which it stays; and the axes of space. */
   #addSpace(colours) {
     const [x, y, z] = [new Vector3(1, 0, 0), new Vector3(0, 1, 0), new Vector3(0, 0, 1)];
-    const radius = this.scale.tip;
-    for (const [a, b] of [[x, y], [x, z], [y, z]]) {
-      this.scene.add(makeCircle(radius, a, b, colours.faint));
+    const { tip, between } = this.scale;
+    const circles = between
+      ? between.map((height) => [Math.sqrt(Math.max(tip ** 2 - height ** 2, 0)), height, x, y])
+      : [[tip, 0, x, y], [tip, 0, x, z], [tip, 0, y, z]];
+    for (const [radius, height, a, b] of circles) {
+      const [u, v] = [a, b].map((axis) => axis.clone().multiplyScalar(radius));
+      this.scene.add(makeCircle(z.clone().multiplyScalar(height), u, v, colours.faint));
     }
     for (const [axis, letter] of [[x, "x"], [y, "y"], [z, "z"]]) {
       const end = axis.clone().multiplyScalar(0.32 * this.scale.reach);
@@ -131,11 +136,15 @@ export class Scene3D {
     const { times, points } = this.motion.trace();
     this.traceTimes = times;
     this.tracePoints = points.map((value) => value * this.scale.tip);
-    const outside = this.tracePoints.map((value) => value * ABOVE);
-    this.past = makeLine(outside, colours.trace, 2.5);
+    this.past = makeLine(this.tracePoints, colours.trace, 2.5);
     this.last = makeLine([0, 0, 0, 0, 0, 0], colours.trace, 2.5);
-    this.trace = new Group().add(makeLine(this.tracePoints, colours.faint, 1.2), this.past, this.last);
+    const all = makeLine(this.tracePoints, colours.faint, 1.2);
+    all.material.depthWrite = false; // so that what is past may be drawn upon it
+    this.trace = new Group().add(all, this.past, this.last);
     this.scene.add(this.trace);
+    [all, this.past, this.last].forEach((line, i) => {
+      line.renderOrder = 1 + i; // after the body
+    });
   }
 
   /** Show what `Motion.at` gives. */
@@ -199,13 +208,13 @@ export class Scene3D {
 
   /** Where the eye is; three's spherical coordinates have y upward. */
   #place() {
-    const { x, y, z } = this.camera.position;
+    const { x, y, z } = this.camera.position.clone().sub(this.middle);
     return new Spherical().setFromCartesianCoords(y, z, x);
   }
 
   #putEye(place) {
     const { x: y, y: z, z: x } = new Vector3().setFromSpherical(place);
-    this.camera.position.set(x, y, z);
+    this.camera.position.set(x, y, z).add(this.middle);
     this.controls.update();
   }
 

@@ -58,8 +58,13 @@ function makeCuboid({ edges }, colours, rest) {
 export function reachOf({ centre, solid }) {
   const length = Math.hypot(...centre);
   if (solid.kind === "cylinder") return Math.hypot(length + solid.height / 2, solid.radius);
-  if (solid.kind === "cuboid") return length + Math.hypot(...solid.edges) / 2;
-  return length || 1;
+  return length + girthOf({ solid }) || 1;
+}
+
+/** How far a body reaches from its centre of mass, m. */
+export function girthOf({ solid }) {
+  if (solid.kind === "cylinder") return Math.hypot(solid.height / 2, solid.radius);
+  return solid.kind === "cuboid" ? Math.hypot(...solid.edges) / 2 : 0;
 }
 
 /** How far the tip of the axis is from the pivot, m: where the axis leaves the body, and a bit. */

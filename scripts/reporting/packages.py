@@ -17,7 +17,7 @@ import tempfile
 import urllib.error
 import urllib.parse
 import urllib.request
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 PAGE = Path(__file__).resolve().parent / "page"
@@ -126,11 +126,22 @@ def unpack(data: bytes, folder: Path, integrity: str) -> None:
     """Put the files of a package into its folder, which is complete or not there."""
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder.parent) as scratch:
+        fresh, old = Path(scratch) / "new", Path(scratch) / "old"
         with tarfile.open(fileobj=io.BytesIO(data)) as archive:
-            archive.extractall(scratch, filter="data")
-        fresh = next(path for path in Path(scratch).iterdir() if path.is_dir())
+            for member in archive:
+                extract(archive, member, fresh)
         (fresh / ".integrity").write_text(integrity, encoding="ascii")
-        old = Path(scratch) / "old"
         if folder.exists():
             folder.rename(old)
         fresh.rename(folder)
+
+
+def extract(archive: tarfile.TarFile, member: tarfile.TarInfo, folder: Path) -> None:
+    """Put a plain file of an archive into a folder, without the first part of its path."""
+    parts = PurePosixPath(member.name).parts[1:]
+    if not member.isfile() or not parts or ".." in parts:
+        return
+    path = folder.joinpath(*parts)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(archive.extractfile(member).read())
+    path.chmod(0o755 if member.mode & 0o100 else 0o644)

@@ -430,9 +430,11 @@ class PackageTest(ReportCase):
         archive = io.BytesIO()
         with tarfile.open(fileobj=archive, mode="w:gz") as tar:
             text = b"export const three = 3;\n"
-            facts = tarfile.TarInfo("package/three.js")
-            facts.size = len(text)
-            tar.addfile(facts, io.BytesIO(text))
+            for name, mode in (("package/three.js", 0o644), ("package/bin/run", 0o755)):
+                facts = tarfile.TarInfo(name)
+                facts.size, facts.mode = len(text), mode
+                tar.addfile(facts, io.BytesIO(text))
+            tar.addfile(tarfile.TarInfo("package/../../outside.js"))
         place = self.folder / "@scope" / "three" / "-" / "three-1.2.3.tgz"
         place.parent.mkdir(parents=True)
         place.write_bytes(archive.getvalue())
@@ -469,6 +471,10 @@ class PackageTest(ReportCase):
         folder = packages.need("@scope/three")
         self.assertEqual(folder, self.modules / "@scope" / "three")
         self.assertIn("three = 3", (folder / "three.js").read_text(encoding="utf-8"))
+        programs = [path.name for path in folder.rglob("*") if path.is_file()]
+        self.assertEqual(sorted(programs), [".integrity", "run", "three.js"])
+        self.assertEqual([path.name for path in self.modules.iterdir()], ["@scope"])
+        self.assertTrue(os.access(folder / "bin" / "run", os.X_OK))
         with unittest.mock.patch.object(packages, "fetch", side_effect=AssertionError):
             packages.need("@scope/three")
         self.lock("sha512-" + "A" * 86 + "==")

@@ -6,6 +6,7 @@ import textwrap
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
+from typing import BinaryIO
 
 import matplotlib as mpl
 import numpy as np
@@ -221,9 +222,13 @@ def save_as(figure: Figure, stem: Path, endings: Sequence[str] = ("png", "svg"))
     return targets
 
 
+def reduce_colours(png: Path | BinaryIO) -> Image.Image:
+    """A PNG picture with few colours, a third as large when it is saved."""
+    with Image.open(png) as picture:
+        return picture.convert("RGB").quantize(PALETTE, dither=Image.Dither.NONE)
+
+
 def save_small(figure: Figure, path: Path) -> None:
-    """Write a figure to a PNG file of few colours, a third as large."""
+    """Write a figure to a PNG file of few colours."""
     save(figure, path)
-    with Image.open(path) as picture:
-        small = picture.convert("RGB").quantize(PALETTE, dither=Image.Dither.NONE)
-    small.save(path, optimize=True)
+    reduce_colours(path).save(path, optimize=True)

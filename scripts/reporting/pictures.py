@@ -7,10 +7,8 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from PIL import Image
-
 from figures.registry import FigureKind, choose_figures
-from figures.style import save
+from figures.style import reduce_colours, save_as
 from figures.table import Table
 
 SMALL = 150_000
@@ -21,13 +19,12 @@ DRAWN = tuple(MEDIA)
 """What scripts/plot makes."""
 
 FEW_COLOURS = "few colours"
-COLOURS = 64
-"""A PNG with so few colours looks the same and takes a third."""
+"""The form of a PNG that looks the same and takes a third."""
 
 MEDIA[FEW_COLOURS] = MEDIA[".png"]
 
-
 EXTENT_OF_PNG = slice(16, 24)
+"""The bytes of a PNG that hold its width and height."""
 
 
 @dataclass
@@ -70,23 +67,17 @@ def find_picture(table: Table, kind: FigureKind, scratch: Path) -> Picture:
     paths = [table.path.with_name(name + ending) for ending in DRAWN]
     made = table.path.stat().st_mtime
     if not all(path.is_file() and path.stat().st_mtime >= made for path in paths):
-        figure = kind.draw(table)
-        paths = [scratch / path.name for path in paths]
-        for path in paths:
-            save(figure, path)
+        paths = save_as(kind.draw(table), scratch / name)
     forms = {path.suffix: path.read_bytes() for path in paths}
-    forms[FEW_COLOURS] = reduce_colours(forms[".png"])
+    forms[FEW_COLOURS] = with_few_colours(forms[".png"])
     form = ".svg" if len(forms[".svg"]) <= SMALL else FEW_COLOURS
     return Picture(name, kind.what, forms, form)
 
 
-def reduce_colours(png: bytes) -> bytes:
-    """A PNG with fewer colours."""
+def with_few_colours(png: bytes) -> bytes:
+    """A PNG of few colours."""
     reduced = io.BytesIO()
-    with Image.open(io.BytesIO(png)) as image:
-        image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE).save(
-            reduced, "PNG", optimize=True
-        )
+    reduce_colours(io.BytesIO(png)).save(reduced, "PNG", optimize=True)
     return reduced.getvalue()
 
 

@@ -88,7 +88,7 @@ def title_of(page: Path) -> str:
 
 
 def map_prose(text: str, change: Callable[[str], str]) -> str:
-    """Change what is no fenced block and no code within a line; fences keep their first tag only."""
+    """Change what is no fenced block and no code in a line; fences keep their first tag only."""
     done: list[str] = []
     for i, part in enumerate(re.split(r"^(```.*\n(?:.*\n)*?```)$", text, flags=re.MULTILINE)):
         if i % 2:

@@ -1,7 +1,8 @@
 """The manual and the pages of the API as one site, by FORD, which `scripts/api_docs` installs.
 
-FORD reads the sources and [extra.ford] of fpm.toml. Its pages would take styles and scripts from the network:
-Bootstrap is put beside them instead, and equations become MathML, which a browser shows by itself.
+FORD reads the sources and [extra.ford] of fpm.toml. Its pages would take styles and scripts from
+the network: Bootstrap is put beside them instead, and equations become MathML, which a browser shows
+by itself.
 """
 
 import base64

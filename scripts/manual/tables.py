@@ -1,7 +1,8 @@
 """The tables of the manual that the program tells: parameters, methods, columns and the like.
 
-A table stands between the lines `<!-- spintop list TOPIC PART -->` and `<!-- end of list -->` of a page, and
-`<!-- spintop --help -->` is such a line, too. PART is a group of parameters or the kind of a table.
+A table stands between the lines `<!-- spintop list TOPIC PART -->` and `<!-- end of list -->` of
+a page, and `<!-- spintop --help -->` is such a line, too. PART is a group of parameters or the kind
+of a table.
 """
 
 import re
@@ -57,7 +58,8 @@ def _split(line: str) -> tuple[str, str, str]:
 def _listed(lines: list[str], topic: str, part: str) -> list[str]:
     """A table of a topic; of the columns, only those of a kind of table."""
     if part:
-        first = next(i for i, line in enumerate(lines) if re.match(rf"columns of an? {part}", line))
+        start = re.compile(f"columns of an? {part.replace('_', '[-_]')}\\b")
+        first = next(i for i, line in enumerate(lines) if start.match(line))
         lines = lines[first + 1 :]
         lines = lines[: lines.index("")] if "" in lines else lines
     rows = []

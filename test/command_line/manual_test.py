@@ -31,11 +31,12 @@ BLOCKS = [block for page in PAGES for block in blocks_of(page)]
 
 SHELL = ("sh", "console")
 LANGUAGES = (*SHELL, "nml", "fortran", "toml", "python", "text")
-WAYS = ("long", "setup", "slurm", "xarray", "mpi", "netcdf", "part", "wrong", "messages", "output")
-"""Words behind the language that say how a block is tested, besides exit=N and the base of a part."""
+WAYS = ("long", "timed", "part", "wrong", "messages", "output", "mpi", "netcdf")
+WAYS += ("setup", "slurm", "xarray")
+"""Words behind the language: how a block is tested, besides exit=N and the base of a part."""
 
-NOT_RUN = ("setup", "slurm", "xarray")
-"""Ways of blocks that take more than a test may: they install, build, or need what few machines have."""
+NOT_RUN = WAYS[-3:]
+"""Ways of blocks that are not run: they install, build, or need what few machines have."""
 
 SKIPPED = {
     "README.md": ["scripts/run input/spinning_wheel_sweep.nml", "scripts/test"],
@@ -218,9 +219,9 @@ class PagesTest(unittest.TestCase):
         groups = set(re.findall(r"(?m)^(\w+)\.\w+", told.stdout))
         lists += [f"parameters {group}" for group in groups]
         told = subprocess.run([PROGRAM, "list", "columns"], capture_output=True, text=True)
-        kinds = re.findall(r"(?m)^columns of an? (\w+)", told.stdout)
+        kinds = re.findall(r"(?m)^columns of an? ([\w-]+)", told.stdout)
         self.assertGreaterEqual(len(kinds), 3)
-        lists += [f"columns {kind}" for kind in kinds]
+        lists += [f"columns {kind.replace('-', '_')}" for kind in kinds]
         for name in lists:
             self.assertIn(f"<!-- spintop list {name} -->", text)
 
@@ -247,14 +248,27 @@ class CommandsTest(ManualCase):
             self.assertEqual(result.returncode, code, f"{command}\n{result.stdout}{result.stderr}")
             if outputs:
                 found = result.stdout.splitlines()
+                if "timed" in block.tags:
+                    self.assertEqual(len(found), len(outputs[i]), result.stdout)
+                    found, outputs[i] = found[:1], outputs[i][:1]
                 for expected, line in zip_longest(outputs[i], found, fillvalue=""):
                     self.assertTrue(agree(expected, line), f"{command}\n- {expected}\n+ {line}")
+
+    def run_python(self, block: Block) -> None:
+        """Run a program, which prints something."""
+        command = [sys.executable, "-W", "error", "-c", block.text]
+        result = subprocess.run(command, cwd=self.folder, capture_output=True, text=True)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertNotEqual(result.stdout, "")
 
     def test_commands(self) -> None:
         """Page by page, for later blocks may use what earlier ones have made."""
         has_mpi = shutil.which("mpirun") and Path(MPI_PROGRAM).is_file()
         netcdf = self.shell("spintop --check --set output.format=netcdf input/random_tops.nml")
         for block in BLOCKS:
+            if block.tags[0] == "python" and not set(block.tags) & set(NOT_RUN):
+                with self.subTest(str(block)):
+                    self.run_python(block)
             if block.tags[0] not in SHELL:
                 continue
             if ("mpi" in block.tags and not has_mpi) or (
@@ -300,19 +314,6 @@ class CommandsTest(ManualCase):
                     self.assertEqual(result.stderr.strip(), BLOCKS[i + 1].text.strip())
                 else:
                     self.assertEqual(result.returncode, 0, result.stderr)
-
-    def test_python(self) -> None:
-        """Programs in Python, with the tables that earlier commands made."""
-        self.shell("scripts/run --no-plots input/slow_top.nml")
-        for block in BLOCKS:
-            if block.tags[0] == "python" and not set(block.tags) & set(NOT_RUN):
-                with self.subTest(str(block)):
-                    self.assertNotEqual(self.python(block.text).stdout, "")
-
-    def python(self, program: str) -> subprocess.CompletedProcess:
-        """Run a program."""
-        command = [sys.executable, "-W", "error", "-c", program]
-        return subprocess.run(command, cwd=self.folder, capture_output=True, text=True, check=True)
 
     def test_the_library(self) -> None:
         """The program of the library's page is built by fpm, and prints what the page says."""

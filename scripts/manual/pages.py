@@ -113,15 +113,3 @@ def map_links(text: str, change: Callable[[str], str]) -> str:
 def map_maths(text: str, change: Callable[[str, bool], str]) -> str:
     """Change equations; the function is told their TeX and whether they are displayed."""
     return _MATHS.sub(lambda m: change((m[1] or m[2]).strip(), m[1] is not None), text)
-
-
-def equations_of(page: Path) -> list[tuple[str, bool]]:
-    """All equations of a page, and whether they are displayed."""
-    found: list[tuple[str, bool]] = []
-
-    def note(tex: str, displayed: bool) -> str:
-        found.append((tex, displayed))
-        return ""
-
-    map_maths(_CODE.sub("", "\n".join(prose_of(page))), note)
-    return found

@@ -1,8 +1,8 @@
 """The manual and the pages of the API as one site, by FORD, which `scripts/api_docs` installs.
 
 FORD reads the sources and [extra.ford] of fpm.toml. Its pages would take styles and scripts from
-the network: Bootstrap is put beside them instead, and equations become MathML, which a browser shows
-by itself.
+the network: Bootstrap is put beside them instead, and equations become MathML, which a browser
+shows by itself.
 """
 
 import base64
@@ -23,7 +23,15 @@ from ford.settings import load_toml_settings
 from latex2mathml.converter import convert
 
 from manual.documented import find_undocumented
-from manual.pages import ROOT, manual_pages, map_links, map_maths, map_prose, title_of
+from manual.pages import (
+    ROOT,
+    links_of,
+    manual_pages,
+    map_links,
+    map_maths,
+    map_prose,
+    title_of,
+)
 
 SITE = ROOT / "build" / "api"
 SOURCES = ROOT / "build" / "api_pages"
@@ -68,7 +76,8 @@ class Pages:
             return os.path.relpath(found, place.parent) + mark + anchor
 
         def change_maths(tex: str, displayed: bool) -> str:
-            self.equations.append(convert(tex, display="block" if displayed else "inline"))
+            spaced = re.sub(r"(?<=.) *(\\(?:sin|cos)(?:\^2)?) *(?=\\)", r"\\,\1\\,", tex)
+            self.equations.append(convert(spaced, display="block" if displayed else "inline"))
             return _PLACEHOLDER.format(len(self.equations) - 1)
 
         def change(prose: str) -> str:
@@ -103,12 +112,15 @@ def write_pages(pages: Pages) -> str:
         folder.mkdir(parents=True)
     front = ""
     for page in manual_pages():
-        text = pages.convert(page)
+        text = re.sub(r"^# .*\n", "", pages.convert(page), count=1)  # FORD has a title of its own
         if page.parent == ROOT:
             front = text
             continue
-        body = re.sub(r"^# .*\n", "", text, count=1)
-        (SOURCES / page.name).write_text(f"---\ntitle: {title_of(page)}\n---\n{body}", "utf-8")
+        head = f"title: {title_of(page)}\n"
+        if page.stem == "index":  # which has the pages in their order
+            names = [target for _, target in links_of(page) if re.fullmatch(r"\w+\.md", target)]
+            head += "".join(f"ordered_subpage: {name}\n" for name in dict.fromkeys(names))
+        (SOURCES / page.name).write_text(f"---\n{head}---\n{text}", "utf-8")
     return front
 
 

@@ -43,7 +43,7 @@ def _code(text: str) -> str:
 
 def _escape(text: str) -> str:
     """Text as it is, though it has signs that mean something in Markdown."""
-    return re.sub(r"([|*_<])", r"\\\1", text)
+    return re.sub(r"([*_<])", r"\\\1", text).replace("|", "&#124;")
 
 
 def _split(line: str) -> tuple[str, str, str]:

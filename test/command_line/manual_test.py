@@ -63,6 +63,24 @@ SYSTEM_COMMANDS = ("mpirun", "head", "sed")
 VARYING = re.compile(r"^  (ended|time|parts|memory|cost .* us for the set-up)\b")
 """Lines of summaries that differ from run to run: of these only the first word is compared."""
 
+REFUSED = {
+    "damped_top method=exact relative_tolerance=": "the exact motion is known for",
+    "damped_top formulation=lagrange": "formulation lagrange holds for",
+    "damped_top formulation=space_frame": "formulation space_frame holds for",
+    "damped_top formulation=cayley_klein": "formulation cayley_klein holds for",
+    "slow_top_lagrange_ode45 method=taylor": "these have: rigid_body, space_frame, cayley_klein",
+    "slow_top_lagrange_ode45 method=taylor_quadruple": "these have: rigid_body, space_frame",
+    "slow_top_lagrange_rk4 method=rkmk_4": "these have: rigid_body, space_frame",
+    "slow_top_lagrange_rk4 method=splitting_6": "these have: rigid_body, space_frame, cayley_klein",
+    "damped_top method=dop853 relative_tolerance=9e-18": "cannot keep a tolerance below 1e-17",
+    "damped_top relative_tolerance=9e-32": "out of range",
+    "damped_top project=invariants": "a damped body keeps neither energy nor momentum",
+    "slow_top_scenario2_rk4 project=invariants": "keeps its invariants by itself",
+    "slow_top_lagrange_rk4 project=unit": "holds no quaternion",
+    "damped_top max_steps=2147483647": "too large",
+}
+"""Inputs with settings of &integration that the page of known limits calls refused, and why."""
+
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?(?![\w])")
 STUB = """\
 set -euo pipefail
@@ -314,6 +332,22 @@ class CommandsTest(ManualCase):
                     self.assertEqual(result.stderr.strip(), BLOCKS[i + 1].text.strip())
                 else:
                     self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_limits(self) -> None:
+        """What the page of known limits calls refused is, for the reason that it tells."""
+        for case, reason in REFUSED.items():
+            name, *settings = case.split()
+            text = (ROOT / f"input/{name}.nml").read_text(encoding="utf-8")
+            for setting in settings:
+                key, value = setting.split("=")
+                text = re.sub(rf"(?m)^ *{key} *=.*$", "", text)
+                if value:
+                    value = f"'{value}'" if value.isidentifier() else value
+                    text = text.replace("&integration", f"&integration\n{key} = {value}")
+            with self.subTest(case):
+                result = self.check(text)
+                self.assertEqual(result.returncode, 2)
+                self.assertRegex(result.stderr, rf"{reason}(?!, \w)")
 
     def test_the_library(self) -> None:
         """The program of the library's page is built by fpm, and prints what the page says."""

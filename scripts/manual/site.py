@@ -13,13 +13,14 @@ import os
 import re
 import shutil
 import sys
+import tomllib
 from importlib.resources import files
 from pathlib import Path
 
 import ford
 from bs4 import BeautifulSoup
 from ford.fortran_project import Project
-from ford.settings import load_toml_settings
+from ford.settings import ProjectSettings, load_toml_settings
 from latex2mathml.converter import convert
 
 from manual.documented import find_undocumented
@@ -163,6 +164,16 @@ def broken_links(path: Path) -> list[str]:
     return found
 
 
+def read_settings() -> ProjectSettings:
+    """FORD's settings: of its section in the manifest, and what the manifest says anyway."""
+    settings = load_toml_settings(ROOT)
+    manifest = tomllib.loads((ROOT / "fpm.toml").read_text(encoding="utf-8"))
+    settings.project, settings.version = manifest["name"], manifest["version"]
+    settings.summary, settings.license = manifest["description"], manifest["license"]
+    settings.page_dir, settings.output_dir = SOURCES, SITE
+    return settings
+
+
 def main() -> int:
     """Build the site; return 1 if something is wrong, and say what."""
     said = io.StringIO()
@@ -170,8 +181,7 @@ def main() -> int:
     pages = Pages()
     front = write_pages(pages)
     with contextlib.redirect_stdout(said):
-        settings, front = ford.parse_arguments({}, front, load_toml_settings(ROOT), ROOT)
-        settings.page_dir, settings.output_dir = SOURCES, SITE
+        settings, front = ford.parse_arguments({}, front, read_settings(), ROOT)
         ford.main(settings, front)
         project = Project(settings)
         project.correlate()

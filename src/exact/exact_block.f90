@@ -39,7 +39,7 @@ module spintop_exact_block
     type :: exact_block_t
         !> Number of cases, up to `block_size`.
         integer :: n = 0
-        !> Data: moments of inertia about the pivot (kg m^2), m g l (N m), inclination (rad), rates
+        !> The data: moments of inertia about the pivot (kg m^2), m g l (N m), inclination (rad), rates
         !> of phi and theta (rad/s), angular velocity about the body axis (rad/s), phi and psi
         !> (rad), end of the span (s), and a time at which phi is wanted (s).
         real(dp), dimension(block_size) :: inertia1, inertia3, mgl, theta, phi_rate, theta_rate, &

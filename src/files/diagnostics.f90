@@ -90,11 +90,13 @@ contains
         call self%add(place, 'warning', message, hint)
     end subroutine warning
 
+    !> Whether there is an error among them.
     pure logical function has_errors(self)
         class(diagnostics_t), intent(in) :: self
         has_errors = self%errors > 0
     end function has_errors
 
+    !> Whether there is a warning among them.
     pure logical function has_warnings(self)
         class(diagnostics_t), intent(in) :: self
         has_warnings = self%warnings > 0

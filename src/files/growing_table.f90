@@ -27,6 +27,7 @@ module spintop_growing_table
     !> Bytes that are read at once.
     integer, parameter :: block_size = 1024 * 1024
 
+    !> A table of a sweep as CSV, with its journal.
     type, extends(row_table_t) :: growing_table_t
         type(table_file_t), private :: table
         !> When the next entry is due; whether one is being written, and since when.

@@ -8,6 +8,7 @@ module spintop_line_list
     !> Lines are broken before this column where that is possible.
     integer, parameter :: line_width = 96
 
+    !> Lines of text, added one by one.
     type :: line_list_t
         integer :: count = 0
         type(string_t), allocatable, private :: line(:)
@@ -20,6 +21,7 @@ module spintop_line_list
 
 contains
 
+    !> Adds a line as it is.
     subroutine add(self, line)
         class(line_list_t), intent(inout) :: self
         character(*), intent(in) :: line

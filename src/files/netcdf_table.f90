@@ -19,6 +19,7 @@ module spintop_netcdf_table
     private
     public :: netcdf_table_t, has_netcdf
 
+    !> A table of a sweep as a NetCDF file.
     type, extends(row_table_t) :: netcdf_table_t
         integer, private :: id = -1
         integer, allocatable, private :: variables(:)

@@ -25,6 +25,7 @@ module spintop_number_slot
 
 contains
 
+    !> Makes this the place of a real number, with the range it must keep.
     subroutine bind_real(self, variable, range)
         class(number_slot_t), intent(inout) :: self
         real(dp), pointer, intent(in) :: variable
@@ -33,6 +34,7 @@ contains
         self%range = range
     end subroutine bind_real
 
+    !> Makes this the place of a whole number, with the range it must keep.
     subroutine bind_integer(self, variable, range)
         class(number_slot_t), intent(inout) :: self
         integer, pointer, intent(in) :: variable
@@ -52,6 +54,7 @@ contains
         end if
     end subroutine put
 
+    !> The number there.
     real(dp) function get(self)
         class(number_slot_t), intent(in) :: self
         if (associated(self%real_value)) then

@@ -71,6 +71,7 @@ module spintop_parameter
 
 contains
 
+    !> Makes it a real number, held by a variable.
     subroutine bind_real(self, variable)
         class(parameter_t), intent(inout) :: self
         real(dp), target, intent(inout) :: variable
@@ -78,6 +79,7 @@ contains
         call self%prepare(kind_real, 0, [1, 1])
     end subroutine bind_real
 
+    !> Makes it a list of reals.
     subroutine bind_reals(self, variable)
         class(parameter_t), intent(inout) :: self
         real(dp), target, contiguous, intent(inout) :: variable(:)
@@ -85,6 +87,7 @@ contains
         call self%prepare(kind_real, 1, [1, size(variable)])
     end subroutine bind_reals
 
+    !> Makes it rows of reals.
     subroutine bind_real_rows(self, variable)
         class(parameter_t), intent(inout) :: self
         real(dp), target, intent(inout) :: variable(:, :)
@@ -92,6 +95,7 @@ contains
         call self%prepare(kind_real, 2, shape(variable))
     end subroutine bind_real_rows
 
+    !> Makes it a whole number.
     subroutine bind_integer(self, variable)
         class(parameter_t), intent(inout) :: self
         integer, target, intent(inout) :: variable
@@ -99,6 +103,7 @@ contains
         call self%prepare(kind_integer, 0, [1, 1])
     end subroutine bind_integer
 
+    !> Makes it a list of whole numbers.
     subroutine bind_integers(self, variable)
         class(parameter_t), intent(inout) :: self
         integer, target, contiguous, intent(inout) :: variable(:)
@@ -106,6 +111,7 @@ contains
         call self%prepare(kind_integer, 1, [1, size(variable)])
     end subroutine bind_integers
 
+    !> Makes it a text.
     subroutine bind_text(self, variable)
         class(parameter_t), intent(inout) :: self
         character(*), target, intent(inout) :: variable
@@ -113,6 +119,7 @@ contains
         call self%prepare(kind_text, 0, [1, 1])
     end subroutine bind_text
 
+    !> Makes it a list of texts.
     subroutine bind_texts(self, variable)
         class(parameter_t), intent(inout) :: self
         character(*), target, contiguous, intent(inout) :: variable(:)
@@ -120,6 +127,7 @@ contains
         call self%prepare(kind_text, 1, [1, size(variable)])
     end subroutine bind_texts
 
+    !> Makes it a yes or no.
     subroutine bind_flag(self, variable)
         class(parameter_t), intent(inout) :: self
         logical, target, intent(inout) :: variable
@@ -137,11 +145,13 @@ contains
         self%default = self%value_text()
     end subroutine prepare
 
+    !> Whether it holds numbers.
     pure logical function is_number(self)
         class(parameter_t), intent(in) :: self
         is_number = self%kind == kind_real .or. self%kind == kind_integer
     end function is_number
 
+    !> Sets an element that is a real.
     subroutine put_real(self, row, column, value)
         class(parameter_t), intent(inout) :: self
         integer, intent(in) :: row, column
@@ -149,12 +159,14 @@ contains
         self%reals(row, column) = value
     end subroutine put_real
 
+    !> Sets an element that is a whole number.
     subroutine put_integer(self, row, column, value)
         class(parameter_t), intent(inout) :: self
         integer, intent(in) :: row, column, value
         self%integers(row, column) = value
     end subroutine put_integer
 
+    !> Sets an element that is a text; what is too long is cut.
     subroutine put_text(self, column, value)
         class(parameter_t), intent(inout) :: self
         integer, intent(in) :: column
@@ -166,6 +178,7 @@ contains
         end do
     end subroutine put_text
 
+    !> Sets a yes or no.
     subroutine put_flag(self, value)
         class(parameter_t), intent(inout) :: self
         logical, intent(in) :: value

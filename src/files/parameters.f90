@@ -26,6 +26,7 @@ module spintop_parameters
         type(place_t) :: place
     end type group_t
 
+    !> All parameters of an input, and where each was given.
     type :: parameter_table_t
         type(parameter_t), allocatable :: parameters(:) !! in the order in which they were added
         type(group_t), allocatable :: groups(:)         !! in the order of their first parameter

@@ -8,18 +8,21 @@ module spintop_posix
         c_host, c_peak_memory, c_reason
 
     interface
+        !> Opens a file for reading.
         integer(c_int) function c_open(path, file) bind(C, name='spintop_open')
             import :: c_char, c_int
             character(c_char), intent(in) :: path(*)
             integer(c_int), intent(out) :: file
         end function c_open
 
+        !> Opens a file for writing at its end, makes it where it is missing, and locks it until it is closed.
         integer(c_int) function c_open_locked(path, file) bind(C, name='spintop_open_locked')
             import :: c_char, c_int
             character(c_char), intent(in) :: path(*)
             integer(c_int), intent(out) :: file
         end function c_open_locked
 
+        !> Writes so many bytes.
         integer(c_int) function c_write(file, bytes, count) bind(C, name='spintop_write')
             import :: c_char, c_int, c_long_long
             integer(c_int), value :: file
@@ -27,6 +30,7 @@ module spintop_posix
             integer(c_long_long), value :: count
         end function c_write
 
+        !> Reads until the end of the file or until the room is full.
         integer(c_int) function c_read(file, bytes, room, count) bind(C, name='spintop_read')
             import :: c_char, c_int, c_long_long
             integer(c_int), value :: file
@@ -35,37 +39,44 @@ module spintop_posix
             integer(c_long_long), intent(out) :: count
         end function c_read
 
+        !> Returns when what was written is on the disk.
         integer(c_int) function c_sync(file) bind(C, name='spintop_sync')
             import :: c_int
             integer(c_int), value :: file
         end function c_sync
 
+        !> Cuts a file to a size, bytes.
         integer(c_int) function c_truncate(file, size) bind(C, name='spintop_truncate')
             import :: c_int, c_long_long
             integer(c_int), value :: file
             integer(c_long_long), value :: size
         end function c_truncate
 
+        !> Closes a file.
         integer(c_int) function c_close(file) bind(C, name='spintop_close')
             import :: c_int
             integer(c_int), value :: file
         end function c_close
 
+        !> Gives a file another name; one of that name is replaced.
         integer(c_int) function c_rename(from, to) bind(C, name='spintop_rename')
             import :: c_char, c_int
             character(c_char), intent(in) :: from(*), to(*)
         end function c_rename
 
+        !> Removes a file.
         integer(c_int) function c_remove(path) bind(C, name='spintop_remove')
             import :: c_char, c_int
             character(c_char), intent(in) :: path(*)
         end function c_remove
 
+        !> Makes a folder.
         integer(c_int) function c_make_folder(path) bind(C, name='spintop_make_folder')
             import :: c_char, c_int
             character(c_char), intent(in) :: path(*)
         end function c_make_folder
 
+        !> Size in bytes, -1 where there is nothing of that name, and whether it is a folder.
         subroutine c_inspect(path, size, is_folder) bind(C, name='spintop_inspect')
             import :: c_char, c_int, c_long_long
             character(c_char), intent(in) :: path(*)
@@ -73,36 +84,43 @@ module spintop_posix
             integer(c_int), intent(out) :: is_folder
         end subroutine c_inspect
 
+        !> Not 0 for a file that is a terminal.
         integer(c_int) function c_is_terminal(file) bind(C, name='spintop_is_terminal')
             import :: c_int
             integer(c_int), value :: file
         end function c_is_terminal
 
+        !> A clock that never goes back, s.
         real(c_double) function c_seconds() bind(C, name='spintop_seconds')
             import :: c_double
         end function c_seconds
 
+        !> Waits, s.
         subroutine c_pause(seconds) bind(C, name='spintop_pause')
             import :: c_double
             real(c_double), value :: seconds
         end subroutine c_pause
 
+        !> Date and time (UTC), ended by a zero byte.
         subroutine c_utc(text, room) bind(C, name='spintop_utc')
             import :: c_char, c_int
             character(c_char), intent(inout) :: text(*)
             integer(c_int), value :: room
         end subroutine c_utc
 
+        !> Name of this machine, ended by a zero byte.
         subroutine c_host(text, room) bind(C, name='spintop_host')
             import :: c_char, c_int
             character(c_char), intent(inout) :: text(*)
             integer(c_int), value :: room
         end subroutine c_host
 
+        !> Most memory that the program has had, bytes.
         integer(c_long_long) function c_peak_memory() bind(C, name='spintop_peak_memory')
             import :: c_long_long
         end function c_peak_memory
 
+        !> What a number returned by one of these means, ended by a zero byte.
         subroutine c_reason(number, text, room) bind(C, name='spintop_reason')
             import :: c_char, c_int
             integer(c_int), value :: number

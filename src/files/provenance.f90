@@ -9,8 +9,10 @@ module spintop_provenance
     private
     public :: fact_t, fact_count, program_version, program_revision, gather_facts, describe_provenance
 
-    !> What a table says of its origin: so many keys and values.
+    !> Facts that a table tells of its origin.
     integer, parameter :: fact_count = 9
+
+    !> One of them: a key and its value.
     type :: fact_t
         character(:), allocatable :: key, value
     end type fact_t

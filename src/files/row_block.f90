@@ -9,6 +9,7 @@ module spintop_row_block
     private
     public :: row_block_t
 
+    !> Rows of consecutive cases, as cells or as text.
     type :: row_block_t
         !> Rows that stand as cells; none where they were made to text.
         integer :: rows = 0

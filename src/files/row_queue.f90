@@ -17,6 +17,7 @@ module spintop_row_queue
     !> is nothing more to do.
     integer(int64), parameter :: come_again = 0, none_left = -1
 
+    !> Blocks to compute, and those that wait until the ones before them are written.
     type :: row_queue_t
         !> The first error in writing; after it nothing more is written, and no number given out.
         type(error_t), allocatable :: error

@@ -17,6 +17,7 @@ module spintop_row_table
     private
     public :: row_table_t
 
+    !> What tables of every format have in common.
     type, abstract :: row_table_t
         type(table_column_t), allocatable :: columns(:)
         !> Rows of each status: put so far, and those of them taken over from an earlier run.

@@ -31,6 +31,7 @@ module spintop_scanner
     character(*), parameter :: name_characters = letters // '0123456789_'
     character(*), parameter :: byte_order_mark = char(239) // char(187) // char(191)
 
+    !> A token: what it is, and where it stands.
     type :: token_t
         integer :: kind = token_end
         integer :: first = 1, last = 0     !! bytes of the text
@@ -45,6 +46,7 @@ module spintop_scanner
         integer :: position = 1, line = 1, line_start = 1
     end type cursor_t
 
+    !> Goes through a text token by token.
     type :: scanner_t
         character(:), allocatable :: text
         type(cursor_t), private :: at

@@ -85,6 +85,7 @@ contains
         call check(c_sync(self%descriptor), 'write', self%path, error)
     end subroutine sync
 
+    !> Closes the file; errors in writing that the system kept back show here.
     subroutine close_file(self, error)
         class(output_file_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error
@@ -93,6 +94,7 @@ contains
         self%descriptor = no_file
     end subroutine close_file
 
+    !> Whether the file is open.
     pure logical function is_open(self)
         class(output_file_t), intent(in) :: self
         is_open = self%descriptor >= 0
@@ -121,6 +123,7 @@ contains
         call check(c_rename(from // c_null_char, to // c_null_char), 'create', to, error)
     end subroutine rename_file
 
+    !> Removes a file.
     subroutine remove_file(path, error)
         character(*), intent(in) :: path
         type(error_t), allocatable, intent(out) :: error
@@ -191,6 +194,7 @@ contains
         length = int(got)
     end subroutine read_bytes
 
+    !> Closes the file.
     subroutine close_input(self)
         class(input_file_t), intent(inout) :: self
         integer(c_int) :: ignored
@@ -232,6 +236,7 @@ contains
         end if
     end subroutine read_file
 
+    !> Whether there is a file or a folder of that name.
     logical function file_exists(path)
         character(*), intent(in) :: path
         file_exists = file_size(path) >= 0
@@ -244,6 +249,7 @@ contains
         call c_inspect(path // c_null_char, file_size, folder)
     end function file_size
 
+    !> Whether there is a folder of that name.
     logical function is_folder(path)
         character(*), intent(in) :: path
         integer(c_long_long) :: size

@@ -9,6 +9,7 @@ module spintop_table_column
     !> of the words, from the lowest, beside which stands a text.
     integer, parameter :: column_of_reals = 1, column_of_integers = 2, column_of_words = 3, column_of_notes = 4
 
+    !> A column: its name, unit and meaning, and what its cells are.
     type :: table_column_t
         character(64) :: name = ''
         character(16) :: unit = ''

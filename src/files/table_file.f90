@@ -23,6 +23,7 @@ module spintop_table_file
     !> Bytes that are gathered before they are written.
     integer, parameter :: block_size = 1024 * 1024
 
+    !> A CSV table that is being written.
     type :: table_file_t
         character(:), allocatable :: path     !! of the complete table
         integer(int64) :: bytes = 0           !! put so far, head included

@@ -12,6 +12,7 @@ module spintop_text_buffer
     private
     public :: text_buffer_t
 
+    !> Rows of a table as text, made cell by cell.
     type :: text_buffer_t
         integer :: length = 0                !! bytes so far
         character(:), allocatable :: room    !! has them at its beginning
@@ -78,6 +79,7 @@ contains
         call self%append(trim(cell))
     end subroutine put_text
 
+    !> Ends the row.
     subroutine end_row(self)
         class(text_buffer_t), intent(inout) :: self
         call self%append(new_line('a'))
@@ -93,6 +95,7 @@ contains
         self%length = self%length + len(text)
     end subroutine append
 
+    !> All rows so far.
     function contents(self) result(text)
         class(text_buffer_t), intent(in) :: self
         character(:), allocatable :: text

@@ -27,7 +27,9 @@ module spintop_formulation
 
     !> What the registry, the help and the checks know of a formulation.
     type :: formulation_info_t
+        !> Name, as it stands in inputs.
         character(16) :: name = ''
+        !> What it is, in a few words.
         character(112) :: what = ''
         !> Number of state variables in use.
         integer :: states = 0
@@ -46,6 +48,7 @@ module spintop_formulation
 
     !> A form of the equations of motion.
     type, abstract :: formulation_t
+        !> The body that it was set up for.
         type(body_t) :: body
         !> Drift and kick are flows, the kick changes rates by what the attitude alone tells, and the
         !> drift turns by rates to which it is linear: the ground of Runge-Kutta-Nystrom tables.

@@ -18,6 +18,7 @@ module spintop_errors
 
     !> An error; unallocated means none.
     type :: error_t
+        !> Exit code of a program that ends with it.
         integer :: code = exit_internal
         !> What is wrong and what would be right, ready to print (may hold several lines).
         character(:), allocatable :: message

@@ -17,6 +17,7 @@ module spintop_permutation
     integer, parameter :: rounds = 8
     integer, parameter :: words_a_draw = 4
 
+    !> A permutation of the numbers below its length.
     type :: permutation_t
         integer(int64), private :: length = 1
         integer(int64), private :: bases(2) = 1

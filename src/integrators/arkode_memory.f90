@@ -292,7 +292,7 @@ contains
         if (c_associated(self%context)) ignored = FSUNContext_Free(self%context)
     end subroutine destroy
 
-    !> Callback: y' = f(y). The slope at the state reached is known and costs nothing.
+    !> The callback that computes y' = f(y). The slope at the state reached is known and costs nothing.
     integer(c_int) function rhs(t, y_vector, slope_vector, data) bind(C, name='')
         real(c_double), value :: t
         type(N_Vector), intent(inout) :: y_vector, slope_vector
@@ -321,7 +321,7 @@ contains
         if (self%adaptive .or. self%status == status_outside) rhs = retry
     end function rhs
 
-    !> Callback: the step to `t` is accepted. ARKODE goes on from the state that the formulation
+    !> The callback of a step to `t` that is accepted. ARKODE goes on from the state that the formulation
     !> makes of it.
     integer(c_int) function finish_step(t, y_vector, data) bind(C, name='')
         real(c_double), value :: t
@@ -345,7 +345,7 @@ contains
         if (self%status == status_ok) finish_step = go_on
     end function finish_step
 
-    !> Callback: takes ARKODE's messages, which would go to standard error otherwise.
+    !> The callback that takes ARKODE's messages, which would go to standard error otherwise.
     subroutine keep_silent(code, module_name, function_name, message, data) bind(C, name='')
         integer(c_int), value :: code
         type(c_ptr), value :: module_name, function_name, message, data

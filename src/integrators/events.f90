@@ -22,6 +22,7 @@ module spintop_events
         character(80) :: name = ''
         !> The quantity rises through the level (1) or falls through it (-1).
         integer :: direction = 1
+        !> The value to pass, in the unit of the quantity.
         real(dp) :: level = 0
         !> The levels are `level` + 2 pi n, for every whole n.
         logical :: every_turn = .false.
@@ -39,6 +40,7 @@ module spintop_events
 
     !> Looks for events. What extends it says which quantities they are of, and what becomes of them.
     type, abstract :: event_watch_t
+        !> What to look for: a quantity each.
         type(event_t), allocatable :: events(:)
         !> Set by `meet` to end the motion.
         logical :: has_enough = .false.

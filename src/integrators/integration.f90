@@ -52,9 +52,11 @@ module spintop_integration
 
     !> How a run ended.
     type :: outcome_t
+        !> One of `spintop_status`: `status_ok`, or what ended the run before its time.
         integer :: status = status_ok
         !> Time reached, s: that of an event which ended the run.
         real(dp) :: t = 0
+        !> What it cost.
         type(counts_t) :: counts
     end type outcome_t
 

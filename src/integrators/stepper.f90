@@ -14,12 +14,17 @@ module spintop_stepper
 
     !> What the registry, the help, the checks and the tests know of a method.
     type :: method_info_t
+        !> Name, as it stands in inputs.
         character(20) :: name = ''
+        !> What it is, in a few words.
         character(112) :: what = ''
         !> Order of convergence; 0 where it depends on the Butcher table chosen by name.
         integer :: order = 0
+        !> Can take equal steps.
         logical :: fixed_step = .false.
+        !> Can choose its steps by tolerances.
         logical :: adaptive = .false.
+        !> Has equations to solve in each step.
         logical :: implicit = .false.
         !> Unchanged when h and the ends of the step are exchanged, so reversible in time.
         logical :: symmetric = .false.
@@ -28,8 +33,7 @@ module spintop_stepper
         !> Takes a Butcher table by name.
         logical :: takes_table = .false.
         !> Tolerances of its own where the user gives none (0: the program's).
-        real(dp) :: relative_tolerance = 0
-        real(dp) :: absolute_tolerance = 0
+        real(dp) :: relative_tolerance = 0, absolute_tolerance = 0
         !> A smaller relative tolerance is below what its arithmetic can tell.
         real(dp) :: finest_tolerance = 1.0e-17_dp
         !> Output points a step by its own convention (ode45: 4); 0 without one.
@@ -40,8 +44,8 @@ module spintop_stepper
     type :: controls_t
         !> Number of equal steps; 0 lets an adaptive method choose its steps.
         integer :: steps = 0
-        real(dp) :: relative_tolerance = 1.0e-9_dp
-        real(dp) :: absolute_tolerance = 1.0e-12_dp
+        !> Error that a step may make, as a share of each state variable and as such.
+        real(dp) :: relative_tolerance = 1.0e-9_dp, absolute_tolerance = 1.0e-12_dp
         !> Most steps of an adaptive method in one run.
         integer(int64) :: max_steps = 1000000
         !> Solve implicit steps by fixed-point iteration instead of Newton's.
@@ -54,10 +58,10 @@ module spintop_stepper
 
     !> What a run cost.
     type :: counts_t
-        integer(int64) :: steps = 0
-        integer(int64) :: rejected = 0
-        integer(int64) :: evaluations = 0
-        integer(int64) :: jacobians = 0
+        !> Steps taken, and tried in vain.
+        integer(int64) :: steps = 0, rejected = 0
+        !> Right-hand sides and Jacobian matrices computed.
+        integer(int64) :: evaluations = 0, jacobians = 0
         !> Inadmissible values that `after_step` had to cut.
         integer(int64) :: clipped = 0
     end type counts_t
@@ -78,6 +82,7 @@ module spintop_stepper
         integer :: grid = 0
         !> Puts each new state back on what it must satisfy.
         type(projection_t) :: projection
+        !> What the run has cost so far.
         type(counts_t) :: counts
     contains
         procedure :: evaluate
@@ -87,7 +92,9 @@ module spintop_stepper
 
     !> A method of integration.
     type, abstract :: stepper_t
+        !> What the method is.
         type(method_info_t) :: info
+        !> What its user set.
         type(controls_t) :: controls
     contains
         procedure(new_workspace), deferred :: new_workspace

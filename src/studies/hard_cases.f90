@@ -30,7 +30,7 @@ module spintop_hard_cases
     integer, parameter :: slow = 1, wheel = 2, ball = 3, rod = 4, disc = 5, free = 6, kovalevskaya = 7, &
         goryachev = 8, skew = 9, benchmark = 10, shell = 11, damped = 12
 
-    !> Bodies: the slow top of the paper's Example 1, the wheel of its Example 2, and others.
+    !> The bodies: the slow top of the paper's Example 1, the wheel of its Example 2, and others.
     character(*), parameter :: bodies(*) = [character(160) :: &
         'top.mass=1;top.inertia=0.875,0.875,0.25;top.length=0.86602540378443865', &
         'top.mass=2.450442269800039;top.inertia=2.4565887958267872,2.4565887958267872,0.012252211349000194;top.length=1', &

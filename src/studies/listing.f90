@@ -140,7 +140,7 @@ contains
         type(string_t), allocatable, intent(inout) :: lines(:)
         character(*), intent(in) :: name, second, what
         character(28) :: first_column
-        character(18) :: second_column
+        character(24) :: second_column
         first_column = name
         second_column = second
         if (second == '') then

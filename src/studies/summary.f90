@@ -42,7 +42,7 @@ contains
     subroutine add(self, keyword, text)
         class(summary_t), intent(inout) :: self
         character(*), intent(in) :: keyword, text
-        character(10) :: column
+        character(max(10, len(keyword) + 1)) :: column
         column = keyword
         self%lines = [self%lines, string_t('  ' // column // text)]
     end subroutine add

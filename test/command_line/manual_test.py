@@ -1,0 +1,395 @@
+"""The manual tells the truth: its commands, inputs, programs, tables and links."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from itertools import pairwise, zip_longest
+from pathlib import Path
+
+TESTS = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TESTS.parent / "scripts")]
+
+from manual.pages import (  # noqa: E402
+    Block,
+    anchors_of,
+    blocks_of,
+    links_of,
+    manual_pages,
+    prose_of,
+)
+from manual.tables import renewed  # noqa: E402
+from mpi_test import ENVIRONMENT  # noqa: E402
+from program_test import PROGRAM, ROOT  # noqa: E402
+
+MPI_PROGRAM = os.environ.get("SPINTOP_MPI_EXE", str(ROOT / "build/mpi/spintop"))
+PAGES = manual_pages()
+BLOCKS = [block for page in PAGES for block in blocks_of(page)]
+
+SHELL = ("sh", "console")
+LANGUAGES = (*SHELL, "nml", "fortran", "toml", "python", "text")
+WAYS = ("long", "timed", "part", "wrong", "messages", "output", "mpi", "netcdf")
+WAYS += ("setup", "slurm", "xarray")
+"""Words behind the language: how a block is tested, besides exit=N and the base of a part."""
+
+NOT_RUN = WAYS[-3:]
+"""Ways of blocks that are not run: they install, build, or need what few machines have."""
+
+SKIPPED = {
+    "README.md": ["scripts/run input/spinning_wheel_sweep.nml", "scripts/test"],
+    "developing.md": [
+        "scripts/test",
+        "scripts/test manual_test program_test",
+        "scripts/test --debug taylor_test",
+        "scripts/lint",
+        "scripts/manual_tables",
+        "scripts/api_docs",
+    ],
+    "sweep.md": [
+        "scripts/slurm_sweep.sh input/million_spins.nml 8 --cpus-per-task=16 --time=04:00:00",
+        "scripts/slurm_sweep.sh input/million_spins.nml mpi --ntasks=8 --cpus-per-task=16"
+        " --time=04:00:00",
+        "scripts/setup --mpi",
+        "SPINTOP_NETCDF=1 scripts/run --set output.format=netcdf input/random_tops.nml",
+        "import xarray",
+    ],
+}
+"""What is not run, so that nothing joins it unseen; of a program the first line."""
+
+SYSTEM_COMMANDS = ("mpirun", "head", "sed")
+VARYING = re.compile(r"^  (ended|time|parts|memory|cost .* us for the set-up)\b")
+"""Lines of summaries that differ from run to run: of these only the first word is compared."""
+
+REFUSED = {
+    "damped_top method=exact relative_tolerance=": "the exact motion is known for",
+    "damped_top formulation=lagrange": "formulation lagrange holds for",
+    "damped_top formulation=space_frame": "formulation space_frame holds for",
+    "damped_top formulation=cayley_klein": "formulation cayley_klein holds for",
+    "slow_top_lagrange_ode45 method=taylor": "these have: rigid_body, space_frame, cayley_klein",
+    "slow_top_lagrange_ode45 method=taylor_quadruple": "these have: rigid_body, space_frame",
+    "slow_top_lagrange_rk4 method=rkmk_4": "these have: rigid_body, space_frame",
+    "slow_top_lagrange_rk4 method=splitting_6": "these have: rigid_body, space_frame, cayley_klein",
+    "damped_top method=dop853 relative_tolerance=9e-18": "cannot keep a tolerance below 1e-17",
+    "damped_top relative_tolerance=9e-32": "out of range",
+    "damped_top project=invariants": "a damped body keeps neither energy nor momentum",
+    "slow_top_scenario2_rk4 project=invariants": "keeps its invariants by itself",
+    "slow_top_lagrange_rk4 project=unit": "holds no quaternion",
+    "damped_top max_steps=2147483647": "too large",
+}
+"""Inputs with settings of &integration that the page of known limits calls refused, and why."""
+
+NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?(?![\w])")
+STUB = """\
+set -euo pipefail
+root=$(cd "$(dirname "${{BASH_SOURCE[0]}}")/.." && pwd -P) python={python}
+say() {{ echo "spintop: $*" >&2; }}
+build() {{ :; }}
+"""
+"""Stands for scripts/setup: all is installed and built."""
+
+
+def commands_of(block: Block) -> list[str]:
+    """The commands of a block of a shell."""
+    lines = block.text.splitlines()
+    if block.tags[0] == "console":
+        return [line[2:] for line in lines if line.startswith("$ ")]
+    return [line for line in lines if line]
+
+
+def outputs_of(block: Block) -> list[list[str]]:
+    """What each command of a console prints."""
+    outputs: list[list[str]] = []
+    for line in block.text.splitlines():
+        if line.startswith("$ "):
+            outputs.append([])
+        else:
+            outputs[-1].append(line)
+    return outputs
+
+
+def agree(expected: str, found: str) -> bool:
+    """Whether a line is as expected: its words, and its numbers to the sixth digit."""
+    if expected == "...":
+        return True
+    if match := VARYING.match(expected):
+        return found.split()[:1] == match[0].split()[:1]
+    if NUMBER.sub("#", expected) != NUMBER.sub("#", found):
+        return False
+    pairs = zip(NUMBER.findall(expected), NUMBER.findall(found), strict=True)
+    return all(abs(float(a) - float(b)) <= 1e-6 * abs(float(a)) + 1e-12 for a, b in pairs)
+
+
+def shortened(command: str) -> str:
+    """A command of a long block, made quick."""
+    words = command.split()
+    quick = "--check" if words[0] == "spintop" or words[0].endswith("/run") else "--help"
+    return f"{command} {quick}"
+
+
+def with_groups(base: str, text: str) -> str:
+    """An input in which the groups of a text take the place of its own."""
+    base, text = (re.sub(r"(?m)!.*$", "", part) for part in (base, text))
+    group = re.compile(r"&(\w+)(?:'[^']*'|\"[^\"]*\"|[^/'\"])*/")
+    new = {match[1] for match in group.finditer(text)}
+    kept = group.sub(lambda match: "" if match[1] in new else match[0], base)
+    return kept + text
+
+
+class ManualCase(unittest.TestCase):
+    """A folder that looks like a checkout that is set up and built."""
+
+    def setUp(self) -> None:
+        """Copies of what commands may change, links to the rest."""
+        folder = tempfile.TemporaryDirectory(prefix="spintop manual ")
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        shutil.copytree(ROOT / "input", self.folder / "input")
+        scripts = self.folder / "scripts"
+        scripts.mkdir()
+        for path in (ROOT / "scripts").iterdir():
+            if path.name == "run":
+                shutil.copy(path, scripts)
+            elif path.name != "setup":
+                (scripts / path.name).symlink_to(path)
+        (scripts / "setup").write_text(STUB.format(python=sys.executable), encoding="utf-8")
+        for kind, program in (("release", PROGRAM), ("mpi", MPI_PROGRAM)):
+            if Path(program).is_file():
+                (self.folder / "build" / kind).mkdir(parents=True)
+                (self.folder / "build" / kind / "spintop").symlink_to(Path(program).resolve())
+
+    def shell(self, command: str) -> subprocess.CompletedProcess:
+        """Run a command as a user would type it."""
+        path = f"{self.folder / 'build/release'}:{os.environ['PATH']}"
+        return subprocess.run(
+            ["bash", "-c", command],
+            cwd=self.folder,
+            env=os.environ | ENVIRONMENT | {"PATH": path, "SPINTOP_EXE": PROGRAM},
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=60,
+        )
+
+    def check(self, text: str) -> subprocess.CompletedProcess:
+        """Have the program check an input."""
+        scene = self.folder / "scene.nml"
+        scene.write_text(text, encoding="utf-8")
+        return self.shell("spintop --check scene.nml")
+
+
+class PagesTest(unittest.TestCase):
+    """The pages themselves."""
+
+    def test_links_lead_somewhere(self) -> None:
+        """To files of the project, and to headings that there are."""
+        for page in PAGES:
+            for line, target in links_of(page):
+                with self.subTest(f"{page.name}:{line}", target=target):
+                    if re.match(r"https?://", target):
+                        continue
+                    path, _, anchor = target.partition("#")
+                    file = (page.parent / path).resolve() if path else page
+                    self.assertTrue(file.exists())
+                    self.assertTrue(file.is_relative_to(ROOT))
+                    if anchor:
+                        self.assertIn(anchor, anchors_of(file))
+
+    def test_every_page_is_in_the_contents(self) -> None:
+        """The contents link to all pages but themselves."""
+        contents = ROOT / "doc/index.md"
+        linked = {(contents.parent / target).resolve() for _, target in links_of(contents)}
+        self.assertLessEqual({page for page in PAGES if page != contents}, linked)
+
+    def test_every_block_says_how_it_is_tested(self) -> None:
+        """By its fence; and nothing is a block by mere indentation, which would escape."""
+        for block in BLOCKS:
+            with self.subTest(str(block)):
+                self.assertIn((block.tags or ("",))[0], LANGUAGES)
+                words = [word for word in block.tags[1:] if not re.match(r"exit=\d$", word)]
+                known = [word for word in words if word in WAYS]
+                base = [word for word in words if word not in WAYS]
+                self.assertEqual(bool(base), "part" in known)
+                self.assertTrue(all((ROOT / path).is_file() for path in base))
+        for page in PAGES:
+            lines = ["", *prose_of(page)]
+            for number, (before, line) in enumerate(pairwise(lines), 1):
+                with self.subTest(f"{page.name}:{number}"):
+                    self.assertFalse(not before and line.startswith("    "), line)
+
+    def test_tables_are_those_of_the_program(self) -> None:
+        """Parameters, columns, methods and the like; scripts/manual_tables renews them."""
+        for page in PAGES:
+            with self.subTest(page.name):
+                self.assertEqual(page.read_text(encoding="utf-8"), renewed(page, Path(PROGRAM)))
+
+    def test_everything_that_can_be_listed_is_described(self) -> None:
+        """Each topic of `spintop list` and each group of the input has its table."""
+        text = "".join(page.read_text(encoding="utf-8") for page in PAGES)
+        usage = subprocess.run([PROGRAM, "--help"], capture_output=True, text=True, check=True)
+        topics = re.search(r"spintop list (\S+)", usage.stdout)[1].split("|")
+        self.assertGreater(len(topics), 5)
+        lists = [topic for topic in topics if topic not in ("columns", "parameters")]
+        told = subprocess.run([PROGRAM, "list", "parameters"], capture_output=True, text=True)
+        groups = set(re.findall(r"(?m)^(\w+)\.\w+", told.stdout))
+        lists += [f"parameters {group}" for group in groups]
+        told = subprocess.run([PROGRAM, "list", "columns"], capture_output=True, text=True)
+        kinds = re.findall(r"(?m)^columns of an? ([\w-]+)", told.stdout)
+        self.assertGreaterEqual(len(kinds), 3)
+        lists += [f"columns {kind.replace('-', '_')}" for kind in kinds]
+        for name in lists:
+            self.assertIn(f"<!-- spintop list {name} -->", text)
+
+    def test_what_is_not_run_is_known(self) -> None:
+        """No command escapes by a word behind its fence."""
+        found: dict[str, list[str]] = {}
+        for block in BLOCKS:
+            if set(block.tags) & set(NOT_RUN):
+                is_shell = block.tags[0] in SHELL
+                lines = commands_of(block) if is_shell else block.text.splitlines()[:1]
+                found.setdefault(block.page.name, []).extend(lines)
+        self.assertEqual(found, SKIPPED)
+
+
+class CommandsTest(ManualCase):
+    """Commands, inputs and programs of the pages."""
+
+    def run_block(self, block: Block) -> None:
+        """Run the commands of a block, and compare what they print."""
+        code = next((int(tag[-1]) for tag in block.tags if tag.startswith("exit=")), 0)
+        outputs = outputs_of(block) if block.tags[0] == "console" else None
+        for i, command in enumerate(commands_of(block)):
+            result = self.shell(shortened(command) if "long" in block.tags else command)
+            self.assertEqual(result.returncode, code, f"{command}\n{result.stdout}{result.stderr}")
+            if outputs:
+                found = result.stdout.splitlines()
+                if "timed" in block.tags:
+                    self.assertEqual(len(found), len(outputs[i]), result.stdout)
+                    found, outputs[i] = found[:1], outputs[i][:1]
+                for expected, line in zip_longest(outputs[i], found, fillvalue=""):
+                    self.assertTrue(agree(expected, line), f"{command}\n- {expected}\n+ {line}")
+
+    def run_python(self, block: Block) -> None:
+        """Run a program, which prints something."""
+        command = [sys.executable, "-W", "error", "-c", block.text]
+        result = subprocess.run(command, cwd=self.folder, capture_output=True, text=True)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertNotEqual(result.stdout, "")
+
+    def test_commands(self) -> None:
+        """Page by page, for later blocks may use what earlier ones have made."""
+        has_mpi = shutil.which("mpirun") and Path(MPI_PROGRAM).is_file()
+        netcdf = self.shell("spintop --check --set output.format=netcdf input/random_tops.nml")
+        for block in BLOCKS:
+            if block.tags[0] == "python" and not set(block.tags) & set(NOT_RUN):
+                with self.subTest(str(block)):
+                    self.run_python(block)
+            if block.tags[0] not in SHELL:
+                continue
+            if ("mpi" in block.tags and not has_mpi) or (
+                "netcdf" in block.tags and netcdf.returncode
+            ):
+                self.check_names(block)
+            elif not set(block.tags) & set(NOT_RUN):
+                with self.subTest(str(block)):
+                    self.run_block(block)
+
+    def check_names(self, block: Block) -> None:
+        """What cannot be run: its words are a shell's, its scripts and files are there."""
+        for command in commands_of(block):
+            with self.subTest(str(block), command=command):
+                self.assertEqual(self.shell(f"bash -n -c {command!r}").returncode, 0)
+                words = [word for word in command.split("#")[0].split() if "=" not in word]
+                first = words[0]
+                script = ROOT / first
+                self.assertTrue(first in SYSTEM_COMMANDS or os.access(script, os.X_OK), first)
+                for word in words[1:]:
+                    if re.match(r"(input|scripts)/", word):
+                        self.assertTrue((ROOT / word).is_file(), word)
+
+    def test_what_is_not_run_is_there(self) -> None:
+        """Scripts and files of commands that take more than a test may."""
+        for block in BLOCKS:
+            if block.tags[0] in SHELL and set(block.tags) & set(NOT_RUN):
+                self.check_names(block)
+
+    def test_inputs(self) -> None:
+        """The program takes each of them, whole or with the rest of another."""
+        for i, block in enumerate(BLOCKS):
+            if block.tags[0] != "nml":
+                continue
+            text = block.text
+            with self.subTest(str(block)):
+                if "part" in block.tags:
+                    text = with_groups((ROOT / block.tags[-1]).read_text(encoding="utf-8"), text)
+                result = self.check(text)
+                if "wrong" in block.tags:
+                    self.assertEqual(result.returncode, 2)
+                    self.assertEqual(BLOCKS[i + 1].tags, ("text", "messages"))
+                    self.assertEqual(result.stderr.strip(), BLOCKS[i + 1].text.strip())
+                else:
+                    self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_limits(self) -> None:
+        """What the page of known limits calls refused is, for the reason that it tells."""
+        for case, reason in REFUSED.items():
+            name, *settings = case.split()
+            text = (ROOT / f"input/{name}.nml").read_text(encoding="utf-8")
+            for setting in settings:
+                key, value = setting.split("=")
+                text = re.sub(rf"(?m)^ *{key} *=.*$", "", text)
+                if value:
+                    value = f"'{value}'" if value.isidentifier() else value
+                    text = text.replace("&integration", f"&integration\n{key} = {value}")
+            with self.subTest(case):
+                result = self.check(text)
+                self.assertEqual(result.returncode, 2)
+                self.assertRegex(result.stderr, rf"{reason}(?!, \w)")
+
+    def test_the_library(self) -> None:
+        """The program of the library's page is built by fpm, and prints what the page says."""
+        parts = {block.tags: block.text for block in BLOCKS if block.page.name == "library.md"}
+        project = self.folder / "my_top"
+        (project / "app").mkdir(parents=True)
+        path = os.path.relpath(ROOT, project.resolve())
+        manifest = parts["toml",].replace('"../spintop"', f'"{path}"')
+        self.assertNotEqual(manifest, parts["toml",])
+        (project / "fpm.toml").write_text(manifest, encoding="utf-8")
+        (project / "app/main.f90").write_text(parts["fortran",], encoding="utf-8")
+        fpm = f"'{sys.executable}' -m fpm"
+        self.assertEqual(self.shell(f"cd my_top && {fpm} build").returncode, 0)
+        result = self.shell(f"cd my_top && {fpm} run 2>/dev/null")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        expected = parts["text", "output"].splitlines()
+        for line, found in zip_longest(expected, result.stdout.splitlines(), fillvalue=""):
+            self.assertTrue(agree(line, found), f"- {line}\n+ {found}")
+
+
+class AgreementTest(unittest.TestCase):
+    """What the comparison of outputs lets pass, and what not."""
+
+    def test_numbers_and_words(self) -> None:
+        """A number may differ from its seventh digit on, a word may not."""
+        self.assertTrue(agree("period 2.3859004995 s", "period 2.3859004999 s"))
+        self.assertFalse(agree("period 2.3859004995 s", "period 2.3860004995 s"))
+        self.assertFalse(agree("period 2.38 s", "precession 2.38 s"))
+        self.assertFalse(agree("20 ok: completed", ""))
+        self.assertFalse(agree("20 ok: completed", "19 ok: completed"))
+        self.assertTrue(agree("  time      0.1 s", "  time      0.2 s on 2 threads"))
+        self.assertFalse(agree("  time      0.1 s", "  memory    0.2 MB"))
+        self.assertFalse(agree("slow_top_1.csv", "slow_top_2.csv"))
+
+    def test_groups(self) -> None:
+        """Groups of a part take the place of those of its base."""
+        base = "&top mass = 1, title = 'a/b' / &span t_end = 1 / ! &top /\n"
+        found = with_groups(base, "&top mass = 2 /").split("/")
+        self.assertEqual(
+            [group.strip() for group in found], ["&span t_end = 1", "&top mass = 2", ""]
+        )
+
+
+if __name__ == "__main__":
+    unittest.main()

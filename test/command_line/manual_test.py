@@ -48,6 +48,7 @@ SKIPPED = {
         "scripts/manual_tables",
         "scripts/api_docs",
     ],
+    "report.md": ["scripts/report results input/slow_top.nml input/spinning_wheel_sweep.nml"],
     "sweep.md": [
         "scripts/slurm_sweep.sh input/million_spins.nml 8 --cpus-per-task=16 --time=04:00:00",
         "scripts/slurm_sweep.sh input/million_spins.nml mpi --ntasks=8 --cpus-per-task=16"

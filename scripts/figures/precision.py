@@ -153,6 +153,8 @@ FLOOR_HANDLE = Patch(color=FAINT, linewidth=0, label="rounding of the data")
 
 def object_to_precision(table: Table) -> str:
     """A method has to be there that takes steps, and not too many problems for panels."""
+    if "program" in table.rows:
+        return "compares programs"
     count = len(problems_of(table))
     if count > MOST_PROBLEMS:
         return f"has {count} problems, more than fit ({MOST_PROBLEMS})"

@@ -14,6 +14,7 @@ from figures.events import draw_events, draw_sections, object_to_events, object_
 from figures.maps import draw_maps, object_to_maps
 from figures.methods import object_to_trials
 from figures.orders import draw_orders, object_to_orders
+from figures.peers import draw_peers, object_to_peers
 from figures.potential import draw_portrait, draw_potential
 from figures.precision import WORDS as PRECISION
 from figures.precision import draw_precision_time, draw_precision_work, object_to_precision
@@ -280,6 +281,16 @@ FIGURES = (
         draw_tolerance_map,
         object_to_tolerance_map,
         words=PRECISION,
+    ),
+    FigureKind(
+        "peers",
+        "error against time of spintop and of other programs (scripts/compare_peers)",
+        "work_precision",
+        ("error_orientation", "time_s", "double_floor"),
+        draw_peers,
+        object_to_peers,
+        sparse=True,
+        words=("problem", "program", "method", "status"),
     ),
 )
 

@@ -1,0 +1,25 @@
+"""What spintop itself costs on the same problems: its own work-precision study."""
+
+from pathlib import Path
+
+from figures.table import Table
+from peers.scene import Scene, compute
+
+METHODS = ("exact", "taylor", "taylor/rigid_body", "dop853", "splitting_8", "ode45")
+"""Of these a study leaves out what a body has not."""
+TOLERANCES = tuple(f"1e-{digits}" for digits in range(3, 15))
+STEPS = tuple(str(100 * 2**i) for i in range(11))
+
+
+def measure(scene: Scene, every: int, folder: Path) -> Table:
+    """The study with every so many of the settings, against a motion in quadruple precision."""
+    group = "\n".join(
+        (
+            "&work_precision reference = 'quadruple'",
+            f"    methods = {', '.join(map(repr, METHODS))}",
+            f"    tolerances = {', '.join(TOLERANCES[::every])}",
+            f"    steps = {', '.join(STEPS[::every])}",
+            "/",
+        )
+    )
+    return compute("work_precision", [*scene.groups, group], folder)

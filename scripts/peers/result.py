@@ -1,0 +1,105 @@
+"""One table of spintop's rows and those of its peers, in the format of a work-precision study."""
+
+import math
+import os
+import re
+from pathlib import Path
+
+import pandas as pd
+
+from figures.table import Table
+from peers.crew import Trial
+from peers.problem import Problem
+
+OWN = "spintop"
+"""What the column `program` calls itself."""
+PROGRAM = "the program that was measured"
+SHARED = ("double_floor", "reference", "reference_error", "reference_check")
+"""Columns that are the same in all rows of a problem."""
+
+
+def own_rows(table: Table, name: str) -> pd.DataFrame:
+    """The rows of spintop's study of a problem."""
+    return table.rows.assign(problem=name, program=OWN)
+
+
+def row_of(trial: Trial, problem: Problem, own: pd.DataFrame) -> dict:
+    """A trial of a peer as a row, with the columns of spintop's rows."""
+    row = {name: math.nan if is_numeric(own[name]) else "-" for name in own}
+    row |= {name: own[name].iloc[0] for name in SHARED if name in own}
+    row |= {
+        "problem": problem.name,
+        "program": trial.program,
+        "method": trial.method,
+        "formulation": trial.formulation,
+        "setting": trial.setting,
+        "status": trial.status,
+    }
+    if trial.answer:
+        q = trial.answer["quaternion"]
+        row |= {name: value for name, value in trial.answer.items() if name in row}
+        row["error_orientation"] = problem.error_orientation(q)
+        row["error_tip"] = problem.error_tip(q)
+    return row
+
+
+def is_numeric(column: pd.Series) -> bool:
+    """Whether a column holds numbers."""
+    return pd.api.types.is_numeric_dtype(column)
+
+
+def join(parts: list[pd.DataFrame]) -> pd.DataFrame:
+    """All rows, those of a problem by time, with the front among all programs."""
+    rows = pd.concat(parts, ignore_index=True)
+    for name in rows:
+        if not is_numeric(rows[name]):
+            rows[name] = rows[name].fillna("-")
+    rows["front"] = "no"
+    for _, group in rows.groupby("problem", sort=False):
+        rows.loc[front(group).index, "front"] = "yes"
+        rows.loc[group.index[group["method"] == "exact"], "front"] = "yes"
+    order = {name: place for place, name in enumerate(dict.fromkeys(rows["problem"]))}
+    return rows.sort_values(
+        ["problem", "time_s"], key=lambda keys: keys.map(order) if keys.name == "problem" else keys,
+        kind="stable", ignore_index=True,
+    )  # fmt: skip
+
+
+def front(rows: pd.DataFrame) -> pd.DataFrame:
+    """Those that step and are both cheaper and more exact than no other, by time."""
+    good = rows[(rows["status"] == "ok") & (rows["method"] != "exact")]
+    good = good.sort_values(["time_s", "error_orientation"])
+    best = good["error_orientation"].cummin().shift(fill_value=math.inf)
+    return good[good["error_orientation"] < best]
+
+
+def processor() -> str:
+    """What the machine computes with."""
+    try:
+        found = re.search(r"^model name\s*: (.*)$", Path("/proc/cpuinfo").read_text("utf-8"), re.M)
+    except OSError:
+        found = None
+    return f"{found[1] if found else os.uname().machine}, {os.cpu_count()} processors"
+
+
+def write(path: Path, rows: pd.DataFrame, own: Table, versions: dict[str, str], title: str) -> None:
+    """Write the table under a head that scripts/plot reads; a complete one alone has its name."""
+    header = {"title": title} | {
+        key: own.header[key]
+        for key in ("program", "revision", "compiler", "options", "date")
+        if key in own.header
+    }
+    header |= {"processor": processor()}
+    header |= {f"peer {name}": text for name, text in versions.items()}
+    lines = [f"{key}: {text}" for key, text in header.items()]
+    lines += ["input:", "    &study", "        kind = 'work_precision'"]
+    lines += [f"        title = '{title}'", "    /", "columns:"]
+    meanings = own.meanings | {"program": PROGRAM}
+    for name in rows:
+        unit = f" [{own.units[name]}]" if own.units.get(name) else ""
+        lines.append(f"    {name}{unit}: {meanings.get(name, '')}")
+    part = path.with_name(path.name + ".part")
+    with part.open("w", encoding="utf-8") as file:
+        file.writelines(f"# {line}\n" for line in lines)
+        rows.to_csv(file, index=False, na_rep="nan", float_format="%.17g")
+    os.replace(part, path)

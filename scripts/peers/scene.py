@@ -1,0 +1,154 @@
+"""Problems from inputs of spintop: what peers need to know is asked of the program itself."""
+
+import math
+import os
+import re
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+from figures.table import Table, read_head, read_table
+from peers.problem import ALIKE, Problem
+from peers.quaternion import product
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
+
+GROUP = re.compile(r"^&(\w+)\n.*?^/\n", re.MULTILINE | re.DOTALL)
+UPRIGHT = ((0.5, -0.5, -0.5, -0.5), (0.5, 0.5, 0.5, 0.5), (1.0, 0.0, 0.0, 0.0))
+"""Turns of a body by which body x, y and z come to stand upright."""
+TO_Z = ((0.5, 0.5, 0.5, 0.5), (0.5, -0.5, -0.5, -0.5), (1.0, 0.0, 0.0, 0.0))
+"""Turns of the axes by which x, y and z come to bear the name z."""
+
+
+ATTITUDE = ("q0", "q1", "q2", "q3")
+START = (*ATTITUDE, "omega1", "omega2", "omega3")
+END = (*ATTITUDE, "t")
+ENERGIES = ("kinetic", "potential")
+REFERENCE = "&integration method = 'taylor_quadruple' /"
+ONE_STEP = "&integration formulation = 'rigid_body' method = 'rk4' steps = 1 /"
+"""For what is known at the start."""
+
+
+SOME_FAILED = 3
+"""Exit code of spintop if some rows have a status other than ok."""
+
+
+class SceneError(Exception):
+    """Why an input is no problem for peers, in a line."""
+
+
+def call(*arguments: object) -> str:
+    """Run spintop, and give what it prints."""
+    command = [PROGRAM, *map(str, arguments)]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    if result.returncode not in (0, SOME_FAILED):
+        raise SceneError(result.stderr.strip() or f"spintop ended with {result.returncode}")
+    return result.stdout
+
+
+def compute(kind: str, groups: list[str], folder: Path) -> Table:
+    """The table of a study of an input of these groups."""
+    path = folder / "question.nml"
+    path.write_text("\n".join([f"&study kind = '{kind}' /", *groups, ""]), encoding="utf-8")
+    call("--quiet", "-o", folder, path)
+    return read_table(folder / "question.csv")
+
+
+@dataclass(frozen=True)
+class Scene:
+    """The groups of an input that say what moves, how it starts, and for how long."""
+
+    name: str
+    top: str
+    initial: str
+    span: str
+    damping: list[float]
+
+    @property
+    def groups(self) -> list[str]:
+        """All of them."""
+        return [self.top, self.initial, self.span]
+
+
+def read_scene(name: str, path: Path, overrides: list[str]) -> Scene:
+    """Read an input as spintop resolves it."""
+    resolved = call("--check", *(part for text in overrides for part in ("--set", text)), path)
+    groups = {match[1]: match[0] for match in GROUP.finditer(resolved)}
+    settings = read_head([line.strip() for line in resolved.splitlines()])[1]
+    if any(key.startswith(("sweep.parameter", "sweep.table")) for key in settings):
+        raise SceneError("has a sweep: leave that out, and --set what it is to be")
+    if "top" not in groups:
+        raise SceneError("has no top of its own")
+    damping = [float(text) for text in settings["top.damping"]]
+    span = re.sub(r"(?m)^ *samples *=.*\n", "", groups["span"])
+    return Scene(name, groups["top"], groups["initial"], span, damping)
+
+
+def pose(scene: Scene, folder: Path) -> Problem:
+    """The scene as a problem, its axis of symmetry turned to body z.
+
+    The body is known by its energies in three attitudes, whatever shape the input gives, and its
+    end by a motion in quadruple precision.
+    """
+    inertia, weight = ask_body(scene.top, folder)
+    order, turn = choose_axes(inertia, weight, scene.damping)
+    start = ask_start([scene.top, scene.initial, "&span t_end = 1 /"], START, folder)
+    table = compute("trajectory", [*scene.groups, ask_for(END), REFERENCE], folder)
+    if table.status != "ok":
+        raise SceneError(f"its reference ends with status {table.status}")
+    *end, t_end = table.rows[list(END)].iloc[-1].tolist()
+    return Problem(
+        name=scene.name,
+        inertia=tuple(inertia[i] for i in order),
+        weight=tuple(weight[i] for i in order),
+        damping=tuple(scene.damping[i] for i in order),
+        quaternion=tuple(product(start[:4], turn)),
+        omega=tuple(start[4 + i] for i in order),
+        t_end=t_end,
+        reference=tuple(product(end, turn)),
+    )
+
+
+def ask_body(top: str, folder: Path) -> tuple[list[float], list[float]]:
+    """Moments of inertia, and weight times the centre of mass.
+
+    With body axis i upright and one radian a second about it the kinetic energy is I_i/2, and the
+    potential energy m g r_i; these turns are exact in binary.
+    """
+    inertia, weight = [], []
+    for i, upright in enumerate(UPRIGHT):
+        omega = [float(i == j) for j in range(3)]
+        start = f"&initial quaternion = {as_list(upright)} omega = {as_list(omega)} /"
+        kinetic, potential = ask_start([top, start, "&span t_end = 1 /"], ENERGIES, folder)
+        inertia.append(2 * kinetic)
+        weight.append(potential)
+    return inertia, weight
+
+
+def ask_start(groups: list[str], columns: tuple[str, ...], folder: Path) -> list[float]:
+    """These columns at the start, as the equations of a rigid body have them."""
+    table = compute("trajectory", [*groups, ask_for(columns), ONE_STEP], folder)
+    return table.rows[list(columns)].iloc[0].tolist()
+
+
+def ask_for(columns: tuple[str, ...]) -> str:
+    """The group that asks for columns of a trajectory."""
+    return f"&output columns = {', '.join(map(repr, columns))} /"
+
+
+def as_list(numbers: tuple[float, ...] | list[float]) -> str:
+    """Numbers in a namelist."""
+    return ", ".join(map(repr, numbers))
+
+
+def choose_axes(
+    inertia: list[float], weight: list[float], damping: list[float]
+) -> tuple[tuple[int, int, int], tuple[float, ...]]:
+    """Which body axes to call x, y and z, and the turn of the axes: z is that of symmetry."""
+    for k in (2, 0, 1):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        alike = math.isclose(inertia[i], inertia[j], rel_tol=ALIKE)
+        if alike and not any((weight[i], weight[j], *damping)):
+            return (i, j, k), TO_Z[k]
+    return (0, 1, 2), TO_Z[2]

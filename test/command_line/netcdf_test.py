@@ -11,11 +11,10 @@ from pathlib import Path
 TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts")]
 
-from mpi_test import ENVIRONMENT  # noqa: E402
-from program_test import GOOD, ProgramCase, Table  # noqa: E402
-
 from figures.netcdf import Attributes, Variable, read_netcdf  # noqa: E402
 from figures.table import read_table  # noqa: E402
+from mpi_test import ENVIRONMENT  # noqa: E402
+from program_test import GOOD, ProgramCase, Table  # noqa: E402
 
 NETCDF = "output.format=netcdf"
 # Cases of every kind: a top, one with a pole on its way, one that is none; and words and notes.

@@ -16,7 +16,7 @@
 module spintop_taylor_lanes
     use, intrinsic :: iso_c_binding, only: c_intptr_t, c_loc
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_kinds, only: dp, pi
+    use spintop_kinds, only: dp, qp, pi
     use spintop_attitude, only: nearest_turn, vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_formulation, only: max_series_order
@@ -42,6 +42,13 @@ module spintop_taylor_lanes
     real(dp), parameter :: sharp = 2
     !> A pole passed within this share of a step is passed on either side.
     real(dp), parameter :: shortest_pace = 1.0e-12_dp
+
+    integer, private :: divisor
+    !> 1/k, and what it lacks: a share rounded alike in every step would make energy and momentum
+    !> drift.
+    real(dp), parameter :: share(*) = [(1.0_dp / divisor, divisor=1, max_series_order)]
+    real(dp), parameter :: share_rest(*) = [(real(1 / real(divisor, qp) - 1.0_dp / divisor, dp), &
+                                             divisor=1, max_series_order)]
 
     !> Why a lane takes no step: too small a step or no more allowed; numbers that are not finite.
     real(dp), parameter :: is_stuck = 1, is_wild = 2
@@ -254,18 +261,17 @@ contains
         real(dp), intent(inout) :: c(lanes, quotient, 0:order)
         real(dp) :: v1, v2, v3, e1, e2, e3, p, w1, w2, w3, g1, g2, g3, q
         real(dp) :: w12, w23, w31, g12, g21, g23, g32, g31, g13, n1, n2, qg
-        real(dp) :: share, twice, inverse(lanes)
+        real(dp) :: d1, d2, d3, twice, inverse(lanes)
         integer :: k, j, i
 
         c(:, :parts, 0) = state
         c(:, quotient, 0) = 0
         inverse = 1 / (1 + side * state(:, 6))
         do k = 0, order - 1
-            share = 1.0_dp / (k + 1)
             ! A term in the middle stands beside itself: once too often.
             twice = mod(k, 2) - 1
             !$omp simd private(v1, v2, v3, e1, e2, e3, p, w1, w2, w3, g1, g2, g3, q, &
-            !$omp w12, w23, w31, g12, g21, g23, g32, g31, g13, n1, n2, qg, j)
+            !$omp w12, w23, w31, g12, g21, g23, g32, g31, g13, n1, n2, qg, d1, d2, d3, j)
             do i = 1, lanes
                 ! Sums in registers: as arrays they would go to memory and back with every term.
                 w1 = c(i, 1, k / 2)
@@ -317,20 +323,27 @@ contains
                     n2 = n2 + e2 * w2 + g2 * v2
                     qg = qg + p * g3 + q * e3
                 end do
-                c(i, 1, k + 1) = share * (coupling(i, 1) * w23 - decay(i, 1) * c(i, 1, k) + mobility(i, 1) &
-                    * (c(i, 5, k) * moment(i, 3) - c(i, 6, k) * moment(i, 2)))
-                c(i, 2, k + 1) = share * (coupling(i, 2) * w31 - decay(i, 2) * c(i, 2, k) + mobility(i, 2) &
-                    * (c(i, 6, k) * moment(i, 1) - c(i, 4, k) * moment(i, 3)))
-                c(i, 3, k + 1) = share * (coupling(i, 3) * w12 - decay(i, 3) * c(i, 3, k) + mobility(i, 3) &
-                    * (c(i, 4, k) * moment(i, 2) - c(i, 5, k) * moment(i, 1)))
-                c(i, 4, k + 1) = share * (g23 - g32)
-                c(i, 5, k + 1) = share * (g31 - g13)
-                c(i, 6, k + 1) = share * (g12 - g21)
-                ! A coefficient of the quotient that is not kntwice yet counts as zero in the sums.
+                d1 = coupling(i, 1) * w23 - decay(i, 1) * c(i, 1, k) + mobility(i, 1) &
+                    * (c(i, 5, k) * moment(i, 3) - c(i, 6, k) * moment(i, 2))
+                d2 = coupling(i, 2) * w31 - decay(i, 2) * c(i, 2, k) + mobility(i, 2) &
+                    * (c(i, 6, k) * moment(i, 1) - c(i, 4, k) * moment(i, 3))
+                d3 = coupling(i, 3) * w12 - decay(i, 3) * c(i, 3, k) + mobility(i, 3) &
+                    * (c(i, 4, k) * moment(i, 2) - c(i, 5, k) * moment(i, 1))
+                c(i, 1, k + 1) = share(k + 1) * d1 + share_rest(k + 1) * d1
+                c(i, 2, k + 1) = share(k + 1) * d2 + share_rest(k + 1) * d2
+                c(i, 3, k + 1) = share(k + 1) * d3 + share_rest(k + 1) * d3
+                d1 = g23 - g32
+                d2 = g31 - g13
+                d3 = g12 - g21
+                c(i, 4, k + 1) = share(k + 1) * d1 + share_rest(k + 1) * d1
+                c(i, 5, k + 1) = share(k + 1) * d2 + share_rest(k + 1) * d2
+                c(i, 6, k + 1) = share(k + 1) * d3 + share_rest(k + 1) * d3
+                ! A coefficient of the quotient that is not known yet counts as zero in the sums.
                 q = (n1 + n2 - side(i) * qg) * inverse(i)
+                d1 = side(i) * c(i, 3, k) + q
+                c(i, 7, k + 1) = share(k + 1) * d1 + share_rest(k + 1) * d1
                 c(i, quotient, k) = q
                 c(i, quotient, k + 1) = 0
-                c(i, 7, k + 1) = share * (side(i) * c(i, 3, k) + q)
             end do
         end do
     end subroutine expand

@@ -81,12 +81,10 @@ contains
     end subroutine add
 
     !> The quantities of the cases that wait, in their places of the block; none waits then.
-    !> `wants_turns`: whether phi and psi are wanted, with all their turns.
-    subroutine compute(self, cases, wanted, wants_turns, values, status, note)
+    subroutine compute(self, cases, wanted, values, status, note)
         class(sweep_batch_t), intent(inout) :: self
         type(case_t), intent(in) :: cases(:)
         logical, intent(in) :: wanted(sweep_groups)
-        logical, intent(in) :: wants_turns
         real(dp), intent(inout) :: values(:, :) !! quantities, cases
         integer, intent(inout) :: status(:)
         type(note_t), intent(inout) :: note(:)
@@ -96,7 +94,7 @@ contains
 
         associate (n => self%n)
             call integrate_many(self%controls, self%bodies(:n), self%starts(:n), self%t_end(:n), &
-                                wants_turns, ends(:n), outcomes(:n))
+                                ends(:n), outcomes(:n))
         end associate
         do i = 1, self%n
             k = self%place(i)

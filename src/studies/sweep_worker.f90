@@ -15,7 +15,7 @@ module spintop_sweep_worker
     use spintop_sweep_axes, only: put_values
     use spintop_sweep_batch, only: sweep_batch_t, goes_in_batch
     use spintop_sweep_columns, only: sweep_columns, sweep_groups, quantities, group_end, group_energy, &
-        group_period, q_phi_end, q_psi_end
+        group_period
     use spintop_sweep_exact, only: load_lane, unload_lane, kernel_runs, stop_exactly
     use spintop_sweep_notes, only: note_t, note_no_stop
     use spintop_sweep_quantities, only: no_values
@@ -132,8 +132,7 @@ contains
                 call block%compute(any(worker%wanted([group_end, group_energy])), worker%wanted(group_period))
             end if
             if (worker%batch%n > 0) then
-                call worker%batch%compute(worker%cases, worker%wanted, any(job%columns == q_phi_end .or. &
-                    job%columns == q_psi_end), worker%values, worker%status, worker%note)
+                call worker%batch%compute(worker%cases, worker%wanted, worker%values, worker%status, worker%note)
             end if
             worker%computing = worker%computing + (seconds() - moment)
 

@@ -6,13 +6,11 @@ module spintop_attitude
     use spintop_compare, only: is_zero
     use spintop_kinds, only: dp, pi
     use spintop_small_turn, only: half_turn
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: quaternion_from_angles, angles_from_quaternion
     public :: omega_from_rates, rates_from_omega, omega_rate_from_accelerations
     public :: quaternion_product, conjugate_quaternion, to_space, vertical_from_quaternion
-    public :: horizontal_from_quaternion, quaternion_from_axes
     public :: rotation_angle, nearest_turn, follow_angles, turn_less_one
 
 contains
@@ -205,38 +203,6 @@ contains
         gamma(2) = 2 * (q(3) * q(4) + q(1) * q(2))
         gamma(3) = (q(1)**2 + q(4)**2) - (q(2)**2 + q(3)**2)
     end function vertical_from_quaternion
-
-    !> The horizontal axis x of space in body axes.
-    pure function horizontal_from_quaternion(q) result(x)
-        real(dp), intent(in) :: q(4)
-        real(dp) :: x(3)
-        x(1) = (q(1)**2 + q(2)**2) - (q(3)**2 + q(4)**2)
-        x(2) = 2 * (q(2) * q(3) - q(1) * q(4))
-        x(3) = 2 * (q(2) * q(4) + q(1) * q(3))
-    end function horizontal_from_quaternion
-
-    !> Unit quaternion of the attitude in which the axes x and z of space have these components in
-    !> body axes: from its largest component, so without cancellation (Shepperd, J. Guidance and
-    !> Control 1, 1978). One of the two of opposite sign.
-    pure function quaternion_from_axes(horizontal, vertical) result(q)
-        real(dp), intent(in) :: horizontal(3), vertical(3)
-        real(dp) :: q(4)
-        real(dp) :: product(4, 4) ! 4 q_i q_j
-        real(dp) :: across(3)
-
-        across = cross(vertical, horizontal)
-        associate (x => horizontal, y => across, z => vertical)
-            product(1, :) = [1 + x(1) + y(2) + z(3), z(2) - y(3), x(3) - z(1), y(1) - x(2)]
-            product(2, 2:) = [1 + x(1) - y(2) - z(3), x(2) + y(1), x(3) + z(1)]
-            product(3, 3:) = [1 - x(1) + y(2) - z(3), y(3) + z(2)]
-            product(4, 4) = 1 - x(1) - y(2) + z(3)
-        end associate
-        product(2:, 1) = product(1, 2:)
-        product(3:, 2) = product(2, 3:)
-        product(4, 3) = product(3, 4)
-        q = product(:, maxloc([product(1, 1), product(2, 2), product(3, 3), product(4, 4)], dim=1))
-        q = q / norm2(q)
-    end function quaternion_from_axes
 
     !> Angle of the turn between two attitudes, rad, in [0, pi]; exact to rounding for small turns.
     pure real(dp) function rotation_angle(p, q)

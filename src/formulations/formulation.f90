@@ -66,6 +66,7 @@ module spintop_formulation
         procedure :: group_bracket => no_group_bracket
         procedure :: group_move => no_group_move
         procedure :: series => no_series
+        procedure :: unfold => keep_change
         procedure :: series_quadruple => no_series_quadruple
         procedure :: after_step => keep_state
         procedure :: follow => keep_angles
@@ -187,7 +188,8 @@ contains
     end subroutine no_group_move
 
     !> Taylor coefficients of the motion that passes through `y`:
-    !> y(t + h) = sum_k coefficient(:, k) h^k, k = 0 .. order.
+    !> y(t + h) = sum_k coefficient(:, k) h^k, k = 0 .. order, or of other variables that begin as `y` does and
+    !> from which `unfold` makes the state.
     pure subroutine no_series(self, y, order, coefficient)
         class(formulation_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states)
@@ -198,6 +200,15 @@ contains
         coefficient = 0
         coefficient(:, 0) = y
     end subroutine no_series
+
+    !> Makes the change of the state `y` after a time `h` of that of the variables of the series.
+    pure subroutine keep_change(self, y, h, change)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h
+        real(dp), intent(inout) :: change(max_states)
+        associate (unused => self, also_unused => y, nor_used => h, kept => change)
+        end associate
+    end subroutine keep_change
 
     !> The same in quadruple precision, for a state in quadruple precision.
     pure subroutine no_series_quadruple(self, y, order, coefficient)

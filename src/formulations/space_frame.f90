@@ -40,6 +40,7 @@ module spintop_space_frame
         procedure :: follow
         procedure :: invariants
         procedure :: series
+        procedure :: unfold
         procedure :: series_quadruple
         procedure :: group_velocity
         procedure :: group_bracket
@@ -211,11 +212,11 @@ contains
         values(3) = y(1) * axis(1) + y(2) * axis(2) + self%vertical * axis(3)
     end subroutine invariants
 
-    !> Taylor coefficients of the motion.
+    !> Taylor coefficients of the motion, with L in axes that turn about the vertical with L_z/(2 I1).
     !>
-    !> With w = L/I1, u = e3 = u0 + v, m = m g l/I1 and the constants of the motion put in, as the state has
-    !> them, the equations are, differentiated once more, linear but for the height v:
-    !>     w'' = w_z k x w' + m u0 w + m v w,
+    !> With m = m g l/I1, w = L/I1, the height u = e3 = u0 + v of the axis and the constants of the motion put
+    !> in, as the state has them, the equations are, differentiated once more, linear but for v:
+    !>     L'' = (m u0 - w3^2/4) L + m v L,
     !>     p'' = ((m u0 - w.w/2)/2 -+ m/2) p + m v p,  - for p0 and p3, + for p1 and p2,
     !>     v'' = v''(0) + (4 m u0 - w.w) v + 3 m v^2,
     !> with w.w at the start. (w.w/2 + m u and w.e are constant, k x e = k e + u and e p = p k as
@@ -226,58 +227,69 @@ contains
         integer, intent(in) :: order
         real(dp), intent(out) :: coefficient(max_states, 0:max_series_order)
         integer, parameter :: v = 7 !! place of v in what is below, beside the state
-        real(dp), parameter :: share_of_product(max_states) = [1, 1, 1, 1, 1, 1, 3, 0]
-        !> The series of w1, w2, p and v; the factors of their linear terms; and sums of products.
-        real(dp) :: c(max_states, 0:max_series_order), linear(max_states), product(max_states), more(max_states)
-        real(dp) :: m, w3, upper, lower, axis(3), square, weight(max_states)
-        integer :: i, j, k
-        real(dp), parameter :: share(max_series_order) = [(1.0_dp / i, i=1, max_series_order)]
+        integer :: j, k
+        real(dp), parameter :: share(max_series_order) = [(1.0_dp / j, j=1, max_series_order)]
+        !> The series, the factors of their linear terms and of their products, and sums of these.
+        real(dp) :: c(max_states, 0:max_series_order)
+        real(dp) :: linear(max_states), weight(max_states), odd(max_states), even(max_states)
+        real(dp) :: m, w(3), axis(3), upper, lower, both, square
 
         m = self%mgl / self%i1
-        w3 = self%vertical / self%i1
-        weight = m * share_of_product
-        c(1:2, 0) = y(1:2) / self%i1
-        c(3:6, 0) = y(3:6)
-        c(7:8, 0) = 0
-        associate (w1 => c(1, 0), w2 => c(2, 0), p0 => y(3), p1 => y(4), p2 => y(5), p3 => y(6))
+        w = [y(1:2), self%vertical] / self%i1
+        square = w(1)**2 + w(2)**2 + w(3)**2
+        associate (p0 => y(3), p1 => y(4), p2 => y(5), p3 => y(6))
             upper = p0**2 + p3**2
             lower = p1**2 + p2**2
-            axis = [2 * (p1 * p3 + p0 * p2), 2 * (p2 * p3 - p0 * p1), upper - lower] / (upper + lower)
-            square = w1**2 + w2**2 + w3**2
-            c(1, 1) = -m * axis(2)
-            c(2, 1) = m * axis(1)
-            c(3, 1) = -(w1 * p1 + w2 * p2 + w3 * p3) / 2
-            c(4, 1) = (w1 * p0 + w2 * p3 - w3 * p2) / 2
-            c(5, 1) = (w2 * p0 + w3 * p1 - w1 * p3) / 2
-            c(6, 1) = (w3 * p0 + w1 * p2 - w2 * p1) / 2
-            c(v, 1) = w1 * axis(2) - w2 * axis(1)
-            c(8, 1) = 0
-            linear(1:2) = m * axis(3)
-            linear(3:6) = m / (upper + lower) * [-lower, upper, upper, -lower] - square / 4
-            linear(v) = 4 * m * axis(3) - square
-            linear(8) = 0
+            both = upper + lower
+            axis = [2 * (p1 * p3 + p0 * p2), 2 * (p2 * p3 - p0 * p1), upper - lower] / both
+            c(1, 1) = w(3) / 2 * y(2) - m * axis(2) * self%i1
+            c(2, 1) = m * axis(1) * self%i1 - w(3) / 2 * y(1)
+            c(3, 1) = -(w(1) * p1 + w(2) * p2 + w(3) * p3) / 2
+            c(4, 1) = (w(1) * p0 + w(2) * p3 - w(3) * p2) / 2
+            c(5, 1) = (w(2) * p0 + w(3) * p1 - w(1) * p3) / 2
+            c(6, 1) = (w(3) * p0 + w(1) * p2 - w(2) * p1) / 2
         end associate
-        do k = 0, order - 2
-            product = 0
-            more = 0
-            do j = 0, k - 2, 2 ! two sums, as each product waits for the last
-                !$omp simd
-                do i = 1, max_states
-                    product(i) = product(i) + c(v, k - j) * c(i, j)
-                    more(i) = more(i) + c(v, k - j - 1) * c(i, j + 1)
-                end do
+        c(v, 1) = w(1) * axis(2) - w(2) * axis(1)
+        c(8, 1) = 0
+        linear = [m * axis(3) - w(3)**2 / 4, m * axis(3) - w(3)**2 / 4, &
+                  m / both * [-lower, upper, upper, -lower] - square / 4, 4 * m * axis(3) - square, 0.0_dp]
+        weight = m * [1, 1, 1, 1, 1, 1, 3, 0]
+        c(:, 0) = y
+        c(7:8, 0) = 0
+        c(:, 2) = linear * c(:, 0) / 2
+        c(v, 2) = (w(3) * (w(1) * axis(1) + w(2) * axis(2)) - axis(3) * (w(1)**2 + w(2)**2) &
+                   - m * (axis(1)**2 + axis(2)**2)) / 2
+        do k = 1, order - 2
+            ! Two sums: in one each product would wait for the last.
+            odd = 0
+            even = 0
+            do j = 1, k, 2
+                odd = odd + c(v, j) * c(:, k - j)
             end do
-            if (mod(k, 2) == 1) product = product + c(v, 1) * c(:, k - 1)
-            c(:, k + 2) = (weight * (product + more) + linear * c(:, k)) * (share(k + 1) * share(k + 2))
-            c(1, k + 2) = c(1, k + 2) - w3 * share(k + 2) * c(2, k + 1)
-            c(2, k + 2) = c(2, k + 2) + w3 * share(k + 2) * c(1, k + 1)
-            if (k == 0) c(v, 2) = (w3 * (c(1, 0) * axis(1) + c(2, 0) * axis(2)) - axis(3) * (c(1, 0)**2 + c(2, 0)**2) &
-                                   - m * (axis(1)**2 + axis(2)**2)) / 2
+            do j = 2, k, 2
+                even = even + c(v, j) * c(:, k - j)
+            end do
+            odd = weight * (odd + even) + linear * c(:, k)
+            c(:, k + 2) = odd * (share(k + 1) * share(k + 2))
         end do
-        coefficient(1:2, :order) = c(1:2, :order) * self%i1
-        coefficient(3:6, :order) = c(3:6, :order)
-        coefficient(7:, :order) = 0
+        c(v, :order) = 0
+        coefficient(:, :order) = c(:, :order)
     end subroutine series
+
+    !> Turns L back into axes at rest.
+    pure subroutine unfold(self, y, h, change)
+        class(space_frame_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h
+        real(dp), intent(inout) :: change(max_states)
+        real(dp) :: angle, sinc, drop, l1, l2
+
+        angle = self%vertical / self%i1 * h / 2
+        call half_turn(angle**2, sinc, drop)
+        l1 = y(1) + change(1)
+        l2 = y(2) + change(2)
+        change(1) = change(1) + (drop * l1 - angle * sinc * l2)
+        change(2) = change(2) + (drop * l2 + angle * sinc * l1)
+    end subroutine unfold
 
     !> The angular velocity L/I1 and the moment, in space axes: xi = (L/I1, L1', L2').
     pure subroutine group_velocity(self, y, xi, status)

@@ -93,7 +93,6 @@ contains
         class is (taylor_workspace_t)
             call formulation%series(work%y, work%order, work%coefficient)
             work%counts%evaluations = work%counts%evaluations + work%order
-            work%slope = work%coefficient(:, 1)
             h = length_of_step(self%controls, work)
             status = status_non_finite
             if (.not. is_finite(h)) return
@@ -103,6 +102,7 @@ contains
             t_new = work%t + h
             if (stretch * h >= work%t_end - work%t) t_new = work%t_end
             change = sum_of_terms(work, t_new - work%t)
+            call formulation%unfold(work%y, t_new - work%t, change)
             ! Terms that are no number do not show in the size of the largest.
             status = status_non_finite
             if (.not. all(abs(change) <= huge(1.0_dp))) return
@@ -159,14 +159,16 @@ contains
         class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(inout) :: work
         real(dp), intent(in) :: t
-        real(dp) :: y(max_states)
-        associate (unused => self, also_unused => formulation)
+        real(dp) :: y(max_states), change(max_states)
+        associate (unused => self)
         end associate
         y = work%y
         if (t >= work%t) return
         select type (work)
         class is (taylor_workspace_t)
-            y = work%y_last + sum_of_terms(work, t - work%t_last)
+            change = sum_of_terms(work, t - work%t_last)
+            call formulation%unfold(work%y_last, t - work%t_last, change)
+            y = work%y_last + change
         end select
     end function interpolate
 

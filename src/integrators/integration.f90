@@ -16,6 +16,9 @@ module spintop_integration
     type, abstract :: observer_t
         !> Set by the observer to end the run.
         logical :: has_enough = .false.
+        !> Wants phi and psi to count their turns, for which every step is looked at; else the angles it is
+        !> shown are next to those of the start.
+        logical :: counts_turns = .true.
     contains
         procedure(observe), deferred :: observe
     end type observer_t
@@ -31,9 +34,10 @@ module spintop_integration
         end subroutine observe
     end interface
 
-    !> The angles, followed through every step.
+    !> The angles, followed through every step, or left as they are.
     type :: follower_t
         real(dp) :: t = 0, y(max_states) = 0, angle(3) = 0
+        logical :: is_idle = .false.
     contains
         procedure :: go_to
         procedure :: walk_to
@@ -97,7 +101,7 @@ contains
         if (status == status_ok) call check_start(formulation, work, status)
         if (status == status_ok) then
             call work%projection%begin(stepper%controls%project, formulation, work%y)
-            follower = follower_t(0.0_dp, work%y, start%angle)
+            follower = follower_t(0.0_dp, work%y, start%angle, .not. (observer%counts_turns .or. present(watch)))
             call show_until(0.0_dp)
             call leave_rest(formulation, stepper, work, samples, next, follower, observer)
             call stepper%begin(formulation, work, status)
@@ -189,7 +193,7 @@ contains
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: t, y(max_states)
         logical :: sure
-        call formulation%follow(self%t, self%y, t, y, self%angle, sure)
+        if (.not. self%is_idle) call formulation%follow(self%t, self%y, t, y, self%angle, sure)
         self%t = t
         self%y = y
     end subroutine go_to
@@ -206,7 +210,8 @@ contains
         logical :: sure
 
         angle = self%angle
-        call formulation%follow(self%t, self%y, t, y, angle, sure)
+        sure = self%is_idle
+        if (.not. sure) call formulation%follow(self%t, self%y, t, y, angle, sure)
         sure = sure .or. t - self%t <= max(shortest_pace * (work%t - work%t_last), 2 * spacing(t))
         if (sure) then
             self%t = t

@@ -102,6 +102,7 @@ contains
 
         call plan%fit_steps(case%t_end)
         call begin_witness(case, witness)
+        witness%counts_turns = any(wanted([group_period, group_end]))
         times = [case%t_end]
         if (wanted(group_energy)) times = sample_times(case%t_end, rows(plan))
         if (wanted(group_period)) times = with_time(times, witness%period)

@@ -63,6 +63,8 @@ contains
         associate (case => job%case, plan => job%plan)
             writer%t_end = case%t_end
             writer%total = plan%samples
+            writer%counts_turns = any(trajectory_columns(job%columns)%name == 'phi' &
+                                      .or. trajectory_columns(job%columns)%name == 'psi')
             call writer%progress%start(job%name, 'rows', writer%total, options%quiet, options%progress)
             call writer%columns%set(job%columns, case)
             associate (columns => trajectory_columns(job%columns))

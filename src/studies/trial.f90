@@ -113,6 +113,7 @@ contains
 
         self%case = case
         self%reference = reference
+        self%counts_turns = .false.
         weight = case%body%mass * case%body%gravity * norm2(case%body%centre_of_mass)
         self%energy_scale = kinetic_energy(case%body, case%start) + weight
         self%momentum_scale = norm2(case%body%inertia * case%start%omega) &

@@ -1,4 +1,4 @@
-!> How long a computation takes: to the end of the span, for the state there.
+!> How long a computation takes: to the end of the span, for the attitude and the rates there.
 module spintop_trial_time
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
@@ -38,6 +38,7 @@ contains
         real(dp) :: began, start
         integer :: calls, repeat, i
 
+        arrival%counts_turns = .false.
         calls = 1 + int(shortest / max(expected, shortest / 1000))
         time = huge(time)
         start = seconds()

@@ -80,7 +80,8 @@ def object_to_grid(table: Table) -> str:
     grid = make_grid(table)
     if min(grid.x.size, grid.y.size) < 2:
         return "is a sweep with a single value of a parameter"
-    if not np.array_equal(np.sort(grid.place), np.arange(grid.x.size * grid.y.size)):
+    cells = grid.x.size * grid.y.size
+    if grid.place.size != cells or not np.array_equal(np.sort(grid.place), np.arange(cells)):
         return "is a sweep over no grid"
     return ""
 

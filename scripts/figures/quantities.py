@@ -162,17 +162,21 @@ def is_wide(values: np.ndarray, ratio: float = WIDE_AXIS) -> bool:
 
 def has_log_axis(table: Table, place: int) -> bool:
     """Whether parameter number `place` from 0 is spaced by ratios, or listed over a wide range."""
-    if f"sweep.values({place + 1},:)" in table.settings:
+    if {f"sweep.values({place + 1},:)", "sweep.table"} & table.settings.keys():
         return is_wide(table.rows[table.axes()[place]].to_numpy(float))
     spacing = table.settings.get("sweep.spacing", [])
     return place < len(spacing) and spacing[place] == "log"
 
 
+def name_parameter(table: Table, place: int) -> str:
+    """Parameter number `place` from 0 as it is written, with its unit."""
+    name = table.axes()[place]
+    return with_unit(PARAMETERS.get(name, name), table.units.get(name, ""))
+
+
 def label_parameter(table: Table, place: int, axis: Axis) -> None:
     """Label the axis of parameter number `place` from 0."""
-    name = table.axes()[place]
-    label = with_unit(PARAMETERS.get(name, name), table.units.get(name, ""))
-    axis.set_label_text(label, parse_math=name in PARAMETERS)
+    axis.set_label_text(name_parameter(table, place), parse_math=table.axes()[place] in PARAMETERS)
 
 
 def tell_failed(table: Table) -> str:

@@ -20,6 +20,7 @@ from figures.precision import WORDS as PRECISION
 from figures.precision import draw_precision_time, draw_precision_work, object_to_precision
 from figures.reduced import COLUMNS as REDUCED
 from figures.reduced import object_to_reduced
+from figures.scatter import draw_scatter, object_to_scatter
 from figures.sweep import draw_sweep, good_rows, sweep_columns
 from figures.table import Table
 from figures.tolerance_map import draw_tolerance_map, object_to_tolerance_map
@@ -227,6 +228,14 @@ FIGURES = (
         (),
         draw_maps,
         object_to_maps,
+    ),
+    FigureKind(
+        "scatter",
+        "points of a sweep over several parameters that is no grid of two",
+        "sweep",
+        (),
+        draw_scatter,
+        object_to_scatter,
     ),
     FigureKind(
         "verdicts",

@@ -1,0 +1,357 @@
+"""The quantities of a sweep whose cases fill no grid, as points against each swept parameter."""
+
+import itertools
+import re
+import textwrap
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import ListedColormap, LogNorm, Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, MaxNLocator
+
+from figures.maps import COLOURS, object_to_grid, scale_name, scale_of
+from figures.quantities import (
+    Quantity,
+    has_log_axis,
+    is_words,
+    name_parameter,
+    order_classes,
+    quantities_of,
+    succeeded,
+)
+from figures.style import FAINT, FAULT, MANY_POINTS, new_figure, with_unit
+from figures.table import Table
+
+MOST_PARAMETERS, MOST_QUANTITIES = 4, 6
+"""The first of them are drawn."""
+
+MOST_CASES, LEAST_CASES = 10_000, 300
+"""Of more cases so many are drawn by lot, and of each class and of those that failed so many."""
+
+LOOKS = (
+    ("#12355b", "o"),
+    ("#e2873d", "^"),
+    ("#93cfc0", "s"),
+    ("#7a5195", "D"),
+    ("#e3c65b", "v"),
+    ("#2f6f4f", "P"),
+    ("#a9a9a9", "X"),
+    ("#5f1f2a", "<"),
+    ("#6fa8dc", ">"),
+)
+"""Colours and markers of classes; the first three are far apart in lightness."""
+
+SHADES = ListedColormap(COLOURS(np.linspace(0, 0.92, 256)))
+"""Colours by a number, without those that are hard to see on white."""
+
+ROW_HEIGHT, LEAST_HEIGHT = 1.45, 3.0
+"""Of a row of panels, and of all of them, in inches."""
+
+KEY_HEIGHT = 0.2
+"""Of the key above the panels, as a part of a row's."""
+
+LABEL_LETTERS, NARROW_LETTERS = 19, 16
+"""Length of a line of the labels beside and below a panel."""
+
+JITTER = 0.3
+"""How far the cases of a class stand from their line, at most; the golden ratio spreads them."""
+
+TURNS = 6
+"""Classes are drawn by turns, so that none hides the others."""
+
+GOLDEN = (5**0.5 - 1) / 2
+
+RUG = {"color": FAULT, "marker": "|", "markersize": 6, "markeredgewidth": 0.6}
+"""Ticks at the axis for cases that failed."""
+
+FULL, FAINTEST = 60, 0.25
+"""So many ticks are drawn in full colour; more are fainter, so that it is seen where most are."""
+
+
+class Tint(NamedTuple):
+    """What gives points their colours: a number for each case, and its scale."""
+
+    values: pd.Series
+    norm: Normalize
+    label: str
+    extend: str = "neither"
+
+
+class Layer(NamedTuple):
+    """Cases of a class, or all that succeeded: which are drawn, of how many, and how."""
+
+    name: str
+    rows: pd.DataFrame
+    count: int
+    colour: str
+    marker: str
+
+
+class Cloud(NamedTuple):
+    """The cases that are drawn."""
+
+    layers: list[Layer]
+    """Those that succeeded, the most numerous below."""
+    failed: pd.DataFrame
+    rasterized: bool
+    """Whether an SVG stores them as pixels."""
+
+    @property
+    def rows(self) -> pd.DataFrame:
+        """Those that succeeded."""
+        return pd.concat([layer.rows for layer in self.layers])
+
+    @property
+    def area(self) -> float:
+        """Of a point, in square points of print: less where there are many."""
+        return float(np.clip(15 / len(self.rows) ** 0.25, 1.6, 5.0)) ** 2
+
+
+def varying(table: Table) -> list[int]:
+    """The places of the swept parameters that have several values."""
+    return [i for i, name in enumerate(table.axes()) if table.rows[name].nunique() > 1]
+
+
+def telling(table: Table) -> list[Quantity]:
+    """The quantities that have several values."""
+    rows = succeeded(table)
+    return [quantity for quantity in quantities_of(table) if quantity.values(rows).nunique() > 1]
+
+
+def object_to_scatter(table: Table) -> str:
+    """Points are for cases of several parameters that are no grid of two."""
+    if len(table.axes()) < 2:
+        return "is no sweep over several parameters"
+    if not object_to_grid(table):
+        return "is a sweep over a grid of two parameters, which has maps"
+    if not varying(table):
+        return "is a sweep in which no parameter varies"
+    return "" if telling(table) else "has no quantity that varies"
+
+
+def draw_scatter(table: Table) -> Figure:
+    """A row of panels a quantity, one against each parameter; two parameters span a plane, too."""
+    places, quantities = varying(table), telling(table)
+    shown, told = places[:MOST_PARAMETERS], quantities[:MOST_QUANTITIES]
+    has_plane = len(places) == 2
+    across = len(shown) + has_plane
+    cloud = make_cloud(table, len(told) * across)
+    drawn = len(cloud.rows) + len(cloud.failed)
+    title = "Cases over " + ", ".join(table.axes()[place].partition(".")[2] for place in shown)
+    notes = [
+        f"{most:,} of {len(things):,} {what}"
+        for things, most, what in (
+            (table.rows, drawn, "cases, drawn by lot"),
+            (places, MOST_PARAMETERS, "parameters"),
+            (quantities, MOST_QUANTITIES, "quantities"),
+        )
+        if len(things) > most
+    ]
+    title += f" ({'; '.join(notes)})" if notes else ""
+    figure = new_figure(table, title, 1.9 + max(ROW_HEIGHT * len(told), LEAST_HEIGHT))
+    key, field = figure.add_gridspec(2, 1, height_ratios=[KEY_HEIGHT, len(told)])
+    panels = field.subgridspec(len(told), across).subplots(squeeze=False)
+    tint = None if len(cloud.layers) > 1 else tint_by_parameter(table, places[0], cloud)
+    for row, quantity in zip(panels, told, strict=True):
+        heights = heights_of(quantity, cloud.rows)
+        for axes, place in zip(row, shown, strict=False):
+            name = table.axes()[place]
+            draw_points(axes, cloud, name, heights, tint)
+            mark_failed(axes, cloud.failed[name].to_numpy(float))
+            scale_heights(axes, quantity, cloud.rows, heights)
+            axes.tick_params(labelleft=axes is row[0])
+        row[0].set_ylabel(label_quantity(quantity, cloud.rows), fontsize=9)
+        if has_plane:
+            draw_plane(row[-1], table, shown, cloud, quantity)
+    set_parameter_axes(panels, table, shown, has_plane)
+    add_key(figure.add_subplot(key), cloud, table, tint)
+    figure.align_ylabels(panels[:, 0])
+    return figure
+
+
+def make_cloud(table: Table, panels: int) -> Cloud:
+    """The cases that are drawn in so many panels, by class where the table has classes."""
+    good = succeeded(table)
+    words = good["motion_class"] if "motion_class" in good else pd.Series("", good.index)
+    classes = order_classes(words)
+    groups = [good[words == name] for name in classes]
+    *chosen, failed = thin([*groups, table.rows.drop(good.index)])
+    counts = map(len, groups)
+    layers = [
+        Layer(name, rows, count, *look)
+        for name, rows, count, look in zip(classes, chosen, counts, itertools.cycle(LOOKS))
+    ]
+    layers.sort(key=lambda layer: -layer.count)
+    drawn = sum(map(len, chosen)) + len(failed)
+    return Cloud(layers, failed, drawn * panels > MANY_POINTS)
+
+
+def thin(groups: list[pd.DataFrame]) -> list[pd.DataFrame]:
+    """Of many cases some, drawn by lot, the same ones each time; rare groups keep theirs."""
+    share = min(1.0, MOST_CASES / sum(map(len, groups)))
+    thinned = []
+    for group in groups:
+        count = min(len(group), max(round(share * len(group)), LEAST_CASES))
+        thinned.append(group.sample(count, random_state=0).sort_index())
+    return thinned
+
+
+def heights_of(quantity: Quantity, rows: pd.DataFrame) -> pd.Series:
+    """Where cases stand in the panels of a quantity; those of a class, about its line."""
+    values = quantity.values(rows)
+    if is_words(values):
+        codes = {name: code for code, name in enumerate(order_classes(values))}
+        return values.map(codes) + JITTER * (2 * (GOLDEN * rows["case"] % 1) - 1)
+    numbers = values.to_numpy(float)
+    numbers = np.where(quantity.is_none(numbers), 0.0, numbers)
+    if quantity.has_log_scale(numbers):
+        numbers = np.where(numbers > 0, numbers, np.nan)
+    return pd.Series(numbers, rows.index)
+
+
+def draw_points(axes: Axes, cloud: Cloud, name: str, heights: pd.Series, tint: Tint | None) -> None:
+    """The cases that succeeded against a parameter, in colours of their class or by a number."""
+    for turn, layer in itertools.product(reversed(range(TURNS)), cloud.layers):
+        rows = layer.rows[turn::TURNS]
+        look = {"color": layer.colour}
+        if tint:
+            look = {"c": tint.values[rows.index], "cmap": SHADES, "norm": tint.norm}
+        axes.scatter(
+            rows[name],
+            heights[rows.index],
+            cloud.area,
+            marker=layer.marker,
+            linewidths=0,
+            rasterized=cloud.rasterized,
+            **look,
+        )
+
+
+def mark_failed(axes: Axes, x: np.ndarray) -> None:
+    """Ticks on the axis where cases failed, below the points."""
+    if x.size:
+        axes.margins(y=0.12)
+        alpha = float(np.clip(FULL / x.size, FAINTEST, 1.0))
+        style = {"transform": axes.get_xaxis_transform(), "linestyle": "", "alpha": alpha}
+        axes.plot(x, np.full_like(x, 0.035), **style, **RUG)
+
+
+def scale_heights(axes: Axes, quantity: Quantity, rows: pd.DataFrame, heights: pd.Series) -> None:
+    """The scale of a quantity: names of classes, a log axis, or a line where its sign changes."""
+    values = quantity.values(rows)
+    if is_words(values):
+        classes = order_classes(values)
+        axes.set_yticks(range(len(classes)), labels=classes)
+        axes.set_ylim(-0.6, len(classes) - 0.4)
+    elif quantity.has_log_scale(heights.to_numpy()):
+        axes.set_yscale("log")
+    else:
+        axes.yaxis.set_major_locator(MaxNLocator(5))
+        if heights.min() < 0 < heights.max():
+            axes.axhline(0, color=FAINT, linewidth=0.8, zorder=0)
+
+
+def draw_plane(
+    axes: Axes, table: Table, places: list[int], cloud: Cloud, quantity: Quantity
+) -> None:
+    """The plane of two parameters: points coloured by a quantity, failed cases crossed."""
+    x, y = (table.axes()[place] for place in places)
+    values = quantity.values(cloud.rows)
+    tint = None
+    if not is_words(values):
+        numbers = pd.Series(heights_of(quantity, cloud.rows))
+        norm, extend = scale_of(quantity, numbers.to_numpy())
+        tint = Tint(numbers, norm, "", extend)
+        bar = axes.figure.colorbar(
+            ScalarMappable(norm, SHADES), ax=axes, extend=extend, pad=0.03, aspect=14
+        )
+        bar.ax.tick_params(labelsize=8)
+    draw_points(axes, cloud, x, cloud.rows[y], tint)
+    style = {"color": FAULT, "markersize": 4, "markeredgewidth": 0.8}
+    axes.plot(cloud.failed[x], cloud.failed[y], "x", rasterized=cloud.rasterized, **style)
+
+
+def label_quantity(quantity: Quantity, rows: pd.DataFrame) -> str:
+    """A quantity with its unit in short lines, and what 0 means if that has a name."""
+    label = with_unit(quantity.label, quantity.unit)
+    values = quantity.values(rows)
+    if not is_words(values) and quantity.is_none(values.to_numpy(float)).any():
+        label += f"; 0: {quantity.none}"
+    return textwrap.fill(label, LABEL_LETTERS)
+
+
+def set_parameter_axes(
+    panels: np.ndarray, table: Table, places: list[int], has_plane: bool
+) -> None:
+    """Scales, limits and labels of the parameters: those below at the lowest panels only."""
+    for column, place in enumerate([*places, places[0]] if has_plane else places):
+        for axes in panels[:, column]:
+            set_parameter_axis(axes, "x", table, place)
+            axes.tick_params(labelbottom=axes is panels[-1, column])
+        panels[-1, column].set_xlabel(break_name(table, place), fontsize=9)
+    for axes in panels[:, -1] if has_plane else ():
+        set_parameter_axis(axes, "y", table, places[1])
+        axes.set_ylabel(break_name(table, places[1]), fontsize=9)
+
+
+def set_parameter_axis(axes: Axes, which: str, table: Table, place: int) -> None:
+    """The same scale and limits wherever a parameter is on an axis, with room at the ends."""
+    values = table.rows[table.axes()[place]].to_numpy(float)
+    is_log = has_log_axis(table, place)
+    ends = np.array([values.min(), values.max()])
+    ends = np.log(ends) if is_log else ends
+    ends += 0.04 * np.ptp(ends) * np.array([-1, 1])
+    axes.set(**{f"{which}scale": scale_name(is_log)})
+    axes.set(**{f"{which}lim": tuple(np.exp(ends) if is_log else ends)})
+    axis = axes.xaxis if which == "x" else axes.yaxis
+    if is_log:
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter("")
+    else:
+        axis.set_major_locator(MaxNLocator(4))
+
+
+def break_name(table: Table, place: int) -> str:
+    """A parameter with its unit in short lines, broken before a formula or the unit."""
+    name = name_parameter(table, place)
+    if len(name) <= NARROW_LETTERS:
+        return name
+    return re.sub(r" (?=[$(])", "\n", name, count=1)
+
+
+def tint_by_parameter(table: Table, place: int, cloud: Cloud) -> Tint:
+    """The colours of a parameter, where no classes are to be told apart."""
+    name = table.axes()[place]
+    values = table.rows[name]
+    norm = (LogNorm if has_log_axis(table, place) else Normalize)(values.min(), values.max())
+    return Tint(cloud.rows[name], norm, name_parameter(table, place))
+
+
+def add_key(axes: Axes, cloud: Cloud, table: Table, tint: Tint | None) -> None:
+    """What colours and marks mean, and how many cases there are of each."""
+    handles = []
+    for layer in () if tint else cloud.layers:
+        look = {"color": layer.colour, "marker": layer.marker, "markersize": 6}
+        handles.append(a_mark(f"{layer.name} ({layer.count:,})", markeredgewidth=0, **look))
+    for status, count in table.rows["status"].value_counts().drop("ok", errors="ignore").items():
+        handles.append(a_mark(f"failed: {status} ({count:,})", **RUG))
+    axes.set_axis_off()
+    if tint:
+        bar = axes.inset_axes([0.0, 0.0, 0.6 if handles else 1.0, 0.35])
+        axes.figure.colorbar(ScalarMappable(tint.norm, SHADES), cax=bar, orientation="horizontal")
+        bar.set_title(f"colours: {tint.label}", fontsize=9, pad=3)
+        bar.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        bar.tick_params(labelsize=8)
+    if handles:
+        place = "center right" if tint else "center left"
+        axes.legend(handles=handles, loc=place, ncols=5, handletextpad=0.2, borderpad=0)
+
+
+def a_mark(label: str, **style: object) -> Line2D:
+    """An entry of the key."""
+    return Line2D([], [], linestyle="", label=label, **style)

@@ -105,6 +105,27 @@ def a_map(across: int = 5, down: int = 4, axes: int = 2) -> str:
     return a_table("sweep", columns, rows)
 
 
+CLOUD = ("initial.spin_ratio", "initial.theta_deg", "top.damping(3)", "span.t_end", "top.mass")
+
+
+def a_cloud(parameters: int = 3, cases: int = 60, failing: int = 7, spacing: str = "log") -> str:
+    """A sweep whose cases fill no grid; every so many cases one failed."""
+    rows = []
+    for i in range(cases):
+        swept = [10 ** (2 * i / cases), *(1.0 + i * step % cases for step in (7, 11, 13, 17))]
+        good = (i + 1) % failing > 0
+        word = "loop" if i % 3 else "wave"
+        numbers = [0.1, 0.2 + 0.01 * i, i % 5 - 2.0, 10.0 ** (i % 9 - 14), 50 + 3 * i]
+        words = ["ok", word] if good else ["pole", "none"]
+        cells = numbers if good else 5 * ["nan"]
+        rows.append([i + 1, *swept[:parameters], *words, *cells, ""])
+    names = ["motion_class", "theta_min", "theta_max", "growth_rate", "orientation_error"]
+    columns = ["case", *CLOUD[:parameters], "status", *names, "evaluations", "notes"]
+    listed = "values(1,:) = 0.5, 1.0,\n#                       2.0"
+    drawn = f"combine = 'random'\n#         spacing = '{spacing}', 'linear'"
+    return a_table("sweep", columns, rows).replace(listed, drawn)
+
+
 TRIALS = [
     *("case", "method", "formulation", "verdict", "error_orientation", "double_floor"),
     *("evaluations", "status", "reference", "reason"),

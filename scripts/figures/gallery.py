@@ -162,6 +162,13 @@ GALLERY = (
         " inclination.",
     ),
     Exhibit(
+        "scatter",
+        one("random_tops"),
+        ("scatter",),
+        "Four thousand spinning wheels drawn at random: swing and precession against spin,"
+        " inclination and nutation rate at the start.",
+    ),
+    Exhibit(
         "precision",
         one("work_precision_slow_top"),
         ("precision_time", "precision_work"),

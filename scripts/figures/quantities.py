@@ -1,4 +1,4 @@
-"""What the maps and curves of a sweep show: quantities made of its columns, and its parameters."""
+"""What the figures of a sweep show: quantities made of its columns, and its parameters."""
 
 from collections.abc import Callable
 from typing import NamedTuple

@@ -3,6 +3,7 @@
 import itertools
 import re
 import textwrap
+from collections.abc import Iterable, Sized
 from typing import NamedTuple
 
 import numpy as np
@@ -35,7 +36,7 @@ MOST_CASES, LEAST_CASES = 10_000, 300
 
 LOOKS = (
     ("#12355b", "o"),
-    ("#e2873d", "^"),
+    ("#d1641b", "^"),
     ("#93cfc0", "s"),
     ("#7a5195", "D"),
     ("#e3c65b", "v"),
@@ -55,8 +56,8 @@ ROW_HEIGHT, LEAST_HEIGHT = 1.45, 3.0
 KEY_HEIGHT = 0.2
 """Of the key above the panels, as a part of a row's."""
 
-LABEL_LETTERS, NARROW_LETTERS = 19, 16
-"""Length of a line of the labels beside and below a panel."""
+LABEL_LETTERS, NARROW_LETTERS, FAILED_LETTERS = 19, 16, 32
+"""Length of a line of the labels beside and below a panel, and of the failures in the key."""
 
 JITTER = 0.3
 """How far the cases of a class stand from their line, at most; the golden ratio spreads them."""
@@ -78,8 +79,7 @@ class Tint(NamedTuple):
 
     values: pd.Series
     norm: Normalize
-    label: str
-    extend: str = "neither"
+    label: str = ""
 
 
 class Layer(NamedTuple):
@@ -105,6 +105,11 @@ class Cloud(NamedTuple):
     def rows(self) -> pd.DataFrame:
         """Those that succeeded."""
         return pd.concat([layer.rows for layer in self.layers])
+
+    @property
+    def count(self) -> int:
+        """How many there are in all."""
+        return len(self.rows) + len(self.failed)
 
     @property
     def area(self) -> float:
@@ -141,18 +146,9 @@ def draw_scatter(table: Table) -> Figure:
     has_plane = len(places) == 2
     across = len(shown) + has_plane
     cloud = make_cloud(table, len(told) * across)
-    drawn = len(cloud.rows) + len(cloud.failed)
+    counts = ((table.rows, cloud.count, "cases, drawn by lot"), (places, len(shown), "parameters"))
     title = "Cases over " + ", ".join(table.axes()[place].partition(".")[2] for place in shown)
-    notes = [
-        f"{most:,} of {len(things):,} {what}"
-        for things, most, what in (
-            (table.rows, drawn, "cases, drawn by lot"),
-            (places, MOST_PARAMETERS, "parameters"),
-            (quantities, MOST_QUANTITIES, "quantities"),
-        )
-        if len(things) > most
-    ]
-    title += f" ({'; '.join(notes)})" if notes else ""
+    title += tell_left_out((*counts, (quantities, len(told), "quantities")))
     figure = new_figure(table, title, 1.9 + max(ROW_HEIGHT * len(told), LEAST_HEIGHT))
     key, field = figure.add_gridspec(2, 1, height_ratios=[KEY_HEIGHT, len(told)])
     panels = field.subgridspec(len(told), across).subplots(squeeze=False)
@@ -172,6 +168,16 @@ def draw_scatter(table: Table) -> Figure:
     add_key(figure.add_subplot(key), cloud, table, tint)
     figure.align_ylabels(panels[:, 0])
     return figure
+
+
+def tell_left_out(counts: Iterable[tuple[Sized, int, str]]) -> str:
+    """Of what not all is drawn, and how much is."""
+    parts = [
+        f"{drawn:,} of {len(things):,} {what}"
+        for things, drawn, what in counts
+        if drawn < len(things)
+    ]
+    return f" ({'; '.join(parts)})" if parts else ""
 
 
 def make_cloud(table: Table, panels: int) -> Cloud:
@@ -247,7 +253,7 @@ def scale_heights(axes: Axes, quantity: Quantity, rows: pd.DataFrame, heights: p
     if is_words(values):
         classes = order_classes(values)
         axes.set_yticks(range(len(classes)), labels=classes)
-        axes.set_ylim(-0.6, len(classes) - 0.4)
+        axes.set_ylim(-0.5 - 0.1 * len(classes), len(classes) - 0.4)
     elif quantity.has_log_scale(heights.to_numpy()):
         axes.set_yscale("log")
     else:
@@ -264,9 +270,9 @@ def draw_plane(
     values = quantity.values(cloud.rows)
     tint = None
     if not is_words(values):
-        numbers = pd.Series(heights_of(quantity, cloud.rows))
+        numbers = heights_of(quantity, cloud.rows)
         norm, extend = scale_of(quantity, numbers.to_numpy())
-        tint = Tint(numbers, norm, "", extend)
+        tint = Tint(numbers, norm)
         bar = axes.figure.colorbar(
             ScalarMappable(norm, SHADES), ax=axes, extend=extend, pad=0.03, aspect=14
         )
@@ -338,8 +344,10 @@ def add_key(axes: Axes, cloud: Cloud, table: Table, tint: Tint | None) -> None:
     for layer in () if tint else cloud.layers:
         look = {"color": layer.colour, "marker": layer.marker, "markersize": 6}
         handles.append(a_mark(f"{layer.name} ({layer.count:,})", markeredgewidth=0, **look))
-    for status, count in table.rows["status"].value_counts().drop("ok", errors="ignore").items():
-        handles.append(a_mark(f"failed: {status} ({count:,})", **RUG))
+    failures = table.rows["status"].value_counts().drop("ok", errors="ignore")
+    if len(failures):
+        words = ", ".join(f"{status} ({count:,})" for status, count in failures.items())
+        handles.append(a_mark(textwrap.fill(f"failed: {words}", FAILED_LETTERS), **RUG))
     axes.set_axis_off()
     if tint:
         bar = axes.inset_axes([0.0, 0.0, 0.6 if handles else 1.0, 0.35])
@@ -349,7 +357,7 @@ def add_key(axes: Axes, cloud: Cloud, table: Table, tint: Tint | None) -> None:
         bar.tick_params(labelsize=8)
     if handles:
         place = "center right" if tint else "center left"
-        axes.legend(handles=handles, loc=place, ncols=5, handletextpad=0.2, borderpad=0)
+        axes.legend(handles=handles, loc=place, ncols=4, handletextpad=0.2, borderpad=0)
 
 
 def a_mark(label: str, **style: object) -> Line2D:

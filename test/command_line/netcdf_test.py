@@ -12,6 +12,7 @@ TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts")]
 
 from figures.netcdf import Attributes, Variable, read_netcdf  # noqa: E402
+from figures.scatter import object_to_scatter  # noqa: E402
 from figures.table import read_table  # noqa: E402
 from mpi_test import ENVIRONMENT  # noqa: E402
 from program_test import GOOD, ProgramCase, Table  # noqa: E402
@@ -162,6 +163,9 @@ class NetcdfTest(NetcdfCase):
         for name, variable in self.netcdf("drawn.nc")[1].items():
             self.assertEqual(variable.dimensions, ("case",), name)
             self.assertNotIn("coordinates", variable.attributes)
+        for ending in ("csv", "nc"):
+            table = read_table(self.folder / f"output/drawn.{ending}")
+            self.assertEqual(object_to_scatter(table), "")
 
     def test_ranks(self) -> None:
         """Under MPI the bytes are the same."""

@@ -32,13 +32,13 @@ class ChoiceTest(TableCase):
     """The table decides which figures belong to it."""
 
     def test_grid(self) -> None:
-        """Two parameters bring maps if all their values are combined, one brings curves."""
+        """Two parameters bring maps if all their values are combined, else points; one, curves."""
         self.assertEqual(self.figures_of(a_map()), "maps")
         self.assertEqual(self.figures_of(a_map(axes=1)), "curves")
         lines = a_map().splitlines()
-        self.assertEqual(self.figures_of("\n".join([*lines[:-1], ""])), "")
-        self.assertEqual(self.figures_of("\n".join([*lines, lines[-1], ""])), "")
-        self.assertEqual(self.figures_of(a_map(across=1)), "")
+        self.assertEqual(self.figures_of("\n".join([*lines[:-1], ""])), "scatter")
+        self.assertEqual(self.figures_of("\n".join([*lines, lines[-1], ""])), "scatter")
+        self.assertEqual(self.figures_of(a_map(across=1)), "scatter")
         self.assertEqual(self.figures_of(a_map().replace(",ok,", ",pole,")), "")
 
     def test_stability_and_events(self) -> None:

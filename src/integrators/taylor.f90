@@ -52,7 +52,7 @@ contains
     !> Order that costs least for a relative tolerance, found by measurement.
     pure integer function taylor_order(tolerance) result(order)
         real(dp), intent(in) :: tolerance
-        order = nint(6 - 0.6_dp * log(tolerance))
+        order = nint(12 - 0.5_dp * log(tolerance))
         order = min(max(order, lowest_order), max_series_order)
     end function taylor_order
 
@@ -115,7 +115,7 @@ contains
     pure real(dp) function length_of_step(controls, work) result(h)
         type(controls_t), intent(in) :: controls
         type(taylor_workspace_t), intent(in) :: work
-        real(dp) :: allowed, last, before, share
+        real(dp) :: allowed, last, before, share, growth
         integer :: i
 
         last = 0
@@ -130,27 +130,31 @@ contains
                 last = max(last, abs(c(i, p)) * share)
                 before = max(before, abs(c(i, p - 1)) * share)
             end do
-            h = largest_growth * work%h
-            if (last > 0) h = min(h, safety * exp(-log(last) / p))
-            if (before > 0) h = min(h, safety * exp(-log(before) / (p - 1)))
+            growth = -huge(growth)
+            if (last > 0) growth = log(last) / p
+            if (before > 0) growth = max(growth, log(before) / (p - 1))
+            h = min(largest_growth * work%h, safety * exp(-growth))
             if (.not. (is_finite(last) .and. is_finite(before))) h = last + before
         end associate
     end function length_of_step
 
-    !> Change of the state after a time h, by Horner's rule.
+    !> Change of the variables of the series after a time h, by Horner's rule: terms of odd and of even
+    !> order by themselves, as each waits for the last.
     pure function sum_of_terms(work, h) result(change)
         type(taylor_workspace_t), intent(in) :: work
         real(dp), intent(in) :: h
-        real(dp) :: change(max_states)
-        integer :: k, i
-        change = 0
-        do k = work%order, 1, -1
-            !$omp simd
-            do i = 1, max_states
-                change(i) = change(i) * h + work%coefficient(i, k)
-            end do
+        real(dp) :: change(max_states), odd(max_states), even(max_states), square
+        integer :: k
+        square = h**2
+        odd = 0
+        do k = work%order - mod(work%order + 1, 2), 1, -2
+            odd = odd * square + work%coefficient(:, k)
         end do
-        change = change * h
+        even = 0
+        do k = work%order - mod(work%order, 2), 2, -2
+            even = even * square + work%coefficient(:, k)
+        end do
+        change = odd * h + even * square
     end function sum_of_terms
 
     !> The state at a time within the last step.

@@ -12,7 +12,7 @@ module spintop_taylor
     use spintop_stepper, only: controls_t, stepper_t, workspace_t
     implicit none
     private
-    public :: taylor_t, taylor_order, safety, largest_growth, smallest_spacings, stretch
+    public :: taylor_t, order_for, safety, largest_growth, smallest_spacings, stretch
 
     !> Taylor's method of an order that the tolerance sets.
     type, extends(stepper_t) :: taylor_t
@@ -30,7 +30,8 @@ module spintop_taylor
         real(dp) :: coefficient(max_states, 0:max_series_order) = 0
     end type taylor_workspace_t
 
-    !> Lowest order in use.
+    !> Orders in use are found by measurement: for the tolerance 1, for each digit more, and the lowest.
+    real(dp), parameter :: order_at_one = 12, order_a_digit = 1.15_dp
     integer, parameter :: lowest_order = 8
     !> Share of the step with which the last terms reach the tolerance.
     real(dp), parameter :: safety = 0.9_dp
@@ -46,15 +47,16 @@ contains
     !> Order in use.
     integer function order(self)
         class(taylor_t), intent(in) :: self
-        order = taylor_order(self%controls%relative_tolerance)
+        order = order_for(self%controls%relative_tolerance, order_at_one, order_a_digit)
     end function order
 
-    !> Order that costs least for a relative tolerance, found by measurement.
-    pure integer function taylor_order(tolerance) result(order)
+    !> Order that costs least for a relative tolerance, a line over its digits.
+    pure integer function order_for(tolerance, at_one, a_digit) result(order)
         real(dp), intent(in) :: tolerance
-        order = nint(12 - 0.5_dp * log(tolerance))
+        real(dp), intent(in) :: at_one, a_digit !! for the tolerance 1, and for each digit more
+        order = nint(at_one - a_digit * log10(tolerance))
         order = min(max(order, lowest_order), max_series_order)
-    end function taylor_order
+    end function order_for
 
     !> A workspace with room for a series.
     subroutine new_workspace(self, work)

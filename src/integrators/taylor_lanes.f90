@@ -15,7 +15,7 @@ module spintop_taylor_lanes
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_step_too_small
     use spintop_stepper, only: controls_t
-    use spintop_taylor, only: taylor_order, safety, largest_growth, smallest_spacings, stretch
+    use spintop_taylor, only: order_for, safety, largest_growth, smallest_spacings, stretch
     implicit none
     private
     public :: taylor_lanes_t, lanes
@@ -73,6 +73,10 @@ module spintop_taylor_lanes
         procedure, private :: change_side
     end type taylor_lanes_t
 
+    !> Orders that cost least, by measurement: lower ones than of one body by itself, as there are always other
+    !> lanes to be computed while a term waits for the last.
+    real(dp), parameter :: order_at_one = 9, order_a_digit = 0.92_dp
+
 contains
 
     !> Makes all lanes empty. A copy of the lanes is to be set again.
@@ -80,7 +84,7 @@ contains
         class(taylor_lanes_t), intent(inout) :: self
         type(controls_t), intent(in) :: controls
         self%controls = controls
-        self%order = taylor_order(controls%relative_tolerance)
+        self%order = order_for(controls%relative_tolerance, order_at_one, order_a_digit)
         self%t = 0
         self%t_end = 0
         self%state = 0

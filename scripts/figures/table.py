@@ -33,7 +33,7 @@ class Table:
 
     `header` holds the `key: value` lines of its head, `settings` the resolved input by
     `group.key` and `input` as text, `units` and `meanings` those of the columns, `status` how a
-    trajectory ended. Of a long sweep over one parameter only every `stride`-th row is kept, more
+    trajectory ended, `words` what a work-precision study says below its rows. Of a long sweep over one parameter only every `stride`-th row is kept, more
     than a figure can show.
     """
 
@@ -46,6 +46,7 @@ class Table:
     status: str | None
     stride: int = 1
     input: str = ""
+    words: tuple[str, ...] = ()
 
     @property
     def title(self) -> str:
@@ -160,7 +161,8 @@ def read_text_table(path: Path) -> Table:
     if rows.empty and not body[0].startswith(f"{EVENT},"):
         raise TableError("has no rows" + (f" (status: {status})" if status else ""))
     resolved = input_of(lines[:first])
-    return Table(path, header, settings, units, meanings, rows, status, stride, resolved)
+    words = tuple(line[9:].strip() for line in last if line.startswith("in words:"))
+    return Table(path, header, settings, units, meanings, rows, status, stride, resolved, words)
 
 
 def input_of(head: list[str]) -> str:

@@ -53,11 +53,19 @@ contains
     function about(reference) result(text)
         type(reference_t), intent(in) :: reference
         character(:), allocatable :: text
-        text = trim(reference%source)
+        text = with_article(reference%source)
         if (reference%is_computed) text = text // ' (two tolerances agree to ' // rounded(reference%uncertainty) // ' rad)'
-        if (reference%check /= '') text = text // ', with which ' // trim(reference%check) // ' agrees to ' &
+        if (reference%check /= '') text = text // ', with which ' // with_article(reference%check) // ' agrees to ' &
             // rounded(reference%disagreement) // ' rad'
     end function about
+
+    !> What a motion comes from, as it stands in a sentence.
+    pure function with_article(source) result(text)
+        character(*), intent(in) :: source
+        character(:), allocatable :: text
+        text = trim(source)
+        if (source == 'exact motion') text = 'the ' // text
+    end function with_article
 
     !> The cheapest stepping method for an error, and by how much it is cheaper than the next.
     function compared(rows, error) result(text)

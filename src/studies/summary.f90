@@ -17,12 +17,17 @@ module spintop_summary
     private
     public :: summary_t, decimal, rounded
 
+    !> Before a line, and the width of its keyword.
+    character(*), parameter :: indent = '  '
+    integer, parameter :: keyword_width = 10
+
     !> Lines of text, each with a keyword.
     type :: summary_t
         type(string_t), allocatable :: lines(:)
     contains
         procedure :: headline
         procedure :: add
+        procedure :: sentence
         procedure :: describe_plan
         procedure :: describe_motion
         procedure :: describe_axes
@@ -42,10 +47,22 @@ contains
     subroutine add(self, keyword, text)
         class(summary_t), intent(inout) :: self
         character(*), intent(in) :: keyword, text
-        character(max(10, len(keyword) + 1)) :: column
+        character(keyword_width) :: column
         column = keyword
-        self%lines = [self%lines, string_t('  ' // column // text)]
+        self%lines = [self%lines, string_t(indent // column // text)]
     end subroutine add
+
+    !> A line by itself, its keyword with a colon.
+    function sentence(self, i) result(text)
+        class(summary_t), intent(in) :: self
+        integer, intent(in) :: i
+        character(:), allocatable :: text
+        integer, parameter :: first = len(indent) + 1, last = len(indent) + keyword_width
+        associate (line => self%lines(i)%text)
+            text = line(last + 1:)
+            if (line(first:last) /= '') text = trim(line(first:last)) // ': ' // text
+        end associate
+    end function sentence
 
     !> Model and method, and why.
     subroutine describe_plan(self, plan)

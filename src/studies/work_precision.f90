@@ -54,7 +54,6 @@ contains
         type(table_file_t) :: file
         type(progress_t) :: progress
         type(auto_tally_t) :: tally
-        type(string_t) :: no_trailer(0)
         real(dp), allocatable :: values(:)
         real(dp) :: began
         integer(int64) :: k, trials
@@ -80,15 +79,26 @@ contains
             if (allocated(error)) exit
         end do
         call progress%finish()
-        if (.not. allocated(error)) call file%finish(no_trailer, error)
+        call tally%summarize(summary)
+        if (.not. allocated(error)) call file%finish(in_words(summary), error)
         if (allocated(error)) then
             call file%discard()
             return
         end if
         summary%lines(1)%text = job%input // ': work-precision study, ' // to_text(rows) // ' rows -> ' // job%output
-        call tally%summarize(summary)
         call summary%add('time', rounded(seconds() - began) // ' s')
     end subroutine run_work_precision
+
+    !> The lines of a summary below its headline, for the end of the table.
+    function in_words(summary) result(lines)
+        type(summary_t), intent(in) :: summary
+        type(string_t), allocatable :: lines(:)
+        integer :: i
+        allocate (lines(size(summary%lines) - 1))
+        do i = 1, size(lines)
+            lines(i)%text = 'in words: ' // summary%sentence(i + 1)
+        end do
+    end function in_words
 
     !> Starts the table.
     subroutine begin_table(job, file, error)

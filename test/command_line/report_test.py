@@ -24,7 +24,7 @@ TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts")]
 
 from figures.table import Table, read_table  # noqa: E402
-from plot_case import TableCase, a_stability, a_sweep, a_trajectory  # noqa: E402
+from plot_case import TableCase, a_precision, a_stability, a_sweep, a_trajectory  # noqa: E402
 from reporting import __main__ as command  # noqa: E402
 from reporting import packages  # noqa: E402
 from reporting import page as page_module  # noqa: E402
@@ -318,6 +318,7 @@ class PageTest(ReportCase):
         self.put("a.csv", BODY + a_trajectory(count=3, phi=1 / 3))
         self.put("b.csv", a_sweep(status="step_limit"))
         self.put("c.csv", a_stability())
+        self.put("d.csv", a_precision() + "# in words: the cheapest is one, 3 times\n")
         self.put("notes.csv", "a,b\n")
         self.put("b.1-of-2.csv", a_sweep())
         page = Reader(self.page())
@@ -328,11 +329,12 @@ class PageTest(ReportCase):
             "support force: x",
             "3 ok, 1 step_limit",
             "2 accurate",
+            "the cheapest is one, 3 times",
             "notes.csv: is no table of spintop",
             "0.3333333333",
         ):
             self.assertIn(text, page.text)
-        self.assertEqual(len([path.name for path in find_tables(self.folder)]), 4)
+        self.assertEqual(len([path.name for path in find_tables(self.folder)]), 5)
         failed = [tag for tag, attributes in page.elements if attributes.get("class") == "failed"]
         self.assertEqual(failed, ["td", "span"])
         captions = [tag for tag, _ in page.elements].count("caption")

@@ -218,6 +218,9 @@ class SummaryTest(WorkPrecisionCase):
         self.assertIn(f"for 1e-06 the cheapest is {name}: ", self.summary)
         self.assertIn("for 1e-12 no method is exact enough", self.summary)
         self.assertIn("the exact motion takes ", self.summary)
+        table = (self.folder / "work_precision_slow_top.csv").read_text()
+        self.assertIn(f"\n# in words: for 1e-06 the cheapest is {name}: ", table)
+        self.assertIn("\n# in words: auto: takes no more than 2 times", table)
 
 
 class BadInputTest(WorkPrecisionCase):

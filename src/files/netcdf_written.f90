@@ -16,7 +16,7 @@ submodule(spintop_netcdf_table) netcdf_written
 
     !> Rows that are gathered, so that each variable is written in long pieces; bytes that the
     !> library hands to the system at once.
-    integer, parameter :: most_pending = 65536, bytes_at_once = 65536
+    integer, parameter :: most_pending = 16384, bytes_at_once = 65536
 
 contains
 

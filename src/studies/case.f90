@@ -32,12 +32,12 @@ module spintop_case
 contains
 
     !> The case of a scene; without errors in `problems`, empty at first, it is complete. With `same_body` the body
-    !> that the case has is kept.
-    subroutine make_case(scene, case, problems, same_body)
+    !> that the case has is kept, with `same_attitude` the attitude of its start.
+    subroutine make_case(scene, case, problems, same_body, same_attitude)
         type(scene_t), intent(in) :: scene
         type(case_t), intent(inout) :: case
         type(problems_t), intent(inout) :: problems
-        logical, intent(in), optional :: same_body
+        logical, intent(in), optional :: same_body, same_attitude
         logical :: keep
 
         keep = .false.
@@ -49,7 +49,7 @@ contains
                 case%body = case%turn%turned_body(case%given_body)
             end if
         end if
-        call make_start(scene, case%given_body, .not. problems%any(), case%given_start, problems)
+        call make_start(scene, case%given_body, .not. problems%any(), case%given_start, problems, same_attitude)
         if (.not. problems%any()) call check_magnitudes(case, problems)
         if (.not. problems%any()) case%start = case%turn%turned_motion(case%given_start)
         call make_span(scene, case, problems)

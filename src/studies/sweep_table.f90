@@ -165,7 +165,7 @@ contains
             cells(axes + 3:size(cells) - 1) = values(job%columns)
             cells(size(cells)) = note%flags
         end associate
-        rows%notes(rows%rows)%text = note%text
+        call rows%set_note(note%text)
         rows%counts(status) = rows%counts(status) + 1
     end subroutine put_row
 

@@ -51,7 +51,13 @@ contains
         end if
         call make_start(scene, case%given_body, .not. problems%any(), case%given_start, problems, same_attitude)
         if (.not. problems%any()) call check_magnitudes(case, problems)
-        if (.not. problems%any()) case%start = case%turn%turned_motion(case%given_start)
+        if (.not. problems%any()) then
+            if (case%turn%is_turned()) then
+                case%start = case%turn%turned_motion(case%given_start)
+            else
+                case%start = case%given_start
+            end if
+        end if
         call make_span(scene, case, problems)
     end subroutine make_case
 
@@ -59,7 +65,7 @@ contains
     subroutine check_magnitudes(case, problems)
         type(case_t), intent(in) :: case
         type(problems_t), intent(inout) :: problems
-        if (.not. all(is_finite([case%given_body%weight_moment(), case%given_body%inertia]))) then
+        if (.not. (all(is_finite(case%given_body%weight_moment())) .and. all(is_finite(case%given_body%inertia)))) then
             call problems%add('top', 'the weight times its distance, or the inertia, is too large for a number', &
                               'use moderate units')
         else if (.not. is_finite(kinetic_energy(case%given_body, case%given_start))) then

@@ -25,9 +25,10 @@ module spintop_sweep
     private
     public :: run_sweep
 
-    !> Blocks a thread that a fast thread may be ahead of a slow one, and how long it waits then, s.
-    integer, parameter :: blocks_ahead = 8
-    real(dp), parameter :: pause_when_ahead = 1.0e-3_dp
+    !> Blocks a thread that a fast thread may be ahead of a slow one, or of one that writes, and how long
+    !> it waits then, s.
+    integer, parameter :: blocks_ahead = 16
+    real(dp), parameter :: pause_when_ahead = 2.0e-4_dp
 
     !> How long the writer waits where no other rank has anything for it, s.
     real(dp), parameter :: pause_of_writer = 5.0e-5_dp

@@ -14,9 +14,10 @@ submodule(spintop_netcdf_table) netcdf_written
     use spintop_text, only: join
     implicit none
 
-    !> Rows that are gathered, so that each variable is written in long pieces; bytes that the
-    !> library hands to the system at once.
-    integer, parameter :: most_pending = 65536, bytes_at_once = 65536
+    !> Rows that are gathered, so that each variable is written in long pieces, and yet few enough that the
+    !> other threads find room for their rows while these are written; bytes that the library hands to the
+    !> system at once.
+    integer, parameter :: most_pending = 16384, bytes_at_once = 65536
 
 contains
 

@@ -15,7 +15,7 @@ module spintop_row_block
         integer :: rows = 0
         !> The cells of column i in row k: `cells(i, k)`; see spintop_table_column.
         real(dp), allocatable :: cells(:, :)
-        !> The notes of each row, which the cells have as bits only.
+        !> The notes of each row, which the cells have as bits only; not allocated where there are none.
         type(string_t), allocatable :: notes(:)
         !> The rows as text, for a table of texts.
         type(text_buffer_t) :: text
@@ -24,6 +24,7 @@ module spintop_row_block
     contains
         procedure :: reserve
         procedure :: clear
+        procedure :: set_note
         procedure :: swap
     end type row_block_t
 
@@ -48,6 +49,20 @@ contains
         call self%text%clear()
         self%counts = 0
     end subroutine clear
+
+    !> Sets the notes of the last row; none if `text` is not allocated. Few rows have any, and those
+    !> that have none cost no memory.
+    subroutine set_note(self, text)
+        class(row_block_t), intent(inout) :: self
+        character(:), allocatable, intent(in) :: text
+        associate (note => self%notes(self%rows))
+            if (allocated(text)) then
+                note%text = text
+            else if (allocated(note%text)) then
+                deallocate (note%text)
+            end if
+        end associate
+    end subroutine set_note
 
     !> Exchanges the rows with another block.
     subroutine swap(self, other)

@@ -1,9 +1,13 @@
 !> Blocks of rows that are computed in any order, written in the order of their cases. The queue gives
-!> out the numbers of the blocks, from 1 on, and keeps those that come early.
+!> out the numbers of the blocks, from 1 on, and keeps those that come early. Whoever finds a block due
+!> writes it, while others go on computing, taking and handing in.
 !>
-!>     call queue%start(room=8, blocks=100)           ! these by one thread at a time
-!>     call queue%take(number)                        ! a block to compute, or come_again, or none_left
-!>     call queue%hand_in(number, block, table)
+!>     call queue%start(room=8, blocks=100)     ! these by one thread at a time
+!>     call queue%take(number)                  ! a block to compute, or come_again, or none_left
+!>     call queue%hand_in(number, block)
+!>     call queue%begin_write(is_due)           ! whether a block is to be written by the caller
+!>     call queue%write_next(table, error)      ! if so this, without holding up the others, and
+!>     call queue%end_write(error)              ! this
 module spintop_row_queue
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t
@@ -26,10 +30,15 @@ module spintop_row_queue
         !> Blocks that came early, in a ring.
         type(row_block_t), allocatable, private :: waiting(:)
         logical, allocatable, private :: is_waiting(:)
+        !> Whether a thread is writing a block: the order of the rows allows no more than one.
+        logical, private :: in_write = .false.
     contains
         procedure :: start
         procedure :: take
         procedure :: hand_in
+        procedure :: begin_write
+        procedure :: write_next
+        procedure :: end_write
     end type row_queue_t
 
 contains
@@ -60,27 +69,45 @@ contains
         end if
     end subroutine take
 
-    !> Takes the block of a number that was given out, and writes what is complete. The block comes
-    !> back empty.
-    subroutine hand_in(self, number, block, table)
+    !> Takes the block of a number that was given out, and gives an empty one for it.
+    subroutine hand_in(self, number, block)
         class(row_queue_t), intent(inout) :: self
         integer(int64), intent(in) :: number
         type(row_block_t), intent(inout) :: block
-        class(row_table_t), intent(inout) :: table
         integer :: place
-
         place = place_of(self, number)
         call self%waiting(place)%swap(block)
         self%is_waiting(place) = .true.
-        do
-            place = place_of(self, self%written + 1)
-            if (.not. self%is_waiting(place)) exit
-            if (.not. allocated(self%error)) call table%put(self%waiting(place), self%error)
-            call self%waiting(place)%clear()
-            self%is_waiting(place) = .false.
-            self%written = self%written + 1
-        end do
     end subroutine hand_in
+
+    !> Whether the next block has come and nobody is writing: then the caller is to write it.
+    subroutine begin_write(self, is_due)
+        class(row_queue_t), intent(inout) :: self
+        logical, intent(out) :: is_due
+        is_due = self%is_waiting(place_of(self, self%written + 1)) .and. .not. (self%in_write .or. allocated(self%error))
+        if (is_due) self%in_write = .true.
+    end subroutine begin_write
+
+    !> Writes the next block. Nobody else touches it: its place is free when the writing has ended.
+    subroutine write_next(self, table, error)
+        class(row_queue_t), intent(inout) :: self
+        class(row_table_t), intent(inout) :: table
+        type(error_t), allocatable, intent(out) :: error
+        associate (block => self%waiting(place_of(self, self%written + 1)))
+            call table%put(block, error)
+            call block%clear()
+        end associate
+    end subroutine write_next
+
+    !> The block is written, or could not be.
+    subroutine end_write(self, error)
+        class(row_queue_t), intent(inout) :: self
+        type(error_t), allocatable, intent(inout) :: error
+        self%written = self%written + 1
+        self%is_waiting(place_of(self, self%written)) = .false.
+        self%in_write = .false.
+        if (.not. allocated(self%error)) call move_alloc(error, self%error)
+    end subroutine end_write
 
     pure integer function place_of(self, number)
         type(row_queue_t), intent(in) :: self

@@ -33,7 +33,11 @@ contains
                 case (column_of_words)
                     call rows%text%put_text(columns(i)%words(nint(rows%cells(i, k)) + 1)%text)
                 case (column_of_notes)
-                    call rows%text%put_text(rows%notes(k)%text)
+                    if (allocated(rows%notes(k)%text)) then
+                        call rows%text%put_text(rows%notes(k)%text)
+                    else
+                        call rows%text%put_text('')
+                    end if
                 end select
                 i = last(i) + 1
             end do

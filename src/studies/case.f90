@@ -32,12 +32,12 @@ module spintop_case
 contains
 
     !> The case of a scene; without errors in `problems`, empty at first, it is complete. With `same_body` the body
-    !> that the case has is kept.
-    subroutine make_case(scene, case, problems, same_body)
+    !> that the case has is kept, with `same_attitude` the attitude of its start.
+    subroutine make_case(scene, case, problems, same_body, same_attitude)
         type(scene_t), intent(in) :: scene
         type(case_t), intent(inout) :: case
         type(problems_t), intent(inout) :: problems
-        logical, intent(in), optional :: same_body
+        logical, intent(in), optional :: same_body, same_attitude
         logical :: keep
 
         keep = .false.
@@ -49,9 +49,15 @@ contains
                 case%body = case%turn%turned_body(case%given_body)
             end if
         end if
-        call make_start(scene, case%given_body, .not. problems%any(), case%given_start, problems)
+        call make_start(scene, case%given_body, .not. problems%any(), case%given_start, problems, same_attitude)
         if (.not. problems%any()) call check_magnitudes(case, problems)
-        if (.not. problems%any()) case%start = case%turn%turned_motion(case%given_start)
+        if (.not. problems%any()) then
+            if (case%turn%is_turned()) then
+                case%start = case%turn%turned_motion(case%given_start)
+            else
+                case%start = case%given_start
+            end if
+        end if
         call make_span(scene, case, problems)
     end subroutine make_case
 
@@ -59,7 +65,7 @@ contains
     subroutine check_magnitudes(case, problems)
         type(case_t), intent(in) :: case
         type(problems_t), intent(inout) :: problems
-        if (.not. all(is_finite([case%given_body%weight_moment(), case%given_body%inertia]))) then
+        if (.not. (all(is_finite(case%given_body%weight_moment())) .and. all(is_finite(case%given_body%inertia)))) then
             call problems%add('top', 'the weight times its distance, or the inertia, is too large for a number', &
                               'use moderate units')
         else if (.not. is_finite(kinetic_energy(case%given_body, case%given_start))) then

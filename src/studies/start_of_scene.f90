@@ -12,7 +12,11 @@ module spintop_start_of_scene
     use spintop_steady_precession, only: steady_rates, steady_rates_at_spin
     implicit none
     private
-    public :: make_start
+    public :: make_start, attitude_parameters
+
+    !> The parameters that the attitude depends on.
+    character(*), parameter :: attitude_parameters(7) = [character(18) :: 'initial.phi', 'initial.theta', &
+        'initial.psi', 'initial.phi_deg', 'initial.theta_deg', 'initial.psi_deg', 'initial.quaternion']
 
     character(*), parameter :: angle_names(3) = [character(13) :: &
         'initial.phi', 'initial.theta', 'initial.psi']
@@ -22,14 +26,22 @@ module spintop_start_of_scene
 contains
 
     !> The start of a scene, with what is wrong about it. Where the body is not known,
-    !> only what does not depend on it is checked.
-    subroutine make_start(scene, body, body_is_known, start, problems)
+    !> only what does not depend on it is checked. With `same_attitude` that of `start` is kept.
+    subroutine make_start(scene, body, body_is_known, start, problems, same_attitude)
         type(scene_t), intent(in) :: scene
         type(body_t), intent(in) :: body
         logical, intent(in) :: body_is_known
-        type(motion_t), intent(out) :: start
+        type(motion_t), intent(inout) :: start
         type(problems_t), intent(inout) :: problems
-        call take_attitude(scene, start, problems)
+        logical, intent(in), optional :: same_attitude
+        logical :: keep
+
+        keep = .false.
+        if (present(same_attitude)) keep = same_attitude
+        if (.not. keep) then
+            start = motion_t()
+            call take_attitude(scene, start, problems)
+        end if
         if (all(is_set(scene%omega))) then
             call take_omega(scene, start, problems)
         else

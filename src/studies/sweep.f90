@@ -25,9 +25,10 @@ module spintop_sweep
     private
     public :: run_sweep
 
-    !> Blocks a thread that a fast thread may be ahead of a slow one, and how long it waits then, s.
-    integer, parameter :: blocks_ahead = 8
-    real(dp), parameter :: pause_when_ahead = 1.0e-3_dp
+    !> Blocks a thread that a fast thread may be ahead of a slow one, or of one that writes, and how long
+    !> it waits then, s.
+    integer, parameter :: blocks_ahead = 16
+    real(dp), parameter :: pause_when_ahead = 2.0e-4_dp
 
     !> How long the writer waits where no other rank has anything for it, s.
     real(dp), parameter :: pause_of_writer = 5.0e-5_dp
@@ -185,38 +186,56 @@ contains
             end do
         end subroutine serve_others
 
-        !> Hands in a block (`number` > 0) and takes the number of another, and sees to the journal.
+        !> Hands in a block (`number` > 0), writes what is due, and takes the number of another.
         subroutine exchange(number, rows)
             integer(int64), intent(inout) :: number
             type(row_block_t), intent(inout) :: rows
+            logical :: is_due
+
+            !$omp critical (queue)
+            if (number > 0) call queue%hand_in(number, rows)
+            call queue%begin_write(is_due)
+            !$omp end critical (queue)
+            do while (is_due)
+                call write_next(is_due)
+            end do
+            !$omp critical (queue)
+            call queue%take(number)
+            !$omp end critical (queue)
+        end subroutine exchange
+
+        !> Writes the next block and sees to the journal; `is_due` tells whether the one after it is due,
+        !> too. Only the bookkeeping holds up the other threads.
+        subroutine write_next(is_due)
+            logical, intent(out) :: is_due
             type(journal_entry_t) :: entry
             type(error_t), allocatable :: problem
             real(dp) :: moment
-            logical :: due
+            logical :: has_entry
 
-            due = .false.
-            !$omp critical (queue)
             moment = seconds()
-            if (number > 0) then
-                call queue%hand_in(number, rows, table)
-                ! These make texts: see `status_names`.
-                !$omp critical (texts)
-                call progress%update(table%rows())
-                call table%take_entry(entry, due, queue%error)
-                !$omp end critical (texts)
-            end if
-            call queue%take(number)
+            call queue%write_next(table, problem)
+            !$omp critical (queue)
+            call queue%end_write(problem)
+            ! These make texts: see `status_names`.
+            !$omp critical (texts)
+            call progress%update(table%rows())
+            call table%take_entry(entry, has_entry, queue%error)
+            !$omp end critical (texts)
+            if (.not. has_entry) call queue%begin_write(is_due)
             costs%writing = costs%writing + (seconds() - moment)
             !$omp end critical (queue)
-            if (.not. due) return
+            if (.not. has_entry) return
+            ! While the disk takes the entry others may write.
             moment = seconds()
             call table%keep_entry(entry, problem)
             !$omp critical (queue)
             call table%end_entry()
             if (.not. allocated(queue%error)) call move_alloc(problem, queue%error)
+            call queue%begin_write(is_due)
             costs%writing = costs%writing + (seconds() - moment)
             !$omp end critical (queue)
-        end subroutine exchange
+        end subroutine write_next
 
         !> Adds the costs of the other ranks to those of the writer.
         subroutine add_up_costs()

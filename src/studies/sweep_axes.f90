@@ -34,9 +34,11 @@ module spintop_sweep_axes
     contains
         procedure :: combine
         procedure :: values_of
+        procedure :: find_values
         procedure :: slots_in
         procedure :: place_of
         procedure :: varies
+        procedure :: varies_any
         procedure :: in_words
     end type axes_t
 
@@ -83,6 +85,14 @@ contains
         class(axes_t), intent(in) :: self
         integer(int64), intent(in) :: number
         real(dp) :: values(size(self%axis))
+        call self%find_values(number, values)
+    end function values_of
+
+    !> The same into memory of the caller, for those who ask for millions.
+    pure subroutine find_values(self, number, values)
+        class(axes_t), intent(in) :: self
+        integer(int64), intent(in) :: number
+        real(dp), intent(out) :: values(:)
         integer(int64) :: rest, n, i
         real(dp) :: place
 
@@ -110,7 +120,7 @@ contains
                 values(i) = self%axis(i)%draw((self%strata(i)%place(number - 1) + place) / self%cases)
             end do
         end select
-    end function values_of
+    end subroutine find_values
 
     !> Where the values of the axes go in the scene that a table describes.
     function slots_in(self, table) result(slots)
@@ -160,6 +170,17 @@ contains
             varies = varies .or. index(self%axis(i)%name, group // '.') == 1
         end do
     end function varies
+
+    !> Whether one of these parameters varies, or an element of one.
+    pure logical function varies_any(self, names)
+        class(axes_t), intent(in) :: self
+        character(*), intent(in) :: names(:)
+        integer :: i
+        varies_any = .false.
+        do i = 1, size(self%axis)
+            varies_any = varies_any .or. any(names == base_of(self%axis(i)%name))
+        end do
+    end function varies_any
 
     !> How the cases come about, for a reader.
     function in_words(self) result(text)

@@ -77,6 +77,7 @@ contains
         integer, intent(out) :: status
         type(note_t), intent(inout) :: note
         type(nutation_t) :: nutation
+        type(motion_t) :: last
 
         values = no_values()
         status = block%status(lane)
@@ -99,7 +100,8 @@ contains
             call put_azimuth(block%t_period(lane) > 0, block%phi_at_period(lane), values, note)
         end if
         if (wanted(group_end) .or. wanted(group_energy)) then
-            call put_end(case, end_of_lane(case, block, lane), block%energy_error(lane), values)
+            call find_end(case, block, lane, last)
+            call put_end(case, last, block%energy_error(lane), values)
         end if
         values(q_evaluations) = 0
         values(q_orientation_error) = 0
@@ -111,21 +113,28 @@ contains
     end subroutine unload_lane
 
     !> The motion at the end of the span, as far as a sweep table shows it.
-    type(motion_t) function end_of_lane(case, block, lane) result(motion)
+    subroutine find_end(case, block, lane, motion)
         type(case_t), intent(in) :: case
         type(exact_block_t), intent(in) :: block
         integer, intent(in) :: lane
-        type(exact_motion_t) :: exact
-        integer :: status
+        type(motion_t), intent(out) :: motion
         if (case%turn%exchanges_axes()) then
-            ! Angles about another axis take the whole attitude.
-            call prepare_exact_motion(case%body, case%start, exact, status)
-            motion = exact%at(case%t_end)
+            call find_whole_end(case, motion)
         else
             motion%t = case%t_end
             motion%angle = [block%phi_end(lane), block%theta_end(lane), block%psi_end(lane)]
             motion%rate(2) = block%theta_rate_end(lane)
         end if
-    end function end_of_lane
+    end subroutine find_end
+
+    !> The same with the whole attitude, which angles about another axis take.
+    subroutine find_whole_end(case, motion)
+        type(case_t), intent(in) :: case
+        type(motion_t), intent(out) :: motion
+        type(exact_motion_t) :: exact
+        integer :: status
+        call prepare_exact_motion(case%body, case%start, exact, status)
+        motion = exact%at(case%t_end)
+    end subroutine find_whole_end
 
 end module spintop_sweep_exact

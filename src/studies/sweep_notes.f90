@@ -24,7 +24,7 @@ module spintop_sweep_notes
     type :: note_t
         !> A bit for each of the list, from the lowest.
         integer :: flags = 0
-        !> All as a sentence or more.
+        !> All as a sentence or more; not allocated where there is nothing to note.
         character(:), allocatable :: text
     contains
         procedure :: clear
@@ -38,7 +38,7 @@ contains
     subroutine clear(self)
         class(note_t), intent(inout) :: self
         self%flags = 0
-        self%text = ''
+        if (allocated(self%text)) deallocate (self%text)
     end subroutine clear
 
     !> Adds one of the list, with its reason in this case.
@@ -58,8 +58,11 @@ contains
     subroutine explain(self, sentence)
         class(note_t), intent(inout) :: self
         character(*), intent(in) :: sentence
-        if (self%text /= '') self%text = self%text // '; '
-        self%text = self%text // sentence
+        if (allocated(self%text)) then
+            self%text = self%text // '; ' // sentence
+        else
+            self%text = sentence
+        end if
     end subroutine explain
 
 end module spintop_sweep_notes

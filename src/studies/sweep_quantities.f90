@@ -151,14 +151,25 @@ contains
         type(motion_t), intent(in) :: motion
         real(dp), intent(in) :: energy_error
         real(dp), intent(inout) :: values(quantities)
-        type(motion_t) :: seen
-        seen = case%turn%back(motion, case%given_start%angle)
-        values(q_t_end) = seen%t
-        values(q_theta_end) = seen%angle(2)
-        values(q_phi_end) = seen%angle(1)
-        values(q_psi_end) = seen%angle(3)
-        values(q_theta_rate_end) = seen%rate(2)
         values(q_energy_error_max) = energy_error
+        if (case%turn%is_turned()) then
+            call put_seen(case%turn%back(motion, case%given_start%angle))
+        else
+            call put_seen(motion)
+        end if
+
+    contains
+
+        !> The same in the axes in which the body was given.
+        subroutine put_seen(seen)
+            type(motion_t), intent(in) :: seen
+            values(q_t_end) = seen%t
+            values(q_theta_end) = seen%angle(2)
+            values(q_phi_end) = seen%angle(1)
+            values(q_psi_end) = seen%angle(3)
+            values(q_theta_rate_end) = seen%rate(2)
+        end subroutine put_seen
+
     end subroutine put_end
 
     !> The paper's T_p, s; 0 without spin or weight, negative for no top.

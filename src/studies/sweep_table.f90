@@ -156,16 +156,20 @@ contains
         real(dp), intent(in) :: values(quantities)
         type(note_t), intent(in) :: note
         type(row_block_t), intent(inout) :: rows
+        integer :: i
 
         rows%rows = rows%rows + 1
         associate (cells => rows%cells(:, rows%rows), axes => size(parameters))
             cells(1) = real(number, dp)
             cells(2:axes + 1) = parameters
             cells(axes + 2) = status
-            cells(axes + 3:size(cells) - 1) = values(job%columns)
+            ! As an assignment of arrays this takes memory from the heap for each row.
+            do i = 1, size(job%columns)
+                cells(axes + 2 + i) = values(job%columns(i))
+            end do
             cells(size(cells)) = note%flags
         end associate
-        rows%notes(rows%rows)%text = note%text
+        call rows%set_note(note%text)
         rows%counts(status) = rows%counts(status) + 1
     end subroutine put_row
 

@@ -11,6 +11,7 @@ module spintop_sweep_worker
     use spintop_problems, only: problems_t
     use spintop_row_block, only: row_block_t
     use spintop_scene, only: scene_t, describe_scene, max_axes
+    use spintop_start_of_scene, only: attitude_parameters
     use spintop_status, only: status_ok, status_bad_input
     use spintop_sweep_axes, only: put_values
     use spintop_sweep_batch, only: sweep_batch_t, goes_in_batch
@@ -34,16 +35,16 @@ module spintop_sweep_worker
     type :: sweep_worker_t
         type(scene_t), private :: scene
         type(number_slot_t), allocatable, private :: slots(:)
-        type(case_t), private :: case
         type(plan_t), private :: plan
-        !> The swept parameters leave the body, or the plan, as it is.
-        logical, private :: same_body = .false., same_plan = .false.
+        !> The swept parameters leave the body, the attitude at the start, or the plan as it is.
+        logical, private :: same_body = .false., same_attitude = .false., same_plan = .false.
         !> Whether the plan was made for a top whose exact motion is known.
         logical, private :: for_lagrange = .false.
         !> Which groups of quantities are wanted.
         logical, private :: wanted(sweep_groups) = .false.
-        !> The cases of a block: status, note, swept parameters, quantities, and lane in the block of the exact motion
-        !> (0 for cases without).
+        !> The cases of a block, each made in the place of one of the last block, from which it keeps what is the
+        !> same; status, note, swept parameters, quantities, and lane in the block of the exact motion (0 for
+        !> cases without).
         type(case_t), private :: cases(block_size)
         integer, private :: status(block_size) = status_ok, lane(block_size) = 0
         type(note_t), private :: note(block_size)
@@ -76,9 +77,10 @@ contains
         worker%scene = job%scene
         call describe_scene(worker%scene, table)
         allocate (worker%slots, source=job%axes%slots_in(table))
-        worker%case = job%case
+        worker%cases = job%case
         worker%plan = job%plan
         worker%same_body = .not. job%axes%varies('top')
+        worker%same_attitude = .not. job%axes%varies_any(attitude_parameters)
         worker%same_plan = .not. job%axes%varies('integration')
         worker%for_lagrange = job%case%body%is_lagrange()
         worker%wanted(sweep_columns(job%columns)%group) = .true.
@@ -100,26 +102,25 @@ contains
             block%n = 0
             do k = 1, n
                 call worker%note(k)%clear()
-                worker%parameters(:axes, k) = job%axes%values_of(first + k - 1)
+                call job%axes%find_values(first + k - 1, worker%parameters(:axes, k))
                 call put_values(worker%slots, worker%parameters(:axes, k))
-                call make_worker_case(worker, worker%status(k), worker%note(k))
+                call make_worker_case(worker, k)
                 if (worker%plan%exact .and. worker%status(k) == status_ok .and. size(job%events) > 0) then
-                    call stop_exactly(worker%case, job%events, job%stop_after, worker%came(k))
+                    call stop_exactly(worker%cases(k), job%events, job%stop_after, worker%came(k))
                 end if
-                worker%cases(k) = worker%case
                 worker%lane(k) = 0
                 if (worker%status(k) /= status_ok) then
                     worker%values(:, k) = no_values()
                 else if (worker%plan%exact) then
                     block%n = block%n + 1
                     worker%lane(k) = block%n
-                    call load_lane(worker%case, block, block%n)
-                else if (goes_in_batch(job, worker%case, worker%plan)) then
-                    call worker%batch%add(worker%case, worker%plan, k)
+                    call load_lane(worker%cases(k), block, block%n)
+                else if (goes_in_batch(job, worker%cases(k), worker%plan)) then
+                    call worker%batch%add(worker%cases(k), worker%plan, k)
                 else
                     worker%making = worker%making + (seconds() - moment)
                     moment = seconds()
-                    call compute_stepping(worker%case, worker%plan, worker%wanted, job%events, job%stop_after, &
+                    call compute_stepping(worker%cases(k), worker%plan, worker%wanted, job%events, job%stop_after, &
                                           worker%values(:, k), worker%status(k), worker%note(k))
                     worker%computing = worker%computing + (seconds() - moment)
                     moment = seconds()
@@ -151,27 +152,26 @@ contains
         end associate
     end subroutine compute_rows
 
-    !> Makes the case of the worker's scene, and a plan where the last one does not fit it.
-    subroutine make_worker_case(worker, status, note)
+    !> Makes the case of the worker's scene, the k-th of the block, and a plan where the last one does not fit it.
+    subroutine make_worker_case(worker, k)
         class(sweep_worker_t), intent(inout) :: worker
-        integer, intent(out) :: status
-        type(note_t), intent(inout) :: note
+        integer, intent(in) :: k
         type(problems_t) :: problems
 
-        status = status_ok
-        call make_case(worker%scene, worker%case, problems, worker%same_body)
-        associate (is_lagrange => worker%case%body%is_lagrange())
+        worker%status(k) = status_ok
+        call make_case(worker%scene, worker%cases(k), problems, worker%same_body, worker%same_attitude)
+        associate (is_lagrange => worker%cases(k)%body%is_lagrange())
             if (.not. problems%any() .and. worker%same_plan .and. (is_lagrange .eqv. worker%for_lagrange)) return
             ! Plans and problems are made of texts: see `status_names`.
             !$omp critical (texts)
             if (.not. problems%any()) then
-                call make_plan(worker%scene, worker%case, worker%plan, problems)
+                call make_plan(worker%scene, worker%cases(k), worker%plan, problems)
                 ! After a plan that failed the next case needs one of its own.
                 worker%for_lagrange = is_lagrange .neqv. problems%any()
             end if
             if (problems%any()) then
-                status = status_bad_input
-                call note%explain(problems%first())
+                worker%status(k) = status_bad_input
+                call worker%note(k)%explain(problems%first())
             end if
             !$omp end critical (texts)
         end associate

@@ -730,7 +730,7 @@ class EventTest(ProgramCase):
             "     damping = 0.01, 0.01, 0.005 /\n"
             "&initial theta_deg = 11.25, phi_rate = 0 /\n"
             "&span t_end = 3 /\n"
-            "&integration relative_tolerance = 1e-11, max_steps = 40 /\n"
+            "&integration relative_tolerance = 1e-12, max_steps = 40 /\n"
             "&output columns = 't_end', 'theta_end', 'phi_end', 'psi_end', 'theta_rate_end' /\n"
             "&sweep parameter(1) = 'initial.omega3', from(1) = 0.5, to(1) = 40, count(1) = 600,\n"
             "       spacing(1) = 'log' /\n"

@@ -32,7 +32,7 @@ module spintop_stability
     use spintop_text, only: string_t, to_text
     use spintop_text_buffer, only: text_buffer_t
     use spintop_trial, only: run_trial, trial_t
-    use spintop_verdict, only: explain_trial, judge_trial, verdict_meanings, verdict_names, verdict_unsuitable
+    use spintop_verdict, only: explain_trial, judge_trial, verdict_meaning, verdict_names, verdict_unsuitable
     implicit none
     private
     public :: run_stability, stability_columns, stability_column_t
@@ -132,7 +132,7 @@ contains
         type(string_t) :: line
         integer :: k
         do k = 1, size(verdict_names)
-            line%text = 'verdict ' // trim(verdict_names(k)) // ': ' // trim(verdict_meanings(k))
+            line%text = 'verdict ' // trim(verdict_names(k)) // ': ' // verdict_meaning(k)
             header = [header, line]
         end do
     end subroutine explain_verdicts
@@ -276,7 +276,7 @@ contains
         call summary%headline(job%input // ': stability of ' // to_text(size(verdicts, 1)) // ' methods on ' &
                               // to_text(size(job%stability%cases)) // ' cases -> ' // job%output)
         do k = 1, size(verdict_names)
-            call summary%add(verdict_names(k), trim(verdict_meanings(k)))
+            call summary%add(verdict_names(k), verdict_meaning(k))
         end do
         do k = 1, size(verdicts, 1)
             associate (choice => job%stability%methods(k))

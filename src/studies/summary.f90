@@ -17,7 +17,7 @@ module spintop_summary
     private
     public :: summary_t, decimal, rounded
 
-    !> Before a line, and the width of its keyword.
+    !> Before a line, and the least width of its keyword and what parts it from the text.
     character(*), parameter :: indent = '  '
     integer, parameter :: keyword_width = 10
 
@@ -47,7 +47,7 @@ contains
     subroutine add(self, keyword, text)
         class(summary_t), intent(inout) :: self
         character(*), intent(in) :: keyword, text
-        character(keyword_width) :: column
+        character(max(keyword_width, len(keyword) + 1)) :: column
         column = keyword
         self%lines = [self%lines, string_t(indent // column // text)]
     end subroutine add

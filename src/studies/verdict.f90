@@ -3,10 +3,11 @@ module spintop_verdict
     use spintop_kinds, only: dp
     use spintop_status, only: status_meanings, status_ok
     use spintop_summary, only: rounded
+    use spintop_text, only: to_text
     use spintop_trial, only: trial_t
     implicit none
     private
-    public :: verdict_names, verdict_meanings, judge_trial, explain_trial
+    public :: verdict_names, verdict_meaning, judge_trial, explain_trial
     public :: verdict_accurate, verdict_drifts, verdict_wrong, verdict_gave_up, verdict_unsuitable
 
     !> The verdicts, from best to worst, and one for methods that are not for such a body.
@@ -14,18 +15,31 @@ module spintop_verdict
         verdict_gave_up = 4, verdict_unsuitable = 5
     character(*), parameter :: verdict_names(*) = [character(10) :: &
         'accurate', 'drifts', 'wrong', 'gave_up', 'unsuitable']
-    character(*), parameter :: verdict_meanings(*) = [character(72) :: &
-        'attitude within 1e-6 rad, or a hundred times what rounding does', &
-        'attitude within 0.1 rad', &
-        'attitude off by more than 0.1 rad', &
-        'the method stopped before the end, and said why', &
-        'the method or its equations are not for such a body']
 
     !> Orientation errors, rad: accurate up to the first, which grows with what rounding of the data
     !> does; wrong beyond the second.
     real(dp), parameter :: accurate_below = 1.0e-6_dp, floors = 100, wrong_above = 0.1_dp
 
 contains
+
+    !> What a verdict means.
+    function verdict_meaning(verdict) result(meaning)
+        integer, intent(in) :: verdict
+        character(:), allocatable :: meaning
+        select case (verdict)
+        case (verdict_accurate)
+            meaning = 'attitude within ' // to_text(accurate_below) // ' rad and ' // to_text(nint(floors)) &
+                      // ' times what rounding of the data does'
+        case (verdict_drifts)
+            meaning = 'attitude within ' // to_text(wrong_above) // ' rad'
+        case (verdict_wrong)
+            meaning = 'attitude off by more than ' // to_text(wrong_above) // ' rad'
+        case (verdict_gave_up)
+            meaning = 'the method stopped before the end, and said why'
+        case default
+            meaning = 'the method or its equations are not for such a body'
+        end select
+    end function verdict_meaning
 
     !> The verdict on a trial; `floor` is how far rounding of the data turns the attitude, rad.
     pure integer function judge_trial(trial, floor) result(verdict)

@@ -1,9 +1,9 @@
 !> The stepper that costs least for a tolerance, as work-precision studies measured it.
 !>
-!> The closed form comes first: where there is one nothing else is chosen unless it is asked for. The
-!> rows below were found with the hard cases (`spintop list cases`) and are checked on others by
-!> `spintop input/recommendation.nml` and `input/recommendation_lagrange.nml`, whose summaries tell how
-!> far from the cheapest they are:
+!> The closed form comes first: where there is one nothing else is chosen unless it is asked for. (A span
+!> that one or two steps cover costs a microsecond less by steps.) The rows below were found with the hard
+!> cases (`spintop list cases`) and are checked on other bodies and tops by `input/recommendation.nml` and
+!> `input/recommendation_lagrange.nml`, whose summaries tell how far from the cheapest they are:
 !>
 !> * Taylor's method is the cheapest at any tolerance where the equations have a power series; at worst,
 !>   for 1e-2 rad of some bodies without symmetry, splitting costs a fifth less.

@@ -29,6 +29,9 @@ module spintop_plan
     character(*), parameter :: known_for = 'an undamped symmetric top with its centre of mass on &
         &body z, at or above the pivot'
 
+    !> The default formulations.
+    character(*), parameter :: of_symmetric_tops = 'space_frame', of_any_body = 'rigid_body '
+
     character, parameter :: axis_letters(3) = ['x', 'y', 'z']
 
 contains
@@ -89,7 +92,7 @@ contains
                         &is integrated step by step.'
                 end if
                 if (scene%table == '') then
-                    call choose_default(scene, plan)
+                    call choose_default(scene, body, plan)
                 else
                     call create_stepper(default_with_table, plan%stepper)
                     plan%reason = plan%reason // ' ' // default_with_table // ' takes the table that was named.'
@@ -128,8 +131,9 @@ contains
     end subroutine choose_method
 
     !> The cheapest stepper that chooses its own steps or, as wanted, takes equal ones.
-    subroutine choose_default(scene, plan)
+    subroutine choose_default(scene, body, plan)
         type(scene_t), intent(in) :: scene
+        type(body_t), intent(in) :: body
         type(plan_t), intent(inout) :: plan
         type(controls_t), parameter :: defaults = controls_t()
         class(formulation_t), allocatable :: formulation
@@ -138,16 +142,23 @@ contains
 
         tolerance = defaults%relative_tolerance
         if (is_set(scene%relative_tolerance)) tolerance = scene%relative_tolerance
+        call create_formulation(trim(likely_formulation(scene, body)), formulation)
         if (scene%steps /= unset_integer .or. is_set(scene%step)) then
-            call recommend_steps(plan%stepper, why)
-        else if (scene%formulation == 'auto') then ! what is chosen then offers everything
-            call recommend_adaptive(tolerance, plan%stepper, why)
+            call recommend_steps(formulation%info(), plan%stepper, why)
         else
-            call create_formulation(trim(scene%formulation), formulation)
-            call recommend_adaptive(tolerance, plan%stepper, why, formulation%info())
+            call recommend_adaptive(tolerance, formulation%info(), plan%stepper, why)
         end if
         plan%reason = plan%reason // ' ' // trim(plan%stepper%info%name) // ' is the default for that: ' // why // '.'
     end subroutine choose_default
+
+    !> The formulation named, or the default one for methods that it can carry.
+    pure function likely_formulation(scene, body) result(name)
+        type(scene_t), intent(in) :: scene
+        type(body_t), intent(in) :: body
+        character(len(scene%formulation)) :: name
+        name = scene%formulation
+        if (name == 'auto') name = merge(of_symmetric_tops, of_any_body, body%is_lagrange())
+    end function likely_formulation
 
     !> The formulation named, or the default one.
     subroutine choose_formulation(scene, body, plan, problems)
@@ -155,7 +166,6 @@ contains
         type(body_t), intent(in) :: body
         type(plan_t), intent(inout) :: plan
         type(problems_t), intent(inout) :: problems
-        character(*), parameter :: of_symmetric_tops = 'space_frame', of_any_body = 'rigid_body'
         type(formulation_info_t) :: info
         logical :: suits
 
@@ -171,8 +181,8 @@ contains
                 plan%reason = plan%reason // ' The equations are those of ' // of_symmetric_tops // ', &
                     &regular at the poles and cheap for a spin of any speed.'
             else
-                call create_formulation(of_any_body, plan%formulation)
-                plan%reason = plan%reason // ' The equations are those of ' // of_any_body // ', which hold for any &
+                call create_formulation(trim(of_any_body), plan%formulation)
+                plan%reason = plan%reason // ' The equations are those of ' // trim(of_any_body) // ', which hold for any &
                     &body in any attitude.'
             end if
         else

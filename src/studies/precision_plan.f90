@@ -24,6 +24,8 @@ module spintop_precision_plan
         type(method_choice_t), allocatable :: choices(:)
         real(dp), allocatable :: tolerances(:)
         integer, allocatable :: steps(:)
+        !> Methods that may do either take equal steps: the input names numbers of steps only.
+        logical :: prefers_steps = .false.
         !> Times at which the motions are compared.
         integer :: samples = 0
         integer :: repeats = 0
@@ -32,6 +34,7 @@ module spintop_precision_plan
         type(reference_t), allocatable :: stored
     contains
         procedure :: settings
+        procedure :: takes_steps
         procedure :: setting_text
         procedure :: formulation
     end type precision_plan_t
@@ -69,6 +72,7 @@ contains
         if (size(plan%tolerances) == 0) plan%tolerances = default_tolerances
         plan%steps = pack(scene%precision_steps, scene%precision_steps /= unset_integer)
         if (size(plan%steps) == 0) plan%steps = default_steps
+        plan%prefers_steps = any(scene%precision_steps /= unset_integer) .and. .not. any(is_set(scene%precision_tolerances))
         plan%repeats = default_repeats
         if (scene%precision_repeats /= unset_integer) plan%repeats = scene%precision_repeats
         i = findloc(reference_names == scene%precision_reference, .true., dim=1)
@@ -135,7 +139,7 @@ contains
         type(problems_t), intent(inout) :: problems
         integer :: i
 
-        if (.not. any(plan%choices%method%fixed_step .and. .not. plan%choices%method%adaptive)) return
+        if (.not. any(plan%takes_steps(plan%choices))) return
         associate (intervals => plan%samples - 1)
             i = findloc(mod(plan%steps, intervals) == 0, .false., dim=1)
             if (i == 0) return
@@ -150,12 +154,19 @@ contains
         class(precision_plan_t), intent(in) :: self
         type(method_choice_t), intent(in) :: choice
         settings = 1
-        if (choice%method%adaptive) then
-            settings = size(self%tolerances)
-        else if (choice%method%fixed_step) then
+        if (self%takes_steps(choice)) then
             settings = size(self%steps)
+        else if (choice%method%adaptive) then
+            settings = size(self%tolerances)
         end if
     end function settings
+
+    !> Whether a method goes through numbers of equal steps.
+    elemental logical function takes_steps(self, choice)
+        class(precision_plan_t), intent(in) :: self
+        type(method_choice_t), intent(in) :: choice
+        takes_steps = choice%method%fixed_step .and. (self%prefers_steps .or. .not. choice%method%adaptive)
+    end function takes_steps
 
     !> The formulation that all methods share, or auto.
     pure function formulation(self)
@@ -171,10 +182,10 @@ contains
         type(method_choice_t), intent(in) :: choice
         integer, intent(in) :: k
         type(scene_t), intent(inout) :: scene
-        if (choice%method%adaptive) then
-            call set_adaptive(scene, choice, plan%tolerances(k))
-        else if (choice%method%fixed_step) then
+        if (plan%takes_steps(choice)) then
             call set_steps(scene, choice, plan%steps(k))
+        else if (choice%method%adaptive) then
+            call set_adaptive(scene, choice, plan%tolerances(k))
         else
             call set_adaptive(scene, choice, unset)
         end if
@@ -189,10 +200,10 @@ contains
         integer, intent(in) :: k
         character(:), allocatable :: text
         text = '-'
-        if (choice%method%adaptive) then
-            text = 'tolerance ' // to_text(self%tolerances(k))
-        else if (choice%method%fixed_step) then
+        if (self%takes_steps(choice)) then
             text = 'steps ' // to_text(self%steps(k))
+        else if (choice%method%adaptive) then
+            text = 'tolerance ' // to_text(self%tolerances(k))
         end if
     end function setting_text
 

@@ -212,7 +212,8 @@ contains
         call table%add('work_precision.tolerances', scene%precision_tolerances, '', '[1e-31, 1]', &
                        'relative tolerances of methods with step control (1e-3 to 1e-14)', elements=leading_elements)
         call table%add('work_precision.steps', scene%precision_steps, '', '>= 1', &
-                       'numbers of equal steps of the other methods (100 to 25600)', elements=leading_elements)
+                       'numbers of equal steps of the others, and without tolerances of all that can (100 to 25600)', &
+                       elements=leading_elements)
         call table%add('work_precision.repeats', scene%precision_repeats, '', '>= 1', &
                        'runs of which the fastest counts (5; fewer where they take seconds)')
         call table%add('work_precision.reference', scene%precision_reference, what='what errors are measured against: ' &

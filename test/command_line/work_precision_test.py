@@ -100,6 +100,14 @@ class TableTest(WorkPrecisionCase):
         self.assertLess(float(exact["reference_error"]), 1e-15)
         self.assertLess(float(exact["reference_check"]), 1e-13)
 
+    def test_steps_alone(self) -> None:
+        """Without tolerances what can take equal steps does; its errors fall as they should."""
+        rows = self.study(SLOW_TOP, "taylor,dop853/lagrange", "steps=200,400")
+        self.assertEqual(set(of(rows, "dop853")), {"steps 200", "steps 400"})
+        self.assertIn("tolerance 1e-06", of(rows, "taylor"))
+        coarse, fine = (float(of(rows, "dop853")[f"steps {n}"]["error_max"]) for n in (200, 400))
+        self.assertGreater(coarse / fine, 2**4)
+
     def test_front(self) -> None:
         """A row is on the front if no stepping method is as fast and as exact."""
         rows = self.study(SLOW_TOP, "taylor,rk4,splitting_4,dop853", "steps=100,400,1600")

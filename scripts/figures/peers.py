@@ -11,6 +11,8 @@ from matplotlib.ticker import LogLocator, NullLocator
 from figures.style import FAINT, LINES, add_panels, new_figure
 from figures.table import Table
 
+DOCUMENTED = ("peers_work_precision_slow_top",)
+"""Pictures of scripts/compare_peers that doc/figures has, too, by the stems of their files."""
 OWN = "spintop"
 OWN_METHODS = ("taylor", "splitting_8", "dop853", "ode45")
 """Methods of spintop that are drawn, each in the manner of a line of its own."""

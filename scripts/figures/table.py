@@ -18,6 +18,8 @@ EVENT = "event"
 MANY_CASES = 20_000
 """Rows of a sweep over one parameter beyond which only some are kept, about KEPT_CASES."""
 KEPT_CASES = 5_000
+UNITS = {"1": "", "degree": "deg"}
+"""Units that NetCDF tables name otherwise, as UDUNITS knows them."""
 VALUE = re.compile(r"'((?:[^']|'')*)'|([^\s,]+)")
 ASSIGNMENT = re.compile(r"([a-z]\w*(?:\([^)]*\))?)\s*=\s*(.*)", re.IGNORECASE)
 COLUMN = re.compile(r"(\S+?)(?:\s+\[(.*?)\])?:\s*(.*)")
@@ -120,9 +122,9 @@ def read_netcdf_table(path: Path) -> Table:
 
 
 def attribute(variable: Variable, name: str) -> str:
-    """An attribute of a variable, empty if it has none; so is the unit of a pure number."""
+    """An attribute of a variable, empty if it has none; a unit as tables of texts have it."""
     text = str(variable.attributes.get(name, ""))
-    return "" if (name, text) == ("units", "1") else text
+    return UNITS.get(text, text) if name == "units" else text
 
 
 def native(cells: np.ndarray) -> np.ndarray:

@@ -19,7 +19,9 @@ ROOT = TESTS.parent
 sys.path[:0] = [str(TESTS), str(ROOT / "scripts")]
 
 from figures.gallery import GALLERY, Run  # noqa: E402
+from figures.peers import DOCUMENTED as PEERS  # noqa: E402
 from figures.registry import COMPARISONS, FIGURES  # noqa: E402
+from manual.pages import links_of, manual_pages  # noqa: E402
 from plot_case import TableCase  # noqa: E402
 
 EXE = os.environ["SPINTOP_EXE"]
@@ -56,15 +58,16 @@ class TableTest(unittest.TestCase):
         paper = {f"figure{number}" for number in (2, 3, 4, 5, 6, 7, 8, 9, 11)} | {"table1"}
         self.assertLessEqual(paper, names)
 
-    def test_readme(self) -> None:
-        """The pictures of the README are those that --doc draws."""
-        shown = set(re.findall(r"doc/figures/(\w+)\.png", (ROOT / "README.md").read_text("utf-8")))
+    def test_manual(self) -> None:
+        """The pictures of the front page and of the manual are those that --doc draws."""
+        links = [link for page in manual_pages() for _, link in links_of(page)]
+        shown = {Path(link).stem for link in links if re.search(r"figures/\w+\.png$", link)}
         joined = {kind.name for kind in COMPARISONS}
         drawn = {
             name if name in joined else f"{exhibit.runs[0].table}_{name}"
             for exhibit in GALLERY
             for name in exhibit.documented
-        }
+        } | set(PEERS)
         files = {path.stem for path in (ROOT / "doc" / "figures").glob("*.png")}
         self.assertEqual((shown, files), (drawn, drawn))
 

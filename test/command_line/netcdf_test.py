@@ -75,6 +75,7 @@ class NetcdfCase(ProgramCase):
         settings = csv.settings | {"output.format": ["netcdf"]}
         self.assertEqual(netcdf.settings, settings)
         self.assertEqual(netcdf.meanings, csv.meanings)
+        self.assertEqual(netcdf.units, csv.units)
         self.assertEqual(netcdf.header["model"], csv.header["model"])
         rows = netcdf.rows
         self.assertEqual(list(rows), text.names)

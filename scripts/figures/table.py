@@ -35,8 +35,8 @@ class Table:
 
     `header` holds the `key: value` lines of its head, `settings` the resolved input by
     `group.key` and `input` as text, `units` and `meanings` those of the columns, `status` how a
-    trajectory ended, `words` what a work-precision study says below its rows. Of a long sweep over one parameter only every `stride`-th row is kept, more
-    than a figure can show.
+    trajectory ended, `words` what a work-precision study says below its rows. Of a long sweep over
+    one parameter only every `stride`-th row is kept, more than a figure can show.
     """
 
     path: Path

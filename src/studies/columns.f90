@@ -8,7 +8,7 @@ module spintop_columns
     use spintop_conditioning, only: conditioning_t, prepare_conditioning
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t
-    use spintop_quantities, only: kinetic_energy, potential_energy, vertical_momentum, &
+    use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy, vertical_momentum, &
         axial_momentum, euler_residuals, support_force, axis_tip, axis_height_rate
     implicit none
     private
@@ -129,8 +129,7 @@ contains
         associate (body => case%given_body, start => case%given_start)
             self%energy = kinetic_energy(body, start) + potential_energy(body, start)
             self%momentum = vertical_momentum(body, start)
-            self%energy_scale = kinetic_energy(body, start) &
-                                + body%mass * body%gravity * norm2(body%centre_of_mass)
+            self%energy_scale = energy_scale(body, start)
         end associate
         if (self%wanted(group_oracle)) then
             call prepare_exact_motion(case%body, case%start, self%oracle, status)

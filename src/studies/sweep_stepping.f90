@@ -12,7 +12,7 @@ module spintop_sweep_stepping
     use spintop_nutation, only: nutation_t, find_nutation
     use spintop_nutation_watch, only: nutation_watch_t
     use spintop_plan, only: plan_t, sample_times
-    use spintop_quantities, only: kinetic_energy, potential_energy
+    use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
     use spintop_status, only: status_ok, status_meanings
     use spintop_sweep_columns, only: quantities, group_nutation, group_fast_top, group_period, &
         group_end, group_energy, group_oracle, group_cost, group_floor, group_details, sweep_groups, &
@@ -170,8 +170,7 @@ contains
         witness%last = case%start
         witness%period = precession_period(case)
         witness%energy = kinetic_energy(case%body, case%start) + potential_energy(case%body, case%start)
-        witness%energy_scale = kinetic_energy(case%body, case%start) &
-            + case%body%mass * case%body%gravity * norm2(case%body%centre_of_mass)
+        witness%energy_scale = energy_scale(case%body, case%start)
     end subroutine begin_witness
 
     !> Looks at a state of a formulation.

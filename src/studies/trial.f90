@@ -8,9 +8,9 @@ module spintop_trial
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_formulation, only: formulation_t, max_states
     use spintop_integration, only: integrate, observer_t, outcome_t
-    use spintop_motion, only: motion_t
+    use spintop_motion, only: motion_from_quaternion, motion_t
     use spintop_plan, only: plan_t
-    use spintop_quantities, only: axial_momentum, axis_tip, kinetic_energy, potential_energy, &
+    use spintop_quantities, only: axial_momentum, axis_tip, energy_scale, kinetic_energy, potential_energy, &
         vertical_momentum
     use spintop_reference_motion, only: reference_t
     use spintop_status, only: status_ok
@@ -115,9 +115,10 @@ contains
         self%reference = reference
         self%counts_turns = .false.
         weight = case%body%mass * case%body%gravity * norm2(case%body%centre_of_mass)
-        self%energy_scale = kinetic_energy(case%body, case%start) + weight
-        self%momentum_scale = norm2(case%body%inertia * case%start%omega) &
-                              + sqrt(weight * maxval(case%body%inertia))
+        self%energy_scale = energy_scale(case%body, case%start)
+        ! A body at rest without weight has no momentum.
+        self%momentum_scale = max(norm2(case%body%inertia * case%start%omega) &
+                                  + sqrt(weight * maxval(case%body%inertia)), tiny(weight))
     end subroutine begin
 
     !> Compares a state with the reference at its time.
@@ -170,7 +171,9 @@ contains
         type(motion_t) :: computed, true
         real(dp) :: difference(3)
 
-        computed = case%turn%back(motion, case%given_start%angle)
+        ! Angles that a state holds may have left 0 <= theta <= pi; those of the attitude have not.
+        computed = motion_from_quaternion(motion%t, motion%quaternion, motion%omega, motion%angle)
+        computed = case%turn%back(computed, case%given_start%angle)
         true = case%turn%back(truth, case%given_start%angle)
         difference = computed%angle - true%angle
         call enlarge(errors%angle, difference - 2 * pi * anint(difference / (2 * pi)))
@@ -183,7 +186,11 @@ contains
     elemental subroutine enlarge(error, difference)
         real(dp), intent(inout) :: error
         real(dp), intent(in) :: difference
-        if (.not. abs(difference) <= error) error = min(abs(difference), huge(error))
+        if (is_finite(difference)) then
+            error = max(error, abs(difference))
+        else
+            error = huge(error)
+        end if
     end subroutine enlarge
 
     !> Total energy, J.

@@ -7,7 +7,7 @@ module spintop_quantities
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: kinetic_energy, potential_energy, vertical_momentum, axial_momentum
+    public :: kinetic_energy, potential_energy, energy_scale, vertical_momentum, axial_momentum
     public :: euler_residuals, support_force, axis_tip, axis_height_rate
 
 contains
@@ -26,6 +26,15 @@ contains
         potential_energy = body%mass * body%gravity &
             * dot_product(body%centre_of_mass, vertical_from_quaternion(motion%quaternion))
     end function potential_energy
+
+    !> What an error of the energy is compared with, J: the kinetic energy at the start + m g |r|; above
+    !> zero also for a body at rest without weight.
+    pure real(dp) function energy_scale(body, start)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        energy_scale = max(kinetic_energy(body, start) + body%mass * body%gravity * norm2(body%centre_of_mass), &
+                           tiny(1.0_dp))
+    end function energy_scale
 
     !> Angular momentum about the vertical, kg m^2/s ("c1" of Eq 41).
     pure real(dp) function vertical_momentum(body, motion)

@@ -16,7 +16,8 @@ module spintop_axes_of_scene
     public :: make_axes, find_swept, count_axes
 
     !> What a sweep as a whole has, and its cases have not.
-    character(*), parameter :: fixed(*) = [character(15) :: 'sweep.', 'span.samples', 'span.stop_after']
+    character(*), parameter :: fixed(*) = [character(15) :: 'sweep.', 'work_precision.', 'stability.', &
+        'span.samples', 'span.stop_after']
     !> Rounding of the spacing that a whole number may show, relative.
     real(dp), parameter :: spacing_slack = 8 * epsilon(1.0_dp)
 

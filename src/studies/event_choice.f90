@@ -25,8 +25,8 @@ contains
         integer :: i, k
 
         allocate (events(0))
-        if (scene%kind == 'sweep' .and. any(scene%events /= '')) then
-            call problems%add('output.events', 'a sweep has no table of events', &
+        if (scene%kind /= 'trajectory' .and. any(scene%events /= '')) then
+            call problems%add('output.events', 'only a trajectory has a table of events', &
                               "leave it out, or set study.kind = 'trajectory'")
             return
         end if

@@ -180,7 +180,7 @@ contains
         call make_case(first, job%case, problems)
         select case (job%scene%kind)
         case ('work_precision')
-            call make_precision_plan(job%scene, job%precision, problems)
+            call make_precision_plan(first, job%precision, problems)
             if (problems%any()) return
             call read_reference(job%input, job%scene, job%case, job%precision, problems, diagnostics)
             if (allocated(job%precision%stored) .and. has_axes) then

@@ -822,7 +822,7 @@ class EventTest(ProgramCase):
         sweep = "&study kind = 'sweep' /\n&sweep parameter(1) = 'top.mass', values(1,:) = 1 /\n"
         scene = self.write(GOOD.split("&output")[0] + sweep)
         error = self.refuse(scene, "--set", "output.events=turning_points")
-        self.assertIn("a sweep has no table of events", error)
+        self.assertIn("only a trajectory has a table of events", error)
         error = self.refuse(scene, "--set", "span.stop_at=orientation_error = 1")
         self.assertIn("compares with the exact motion", error)
 

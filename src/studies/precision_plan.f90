@@ -9,6 +9,7 @@ module spintop_precision_plan
     use spintop_methods, only: exact_info, method_infos
     use spintop_parameters, only: unset, unset_integer
     use spintop_problems, only: problems_t
+    use spintop_projection, only: project_nothing, projection_names
     use spintop_reference_kinds, only: reference_auto, reference_exact, reference_names
     use spintop_reference_motion, only: reference_t
     use spintop_scene, only: scene_t
@@ -176,7 +177,8 @@ contains
         if (all(self%choices%formulation == self%choices(1)%formulation)) formulation = self%choices(1)%formulation
     end function formulation
 
-    !> Has a scene computed by a method with setting number `k`.
+    !> Has a scene computed by a method with setting number `k`; what the method does not take of
+    !> &integration is for the others.
     subroutine set_setting(plan, choice, k, scene)
         type(precision_plan_t), intent(in) :: plan
         type(method_choice_t), intent(in) :: choice
@@ -188,8 +190,11 @@ contains
             call set_adaptive(scene, choice, plan%tolerances(k))
         else
             call set_adaptive(scene, choice, unset)
+            scene%absolute_tolerance = unset
+            scene%project = projection_names(project_nothing)
         end if
         if (.not. choice%method%takes_table) scene%table = ''
+        if (.not. choice%method%implicit) scene%solver = 'newton'
         scene%samples = plan%samples
     end subroutine set_setting
 

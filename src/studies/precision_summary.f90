@@ -43,7 +43,7 @@ contains
             call summary%add('', 'for ' // to_text(wanted_errors(i)) // ' ' // compared(rows, wanted_errors(i)))
         end do
         do i = 1, size(rows)
-            if (rows(i)%is_stepped) cycle
+            if (rows(i)%is_stepped .or. rows(i)%trial%status /= status_ok) cycle
             call summary%add('', 'the exact motion takes ' // duration(rows(i)%time) // ' at any time, and is ' &
                              // rounded(rows(i)%trial%errors%orientation) // ' rad off')
         end do
@@ -55,8 +55,12 @@ contains
         character(:), allocatable :: text
         text = with_article(reference%source)
         if (reference%is_computed) text = text // ' (two tolerances agree to ' // rounded(reference%uncertainty) // ' rad)'
-        if (reference%check /= '') text = text // ', with which ' // with_article(reference%check) // ' agrees to ' &
-            // rounded(reference%disagreement) // ' rad'
+        if (reference%check == '') then
+            text = text // ', which could not be checked: the motion by other means gave up'
+        else
+            text = text // ', with which ' // with_article(reference%check) // ' agrees to ' &
+                   // rounded(reference%disagreement) // ' rad'
+        end if
     end function about
 
     !> What a motion comes from, as it stands in a sentence.

@@ -1,6 +1,7 @@
 !> What a computed motion is judged by: the exact motion where there is one, else a motion computed in
 !> quadruple precision, which tells how converged it is.
 module spintop_reference_motion
+    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use spintop_kinds, only: dp, epsilon_dp
     use spintop_attitude, only: rotation_angle
     use spintop_case, only: case_t
@@ -30,7 +31,8 @@ module spintop_reference_motion
         logical :: is_computed = .false.
         !> How far apart two computations of it are, rad; zero for the exact motion.
         real(dp) :: uncertainty = 0
-        !> What it was checked with, a motion by other means, and how far apart they are, rad.
+        !> What it was checked with, a motion by other means, and how far apart they are, rad; blank and
+        !> no number where that motion gave up.
         character(24) :: check = ''
         real(dp) :: disagreement = 0
     end type reference_t
@@ -65,11 +67,11 @@ contains
 
     !> Compares a reference with a motion by other means: the exact motion, or a Runge-Kutta method for
     !> bodies without one; and the exact motion with Taylor's method.
-    subroutine check_reference(case, reference, status)
+    subroutine check_reference(case, reference)
         type(case_t), intent(in) :: case
         type(reference_t), intent(inout) :: reference
-        integer, intent(out) :: status
         type(reference_t) :: other
+        integer :: status
 
         if (case%body%is_lagrange() .and. reference%is_computed) then
             call take_exact(case, reference%motions%t, other, status)
@@ -79,7 +81,12 @@ contains
             if (case%body%is_lagrange()) reference%check = 'taylor'
             call compute(case, case%start, reference%motions%t, trim(reference%check), finest, other%motions, status)
         end if
-        if (status == status_ok) reference%disagreement = maxval(apart(reference%motions, other%motions))
+        if (status == status_ok) then
+            reference%disagreement = maxval(apart(reference%motions, other%motions))
+        else
+            reference%check = ''
+            reference%disagreement = ieee_value(reference%disagreement, ieee_quiet_nan)
+        end if
     end subroutine check_reference
 
     !> The exact motion of a symmetric top.

@@ -41,7 +41,7 @@ module spintop_work_precision
 
 contains
 
-    !> Runs the study and writes its table; `failures` tells how many problems had no reference.
+    !> Runs the study and writes its table; `failures` tells how many problems have no rows.
     subroutine run_work_precision(job, options, summary, failures, error)
         type(job_t), target, intent(inout) :: job
         type(options_t), intent(in) :: options
@@ -83,6 +83,7 @@ contains
         if (.not. allocated(error)) call file%finish(in_words(summary), error)
         if (allocated(error)) then
             call file%discard()
+            deallocate (summary%lines)
             return
         end if
         summary%lines(1)%text = job%input // ': work-precision study, ' // to_text(rows) // ' rows -> ' // job%output
@@ -161,17 +162,19 @@ contains
 
         call make_case(scene, case, problems)
         if (problems%any()) then
-            failures = failures + 1
-            if (failures <= most_told) call summary%add('problem', name // ' is left out: ' // problems%first())
+            call give_up('is left out: ' // problems%first())
             return
         end if
         call take_reference(job, case, reference, status)
         if (status /= status_ok) then
-            failures = failures + 1
-            if (failures <= most_told) call summary%add('problem', name // ' has no reference: ' // status_meaning(status))
+            call give_up('has no reference: ' // status_meaning(status))
             return
         end if
         call run_methods(job, scene, case, reference, done, progress, results, summary)
+        if (size(results) == 0) then
+            call give_up('has no rows: every method is left out')
+            return
+        end if
         call sort_rows(results)
         call mark_front(results)
         do i = 1, size(results)
@@ -181,6 +184,16 @@ contains
         rows = rows + size(results)
         call tally%compare(name, results)
         if (job%axes%cases <= most_told) call summarize_problem(name, results, reference, summary)
+
+    contains
+
+        !> The problem has no rows.
+        subroutine give_up(why)
+            character(*), intent(in) :: why
+            failures = failures + 1
+            if (failures <= most_told) call summary%add('problem', name // ' ' // why)
+        end subroutine give_up
+
     end subroutine run_problem
 
     !> What the motions of a case are compared with.
@@ -195,7 +208,7 @@ contains
         else
             call find_reference(case, job%precision%samples, job%precision%reference, reference, status)
         end if
-        if (status == status_ok) call check_reference(case, reference, status)
+        if (status == status_ok) call check_reference(case, reference)
     end subroutine take_reference
 
     !> A row for each method and setting.
@@ -210,23 +223,28 @@ contains
         type(summary_t), intent(inout) :: summary
         character(40) :: tried(size(job%precision%choices))
         type(precision_row_t) :: row
-        character(:), allocatable :: refusal
+        character(:), allocatable :: refusal, last_refusal
+        integer(int64) :: tries
         integer :: i, k, n
 
         associate (plan => job%precision)
             allocate (rows(sum(plan%settings(plan%choices))))
             n = 0
+            tries = 0
             tried = ''
             do i = 1, size(plan%choices)
+                last_refusal = ''
                 do k = 1, plan%settings(plan%choices(i))
+                    tries = tries + 1
                     call run_setting(job, scene, case, reference, i, k, tried, row, refusal)
-                    if (refusal /= '') then
-                        if (k == 1 .and. done == 0) call summary%add('left out', refusal)
-                        exit
+                    if (refusal == '') then
+                        n = n + 1
+                        rows(n) = row
+                    else if (refusal /= last_refusal .and. done == 0) then
+                        call summary%add('left out', refusal)
                     end if
-                    n = n + 1
-                    rows(n) = row
-                    call progress%update(done + n)
+                    last_refusal = refusal
+                    call progress%update(done + tries)
                 end do
             end do
         end associate

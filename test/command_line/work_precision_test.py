@@ -213,6 +213,52 @@ class TableTest(WorkPrecisionCase):
         self.assertLess(float(of(rows, "taylor")["tolerance 1e-09"]["error_max"]), 1e-6)
         self.assertIn("rkmk_4/lagrange: integration.formulation", self.summary)
 
+    def test_a_tolerance_too_fine_leaves_out_no_other(self) -> None:
+        """What a method cannot keep is left out, and told once; the other settings are there."""
+        rows = self.study(SLOW_TOP, "taylor", "tolerances=1e-31,1e-6,1e-20,1e-9")
+        self.assertEqual(set(of(rows, "taylor")), {"tolerance 1e-06", "tolerance 1e-09"})
+        self.assertEqual(self.summary.count("left out"), 2)
+        rows = self.study(SLOW_TOP, "taylor", "tolerances=1e-31", code=3)
+        self.assertEqual(rows, [])
+        self.assertIn("has no rows", self.summary)
+
+    def test_settings_of_integration_go_to_those_who_take_them(self) -> None:
+        """The exact motion takes none of them, explicit methods no solver."""
+        scene = (
+            Path(SLOW_TOP).read_text()
+            + "&integration absolute_tolerance = 1e-13 solver = 'fixed_point' project = 'unit' /\n"
+        )
+        rows = self.study(self.write(scene), "exact,rk4,gauss_4", "steps=100")
+        self.assertEqual({row["method"] for row in rows}, {"exact", "rk4", "gauss_4"})
+        self.assertNotIn("left out", self.summary)
+
+    def test_a_body_at_rest_without_weight(self) -> None:
+        """Has neither energy nor momentum, and no error of them."""
+        rest = SKEW.replace("0.5, 0.5, 1 /", "0, 0, 0 /")
+        rows = self.study(
+            self.write(rest.replace("top mass", "top gravity = 0  mass")), "taylor,rk4"
+        )
+        self.assertEqual({row["energy_drift"] for row in rows}, {"0"})
+        self.assertEqual({row["lz_drift"] for row in rows}, {"0"})
+
+    def test_angles_are_those_of_the_attitude(self) -> None:
+        """A pendulum passes the vertical, where Lagrange's angle theta leaves its range."""
+        swing = SKEW.replace("1, 1.5, 2.25", "1, 1, 0.5").replace("0.1, 0.05, 0.2", "0, 0, 0.2")
+        swing = swing.replace("quaternion = 0.8, 0.6, 0, 0  omega = 0.5, 0.5, 1", "theta_deg = 45")
+        rows = self.study(self.write(swing), "dop853/lagrange", "tolerances=1e-10")
+        self.assertEqual(rows[0]["status"], "ok")
+        for name in ("phi", "theta", "psi", "phi_rate", "theta_rate", "psi_rate"):
+            self.assertLess(float(rows[0][f"error_{name}_max"]), 1e-6, name)
+
+    def test_a_reference_that_cannot_be_checked(self) -> None:
+        """The exact motion of a long span is there though no method comes to the end of it."""
+        scene = Path(SLOW_TOP).read_text().replace("t_end = 6.66 ", "t_end = 1e9 ")
+        scene += "&integration max_steps = 1000 /\n"
+        rows = self.study(self.write(scene), "taylor", "tolerances=1e-9", "reference=exact")
+        self.assertEqual([row["status"] for row in rows], ["step_limit"])
+        self.assertEqual(rows[0]["reference_check"], "nan")
+        self.assertIn("could not be checked", self.summary)
+
 
 class SummaryTest(WorkPrecisionCase):
     """What is said in words."""
@@ -247,6 +293,25 @@ class BadInputTest(WorkPrecisionCase):
             (["work_precision.repeats=0"], "work_precision.repeats"),
             (["work_precision.tolerances=2"], "work_precision.tolerances"),
             (["span.stop_at=maximum"], "to its end"),
+            (["output.events=turning_points"], "only a trajectory has a table of events"),
+            (
+                [
+                    "sweep.parameter=integration.steps",
+                    "sweep.from=10",
+                    "sweep.to=20",
+                    "sweep.count=2",
+                ],
+                "varies the steps",
+            ),
+            (
+                [
+                    "sweep.parameter=work_precision.repeats",
+                    "sweep.from=1",
+                    "sweep.to=2",
+                    "sweep.count=2",
+                ],
+                "work_precision.repeats cannot vary",
+            ),
         ):
             arguments = [f"--set={setting}" for setting in settings]
             result = self.run_program(SLOW_TOP, *arguments)

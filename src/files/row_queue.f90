@@ -109,6 +109,7 @@ contains
         if (.not. allocated(self%error)) call move_alloc(error, self%error)
     end subroutine end_write
 
+    !> Place of a block in the ring.
     pure integer function place_of(self, number)
         type(row_queue_t), intent(in) :: self
         integer(int64), intent(in) :: number

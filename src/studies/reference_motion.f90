@@ -169,6 +169,7 @@ contains
         end do
     end function apart
 
+    !> Keeps what it is shown.
     subroutine observe(self, formulation, t, y, near)
         class(keeper_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation

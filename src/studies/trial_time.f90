@@ -70,6 +70,7 @@ contains
         end if
     end subroutine go
 
+    !> Keeps what it is shown.
     subroutine observe(self, formulation, t, y, near)
         class(arrival_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation

@@ -124,10 +124,7 @@ contains
             comma = start + index(text(start:at%last), ',') - 1
             if (comma < start) comma = at%last + 1
             at%next = comma + 1
-            at%to = comma - 1
-            do while (at%to >= at%from .and. is_in(blanks, at%to))
-                at%to = at%to - 1
-            end do
+            at%to = at%from - 1 + verify(text(at%from:comma - 1), blanks, back=.true.)
             if (closing > 0) then
                 at%is_quoted_well = closing == at%to .and. at%to > at%from
                 if (at%is_quoted_well) then

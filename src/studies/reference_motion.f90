@@ -2,6 +2,7 @@
 !> quadruple precision, which tells how converged it is.
 module spintop_reference_motion
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp, epsilon_dp
     use spintop_attitude, only: rotation_angle
     use spintop_case, only: case_t
@@ -67,8 +68,9 @@ contains
 
     !> Compares a reference with a motion by other means: the exact motion, or a Runge-Kutta method for
     !> bodies without one; and the exact motion with Taylor's method.
-    subroutine check_reference(case, reference)
+    subroutine check_reference(case, max_steps, reference)
         type(case_t), intent(in) :: case
+        integer(int64), intent(in) :: max_steps !! that the other motion may take
         type(reference_t), intent(inout) :: reference
         type(reference_t) :: other
         integer :: status
@@ -79,7 +81,8 @@ contains
         else
             reference%check = 'dop853'
             if (case%body%is_lagrange()) reference%check = 'taylor'
-            call compute(case, case%start, reference%motions%t, trim(reference%check), finest, other%motions, status)
+            call compute(case, case%start, reference%motions%t, trim(reference%check), finest, other%motions, status, &
+                         max_steps)
         end if
         if (status == status_ok) then
             reference%disagreement = maxval(apart(reference%motions, other%motions))
@@ -137,13 +140,14 @@ contains
     end subroutine compute_twice
 
     !> A motion by a method with step control.
-    subroutine compute(case, start, times, method, tolerance, motions, status)
+    subroutine compute(case, start, times, method, tolerance, motions, status, max_steps)
         type(case_t), intent(in) :: case
         type(motion_t), intent(in) :: start
         real(dp), intent(in) :: times(:), tolerance
         character(*), intent(in) :: method
         type(motion_t), allocatable, intent(out) :: motions(:)
         integer, intent(out) :: status
+        integer(int64), intent(in), optional :: max_steps
         class(formulation_t), allocatable :: formulation
         class(stepper_t), allocatable :: stepper
         type(keeper_t) :: keeper
@@ -153,6 +157,7 @@ contains
         call create_stepper(method, stepper)
         stepper%controls%relative_tolerance = tolerance
         stepper%controls%absolute_tolerance = tolerance
+        if (present(max_steps)) stepper%controls%max_steps = max_steps
         allocate (keeper%motions(size(times)))
         call integrate(formulation, stepper, case%body, start, case%t_end, times, keeper, outcome)
         status = outcome%status

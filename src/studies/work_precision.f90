@@ -118,9 +118,9 @@ contains
         allocate (meanings, source=[character(160) :: precision_columns%what])
         do i = 1, size(job%axes%axis)
             associate (parameter => job%table%parameters(job%axes%place_of(i, job%table)))
-                names = [names, [character(64) :: job%axes%axis(i)%name]]
-                units = [units, [character(16) :: parameter%unit]]
-                meanings = [meanings, [character(160) :: parameter%what]]
+                names = [character(64) :: names, job%axes%axis(i)%name]
+                units = [character(16) :: units, parameter%unit]
+                meanings = [character(160) :: meanings, parameter%what]
             end associate
         end do
         call print_namelist(job%table, input)
@@ -165,7 +165,7 @@ contains
             call give_up('is left out: ' // problems%first())
             return
         end if
-        call take_reference(job, case, reference, status)
+        call take_reference(job, scene, case, reference, status)
         if (status /= status_ok) then
             call give_up('has no reference: ' // status_meaning(status))
             return
@@ -197,8 +197,9 @@ contains
     end subroutine run_problem
 
     !> What the motions of a case are compared with.
-    subroutine take_reference(job, case, reference, status)
+    subroutine take_reference(job, scene, case, reference, status)
         type(job_t), intent(in) :: job
+        type(scene_t), intent(in) :: scene
         type(case_t), intent(in) :: case
         type(reference_t), intent(out) :: reference
         integer, intent(out) :: status
@@ -208,7 +209,7 @@ contains
         else
             call find_reference(case, job%precision%samples, job%precision%reference, reference, status)
         end if
-        if (status == status_ok) call check_reference(case, reference)
+        if (status == status_ok) call check_reference(case, int(scene%max_steps, int64), reference)
     end subroutine take_reference
 
     !> A row for each method and setting.

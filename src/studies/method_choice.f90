@@ -68,7 +68,7 @@ contains
     pure subroutine set_steps(scene, choice, steps)
         type(scene_t), intent(inout) :: scene
         type(method_choice_t), intent(in) :: choice
-        integer, intent(in) :: steps
+        integer, value :: steps !! a copy, for it may be that of the scene
         call set_adaptive(scene, choice, unset)
         scene%absolute_tolerance = unset
         scene%steps = steps

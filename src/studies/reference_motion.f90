@@ -30,7 +30,7 @@ module spintop_reference_motion
         character(24) :: source = ''
         !> Computed by the method in quadruple precision.
         logical :: is_computed = .false.
-        !> How far apart two computations of it are, rad; zero for the exact motion.
+        !> How far apart two computations of it are, rad; zero for the exact motion, no number for a stored one.
         real(dp) :: uncertainty = 0
         !> What it was checked with, a motion by other means, and how far apart they are, rad; blank and
         !> no number where that motion gave up.

@@ -1,6 +1,7 @@
 !> A reference motion from a CSV table, such as a trajectory that was computed before or elsewhere: the
 !> columns t, q0 to q3 and omega1 to omega3, at equally spaced times from 0 to the end of the span.
 module spintop_stored_motion
+    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use spintop_case, only: case_t
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t
@@ -131,7 +132,7 @@ contains
         end if
     end subroutine check_motion
 
-    !> The motions of the rows, in the axes of the computation.
+    !> The motions of the rows, in the axes of the computation. How exact they are is not known.
     subroutine take_motions(cells, case, reference)
         real(dp), intent(in) :: cells(:, :)
         type(case_t), intent(in) :: case
@@ -140,7 +141,8 @@ contains
         integer :: i
 
         allocate (reference%motions(size(cells, 2)), reference%floor(size(cells, 2)))
-        reference%floor = 0
+        reference%floor = ieee_value(0.0_dp, ieee_quiet_nan)
+        reference%uncertainty = ieee_value(0.0_dp, ieee_quiet_nan)
         motion = case%given_start
         do i = 1, size(cells, 2)
             motion = motion_from_quaternion(cells(1, i), cells(2:5, i) / norm2(cells(2:5, i)), cells(6:8, i), motion%angle)

@@ -4,57 +4,51 @@ module spintop_precision_table
     use spintop_kinds, only: dp
     use spintop_reference_motion, only: reference_t
     use spintop_status, only: status_names, status_ok
+    use spintop_study_column, only: study_column_t
     use spintop_text_buffer, only: text_buffer_t
     use spintop_trial, only: errors_t, trial_t
     implicit none
     private
-    public :: precision_row_t, precision_column_t, precision_columns, put_row, sort_rows, mark_front
-
-    !> What the table says of a column.
-    type :: precision_column_t
-        character(24) :: name
-        character(8) :: unit
-        character(96) :: what
-    end type precision_column_t
+    public :: precision_row_t, precision_columns, put_row, sort_rows, mark_front
 
     !> The columns, in the order of the table; the swept parameters come after them.
-    type(precision_column_t), parameter :: precision_columns(*) = [ &
-        precision_column_t('problem', '', 'the input, and which case of it where a parameter is swept'), &
-        precision_column_t('method', '', 'method'), &
-        precision_column_t('formulation', '', 'form of the equations'), &
-        precision_column_t('setting', '', 'relative tolerance, or number of equal steps'), &
-        precision_column_t('error_orientation', 'rad', 'angle of the turn from the reference attitude at the end'), &
-        precision_column_t('error_tip', '', 'distance of the axis tip from that of the reference at the end'), &
-        precision_column_t('error_max', 'rad', 'largest angle of the turn from the reference attitude'), &
-        precision_column_t('steps', '', 'steps'), &
-        precision_column_t('rejected', '', 'steps rejected'), &
-        precision_column_t('evaluations', '', 'right-hand sides; a Taylor series of order p counts as p'), &
-        precision_column_t('time_s', 's', 'least time of the repeats, for the state at the end'), &
-        precision_column_t('energy_drift', '', 'largest energy error over (kinetic at start + m g |r|)'), &
-        precision_column_t('status', '', 'how it ended'), &
-        precision_column_t('error_tip_max', '', 'largest distance of the axis tip from that of the reference'), &
-        precision_column_t('jacobians', '', 'Jacobians'), &
-        precision_column_t('lz_drift', '', 'largest error of the vertical momentum, over its scale'), &
-        precision_column_t('l3_drift', '', 'largest error of the momentum about body z, over the same scale'), &
-        precision_column_t('quaternion_drift', '', 'largest change of the length of the quaternion'), &
-        precision_column_t('error_phi', 'rad', 'error of phi at the end, within half a turn'), &
-        precision_column_t('error_theta', 'rad', 'error of theta at the end'), &
-        precision_column_t('error_psi', 'rad', 'error of psi at the end, within half a turn'), &
-        precision_column_t('error_phi_rate', 'rad/s', 'error of the precession rate at the end'), &
-        precision_column_t('error_theta_rate', 'rad/s', 'error of the nutation rate at the end'), &
-        precision_column_t('error_psi_rate', 'rad/s', 'error of the spin rate at the end'), &
-        precision_column_t('error_phi_max', 'rad', 'largest error of phi'), &
-        precision_column_t('error_theta_max', 'rad', 'largest error of theta'), &
-        precision_column_t('error_psi_max', 'rad', 'largest error of psi'), &
-        precision_column_t('error_phi_rate_max', 'rad/s', 'largest error of the precession rate'), &
-        precision_column_t('error_theta_rate_max', 'rad/s', 'largest error of the nutation rate'), &
-        precision_column_t('error_psi_rate_max', 'rad/s', 'largest error of the spin rate'), &
-        precision_column_t('double_floor', 'rad', 'how far rounding of the data alone turns the attitude'), &
-        precision_column_t('reference', '', 'what it was compared with'), &
-        precision_column_t('reference_error', 'rad', 'how far apart two computations of the reference are'), &
-        precision_column_t('reference_check', 'rad', 'how far the reference is from a motion by other means'), &
-        precision_column_t('front', '', 'yes: no stepping method is both faster and more exact'), &
-        precision_column_t('auto', '', "yes: method = 'auto' takes this method at this tolerance")]
+    type(study_column_t), parameter :: precision_columns(*) = [ &
+        study_column_t('problem', '', 'the input, and which case of it where a parameter is swept'), &
+        study_column_t('method', '', 'method'), &
+        study_column_t('formulation', '', 'form of the equations'), &
+        study_column_t('setting', '', 'relative tolerance, or number of equal steps'), &
+        study_column_t('error_orientation', 'rad', 'angle of the turn from the reference attitude at the end'), &
+        study_column_t('error_tip', '', 'distance of the axis tip from that of the reference at the end'), &
+        study_column_t('error_max', 'rad', 'largest angle of the turn from the reference attitude'), &
+        study_column_t('steps', '', 'steps'), &
+        study_column_t('rejected', '', 'steps rejected'), &
+        study_column_t('evaluations', '', 'right-hand sides; a Taylor series of order p counts as p'), &
+        study_column_t('time_s', 's', 'least time of the repeats, for the state at the end'), &
+        study_column_t('energy_drift', '', 'largest energy error over (kinetic at start + m g |r|)'), &
+        study_column_t('status', '', 'how it ended'), &
+        study_column_t('error_tip_max', '', 'largest distance of the axis tip from that of the reference'), &
+        study_column_t('jacobians', '', 'Jacobians'), &
+        study_column_t('lz_drift', '', 'largest error of the vertical momentum, over its scale'), &
+        study_column_t('l3_drift', '', 'largest error of the momentum about body z, over the same scale'), &
+        study_column_t('quaternion_drift', '', 'largest change of the length of the quaternion'), &
+        study_column_t('error_phi', 'rad', 'error of phi at the end, within half a turn'), &
+        study_column_t('error_theta', 'rad', 'error of theta at the end'), &
+        study_column_t('error_psi', 'rad', 'error of psi at the end, within half a turn'), &
+        study_column_t('error_phi_rate', 'rad/s', 'error of the precession rate at the end'), &
+        study_column_t('error_theta_rate', 'rad/s', 'error of the nutation rate at the end'), &
+        study_column_t('error_psi_rate', 'rad/s', 'error of the spin rate at the end'), &
+        study_column_t('error_phi_max', 'rad', 'largest error of phi'), &
+        study_column_t('error_theta_max', 'rad', 'largest error of theta'), &
+        study_column_t('error_psi_max', 'rad', 'largest error of psi'), &
+        study_column_t('error_phi_rate_max', 'rad/s', 'largest error of the precession rate'), &
+        study_column_t('error_theta_rate_max', 'rad/s', 'largest error of the nutation rate'), &
+        study_column_t('error_psi_rate_max', 'rad/s', 'largest error of the spin rate'), &
+        study_column_t('double_floor', 'rad', 'how far rounding of the data alone turns the attitude'), &
+        study_column_t('reference', '', 'what it was compared with'), &
+        study_column_t('reference_error', 'rad', 'how far apart two computations of the reference are'), &
+        study_column_t('reference_check', 'rad', 'how far the reference is from a motion by other means'), &
+        study_column_t('front', '', 'yes: no stepping method is both faster and more exact'), &
+        study_column_t('auto', '', "yes: method = 'auto' takes this method at this tolerance")]
 
     !> A method with a setting.
     type :: precision_row_t

@@ -10,8 +10,9 @@
 !> * Below 1e-15 double precision gains nothing any more.
 !> * Without a series ode45 costs a half to the same as dop853 down to errors of 1e-4 rad, which it
 !>   reaches at tolerances of about 1e-5, and two to ten times as much at 1e-8 rad.
-!> * In equal steps splitting_6 costs half as much as dop853 on symmetric tops; on other bodies it is the
-!>   other way round.
+!> * In equal steps splitting_6 costs half as much as dop853 on the slow top of Example 1
+!>   (`spintop --set work_precision.methods=dop853,splitting_6 --set work_precision.steps=40,80,160,320
+!>   input/work_precision_slow_top.nml`), and more on the one body without symmetry that was tried.
 module spintop_recommendation
     use spintop_formulation, only: formulation_info_t, structure_none, structure_split
     use spintop_kinds, only: dp

@@ -25,6 +25,7 @@ module spintop_stability
     use spintop_scene, only: scene_t
     use spintop_stability_plan, only: own_case, scene_of_case, scene_of_trial
     use spintop_status, only: status_name, status_ok
+    use spintop_study_column, only: study_column_t
     use spintop_summary, only: summary_t, rounded
     use spintop_system, only: seconds
     use spintop_table_file, only: table_file_t
@@ -35,39 +36,32 @@ module spintop_stability
     use spintop_verdict, only: explain_trial, judge_trial, verdict_meaning, verdict_names, verdict_unsuitable
     implicit none
     private
-    public :: run_stability, stability_columns, stability_column_t
-
-    !> What the table says of a column.
-    type :: stability_column_t
-        character(24) :: name
-        character(8) :: unit
-        character(96) :: what
-    end type stability_column_t
+    public :: run_stability, stability_columns
 
     !> The columns, in the order of the table.
-    type(stability_column_t), parameter :: stability_columns(*) = [ &
-        stability_column_t('case', '', 'case of the catalogue'), &
-        stability_column_t('method', '', 'method'), &
-        stability_column_t('formulation', '', 'form of the equations'), &
-        stability_column_t('verdict', '', 'what the motion computed is worth'), &
-        stability_column_t('error_orientation', 'rad', 'largest angle of the turn from the reference attitude'), &
-        stability_column_t('error_tip', '', 'largest distance of the axis tip from that of the reference'), &
-        stability_column_t('energy_drift', '', 'largest energy error over (kinetic at start + m g |r|)'), &
-        stability_column_t('lz_drift', '', 'largest error of the vertical momentum, over its scale'), &
-        stability_column_t('l3_drift', '', 'largest error of the momentum about body z, over the same scale'), &
-        stability_column_t('quaternion_drift', '', 'largest change of the length of the quaternion'), &
-        stability_column_t('double_floor', 'rad', 'how far rounding of the data alone turns the attitude'), &
-        stability_column_t('steps', '', 'steps'), &
-        stability_column_t('rejected', '', 'steps rejected'), &
-        stability_column_t('evaluations', '', 'right-hand sides'), &
-        stability_column_t('time_s', 's', 'time of the computation'), &
-        stability_column_t('status', '', 'how it ended'), &
-        stability_column_t('t', 's', 'time reached'), &
-        stability_column_t('upright_growth', '1/s', 'largest growth rate of the top sleeping upright with this spin'), &
-        stability_column_t('lyapunov_exponent', '1/s', 'mean growth rate of small deviations over the span'), &
-        stability_column_t('reference', '', 'what it was compared with'), &
-        stability_column_t('reference_error', 'rad', 'how far apart two computations of the reference are'), &
-        stability_column_t('reason', '', 'why the verdict is what it is')]
+    type(study_column_t), parameter :: stability_columns(*) = [ &
+        study_column_t('case', '', 'case of the catalogue'), &
+        study_column_t('method', '', 'method'), &
+        study_column_t('formulation', '', 'form of the equations'), &
+        study_column_t('verdict', '', 'what the motion computed is worth'), &
+        study_column_t('error_orientation', 'rad', 'largest angle of the turn from the reference attitude'), &
+        study_column_t('error_tip', '', 'largest distance of the axis tip from that of the reference'), &
+        study_column_t('energy_drift', '', 'largest energy error over (kinetic at start + m g |r|)'), &
+        study_column_t('lz_drift', '', 'largest error of the vertical momentum, over its scale'), &
+        study_column_t('l3_drift', '', 'largest error of the momentum about body z, over the same scale'), &
+        study_column_t('quaternion_drift', '', 'largest change of the length of the quaternion'), &
+        study_column_t('double_floor', 'rad', 'how far rounding of the data alone turns the attitude'), &
+        study_column_t('steps', '', 'steps'), &
+        study_column_t('rejected', '', 'steps rejected'), &
+        study_column_t('evaluations', '', 'right-hand sides'), &
+        study_column_t('time_s', 's', 'time of the computation'), &
+        study_column_t('status', '', 'how it ended'), &
+        study_column_t('t', 's', 'time reached'), &
+        study_column_t('upright_growth', '1/s', 'largest growth rate of the top sleeping upright with this spin'), &
+        study_column_t('lyapunov_exponent', '1/s', 'mean growth rate of small deviations over the span'), &
+        study_column_t('reference', '', 'what it was compared with'), &
+        study_column_t('reference_error', 'rad', 'how far apart two computations of the reference are'), &
+        study_column_t('reason', '', 'why the verdict is what it is')]
 
     !> What is said of a case whatever the method.
     type :: case_facts_t

@@ -56,6 +56,7 @@ contains
         call self%top%set(body, start)
         y = 0
         y(1:3) = start%angle
+        self%cyclic([1, 3]) = .true.
         status = merge(status_pole, status_ok, at_pole(start%angle(2)))
         pull = start%rate(2)
         self%starts_at_rest = is_zero(pull)

@@ -218,7 +218,7 @@ class ErrataTest(ReportCase):
         known = {f"Example {i}" for i in (1, 2)} | {"Figure 11", "Table 1"}
         text = (TESTS.parent / "src" / "studies" / "columns.f90").read_text(encoding="utf-8")
         for path in ("src/studies", "src/formulations", "src/integrators"):
-            for source in (TESTS.parent / path).glob("*.f90"):
+            for source in (TESTS.parent / path).rglob("*.f90"):
                 text += source.read_text(encoding="utf-8")
         for erratum in read_errata():
             for topic in {topic for choice in erratum.concerns for topic in choice} - known:

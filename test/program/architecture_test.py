@@ -1,0 +1,104 @@
+"""The folders of the sources: imports go down only, tests mirror them, sizes keep bounds."""
+
+import re
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+SOURCES = sorted([*ROOT.glob("src/**/*.f90"), *ROOT.glob("app/*.f90")])
+
+# A folder may import from itself and from those before it in its row.
+MECHANICS = (
+    "foundation",
+    "system",
+    "top",
+    "exact approximate formulations",
+    "integrators",
+    "stability",
+    "input tables parallel",
+    "scenes",
+    "studies",
+    "app",
+)
+# Reading, writing and parallel work know nothing of mechanics.
+PLAIN = ("foundation", "system", "input", "tables", "parallel")
+
+MODULE = re.compile(r"^\s*module\s+(?!procedure\b|subroutine\b|function\b)(\w+)\s*$", re.M | re.I)
+USE = re.compile(r"^\s*use\s+(\w+)", re.M | re.I)
+LONGEST_FILE = 400
+FULLEST_FOLDER = 20
+
+
+def room_of(path: Path) -> str:
+    """The room a source stands in: `spintop.f90`, the library's face, has none."""
+    parts = path.relative_to(ROOT).parts
+    if parts[0] == "app":
+        return "app"
+    return parts[1] if len(parts) > 2 else ""
+
+
+def floors(row: tuple[str, ...]) -> dict[str, int]:
+    return {room: floor for floor, rooms in enumerate(row) for room in rooms.split()}
+
+
+class ArchitectureTest(unittest.TestCase):
+    """What the page on developing says of the folders."""
+
+    def imports(self) -> list[tuple[Path, Path]]:
+        """Each import of one source of ours by another."""
+        texts = {path: path.read_text(encoding="utf-8") for path in SOURCES}
+        home = {name.lower(): path for path, text in texts.items() for name in MODULE.findall(text)}
+        return [
+            (path, home[name.lower()])
+            for path, text in texts.items()
+            for name in USE.findall(text)
+            if name.lower() in home
+        ]
+
+    def test_imports_go_down(self) -> None:
+        """No room imports from one above it, and the plain rooms from no room of mechanics."""
+        mechanics, plain = floors(MECHANICS), floors(PLAIN)
+        imports = self.imports()
+        self.assertGreater(len(imports), 500)
+        for path, other in imports:
+            room, below = room_of(path), room_of(other)
+            if not room:
+                continue
+            line = f"{path.relative_to(ROOT)} imports {other.relative_to(ROOT)}"
+            self.assertIn(below, mechanics, line)
+            beside = room in plain and below in plain
+            if room != below and not beside:
+                self.assertLess(mechanics[below], mechanics[room], line)
+            if room in plain:
+                self.assertIn(below, plain, line)
+                self.assertLessEqual(plain[below], plain[room], line)
+
+    def test_each_room_is_known(self) -> None:
+        """Every folder of sources stands in the list above."""
+        self.assertLessEqual({room_of(path) for path in SOURCES} - {""}, floors(MECHANICS).keys())
+
+    def test_modules_bear_the_names_of_their_files(self) -> None:
+        for path in ROOT.glob("src/**/*.f90"):
+            text = path.read_text(encoding="utf-8")
+            if re.search(r"^\s*submodule", text, re.MULTILINE):
+                continue
+            wanted = {"spintop" if path.stem == "spintop" else f"spintop_{path.stem}"}
+            self.assertEqual(set(MODULE.findall(text)), wanted, str(path))
+
+    def test_tests_mirror_the_sources(self) -> None:
+        """The suite of a module stands in the folder below test/ that the module has below src/."""
+        sources = ROOT / "src"
+        folders = {path.stem: path.parent.relative_to(sources) for path in sources.rglob("*.f90")}
+        for suite in ROOT.glob("test/**/*_test.pf"):
+            module = suite.stem.removesuffix("_test")
+            if module in folders:
+                folder = suite.parent.relative_to(ROOT / "test")
+                self.assertEqual(folder, folders[module], suite.name)
+
+    def test_no_warehouses(self) -> None:
+        for path in SOURCES:
+            lines = len(path.read_text(encoding="utf-8").splitlines())
+            self.assertLessEqual(lines, LONGEST_FILE, str(path))
+        for folder in {path.parent for path in SOURCES}:
+            files = [path for path in folder.iterdir() if path.suffix in (".f90", ".c", ".cpp")]
+            self.assertLessEqual(len(files), FULLEST_FOLDER, str(folder))

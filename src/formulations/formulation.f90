@@ -49,7 +49,7 @@ module spintop_formulation
     !> A form of the equations of motion.
     type, abstract :: formulation_t
         !> The body that it was set up for.
-        type(body_t) :: body
+        type(body_t) :: body = body_t()
         !> Drift and kick are flows, the kick changes rates by what the attitude alone tells, and the
         !> drift turns by rates to which it is linear: the ground of Runge-Kutta-Nystrom tables.
         logical :: splits_as_nystrom = .true.

@@ -57,9 +57,12 @@ contains
     subroutine new_workspace(self, work)
         class(arkode_t), intent(in) :: self
         class(workspace_t), allocatable, intent(out) :: work
+        type(arkode_workspace_t), allocatable :: empty
         associate (unused => self)
         end associate
-        allocate (arkode_workspace_t :: work)
+        ! Not allocated in place: gfortran 14 takes that for a structure constructor and warns of its end.
+        allocate (empty)
+        call move_alloc(empty, work)
     end subroutine new_workspace
 
     !> First slope, and ARKODE's memory. It is made anew for every run: what a run computes must

@@ -14,7 +14,7 @@ module spintop_euler
     !> State y = (phi, phi', theta, theta', psi); omega3 is constant.
     type, extends(formulation_t) :: euler_t
         private
-        type(symmetric_top_t) :: top
+        type(symmetric_top_t) :: top = symmetric_top_t()
     contains
         procedure, nopass :: info
         procedure :: prepare

@@ -49,7 +49,7 @@ module spintop_formulation
     !> A form of the equations of motion.
     type, abstract :: formulation_t
         !> The body that it was set up for.
-        type(body_t) :: body
+        type(body_t) :: body = body_t()
         !> How large each state variable becomes, in the motion's own units, set by `prepare`: a radian
         !> for angles (half of it for quaternions), the largest rate and the largest momentum.
         !> Tolerances are relative to it.

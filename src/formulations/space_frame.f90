@@ -30,7 +30,7 @@ module spintop_space_frame
         !> Momentum about the vertical, spin rate about the axis, and sigma, its part split off.
         real(dp) :: vertical = 0, omega3 = 0, sigma = 0
         real(dp) :: mgl = 0, i1 = 1
-        type(motion_t) :: start
+        type(motion_t) :: start = motion_t()
     contains
         procedure, nopass :: info
         procedure :: prepare

@@ -4,14 +4,14 @@
 !> tables whose last stage lies at the end of the step without being the next step's first.
 !> Each memory has a SUNContext of its own, so that runs on several threads share nothing.
 module spintop_arkode_memory
-    use, intrinsic :: iso_c_binding, only: c_double, c_funloc, c_int, c_int64_t, c_loc, &
+    use, intrinsic :: iso_c_binding, only: c_double, c_funloc, c_int, c_loc, &
         c_long, c_null_funptr, c_null_ptr, c_associated, c_f_pointer, c_ptr
     use, intrinsic :: iso_fortran_env, only: int64
     use farkode_arkstep_mod, only: &
         FARKStepCreate, FARKStepEvolve, FARKStepFree, FARKStepGetCurrentStep, &
         FARKStepGetNumJacEvals, FARKStepGetNumStepAttempts, FARKStepGetNumSteps, FARKStepReset, &
         FARKStepSStolerances, FARKStepSetAdaptivityMethod, FARKStepSetDeduceImplicitRhs, &
-        FARKStepSetErrHandlerFn, FARKStepSetFixedStep, FARKStepSetInitStep, &
+        FARKStepSetFixedStep, FARKStepSetInitStep, &
         FARKStepSetInterpolantDegree, FARKStepSetJacEvalFrequency, FARKStepSetLSetupFrequency, &
         FARKStepSetLinearSolver, FARKStepSetMaxConvFails, FARKStepSetMaxErrTestFails, &
         FARKStepSetMaxNonlinIters, FARKStepSetMaxNumSteps, FARKStepSetNonlinConvCoef, &
@@ -19,11 +19,6 @@ module spintop_arkode_memory
         FARKStepSetStopTime, FARKStepSetTableNum, FARKStepSetUserData
     use farkode_mod, only: ARK_ADAPT_I, ARK_MEM_FAIL, ARK_ONE_STEP, ARKODE_DIRK_NONE, ARKODE_ERK_NONE
     use fnvector_serial_mod, only: FN_VMake_Serial
-    use fsundials_context_mod, only: FSUNContext_Create, FSUNContext_Free
-    use fsundials_linearsolver_mod, only: SUNLinearSolver, FSUNLinSolFree
-    use fsundials_matrix_mod, only: SUNMatrix, FSUNMatDestroy
-    use fsundials_nonlinearsolver_mod, only: SUNNonlinearSolver, FSUNNonlinSolFree
-    use fsundials_nvector_mod, only: N_Vector, FN_VDestroy, FN_VGetArrayPointer
     use fsunlinsol_dense_mod, only: FSUNLinSol_Dense
     use fsunmatrix_dense_mod, only: FSUNDenseMatrix
     use fsunnonlinsol_fixedpoint_mod, only: FSUNNonlinSol_FixedPoint
@@ -34,6 +29,9 @@ module spintop_arkode_memory
     use spintop_kinds, only: dp
     use spintop_status, only: status_ok, status_outside, status_non_finite
     use spintop_stepper, only: workspace_t, controls_t
+    use spintop_sundials, only: FN_VDestroy, FN_VGetArrayPointer, FSUNContext_Free, FSUNLinSolFree, FSUNMatDestroy, &
+        FSUNNonlinSolFree, N_Vector, SUNLinearSolver, SUNMatrix, SUNNonlinearSolver, create_context, index_kind, &
+        silence
     implicit none
     private
     public :: arkode_memory_t
@@ -99,11 +97,11 @@ contains
         type(arkode_table_t), intent(in) :: table
         type(controls_t), intent(in) :: controls
         type(formulation_info_t) :: info
-        integer(c_int64_t) :: n
+        integer(index_kind) :: n
 
         info = formulation%info()
         self%states = info%states
-        n = self%states
+        n = int(self%states, index_kind)
         allocate (self%formulation, source=formulation)
         self%adaptive = controls%steps == 0
         self%now%t = work%t
@@ -112,7 +110,7 @@ contains
         self%now%counts = work%counts
         self%state = work%y
         call self%dense%set_order(table%order)
-        call self%keep(FSUNContext_Create(c_null_ptr, self%context))
+        call self%keep(create_context(self%context))
         if (self%flag < 0) return
         self%state_vector => FN_VMake_Serial(n, self%state, self%context)
         if (table%implicit) then
@@ -144,7 +142,7 @@ contains
 
         associate (ark => self%integrator)
             ! First of all: nothing of what follows may print.
-            call self%keep(FARKStepSetErrHandlerFn(ark, c_funloc(keep_silent), c_null_ptr))
+            call self%keep(silence(ark))
             call self%keep(FARKStepSetUserData(ark, c_loc(self)))
             if (table%implicit) then
                 call self%keep(FARKStepSetTableNum(ark, table%id, ARKODE_ERK_NONE))
@@ -177,9 +175,9 @@ contains
     subroutine set_implicit_options(self, controls)
         class(arkode_memory_t), intent(inout) :: self
         type(controls_t), intent(in) :: controls
-        integer(c_int64_t) :: n
+        integer(index_kind) :: n
 
-        n = self%states
+        n = int(self%states, index_kind)
         associate (ark => self%integrator)
             if (controls%fixed_point) then
                 self%nonlinear_solver => FSUNNonlinSol_FixedPoint(self%state_vector, 0_c_int, &
@@ -344,14 +342,5 @@ contains
         call self%now%evaluate(self%formulation, self%now%y, self%now%slope, self%status)
         if (self%status == status_ok) finish_step = go_on
     end function finish_step
-
-    !> The callback that takes ARKODE's messages, which would go to standard error otherwise.
-    subroutine keep_silent(code, module_name, function_name, message, data) bind(C, name='')
-        integer(c_int), value :: code
-        type(c_ptr), value :: module_name, function_name, message, data
-        associate (unused => code, u1 => module_name, u2 => function_name, u3 => message, &
-                   u4 => data)
-        end associate
-    end subroutine keep_silent
 
 end module spintop_arkode_memory

@@ -93,9 +93,9 @@ module spintop_stepper
     !> A method of integration.
     type, abstract :: stepper_t
         !> What the method is.
-        type(method_info_t) :: info
+        type(method_info_t) :: info = method_info_t()
         !> What its user set.
-        type(controls_t) :: controls
+        type(controls_t) :: controls = controls_t()
     contains
         procedure(new_workspace), deferred :: new_workspace
         procedure(begin), deferred :: begin

@@ -10,7 +10,7 @@ module spintop_arkode_memory
     use farkode_arkstep_mod, only: &
         FARKStepCreate, FARKStepEvolve, FARKStepFree, FARKStepGetCurrentStep, &
         FARKStepGetNumJacEvals, FARKStepGetNumStepAttempts, FARKStepGetNumSteps, FARKStepReset, &
-        FARKStepSStolerances, FARKStepSetAdaptivityMethod, FARKStepSetDeduceImplicitRhs, &
+        FARKStepWFtolerances, FARKStepSetAdaptivityMethod, FARKStepSetDeduceImplicitRhs, &
         FARKStepSetFixedStep, FARKStepSetInitStep, &
         FARKStepSetInterpolantDegree, FARKStepSetJacEvalFrequency, FARKStepSetLSetupFrequency, &
         FARKStepSetLinearSolver, FARKStepSetMaxConvFails, FARKStepSetMaxErrTestFails, &
@@ -24,6 +24,7 @@ module spintop_arkode_memory
     use fsunnonlinsol_fixedpoint_mod, only: FSUNNonlinSol_FixedPoint
     use spintop_arkode_tables, only: arkode_table_t
     use spintop_compare, only: is_equal, is_finite
+    use spintop_error_weight, only: error_weight_t
     use spintop_dense_output, only: dense_output_t
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     use spintop_kinds, only: dp
@@ -40,6 +41,8 @@ module spintop_arkode_memory
     type :: arkode_memory_t
         !> Time, state, slope and counts as ARKODE has them.
         type(workspace_t) :: now
+        !> How large an error of a step may be, as a root mean square.
+        type(error_weight_t), private :: weight
         !> Status of the last right-hand side.
         integer :: status = status_ok
         !> A copy: dense output needs the equations too, where no formulation is at hand.
@@ -157,7 +160,8 @@ contains
                 relative = controls%relative_tolerance / sqrt(real(self%states, dp))
                 absolute = controls%absolute_tolerance / sqrt(real(self%states, dp))
             end if
-            call self%keep(FARKStepSStolerances(ark, relative, absolute))
+            call self%weight%set(self%formulation, relative, absolute)
+            call self%keep(FARKStepWFtolerances(ark, c_funloc(find_weights)))
             ! The plain controller: on this smooth motion it saves a sixth over ARKODE's default.
             unused = 0
             call self%keep(FARKStepSetAdaptivityMethod(ark, ARK_ADAPT_I, 1_c_int, 0_c_int, unused))
@@ -318,6 +322,24 @@ contains
         rhs = give_up
         if (self%adaptive .or. self%status == status_outside) rhs = retry
     end function rhs
+
+    !> The callback that computes the weights of errors: what they are multiplied by in a norm.
+    integer(c_int) function find_weights(y_vector, weight_vector, data) bind(C, name='')
+        type(N_Vector), intent(inout) :: y_vector, weight_vector
+        type(c_ptr), value :: data
+        type(arkode_memory_t), pointer :: self
+        real(c_double), pointer :: y_now(:), weights(:)
+        real(dp) :: y(max_states), allowed(max_states)
+
+        call c_f_pointer(data, self)
+        y_now => FN_VGetArrayPointer(y_vector)
+        weights => FN_VGetArrayPointer(weight_vector)
+        y = 0
+        y(1:self%states) = y_now
+        allowed = self%weight%allowed(y, y)
+        weights = 1 / allowed(1:self%states)
+        find_weights = merge(go_on, give_up, all(allowed(1:self%states) > 0))
+    end function find_weights
 
     !> The callback of a step to `t` that is accepted. ARKODE goes on from the state that the formulation
     !> makes of it.

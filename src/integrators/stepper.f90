@@ -5,6 +5,7 @@
 module spintop_stepper
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
+    use spintop_error_weight, only: error_weight_t
     use spintop_formulation, only: formulation_t, max_states, structure_none
     use spintop_projection, only: projection_t, project_nothing
     use spintop_status, only: status_ok, status_non_finite
@@ -44,7 +45,10 @@ module spintop_stepper
     type :: controls_t
         !> Number of equal steps; 0 lets an adaptive method choose its steps.
         integer :: steps = 0
-        !> Error that a step may make, as a share of each state variable and as such.
+        !> Error that a step may make: as a share of each state variable (of a radian, for angles that
+        !> count their turns and on which nothing depends), and beside that, in radians for the attitude
+        !> and as a share of the motion's largest rate and largest momentum for those. With `ode45` and
+        !> the paper's formulations the second has MATLAB's meaning: in the unit of each variable.
         real(dp) :: relative_tolerance = 1.0e-9_dp, absolute_tolerance = 1.0e-12_dp
         !> Most steps of an adaptive method in one run.
         integer(int64) :: max_steps = 1000000
@@ -80,6 +84,8 @@ module spintop_stepper
         real(dp) :: h = 0
         !> Steps done on the grid of a fixed-step method; -1 once it has left the grid.
         integer :: grid = 0
+        !> How large an error of a step may be, set as an adaptive method begins.
+        type(error_weight_t) :: weight
         !> Puts each new state back on what it must satisfy.
         type(projection_t) :: projection
         !> What the run has cost so far.
@@ -102,6 +108,7 @@ module spintop_stepper
         procedure(advance), deferred :: advance
         procedure(interpolate), deferred :: interpolate
         procedure :: order
+        procedure :: set_weight
     end type stepper_t
 
     abstract interface
@@ -148,6 +155,14 @@ contains
         class(stepper_t), intent(in) :: self
         order = self%info%order
     end function order
+
+    !> Prepares the run's error control for the tolerances.
+    pure subroutine set_weight(self, formulation, work)
+        class(stepper_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        call work%weight%set(formulation, self%controls%relative_tolerance, self%controls%absolute_tolerance)
+    end subroutine set_weight
 
     !> Right-hand side, counted; an infinite or undefined slope is `status_non_finite`.
     subroutine evaluate(self, formulation, y, dy, status)

@@ -37,6 +37,8 @@ module spintop_formulation
         logical :: symmetric_only = .true.
         !> Singular where sin(theta) = 0.
         logical :: singular_at_poles = .true.
+        !> Takes theta' anew from the energy after each step.
+        logical :: resets_speed = .false.
         !> Structures offered.
         logical :: offers(structure_split:structure_quadruple) = .false.
         !> Number of invariants that the state should keep.

@@ -12,6 +12,7 @@ module spintop_events
     use spintop_bracket, only: bracket_t
     use spintop_compare, only: is_finite, is_zero
     use spintop_motion, only: motion_t
+    use spintop_status, only: status_ok, status_bad_events
     implicit none
     private
     public :: event_t, event_watch_t, path_t
@@ -54,6 +55,7 @@ module spintop_events
     contains
         procedure(quantities), deferred :: quantities
         procedure(meet), deferred :: meet
+        procedure :: check
         procedure :: begin
         procedure :: look
         procedure, private :: values_at
@@ -111,6 +113,14 @@ module spintop_events
 
 contains
 
+    !> `status_ok`, or `status_bad_events` if one has no direction or a level that is not finite.
+    pure integer function check(self) result(status)
+        class(event_watch_t), intent(in) :: self
+        status = status_ok
+        if (.not. allocated(self%events)) return
+        if (.not. all(abs(self%events%direction) == 1 .and. is_finite(self%events%level))) status = status_bad_events
+    end function check
+
     !> Begins at a motion of the body.
     subroutine begin(self, body, motion)
         class(event_watch_t), intent(inout) :: self
@@ -126,6 +136,7 @@ contains
         self%t = motion%t
         self%here = motion
         self%has_enough = .false.
+        if (.not. allocated(self%events)) allocate (self%events(0))
         self%events%count = 0
         if (allocated(self%values)) deallocate (self%values)
         allocate (self%values(size(self%events)))

@@ -6,6 +6,7 @@ module spintop_integration
     use spintop_motion, only: motion_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_stepper, only: stepper_t, workspace_t, counts_t
+    use spintop_suitability, only: call_status
     use spintop_status, only: status_ok, status_outside, status_step_too_small, &
         status_step_limit, status_turning_point, status_not_converged
     implicit none
@@ -78,12 +79,15 @@ contains
     !> times (rising, from 0 to t_end): all of them by dense output of an adaptive method, those
     !> that are steps of a fixed-step one; and the turning point where the equations end at one.
     !> `watch` looks for events on the way; the motion at one that ends the run is shown last.
+    !>
+    !> What is given is checked first (`call_status`, `event_watch_t%check`): a call that asks for what
+    !> cannot be ends with a status that says why, and the observer sees nothing.
     subroutine integrate(formulation, stepper, body, start, t_end, samples, observer, outcome, watch)
         class(formulation_t), target, intent(inout) :: formulation
         class(stepper_t), target, intent(in) :: stepper
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
-        real(dp), intent(in) :: t_end, samples(:)
+        real(dp), intent(in) :: t_end, samples(:) !! s, from the start on, whatever its `t`
         class(observer_t), intent(inout) :: observer
         type(outcome_t), intent(out) :: outcome
         class(event_watch_t), intent(inout), optional :: watch
@@ -93,6 +97,9 @@ contains
         integer :: next, status
         logical :: stopped
 
+        outcome%status = call_status(stepper, formulation, body, start, t_end, samples)
+        if (outcome%status == status_ok .and. present(watch)) outcome%status = watch%check()
+        if (outcome%status /= status_ok) return
         stopped = .false.
         call stepper%new_workspace(work)
         work%t_end = t_end

@@ -37,6 +37,8 @@ module spintop_stepper
         real(dp) :: relative_tolerance = 0, absolute_tolerance = 0
         !> A smaller relative tolerance is below what its arithmetic can tell.
         real(dp) :: finest_tolerance = 1.0e-17_dp
+        !> Caught at a turning point where the speed is reset after each step: see `passes_turns`.
+        logical :: caught_by_reset = .false.
         !> Output points a step by its own convention (ode45: 4); 0 without one.
         integer :: refine = 0
     end type method_info_t

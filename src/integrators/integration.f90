@@ -49,10 +49,12 @@ module spintop_integration
         class(formulation_t), pointer :: formulation => null()
         class(stepper_t), pointer :: stepper => null()
         class(workspace_t), pointer :: work => null()
-        !> At the start of the step.
-        type(follower_t) :: follower
+        !> At the start of the step, and at the two latest times asked for: from the last of these before
+        !> a time the angles are followed to it.
+        type(follower_t) :: seen(3)
     contains
         procedure :: at => motion_in_step
+        procedure :: is_spent => step_is_spent
     end type step_path_t
 
     !> How a run ended.
@@ -116,23 +118,29 @@ contains
             if (present(watch)) call begin_watch()
         end if
         do while (status == status_ok .and. work%t < t_end .and. .not. observer%has_enough)
-            if (work%counts%steps >= stepper%controls%max_steps) then
+            if (work%is_spent(stepper%controls%max_steps)) then
                 status = status_step_limit
                 exit
             end if
             call stepper%advance(formulation, work, status)
             if (status == status_ok .and. present(watch)) then
-                path%follower = follower
+                path%seen = follower
                 call watch%look(path, work%t)
                 stopped = watch%has_enough
                 if (stopped) call show_end(watch%t)
                 if (stopped) exit
+                if (path%is_spent() .and. watch%t < work%t) then
+                    status = status_step_limit
+                    call show_end(watch%t)
+                    outcome%t = watch%t
+                    exit
+                end if
             end if
             if (status == status_ok) call show_until(work%t)
             call check_arrival(formulation, work, follower, observer, status)
         end do
         outcome%status = status
-        outcome%t = work%t
+        if (.not. outcome%t > 0) outcome%t = work%t
         if (stopped) outcome%t = watch%t
         outcome%counts = work%counts
 
@@ -158,7 +166,7 @@ contains
         end subroutine show_until
 
         subroutine begin_watch()
-            path = step_path_t(formulation, stepper, work, follower)
+            path = step_path_t(formulation, stepper, work)
             call watch%begin(body, formulation%motion(work%t, work%y, follower%angle))
         end subroutine begin_watch
 
@@ -184,15 +192,23 @@ contains
 
     !> The motion at a time within the last step.
     subroutine motion_in_step(self, t, motion)
-        class(step_path_t), intent(in) :: self
+        class(step_path_t), intent(inout) :: self
         real(dp), intent(in) :: t
         type(motion_t), intent(out) :: motion
         type(follower_t) :: follower
-        follower = self%follower
+        follower = self%seen(max(1, count(self%seen%t <= t)))
+        self%work%counts%looks = self%work%counts%looks + 1
         call follower%walk_to(self%formulation, self%stepper, self%work, t, &
                               self%stepper%interpolate(self%formulation, self%work, t))
         motion = self%formulation%motion(t, follower%y, follower%angle)
+        if (t > self%seen(3)%t) self%seen(2:3) = [self%seen(3), follower]
     end subroutine motion_in_step
+
+    !> Whether the work of the case is used up.
+    logical function step_is_spent(self)
+        class(step_path_t), intent(in) :: self
+        step_is_spent = self%work%is_spent(self%stepper%controls%max_steps)
+    end function step_is_spent
 
     !> Goes on to a later time and state.
     subroutine go_to(self, formulation, t, y)
@@ -219,13 +235,15 @@ contains
         angle = self%angle
         sure = self%is_idle
         if (.not. sure) call formulation%follow(self%t, self%y, t, y, angle, sure)
-        sure = sure .or. t - self%t <= max(shortest_pace * (work%t - work%t_last), 2 * spacing(t))
+        sure = sure .or. t - self%t <= max(shortest_pace * (work%t - work%t_last), 2 * spacing(t)) &
+               .or. work%is_spent(stepper%controls%max_steps)
         if (sure) then
             self%t = t
             self%y = y
             self%angle = angle
         else
             middle = self%t + (t - self%t) / 2
+            work%counts%looks = work%counts%looks + 1
             call self%walk_to(formulation, stepper, work, middle, &
                               stepper%interpolate(formulation, work, middle))
             call self%walk_to(formulation, stepper, work, t, y)

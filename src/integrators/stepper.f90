@@ -11,7 +11,10 @@ module spintop_stepper
     use spintop_status, only: status_ok, status_non_finite
     implicit none
     private
-    public :: stepper_t, method_info_t, controls_t, workspace_t, counts_t
+    public :: stepper_t, method_info_t, controls_t, workspace_t, counts_t, looks_per_step
+
+    !> So many looks at a motion within steps count as one step of the work that a run may take.
+    integer, parameter :: looks_per_step = 16
 
     !> What the registry, the help, the checks and the tests know of a method.
     type :: method_info_t
@@ -52,7 +55,7 @@ module spintop_stepper
         !> and as a share of the motion's largest rate and largest momentum for those. With `ode45` and
         !> the paper's formulations the second has MATLAB's meaning: in the unit of each variable.
         real(dp) :: relative_tolerance = 1.0e-9_dp, absolute_tolerance = 1.0e-12_dp
-        !> Most steps of an adaptive method in one run.
+        !> Most work of one run, in steps: tried or taken, and for so many looks within steps one each.
         integer(int64) :: max_steps = 1000000
         !> Solve implicit steps by fixed-point iteration instead of Newton's.
         logical :: fixed_point = .false.
@@ -66,6 +69,8 @@ module spintop_stepper
     type :: counts_t
         !> Steps taken, and tried in vain.
         integer(int64) :: steps = 0, rejected = 0
+        !> Looks at the motion within steps, in search of events and of the turns of angles.
+        integer(int64) :: looks = 0
         !> Right-hand sides and Jacobian matrices computed.
         integer(int64) :: evaluations = 0, jacobians = 0
         !> Inadmissible values that `after_step` had to cut.
@@ -94,6 +99,7 @@ module spintop_stepper
         type(counts_t) :: counts
     contains
         procedure :: evaluate
+        procedure :: is_spent
         procedure :: settle
         procedure :: settle_change
     end type workspace_t
@@ -178,6 +184,15 @@ contains
         ! Not by is_finite: a call for each component would cost as much as a right-hand side.
         if (status == status_ok .and. .not. all(abs(dy) <= huge(1.0_dp))) status = status_non_finite
     end subroutine evaluate
+
+    !> Whether the work that a case may take is used up: steps, tried or taken, and looks.
+    pure logical function is_spent(self, max_steps)
+        class(workspace_t), intent(in) :: self
+        integer(int64), intent(in) :: max_steps
+        associate (counts => self%counts)
+            is_spent = counts%steps + counts%rejected + counts%looks / looks_per_step >= max_steps
+        end associate
+    end function is_spent
 
     !> Accepts the state `y_new` at `t_new`, after formulation and projection have put it back on
     !> what it must satisfy; `changed` tells whether they did. The slope is the caller's to renew.

@@ -45,13 +45,13 @@ module spintop_sweep_worker
         !> The cases of a block, each made in the place of one of the last block, from which it keeps what is the
         !> same; status, note, swept parameters, quantities, and lane in the block of the exact motion (0 for
         !> cases without).
-        type(case_t), private :: cases(block_size)
-        integer, private :: status(block_size) = status_ok, lane(block_size) = 0
-        type(note_t), private :: note(block_size)
+        type(case_t), allocatable, private :: cases(:)
+        integer, allocatable, private :: status(:), lane(:)
+        type(note_t), allocatable, private :: note(:)
         !> Whether the event came that was to end the motion.
-        logical, private :: came(block_size) = .true.
-        real(dp), private :: parameters(max_axes, block_size) = 0, values(quantities, block_size) = 0
-        type(exact_block_t), private :: block
+        logical, allocatable, private :: came(:)
+        real(dp), allocatable, private :: parameters(:, :), values(:, :)
+        type(exact_block_t), allocatable, private :: block
         type(sweep_batch_t), private :: batch
         !> Seconds spent on making and computing cases, and on filling their rows.
         real(dp) :: making = 0, computing = 0, filling = 0
@@ -77,7 +77,16 @@ contains
         worker%scene = job%scene
         call describe_scene(worker%scene, table)
         allocate (worker%slots, source=job%axes%slots_in(table))
-        worker%cases = job%case
+        ! Not on the stack, which may be small.
+        allocate (worker%cases(block_size), source=job%case)
+        allocate (worker%status(block_size), worker%lane(block_size), worker%came(block_size))
+        allocate (worker%parameters(max_axes, block_size), worker%values(quantities, block_size))
+        allocate (worker%note(block_size), worker%block)
+        worker%status = status_ok
+        worker%lane = 0
+        worker%came = .true.
+        worker%parameters = 0
+        worker%values = 0
         worker%plan = job%plan
         worker%same_body = .not. job%axes%varies('top')
         worker%same_attitude = .not. job%axes%varies_any(attitude_parameters)

@@ -20,7 +20,7 @@ module spintop_formulations
     !> The formulations by name, in the order in which they are listed.
     type :: registry_t
         integer :: size = 0
-        type(entry_t) :: entry(16)
+        type(entry_t), allocatable :: entry(:)
     contains
         procedure :: add
     end type registry_t
@@ -43,6 +43,16 @@ contains
     subroutine add(self, prototype)
         class(registry_t), intent(inout) :: self
         class(formulation_t), intent(in) :: prototype
+        type(entry_t), allocatable :: larger(:)
+        integer :: i
+        if (.not. allocated(self%entry)) allocate (self%entry(16))
+        if (self%size == size(self%entry)) then
+            allocate (larger(2 * self%size))
+            do i = 1, self%size
+                call move_alloc(self%entry(i)%prototype, larger(i)%prototype)
+            end do
+            call move_alloc(larger, self%entry)
+        end if
         self%size = self%size + 1
         allocate (self%entry(self%size)%prototype, source=prototype)
     end subroutine add

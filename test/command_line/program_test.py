@@ -128,7 +128,7 @@ class ProgramCase(unittest.TestCase):
             capture_output=True,
             text=True,
             check=False,
-            timeout=60,
+            timeout=1200,
             **options,
         )
 

@@ -18,7 +18,7 @@ module spintop_regular_start
     use spintop_validity, only: body_status, start_status
     implicit none
     private
-    public :: regular_start_t, find_regular_start, rates_describe
+    public :: regular_start_t, find_regular_start, find_checked_start, rates_describe
 
     !> Everything the closed form needs from body and start, in extended precision.
     type :: regular_start_t
@@ -60,8 +60,7 @@ contains
     end function half
 
     !> Translates body and start. `status` is `status_unsuitable` for a body that is not a
-    !> symmetric undamped top, `status_non_finite` for data that are no numbers, and else that of
-    !> `spintop_validity`.
+    !> symmetric undamped top and `status_non_finite` for data that are no numbers.
     pure subroutine find_regular_start(body, start, regular, status)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
@@ -93,6 +92,17 @@ contains
         regular%lower_phase = (real(start%angle(1), xp) - start%angle(3)) / 2
     end subroutine find_regular_start
 
+    !> The same for data of which nothing is known: `status` is also that of `spintop_validity`.
+    pure subroutine find_checked_start(body, start, regular, status)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        type(regular_start_t), intent(out) :: regular
+        integer, intent(out) :: status
+        call find_regular_start(body, start, regular, status)
+        if (status == status_ok) status = body_status(body)
+        if (status == status_ok) status = start_status(start)
+    end subroutine find_checked_start
+
     pure integer function status_of_data(body, start) result(status)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
@@ -102,8 +112,6 @@ contains
         if (.not. all(is_finite([start%t, start%angle, start%omega, start%quaternion])) &
             .or. .not. norm2(start%quaternion) > 0 &
             .or. .not. all(is_finite([body%inertia, body%mgl()]))) status = status_non_finite
-        if (status == status_ok) status = body_status(body)
-        if (status == status_ok) status = start_status(start)
     end function status_of_data
 
     !> Whether angles and rates describe the start best; if not, quaternion and omega do.

@@ -64,7 +64,8 @@ contains
         call take_samples(scene, case, plan, problems)
         if (problems%any()) return
         status = can_run(plan%stepper, plan%formulation, case%body)
-        if (status /= status_ok) call problems%add('integration', status_meaning(status), '')
+        if (status /= status_ok) call problems%add('integration', status_meaning(status), &
+                                                   'see what goes together in doc/methods.md')
     end subroutine make_plan
 
     !> The method named, or the cheapest that is adequate.

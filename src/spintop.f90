@@ -23,7 +23,7 @@ module spintop
     use spintop_sleeping_top, only: critical_omega3
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_floquet, only: find_multipliers, find_monodromy
-    use spintop_lyapunov, only: find_lyapunov
+    use spintop_lyapunov, only: find_largest_singular_value, find_lyapunov
     use spintop_tangent_flow, only: carry_tangents
     use spintop_euler_poisson, only: euler_poisson_state
     use spintop_fast_top, only: fast_top_t, fast_top

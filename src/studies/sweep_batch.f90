@@ -1,6 +1,7 @@
 !> Cases of a sweep that are followed step by step, many at once: bodies without a closed form, of
 !> which the table shows the end of the span only.
 module spintop_sweep_batch
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_case, only: case_t
@@ -90,7 +91,8 @@ contains
         type(note_t), intent(inout) :: note(:)
         type(motion_t) :: ends(block_size)
         type(outcome_t) :: outcomes(block_size)
-        integer :: i, k
+        integer(int64) :: max_steps
+        integer :: i, k, stability
 
         associate (n => self%n)
             call integrate_many(self%controls, self%bodies(:n), self%starts(:n), self%t_end(:n), &
@@ -101,10 +103,12 @@ contains
             status(k) = outcomes(i)%status
             values(:, k) = no_values()
             call note(k)%clear()
-            call put_stability(cases(k), wanted, values(:, k), note(k))
+            max_steps = self%controls%max_steps - outcomes(i)%counts%steps
+            call put_stability(cases(k), wanted, max_steps, values(:, k), stability, note(k))
+            if (status(k) == status_ok) status(k) = stability
             if (wanted(group_fast_top)) call put_fast_top(cases(k), values(:, k), note(k))
             values(q_evaluations, k) = real(outcomes(i)%counts%evaluations, dp)
-            if (status(k) == status_ok) then
+            if (outcomes(i)%status == status_ok) then
                 call put_end(cases(k), ends(i), values(q_energy_error_max, k), values(:, k))
             else
                 call note(k)%explain(trim(status_meanings(status(k))))

@@ -12,7 +12,7 @@ module spintop_sweep_worker
     use spintop_row_block, only: row_block_t
     use spintop_scene, only: scene_t, describe_scene, max_axes
     use spintop_start_of_scene, only: attitude_parameters
-    use spintop_status, only: status_ok, status_bad_input
+    use spintop_status, only: status_ok, status_bad_input, status_meanings
     use spintop_sweep_axes, only: put_values
     use spintop_sweep_batch, only: sweep_batch_t, goes_in_batch
     use spintop_sweep_columns, only: sweep_columns, sweep_groups, quantities, group_end, group_energy, &
@@ -48,6 +48,8 @@ module spintop_sweep_worker
         type(case_t), private :: cases(block_size)
         integer, private :: status(block_size) = status_ok, lane(block_size) = 0
         type(note_t), private :: note(block_size)
+        !> What is left of the work that a case may take, in steps.
+        integer(int64), private :: max_steps(block_size) = 0
         !> Whether the event came that was to end the motion.
         logical, private :: came(block_size) = .true.
         real(dp), private :: parameters(max_axes, block_size) = 0, values(quantities, block_size) = 0
@@ -105,8 +107,11 @@ contains
                 call job%axes%find_values(first + k - 1, worker%parameters(:axes, k))
                 call put_values(worker%slots, worker%parameters(:axes, k))
                 call make_worker_case(worker, k)
+                worker%max_steps(k) = worker%plan%max_steps
                 if (worker%plan%exact .and. worker%status(k) == status_ok .and. size(job%events) > 0) then
-                    call stop_exactly(worker%cases(k), job%events, job%stop_after, worker%came(k))
+                    call stop_exactly(worker%cases(k), job%events, job%stop_after, worker%max_steps(k), worker%status(k), &
+                                      worker%came(k))
+                    if (worker%status(k) /= status_ok) call worker%note(k)%explain(trim(status_meanings(worker%status(k))))
                 end if
                 worker%lane(k) = 0
                 if (worker%status(k) /= status_ok) then
@@ -141,7 +146,7 @@ contains
             call reserve_rows(job, block_size, rows)
             do k = 1, n
                 if (worker%lane(k) > 0) then
-                    call unload_lane(worker%cases(k), block, worker%lane(k), worker%wanted, &
+                    call unload_lane(worker%cases(k), block, worker%lane(k), worker%wanted, worker%max_steps(k), &
                                      worker%values(:, k), worker%status(k), worker%note(k))
                     if (worker%status(k) == status_ok .and. .not. worker%came(k)) call worker%note(k)%add(note_no_stop)
                 end if

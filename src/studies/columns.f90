@@ -5,6 +5,7 @@ module spintop_columns
     use spintop_attitude, only: rotation_angle, vertical_from_quaternion, to_space
     use spintop_body, only: body_t
     use spintop_case, only: case_t
+    use spintop_compare, only: is_finite
     use spintop_conditioning, only: conditioning_t, prepare_conditioning
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t
@@ -104,6 +105,7 @@ module spintop_columns
     contains
         procedure :: set
         procedure :: row
+        procedure :: is_defined
         procedure :: come_near
     end type column_computer_t
 
@@ -214,6 +216,19 @@ contains
         end do
         values = all_values(self%chosen)
     end function row
+
+    !> Whether the last row, given, is finite, but for the rates of phi and psi at a pole.
+    pure logical function is_defined(self, values)
+        class(column_computer_t), intent(in) :: self
+        real(dp), intent(in) :: values(:)
+        logical :: lost(size(values))
+        lost = .not. is_finite(values)
+        if (any(lost) .and. abs(sin(self%near(2))) <= 4 * epsilon(1.0_dp)) then
+            lost = lost .and. trajectory_columns(self%chosen)%name /= 'phi_rate' &
+                   .and. trajectory_columns(self%chosen)%name /= 'psi_rate'
+        end if
+        is_defined = .not. any(lost)
+    end function is_defined
 
     !> The angles of the next row are continuous with those of another computer's last one.
     subroutine come_near(self, other)

@@ -47,6 +47,7 @@ contains
         integer :: status
 
         call choose_method(scene, case%body, plan, problems)
+        plan%max_steps = scene%max_steps
         if (problems%any()) return
         if (case%turn%is_turned()) then
             plan%reason = plan%reason // ' The body is turned inside, so that its axis of symmetry, body ' &
@@ -361,7 +362,8 @@ contains
         end if
         associate (steps => plan%stepper%controls%steps)
             plan%samples = steps + 1
-            if (scene%samples == unset_integer) return
+            ! Of a motion that an event ends every step is a row.
+            if (scene%samples == unset_integer .or. scene%stop_at /= '') return
             wanted = scene%samples - 1
             plan%samples = scene%samples
             if (mod(steps, wanted) == 0) return

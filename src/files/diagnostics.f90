@@ -15,7 +15,7 @@ module spintop_diagnostics
     !> More problems than this are counted, not shown.
     integer, parameter :: most_shown = 100
     !> Longest stretch of a source line that is shown.
-    integer, parameter :: widest_line = 100
+    integer, parameter :: widest_line = 100, least_window = 20
 
     !> Where something stands in a source. The default is nowhere.
     type :: place_t
@@ -210,7 +210,7 @@ contains
             return
         end if
 
-        call cut_to_window(line, place)
+        call cut_to_window(line, place, width - len(to_text(place%line)) - 3)
         before = visible(line(:place%column - 1))
         marked = visible(line(place%column:min(len(line), place%column + place%width - 1)))
         number = to_text(place%line)
@@ -247,15 +247,17 @@ contains
     end function line_of
 
     !> Keeps the stretch of a very long line around the place.
-    pure subroutine cut_to_window(line, place)
+    pure subroutine cut_to_window(line, place, room)
         character(:), allocatable, intent(inout) :: line
         type(place_t), intent(inout) :: place
+        integer, intent(in) :: room !! columns for it
         character(*), parameter :: gap = '...'
-        integer :: first, last
+        integer :: first, last, widest
 
-        if (len(line) <= widest_line) return
-        first = max(1, min(place%column - widest_line / 2, len(line) - widest_line + 1))
-        last = first + widest_line - 1
+        if (len(line) <= min(room, widest_line)) return
+        widest = max(min(widest_line, room) - 2 * len(gap), least_window)
+        first = max(1, min(place%column - widest / 2, len(line) - widest + 1))
+        last = min(len(line), first + widest - 1)
         place%width = min(place%width, last - place%column + 1)
         if (last < len(line)) line = line(:last) // gap
         if (first > 1) then

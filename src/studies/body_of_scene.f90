@@ -69,7 +69,7 @@ contains
         body%inertia = scene%inertia
         if (breaks_triangle(scene%inertia)) then
             call problems%add('top.inertia(' // to_text(maxloc(scene%inertia, dim=1)) // ')', &
-                'no body has these moments of inertia: this one exceeds the sum of the others', &
+                'no body has these moments of inertia: the largest exceeds the sum of the others', &
                 'each moment is at most the sum of the other two')
         end if
         if (scene%inertia_about == 'centre_of_mass') then

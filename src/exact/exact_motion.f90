@@ -50,6 +50,8 @@ module spintop_exact_motion
         real(xp) :: tops_before = 0, bottoms_before = 0
         !> Whether there are exact passages of a pole.
         logical :: passes_pole = .false.
+        !> The sign of the start's quaternion, beside that which its angles give.
+        real(dp) :: side = 1
     contains
         procedure :: at
         procedure :: quaternion_at
@@ -102,6 +104,7 @@ contains
         exact%time = start%time
         exact%upper = cmplx(start%upper, kind=dp)
         exact%lower = cmplx(start%lower, kind=dp)
+        exact%side = merge(-1.0_dp, 1.0_dp, start%turns_against_angles)
         exact%a = real(start%a, dp)
         exact%half_beta = real(start%beta / 2, dp)
         exact%omega3 = real(start%omega3, dp)
@@ -196,8 +199,8 @@ contains
         swing_rate = -i * (self%omega3 - self%a) * swing &
             + 2 * self%half_beta * attitude%lower * conjg(attitude%upper)
         motion%t = t
-        motion%quaternion = [real(attitude%upper, dp), real(attitude%lower, dp), &
-                             aimag(attitude%lower), aimag(attitude%upper)]
+        motion%quaternion = self%side * [real(attitude%upper, dp), real(attitude%lower, dp), &
+                                         aimag(attitude%lower), aimag(attitude%upper)]
         motion%omega = [real(swing, dp), aimag(swing), self%omega3]
         motion%omega_rate = [real(swing_rate, dp), aimag(swing_rate), 0.0_dp]
         call add_angles(self, attitude, motion)
@@ -210,8 +213,8 @@ contains
         real(dp) :: q(4)
         type(attitude_t) :: attitude
         call find_attitude(self, t, attitude)
-        q = [real(attitude%upper, dp), real(attitude%lower, dp), &
-             aimag(attitude%lower), aimag(attitude%upper)]
+        q = self%side * [real(attitude%upper, dp), real(attitude%lower, dp), &
+                         aimag(attitude%lower), aimag(attitude%upper)]
     end function quaternion_at
 
     !> The Cayley-Klein components at time t.

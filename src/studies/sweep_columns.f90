@@ -65,7 +65,8 @@ module spintop_sweep_columns
         sweep_column_t('nutation_period', 's', 'time of a full nutation', group_nutation), &
         sweep_column_t('nutation_rate', 'rad/s', '2 pi over the nutation period', group_nutation), &
         sweep_column_t('nutation_rate_fast_top', 'rad/s', 'the same by Eq 30', group_fast_top), &
-        sweep_column_t('precession_per_nutation', 'rad', 'change of phi in a nutation', group_nutation), &
+        sweep_column_t('precession_per_nutation', 'rad', &
+                       'change of phi in a nutation, without the half turns at exact passages of a pole', group_nutation), &
         sweep_column_t('precession_rate', 'rad/s', 'mean precession rate', group_nutation), &
         sweep_column_t('precession_rate_fast_top', 'rad/s', 'the same by Eq 32', group_fast_top), &
         sweep_column_t('nutations_per_turn', '', 'nutations in a full turn of precession', group_nutation), &
@@ -85,7 +86,8 @@ module spintop_sweep_columns
         sweep_column_t('double_floor', 'rad', 'how far rounding of the data alone turns that attitude', group_floor), &
         sweep_column_t('evaluations', '', 'right-hand sides evaluated', group_cost), &
         sweep_column_t('motion_class', '', 'loop, cusp, wave, steady, ... (a word)', group_details), &
-        sweep_column_t('spin_per_nutation', 'rad', 'change of psi in a nutation', group_details), &
+        sweep_column_t('spin_per_nutation', 'rad', &
+                       'change of psi in a nutation, without the half turns at exact passages of a pole', group_details), &
         sweep_column_t('theta_rate_max', 'rad/s', 'largest nutation rate', group_details), &
         sweep_column_t('force_max', 'N', 'largest support force', group_details), &
         sweep_column_t('force_z_min', 'N', 'least vertical support force', group_details), &

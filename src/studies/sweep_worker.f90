@@ -151,16 +151,17 @@ contains
             if (worker%batch%n > 0) then
                 call worker%batch%compute(worker%cases, worker%wanted, worker%values, worker%status, worker%note)
             end if
+            do k = 1, n
+                if (worker%lane(k) == 0) cycle
+                call unload_lane(worker%cases(k), block, worker%lane(k), worker%wanted, worker%max_steps(k), &
+                                 worker%values(:, k), worker%status(k), worker%note(k))
+                if (worker%status(k) == status_ok .and. .not. worker%came(k)) call worker%note(k)%add(note_no_stop)
+            end do
             worker%computing = worker%computing + (seconds() - moment)
 
             moment = seconds()
             call reserve_rows(job, block_size, rows)
             do k = 1, n
-                if (worker%lane(k) > 0) then
-                    call unload_lane(worker%cases(k), block, worker%lane(k), worker%wanted, worker%max_steps(k), &
-                                     worker%values(:, k), worker%status(k), worker%note(k))
-                    if (worker%status(k) == status_ok .and. .not. worker%came(k)) call worker%note(k)%add(note_no_stop)
-                end if
                 call put_row(job, first + k - 1, worker%parameters(:, k), worker%status(k), worker%values(:, k), &
                              worker%note(k), rows)
             end do

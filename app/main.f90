@@ -4,6 +4,7 @@ program spintop_main
     use, intrinsic :: iso_fortran_env, only: int64, output_unit, error_unit
     use spintop_command_line, only: request_t, read_command_line, describe_usage, action_run, action_check, &
         action_list, action_help, action_merge, action_version
+    use spintop_diagnostics, only: visible
     use spintop_errors, only: error_t, exit_ok
     use spintop_job, only: job_t
     use spintop_listing, only: list_topic
@@ -43,7 +44,7 @@ program spintop_main
         call merge_tables(request%merged, request%inputs, cases, error)
         call end_on(error)
         write (output_unit, '(a)') to_text(size(request%inputs)) // ' parts, ' // to_text(cases) // ' cases -> ' &
-            // request%merged
+            // visible(request%merged)
         call leave(exit_ok)
     end select
 
@@ -70,10 +71,10 @@ program spintop_main
 
 contains
 
-    !> Writes a text to standard error, if there is one.
+    !> Writes a text to standard error, if there is one. It may quote bytes of a damaged file.
     subroutine complain(text)
         character(*), intent(in) :: text
-        if (text /= '' .and. ranks%is_writer()) write (error_unit, '(a)') text
+        if (text /= '' .and. ranks%is_writer()) write (error_unit, '(a)') visible(text)
     end subroutine complain
 
     !> Writes lines to standard output.
@@ -82,7 +83,7 @@ contains
         integer :: line
         if (.not. allocated(lines) .or. .not. ranks%is_writer()) return
         do line = 1, size(lines)
-            write (output_unit, '(a)') lines(line)%text
+            write (output_unit, '(a)') visible(lines(line)%text)
         end do
     end subroutine show
 

@@ -70,7 +70,7 @@ contains
 
     !> Sets up the exact motion of `body` from `start`, of which either angles and rates or, close
     !> to a pole, quaternion and omega are used. `status` is `status_ok`, `status_unsuitable` (not
-    !> a symmetric undamped top) or `status_non_finite`.
+    !> a symmetric undamped top), `status_non_finite`, `status_bad_body` or `status_bad_start`.
     pure subroutine prepare_exact_motion(body, start, exact, status)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start

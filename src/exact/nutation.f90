@@ -87,11 +87,12 @@ contains
         nutation = describe_nutation(regular, points, prepare_theta_motion(regular, points))
     end subroutine find_nutation
 
-    !> Name of a class as it stands in tables.
+    !> Name of a class as it stands in tables; 'unknown' for a number that is no class.
     pure function class_name(class) result(name)
         integer, intent(in) :: class
         character(:), allocatable :: name
-        name = trim(class_names(class))
+        name = 'unknown'
+        if (class >= 1 .and. class <= last_class) name = trim(class_names(class))
     end function class_name
 
     !> One phrase that explains a class.

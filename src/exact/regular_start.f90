@@ -15,6 +15,7 @@ module spintop_regular_start
     use spintop_status, only: status_ok, status_non_finite, status_unsuitable
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
+    use spintop_validity, only: body_status, start_status
     implicit none
     private
     public :: regular_start_t, find_regular_start, rates_describe
@@ -59,7 +60,8 @@ contains
     end function half
 
     !> Translates body and start. `status` is `status_unsuitable` for a body that is not a
-    !> symmetric undamped top and `status_non_finite` for data that are no numbers.
+    !> symmetric undamped top, `status_non_finite` for data that are no numbers, and else that of
+    !> `spintop_validity`.
     pure subroutine find_regular_start(body, start, regular, status)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
@@ -100,6 +102,8 @@ contains
         if (.not. all(is_finite([start%t, start%angle, start%omega, start%quaternion])) &
             .or. .not. norm2(start%quaternion) > 0 &
             .or. .not. all(is_finite([body%inertia, body%mgl()]))) status = status_non_finite
+        if (status == status_ok) status = body_status(body)
+        if (status == status_ok) status = start_status(start)
     end function status_of_data
 
     !> Whether angles and rates describe the start best; if not, quaternion and omega do.

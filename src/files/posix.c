@@ -94,6 +94,16 @@ int spintop_sync(int file) {
     return result < 0 ? errno : 0;
 }
 
+// Returns when the names in a folder are on the disk. One that may not be read cannot be synchronised.
+int spintop_sync_folder(const char *path) {
+    int file;
+    int status = spintop_open(path, &file);
+    if (status != 0) return status == EACCES ? 0 : status;
+    status = spintop_sync(file);
+    close(file);
+    return status;
+}
+
 // A special file has no size that could be cut.
 int spintop_truncate(int file, long long size) {
     struct stat info;

@@ -40,11 +40,12 @@ contains
         type(error_t), allocatable, intent(out) :: error
         integer, parameter :: largest_head = 16 * 1024 * 1024, piece = 64 * 1024
         type(input_file_t) :: file
-        character(piece) :: block
+        character(:), allocatable :: block
         integer :: length, first, break
 
         head = ''
         first = 1
+        allocate (character(piece) :: block)
         call file%open(path, error)
         if (allocated(error)) return
         do

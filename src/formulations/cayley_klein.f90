@@ -16,6 +16,7 @@ module spintop_cayley_klein
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_series_order, &
         max_states, structure_series, structure_split
     use spintop_motion, only: motion_t, motion_from_quaternion
+    use spintop_motion_scales, only: motion_scales_t, motion_scales
     use spintop_status, only: status_ok
     implicit none
     private
@@ -57,6 +58,7 @@ contains
         type(motion_t), intent(in) :: start
         real(dp), intent(out) :: y(max_states)
         integer, intent(out) :: status
+        type(motion_scales_t) :: scales
         real(dp) :: a, energy, gamma(3)
         self%body = body
         a = body%inertia(3) * start%omega(3) / body%inertia(1)
@@ -68,6 +70,9 @@ contains
         self%lower = self%b / 2 - (energy - self%b + a**2) / 4
         y(1:4) = start%quaternion
         y(5:8) = quaternion_product(start%quaternion, [0.0_dp, start%omega(1:2) / 2, a / 2])
+        scales = motion_scales(body, start)
+        self%scale(1:4) = 0.5_dp
+        self%scale(5:8) = scales%rate / 2
         status = status_ok
     end subroutine prepare
 

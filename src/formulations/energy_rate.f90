@@ -17,7 +17,7 @@ module spintop_energy_rate
     !> State y = (phi, theta, psi).
     type, extends(formulation_t) :: energy_rate_t
         private
-        type(symmetric_top_t) :: top
+        type(symmetric_top_t) :: top = symmetric_top_t()
         !> Sign of theta' on this branch; 0 for steady precession.
         real(dp) :: branch = 1
         !> Whether the start is a turning point.
@@ -56,6 +56,7 @@ contains
         call self%top%set(body, start)
         y = 0
         y(1:3) = start%angle
+        self%cyclic([1, 3]) = .true.
         status = merge(status_pole, status_ok, at_pole(start%angle(2)))
         pull = start%rate(2)
         self%starts_at_rest = is_zero(pull)

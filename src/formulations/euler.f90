@@ -3,6 +3,7 @@ module spintop_euler
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
+    use spintop_motion_scales, only: motion_scales_t, motion_scales
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_states
     use spintop_symmetric_top, only: symmetric_top_t, at_pole
     use spintop_status, only: status_ok, status_pole
@@ -13,7 +14,7 @@ module spintop_euler
     !> State y = (phi, phi', theta, theta', psi); omega3 is constant.
     type, extends(formulation_t) :: euler_t
         private
-        type(symmetric_top_t) :: top
+        type(symmetric_top_t) :: top = symmetric_top_t()
     contains
         procedure, nopass :: info
         procedure :: prepare
@@ -39,10 +40,14 @@ contains
         type(motion_t), intent(in) :: start
         real(dp), intent(out) :: y(max_states)
         integer, intent(out) :: status
+        type(motion_scales_t) :: scales
         self%body = body
         call self%top%set(body, start)
         y = 0
         y(1:5) = [start%angle(1), start%rate(1), start%angle(2), start%rate(2), start%angle(3)]
+        scales = motion_scales(body, start)
+        self%scale(1:5) = [1.0_dp, scales%rate, 1.0_dp, scales%rate, 1.0_dp]
+        self%cyclic([1, 5]) = .true.
         status = merge(status_pole, status_ok, at_pole(start%angle(2)))
     end subroutine prepare
 

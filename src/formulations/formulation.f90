@@ -37,6 +37,8 @@ module spintop_formulation
         logical :: symmetric_only = .true.
         !> Singular where sin(theta) = 0.
         logical :: singular_at_poles = .true.
+        !> Takes theta' anew from the energy after each step.
+        logical :: resets_speed = .false.
         !> Structures offered.
         logical :: offers(structure_split:structure_quadruple) = .false.
         !> Number of invariants that the state should keep.
@@ -49,7 +51,14 @@ module spintop_formulation
     !> A form of the equations of motion.
     type, abstract :: formulation_t
         !> The body that it was set up for.
-        type(body_t) :: body
+        type(body_t) :: body = body_t()
+        !> How large each state variable becomes, in the motion's own units, set by `prepare`: a radian
+        !> for angles (half of it for quaternions), the largest rate and the largest momentum.
+        !> Tolerances are relative to it.
+        real(dp) :: scale(max_states) = 1
+        !> State variables that may count any number of turns and on which nothing else depends: their
+        !> magnitude says nothing of the motion.
+        logical :: cyclic(max_states) = .false.
         !> Drift and kick are flows, the kick changes rates by what the attitude alone tells, and the
         !> drift turns by rates to which it is linear: the ground of Runge-Kutta-Nystrom tables.
         logical :: splits_as_nystrom = .true.

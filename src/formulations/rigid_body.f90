@@ -16,6 +16,7 @@ module spintop_rigid_body
     use spintop_body, only: body_t
     use spintop_compare, only: is_zero
     use spintop_motion, only: motion_t, motion_from_quaternion
+    use spintop_motion_scales, only: motion_scales_t, motion_scales
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_series_order, &
         max_states, structure_group, structure_quadruple, structure_series, structure_split
     use spintop_rigid_body_series, only: find_quadruple_series, find_series
@@ -71,6 +72,7 @@ contains
         type(motion_t), intent(in) :: start
         real(dp), intent(out) :: y(max_states)
         integer, intent(out) :: status
+        type(motion_scales_t) :: scales
         self%body = body
         self%moment = body%weight_moment()
         associate (inertia => body%inertia)
@@ -85,6 +87,9 @@ contains
         y = 0
         y(1:4) = start%quaternion
         y(5:7) = body%inertia * start%omega
+        scales = motion_scales(body, start)
+        self%scale(1:4) = 0.5_dp
+        self%scale(5:7) = scales%momentum
         status = status_ok
     end subroutine prepare
 

@@ -16,6 +16,7 @@ module spintop_space_frame
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_series_order, &
         max_states, structure_group, structure_quadruple, structure_series, structure_split
     use spintop_motion, only: motion_t, motion_from_quaternion
+    use spintop_motion_scales, only: motion_scales_t, motion_scales
     use spintop_small_turn, only: half_turn
     use spintop_status, only: status_ok
     use spintop_vectors, only: cross
@@ -29,7 +30,7 @@ module spintop_space_frame
         !> Momentum about the vertical, spin rate about the axis, and sigma, its part split off.
         real(dp) :: vertical = 0, omega3 = 0, sigma = 0
         real(dp) :: mgl = 0, i1 = 1
-        type(motion_t) :: start
+        type(motion_t) :: start = motion_t()
     contains
         procedure, nopass :: info
         procedure :: prepare
@@ -65,6 +66,7 @@ contains
         type(motion_t), intent(in) :: start
         real(dp), intent(out) :: y(max_states)
         integer, intent(out) :: status
+        type(motion_scales_t) :: scales
         real(dp) :: momentum(3)
         self%body = body
         momentum = to_space(start%quaternion, body%inertia * start%omega)
@@ -77,6 +79,9 @@ contains
         y = 0
         y(1:2) = momentum(1:2)
         y(3:6) = start%quaternion
+        scales = motion_scales(body, start)
+        self%scale(1:2) = scales%momentum
+        self%scale(3:6) = 0.5_dp
         status = status_ok
     end subroutine prepare
 

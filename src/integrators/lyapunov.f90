@@ -7,6 +7,7 @@ module spintop_lyapunov
     use spintop_motion, only: motion_t
     use spintop_status, only: status_ok, status_step_limit, status_bad_input, status_non_finite
     use spintop_tangent_flow, only: step_limit, take_tangent_step
+    use spintop_validity, only: body_status, motion_status
     implicit none
     private
     public :: find_lyapunov
@@ -17,7 +18,9 @@ contains
     !> largest first in the limit of long times, to which they tend like log(t)/t. Deviations are
     !> made orthonormal after every step (Benettin, Galgani, Giorgilli and Strelcyn, Meccanica 15,
     !> 1980); they are given by `directions`, a column each (Gamma, Pi; SI units), or of no
-    !> special direction. A motion of more than `max_steps` steps is given up.
+    !> special direction. A motion of more than `max_steps` steps is given up. `status_bad_input`: no
+    !> positive span, no or more than six exponents, or directions that are not six finite numbers
+    !> for each; `status_non_finite`, `status_bad_body`, `status_bad_start`: no body or no motion.
     pure subroutine find_lyapunov(body, start, t_end, exponents, status, directions, max_steps)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
@@ -32,7 +35,14 @@ contains
         exponents = 0
         growth = 0
         status = status_bad_input
-        if (size(exponents) > 6 .or. .not. (t_end > 0 .and. is_finite(t_end))) return
+        if (size(exponents) < 1 .or. size(exponents) > 6 .or. .not. (t_end > 0 .and. is_finite(t_end))) return
+        if (present(directions)) then
+            if (size(directions, 1) /= 6 .or. size(directions, 2) < size(exponents)) return
+            if (.not. all(is_finite(directions))) return
+        end if
+        status = body_status(body)
+        if (status == status_ok) status = motion_status(start)
+        if (status /= status_ok) return
         columns(:, 1) = euler_poisson_state(body, start)
         unit = state_units(body, columns(:, 1))
         if (present(directions)) then

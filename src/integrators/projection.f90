@@ -61,8 +61,8 @@ contains
         end if
     end subroutine apply
 
-    !> The nearest state with the invariants wanted, by Newton's method: each correction is the
-    !> shortest that solves the linearised conditions (Hairer, Lubich and Wanner, Geometric Numerical
+    !> The nearest state with the invariants wanted, by Newton's method, each variable in units of how
+    !> large it becomes: each correction is the shortest that solves the linearised conditions (Hairer, Lubich and Wanner, Geometric Numerical
     !> Integration, IV.4).
     subroutine restore_invariants(formulation, info, wanted, y)
         class(formulation_t), intent(in) :: formulation
@@ -90,12 +90,13 @@ contains
             call dgelsy(info%invariants, info%states, 1, matrix, max_invariants, correction, &
                         max_states, columns, dependent, rank, work, size(work), failure)
             if (failure /= 0) return
-            y(:info%states) = y(:info%states) + correction(:info%states)
-            if (maxval(abs(correction(:info%states))) <= epsilon_dp * maxval(abs(y))) return
+            y(:info%states) = y(:info%states) + correction(:info%states) * formulation%scale(:info%states)
+            if (maxval(abs(correction(:info%states))) <= epsilon_dp) return
         end do
     end subroutine restore_invariants
 
-    !> The gradients of the invariants, one a row, by central differences.
+    !> The gradients of the invariants by the variables in units of how large they become, one a row,
+    !> by central differences.
     subroutine find_gradients(formulation, states, y, gradient)
         class(formulation_t), intent(in) :: formulation
         integer, intent(in) :: states
@@ -106,11 +107,12 @@ contains
 
         gradient = 0
         do j = 1, states
-            shift = epsilon_dp**(1.0_dp / 3) * max(1.0_dp, abs(y(j)))
+            if (formulation%cyclic(j)) cycle
+            shift = epsilon_dp**(1.0_dp / 3)
             moved = y
-            moved(j) = y(j) + shift
+            moved(j) = y(j) + shift * formulation%scale(j)
             call formulation%invariants(moved, above)
-            moved(j) = y(j) - shift
+            moved(j) = y(j) - shift * formulation%scale(j)
             call formulation%invariants(moved, below)
             gradient(:, j) = (above - below) / (2 * shift)
         end do

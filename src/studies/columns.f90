@@ -13,7 +13,7 @@ module spintop_columns
     implicit none
     private
     public :: column_t, column_computer_t, trajectory_columns, default_trajectory_columns
-    public :: needs_exact_motion, place_of_column
+    public :: needs_exact_motion, varies_near_poles, place_of_column
 
     !> What a table says of a column.
     type :: column_t
@@ -152,6 +152,12 @@ contains
         type(column_t), intent(in) :: column
         needs_exact_motion = column%group == group_oracle .or. column%group == group_floor
     end function needs_exact_motion
+
+    !> Whether a column may vary much faster near a pole than the attitude turns: it depends on phi or psi.
+    elemental logical function varies_near_poles(column)
+        type(column_t), intent(in) :: column
+        varies_near_poles = column%group == group_angles .or. column%group == group_force
+    end function varies_near_poles
 
     !> The chosen columns of a motion, which is in the axes of the computation; all but the errors
     !> are those of the body as it was given.

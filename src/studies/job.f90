@@ -25,7 +25,7 @@ module spintop_job
     use spintop_text, only: string_t, nearest_word, to_text
     implicit none
     private
-    public :: job_t, options_t, prepare_job
+    public :: job_t, options_t, prepare_job, shell_word
 
     !> What the command line says for all inputs, and the processes that carry it out.
     type :: options_t
@@ -37,9 +37,11 @@ module spintop_job
         integer :: threads = 0
         logical :: quiet = .false.
         logical :: progress = .false.
-        !> Which part of a sweep, and whether to go on with an interrupted one.
+        !> Which part of a sweep, and whether to resume an interrupted one or to discard it.
         type(shard_t) :: shard
-        logical :: resume = .false.
+        logical :: resume = .false., restart = .false.
+        !> The program with these options, as a shell takes them, but for the inputs and those two.
+        character(:), allocatable :: command
         type(ranks_t) :: ranks
     end type options_t
 
@@ -285,6 +287,25 @@ contains
         end subroutine take_column
 
     end subroutine choose_columns
+
+    !> A text as a word of the shell.
+    pure function shell_word(text) result(word)
+        character(*), intent(in) :: text
+        character(:), allocatable :: word
+        character(*), parameter :: plain = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=,:+@%-'
+        integer :: i
+        word = text
+        if (text /= '' .and. verify(text, plain) == 0) return
+        word = ''''
+        do i = 1, len(text)
+            if (text(i:i) == '''') then
+                word = word // '''\'''''
+            else
+                word = word // text(i:i)
+            end if
+        end do
+        word = word // ''''
+    end function shell_word
 
     !> Name of a file without its folder and its ending.
     pure function base_name(path) result(name)

@@ -32,13 +32,13 @@ contains
         character(*), intent(in) :: topic
         type(string_t), allocatable, intent(out) :: lines(:)
         type(error_t), allocatable, intent(out) :: error
-        type(scene_t), target :: scene
+        type(scene_t), allocatable, target :: scene
         type(parameter_table_t) :: table
         type(string_t), allocatable :: known(:)
         character(:), allocatable :: hint
         integer :: i
 
-        allocate (lines(0))
+        allocate (lines(0), scene)
         select case (topic)
         case ('methods')
             call list_methods(lines)

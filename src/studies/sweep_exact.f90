@@ -47,11 +47,13 @@ contains
         type(column_event_t), intent(in) :: events(:)
         integer, intent(in) :: n
         logical, intent(out) :: came
-        type(exact_path_t) :: path
-        type(event_recorder_t) :: watch
+        ! They are large: a thread may have a small stack.
+        type(exact_path_t), allocatable :: path
+        type(event_recorder_t), allocatable :: watch
         integer :: status
 
         came = .false.
+        allocate (path, watch)
         call prepare_exact_motion(case%body, case%start, path%exact, status)
         if (status /= status_ok) return
         call watch%set(events, n, case)

@@ -54,10 +54,11 @@ contains
         head = comment_lines(part) // table_head(header, table%columns%name)
     end subroutine describe_table
 
-    !> Starts the table, or goes on with one (`resume`) of the same head.
-    subroutine start_table(job, resume, head, table, error)
+    !> Starts the table, or goes on with one (`resume`) of the same head; what an interrupted run has left is
+    !> discarded only if that is asked for (`restart`).
+    subroutine start_table(job, resume, restart, head, table, error)
         type(job_t), intent(in) :: job
-        logical, intent(in) :: resume
+        logical, intent(in) :: resume, restart
         character(*), intent(in) :: head
         class(row_table_t), intent(inout) :: table
         type(error_t), allocatable, intent(out) :: error
@@ -66,7 +67,7 @@ contains
 
         select type (table)
         type is (growing_table_t)
-            call table%start(job%output, head, resume, error)
+            call table%start(job%output, head, resume, restart, error)
         type is (netcdf_table_t)
             call gather(job, facts, input)
             call table%start(job%output, facts, input, grid_of(job%axes), error)

@@ -5,7 +5,7 @@ module spintop_trajectory
     use spintop_body, only: body_t
     use spintop_case, only: case_t
     use spintop_columns, only: column_computer_t, column_t, trajectory_columns
-    use spintop_errors, only: error_t
+    use spintop_errors, only: error_t, exit_internal
     use spintop_event_recorder, only: event_recorder_t, event_columns, exact_path_t
     use spintop_exact_cost, only: measure_exact_cost
     use spintop_exact_motion, only: prepare_exact_motion
@@ -13,7 +13,7 @@ module spintop_trajectory
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_job, only: job_t, options_t
     use spintop_motion, only: motion_t
-    use spintop_plan, only: sample_time, sample_times
+    use spintop_plan, only: sample_time
     use spintop_progress, only: progress_t
     use spintop_parameter_print, only: print_namelist
     use spintop_provenance, only: describe_provenance, fact_count, fact_t, gather_facts
@@ -57,9 +57,12 @@ contains
         type(outcome_t) :: outcome
         type(string_t), allocatable :: input(:), header(:)
         type(string_t) :: trailer(1)
+        real(dp), allocatable :: times(:)
         real(dp) :: began, elapsed, setup, sample
 
         status = status_ok
+        call take_times(job, times, error)
+        if (allocated(error)) return
         associate (case => job%case, plan => job%plan)
             writer%t_end = case%t_end
             writer%total = plan%samples
@@ -93,7 +96,7 @@ contains
                 call sample_exactly(case, plan%samples, writer, outcome, watch)
             else
                 call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, &
-                               sample_times(case%t_end, plan%samples), writer, outcome, watch)
+                               times, writer, outcome, watch)
             end if
             elapsed = seconds() - began
             call writer%progress%finish()
@@ -130,6 +133,24 @@ contains
             if (job%scene%stop_at /= '' .and. status == status_ok) call summary%add('end', what_ended(job, watch))
         end associate
     end subroutine run_trajectory
+
+    !> The instants of the rows; none where the exact motion is sampled, which takes them as they come.
+    subroutine take_times(job, times, error)
+        type(job_t), intent(in) :: job
+        real(dp), allocatable, intent(out) :: times(:)
+        type(error_t), allocatable, intent(out) :: error
+        integer :: i, status
+
+        allocate (times(merge(0, job%plan%samples, job%plan%exact)), stat=status)
+        if (status /= 0) then
+            error = error_t(exit_internal, job%input // ': there is no memory for the instants of ' &
+                            // to_text(job%plan%samples) // ' rows; take fewer span.samples')
+            return
+        end if
+        do i = 1, size(times)
+            times(i) = sample_time(job%case%t_end, size(times), i)
+        end do
+    end subroutine take_times
 
     !> The head of a table with these columns, made from this resolved input.
     subroutine describe_table(job, input, columns, header)

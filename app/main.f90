@@ -4,6 +4,7 @@ program spintop_main
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_command_line, only: request_t, read_command_line, describe_usage, action_run, action_check, &
         action_list, action_help, action_merge, action_version
+    use spintop_diagnostics, only: visible
     use spintop_errors, only: error_t, exit_ok, exit_output
     use spintop_job, only: job_t
     use spintop_listing, only: list_topic
@@ -76,10 +77,10 @@ program spintop_main
 
 contains
 
-    !> Writes a text to standard error, if there is one.
+    !> Writes a text to standard error, if there is one. It may quote bytes of a damaged file.
     subroutine complain(text)
         character(*), intent(in) :: text
-        if (text /= '' .and. ranks%is_writer()) call complain_of(text // nl)
+        if (text /= '' .and. ranks%is_writer()) call complain_of(visible(text) // nl)
     end subroutine complain
 
     !> Writes lines to standard output; `code` rises if that cannot be.
@@ -88,7 +89,7 @@ contains
         integer, intent(inout) :: code
         type(error_t), allocatable :: problem
         if (.not. allocated(lines) .or. .not. ranks%is_writer()) return
-        call show_text(join(lines, nl) // nl, problem)
+        call show_text(visible(join(lines, nl)) // nl, problem)
         if (.not. allocated(problem)) return
         call complain(problem%message)
         code = max(code, problem%code)

@@ -2,6 +2,7 @@
 !> or plain lines every so often in a log.
 module spintop_progress
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_diagnostics, only: visible
     use spintop_kinds, only: dp
     use spintop_process, only: complain_of
     use spintop_system, only: error_is_terminal, seconds
@@ -63,7 +64,7 @@ contains
         class(progress_t), intent(in) :: self
         character(*), intent(in) :: text
         if (self%mode == silent) return
-        call show(self, self%name // ': ' // text)
+        call show(self, visible(self%name) // ': ' // text)
         if (self%mode == terminal) call complain_of(new_line('a'))
     end subroutine note
 
@@ -77,7 +78,7 @@ contains
         now = seconds()
         if (now - self%shown < merge(terminal_pause, log_pause, self%mode == terminal)) return
         self%shown = now
-        call show(self, self%name // ': ' // &
+        call show(self, visible(self%name) // ': ' // &
             progress_text(done, self%total, now - self%started, self%noun, self%before))
     end subroutine update
 

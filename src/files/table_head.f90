@@ -9,6 +9,8 @@ module spintop_table_head
     public :: table_head, comment_lines, read_head, first_line_of, compare_heads
 
     character, parameter :: nl = new_line('a')
+    !> Bytes of a line that a message quotes at most.
+    integer, parameter :: longest_line = 200
 
 contains
 
@@ -100,6 +102,7 @@ contains
         else
             line = text(first:first + index(text(first:) // nl, nl) - 2)
             if (index(line, '#') == 1) line = trim(adjustl(line(2:)))
+            if (len(line) > longest_line) line = line(:longest_line) // '...'
         end if
     end function line_at
 

@@ -360,7 +360,8 @@ class CommandsTest(ManualCase):
         self.assertNotEqual(manifest, parts["toml",])
         (project / "fpm.toml").write_text(manifest, encoding="utf-8")
         (project / "app/main.f90").write_text(parts["fortran",], encoding="utf-8")
-        fpm = f"'{sys.executable}' -m fpm"
+        activate = Path(sys.executable).parent / "activate"
+        fpm = f". '{activate}' && '{sys.executable}' -m fpm"
         self.assertEqual(self.shell(f"cd my_top && {fpm} build").returncode, 0)
         result = self.shell(f"cd my_top && {fpm} run 2>/dev/null")
         self.assertEqual(result.returncode, 0, result.stderr)

@@ -114,7 +114,7 @@ contains
                 valid = valid .and. relative >= method%finest_tolerance
             end if
         end associate
-        if (valid .and. controls%table /= '') valid = has_table(method, controls%table)
+        if (valid .and. len_trim(controls%table) > 0) valid = has_table(method, controls%table)
         status = merge(status_ok, status_bad_controls, valid)
         if (valid .and. controls%steps == 0 .and. .not. method%adaptive) status = status_no_steps
     end function controls_status

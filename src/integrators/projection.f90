@@ -62,8 +62,8 @@ contains
     end subroutine apply
 
     !> The nearest state with the invariants wanted, by Newton's method, each variable in units of how
-    !> large it becomes: each correction is the shortest that solves the linearised conditions (Hairer, Lubich and Wanner, Geometric Numerical
-    !> Integration, IV.4).
+    !> large it becomes: each correction is the shortest that solves the linearised conditions (Hairer,
+    !> Lubich and Wanner, Geometric Numerical Integration, IV.4).
     subroutine restore_invariants(formulation, info, wanted, y)
         class(formulation_t), intent(in) :: formulation
         type(formulation_info_t), intent(in) :: info

@@ -165,14 +165,14 @@ contains
     pure real(dp) function next_instant(self, t, pace) result(next)
         class(event_watch_t), intent(in) :: self
         real(dp), intent(in) :: t, pace
-        real(dp) :: pause, near
+        real(dp) :: gap, near
         next = t
-        pause = t - self%t
-        if (is_finite(pace) .and. pace * pause > largest_turn) pause = largest_turn / pace
+        gap = t - self%t
+        if (is_finite(pace) .and. pace * gap > largest_turn) gap = largest_turn / pace
         near = time_near_pole(self%here, self%pole_axis)
-        if (near < pause) pause = near
-        pause = max(pause, 2 * least_spacings * spacing(max(abs(self%t), abs(t))))
-        if (t - self%t > pause) next = self%t + (t - self%t) / (aint((t - self%t) / pause) + 1)
+        if (near < gap) gap = near
+        gap = max(gap, 2 * least_spacings * spacing(max(abs(self%t), abs(t))))
+        if (t - self%t > gap) next = self%t + (t - self%t) / (aint((t - self%t) / gap) + 1)
     end function next_instant
 
     !> The time in which a body axis goes a share of its distance from the vertical, s: with that way s, its
@@ -314,16 +314,16 @@ contains
         class(path_t), intent(inout) :: path
         integer, intent(in) :: k
         real(dp), intent(in) :: b
-        real(dp) :: values(9), pause
+        real(dp) :: values(9), gap
         integer :: i
 
         associate (side => self%sides(k), a => self%t)
             side%is_measured = .true.
             side%rounding = 0
-            pause = max(rounding_share * (b - a), 2 * spacing(max(abs(a), abs(b))))
-            if (8 * pause > b - a) return
+            gap = max(rounding_share * (b - a), 2 * spacing(max(abs(a), abs(b))))
+            if (8 * gap > b - a) return
             do i = 1, 9
-                values(i) = self%value_at(path, k, a + pause * (i - 1))
+                values(i) = self%value_at(path, k, a + gap * (i - 1))
             end do
             if (all(is_finite(values))) side%rounding = rounding_of(values)
         end associate

@@ -692,7 +692,7 @@ class EventTest(ProgramCase):
                 self.assertEqual(self.table().column("t")[-1], 3)
 
     def test_rows_of_a_motion_that_an_event_ends(self) -> None:
-        """Spread equally up to the event; of a fixed step size, every step, whatever `samples` says."""
+        """Spread equally up to the event; with a fixed step size every step, whatever `samples`."""
         scene = self.write(re.sub(r"&integration[^/]*/", "", GOOD))
         settings = ["span.t_end=1000", "span.samples=16", "span.stop_at=upper_turning_points"]
         for method in ("exact", "taylor", "dop853", "ode45"):
@@ -731,7 +731,9 @@ class EventTest(ProgramCase):
             table = self.compute(scene, *settings, code=3)
             self.assertIn("# status: step_limit at t = ", table.last_line)
             self.assertLess(float(table.last_line.split()[-1]), 1000)
-        sweep = "&sweep parameter(1) = 'initial.omega3', values(1,:) = 1, 2 / &study kind = 'sweep' /\n"
+        sweep = (
+            "&sweep parameter(1) = 'initial.omega3', values(1,:) = 1, 2 / &study kind = 'sweep' /\n"
+        )
         scene = self.write(GOOD.split("&integration")[0].replace("psi_rate = 1.0", "") + sweep)
         for column in ("lyapunov_exponent", "largest_singular_value"):
             settings = (f"output.columns={column}", "span.t_end=1000", "integration.max_steps=20")

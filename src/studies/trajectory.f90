@@ -229,7 +229,7 @@ contains
         type(motion_t), intent(in) :: motion
         if (self%has_enough) return
         self%rows = self%rows + 1
-        call self%file%add_row(self%columns%row(motion), self%error)
+        call self%file%add_row(self%columns%row(motion, is_start=self%rows == 1), self%error)
         self%has_enough = allocated(self%error)
         call self%progress%update(int(motion%t / self%t_end * self%total, int64))
     end subroutine write_row

@@ -306,7 +306,7 @@ contains
         type(motion_t), intent(in) :: motion
         real(dp), allocatable :: values(:)
         if (self%has_enough) return
-        values = self%columns%row(motion)
+        values = self%columns%row(motion, is_start=self%rows == 0)
         self%is_wild = .not. self%columns%is_defined(values)
         self%t_wild = motion%t
         self%has_enough = self%is_wild

@@ -576,6 +576,29 @@ class ExactMotionTest(ProgramCase):
         table = self.compute(self.write(text))
         self.assertEqual(table.texts("motion_class"), ["loop", "cusp", "wave"])
 
+    def test_precession_through_a_pole(self) -> None:
+        """It is the mean of those of motions that pass the pole closely on its two sides."""
+        theta, mgl, momentum = 0.5, 9.81 * 0.8660254037844387, 0.25 * 5
+        rate = momentum / 0.875 / (1 + math.cos(theta))  # of phi, for a passage of the pole itself
+        energy = 9 + 2 * mgl / 0.875 * (1 - math.cos(theta))
+        lines = ["initial.theta,initial.phi_rate,initial.theta_rate", "0.0,0.0,3.0"]
+        for phi_rate in (rate * (1 + 1e-9), rate * (1 - 1e-9)):
+            theta_rate = math.sqrt(energy - (math.sin(theta) * phi_rate) ** 2)
+            lines.append(f"{theta},{phi_rate},{theta_rate}")
+        (self.folder / "cases.csv").write_text("\n".join(lines) + "\n", encoding="ascii")
+        text = (
+            "&study kind = 'sweep' /\n&sweep table = 'cases.csv' /\n"
+            + GOOD.split("&integration")[0]
+        )
+        text = text.replace("psi_rate = 1.0", "phi_rate = 0, theta_rate = 0, omega3 = 5")
+        table = self.compute(self.write(text), "output.columns=all")
+        for name in ("precession_per_nutation", "spin_per_nutation", "precession_rate"):
+            through, *beside = table.column(name)
+            self.assertAlmostEqual(through, sum(beside) / 2, delta=1e-6)
+        for name in ("precession_per_nutation", "spin_per_nutation"):
+            _, *beside = table.column(name)
+            self.assertAlmostEqual(abs(beside[0] - beside[1]), 2 * math.pi, delta=1e-6)
+
     def test_stability_of_starts(self) -> None:
         """Sleeping below and above the critical spin, and an inclined start that is not steady."""
         text = (

@@ -304,15 +304,15 @@ contains
     subroutine write_row(self, motion)
         class(writer_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion
-        real(dp), allocatable :: values(:)
         if (self%has_enough) return
-        values = self%columns%row(motion, is_start=self%rows == 0)
-        self%is_wild = .not. self%columns%is_defined(values)
-        self%t_wild = motion%t
-        self%has_enough = self%is_wild
-        if (self%is_wild) return
-        self%rows = self%rows + 1
-        call self%file%add_row(values, self%error)
+        associate (values => self%columns%row(motion, is_start=self%rows == 0))
+            self%is_wild = .not. self%columns%is_defined(values)
+            self%t_wild = motion%t
+            self%has_enough = self%is_wild
+            if (self%is_wild) return
+            self%rows = self%rows + 1
+            call self%file%add_row(values, self%error)
+        end associate
         self%has_enough = allocated(self%error) .or. motion%t >= self%t_stop
         call self%progress%update(int(motion%t / self%t_end * self%total, int64))
     end subroutine write_row

@@ -19,6 +19,8 @@ from random_inputs import plausible_input  # noqa: E402
 PROGRAM = os.environ.get("SPINTOP_EXE", str(TESTS.parent / "build/release/spintop"))
 INPUTS = int(os.environ.get("SPINTOP_LONG_CASES", "10000"))
 FIRST = int(os.environ.get("SPINTOP_FIRST_SEED", "1"))
+KEPT = os.environ.get("SPINTOP_KEEP", "")
+"""A folder for a list of what is wrong that grows as it is found."""
 BATCH = 40
 PATIENCE = 900
 """Seconds after which a batch hangs; it takes one or two."""
@@ -107,6 +109,10 @@ class CampaignTest(unittest.TestCase):
                     (folder / f"{number}.nml").write_text(text, encoding="utf-8")
                 good, problems = self.run_batch(folder, range(seed, seed + BATCH))
                 faults += problems
+                if KEPT and problems:
+                    Path(KEPT).mkdir(parents=True, exist_ok=True)
+                    with (Path(KEPT) / "faults").open("a", encoding="utf-8") as file:
+                        file.writelines(f"{problem}\n" for problem in problems)
             accepted += good
             seed += BATCH
         if faults:

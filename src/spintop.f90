@@ -29,7 +29,7 @@ module spintop
     use spintop_steady_precession, only: steady_rates, steady_rates_at_spin
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_floquet, only: find_multipliers, find_monodromy
-    use spintop_lyapunov, only: find_lyapunov
+    use spintop_lyapunov, only: find_largest_singular_value, find_lyapunov
     use spintop_tangent_flow, only: carry_tangents
     use spintop_fast_top, only: fast_top_t
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states

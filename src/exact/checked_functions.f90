@@ -114,7 +114,9 @@ contains
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: theta, omega3
         motion = fast_top_t(no_number, no_number, no_number, no_number, no_number, no_number, no_number)
-        if (is_top(body) .and. is_finite(theta) .and. is_finite(omega3)) motion = unchecked_fast_top(body, theta, omega3)
+        if (is_top(body) .and. is_finite(theta) .and. is_finite(omega3)) then
+            motion = unchecked_fast_top(body, theta, omega3)
+        end if
     end function fast_top
 
     !> Whether a body is one, and the motion, too.

@@ -11,7 +11,7 @@ module spintop_force_extremes
     use spintop_status, only: status_ok
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
-    use spintop_regular_start, only: regular_start_t, find_regular_start
+    use spintop_regular_start, only: regular_start_t, find_checked_start
     use spintop_turning_points, only: turning_points_t, find_turning_points
     implicit none
     private
@@ -27,7 +27,7 @@ module spintop_force_extremes
 
 contains
 
-    !> Finds the extremes for a start. `status` as in `find_regular_start`.
+    !> Finds the extremes for a start. `status` as in `prepare_exact_motion`.
     pure subroutine find_force_extremes(body, start, extremes, status)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
@@ -37,7 +37,7 @@ contains
         type(turning_points_t) :: points
         real(xp) :: vertical(3), turning_y
 
-        call find_regular_start(body, start, regular, status)
+        call find_checked_start(body, start, regular, status)
         if (status /= status_ok) return
         points = find_turning_points(regular)
         associate (y1 => points%y1, y2 => points%y2)

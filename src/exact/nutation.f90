@@ -7,7 +7,7 @@ module spintop_nutation
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
     use spintop_elliptic_series, only: quotient, pi_xp
-    use spintop_regular_start, only: regular_start_t, find_regular_start
+    use spintop_regular_start, only: regular_start_t, find_checked_start
     use spintop_turning_points, only: turning_points_t, find_turning_points
     use spintop_theta_form, only: theta_clock_t
     use spintop_theta_motion, only: theta_motion_t, prepare_theta_motion, regime_resting
@@ -73,7 +73,7 @@ module spintop_nutation
 
 contains
 
-    !> Finds the complete quantities of a start. `status` as in `find_regular_start`.
+    !> Finds the complete quantities of a start. `status` as in `prepare_exact_motion`.
     pure subroutine find_nutation(body, start, nutation, status)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
@@ -81,7 +81,7 @@ contains
         integer, intent(out) :: status
         type(regular_start_t) :: regular
         type(turning_points_t) :: points
-        call find_regular_start(body, start, regular, status)
+        call find_checked_start(body, start, regular, status)
         if (status /= status_ok) return
         points = find_turning_points(regular)
         nutation = describe_nutation(regular, points, prepare_theta_motion(regular, points))

@@ -7,14 +7,15 @@
 module spintop_diagnostics
     use spintop_errors, only: error_t, input_error
     use spintop_text, only: to_text
+    use spintop_wrapping, only: characters, default_width, wrapped
     implicit none
     private
-    public :: diagnostics_t, place_t, visible
+    public :: diagnostics_t, place_t, visible, is_plain
 
     !> More problems than this are counted, not shown.
     integer, parameter :: most_shown = 100
     !> Longest stretch of a source line that is shown.
-    integer, parameter :: widest_line = 100
+    integer, parameter :: widest_line = 100, least_window = 20
 
     !> Where something stands in a source. The default is nowhere.
     type :: place_t
@@ -103,22 +104,27 @@ contains
     end function has_warnings
 
     !> Turns the errors, if there are any, into one error that holds the whole report.
-    subroutine raise(self, error)
+    subroutine raise(self, error, width)
         class(diagnostics_t), intent(in) :: self
         type(error_t), allocatable, intent(out) :: error
-        if (self%has_errors()) error = input_error(self%report())
+        integer, intent(in), optional :: width !! of its lines, in columns
+        if (self%has_errors()) error = input_error(self%report(width))
     end subroutine raise
 
-    !> The text of all problems, errors and warnings, and a last line that counts them.
-    function report(self) result(text)
+    !> The text of all problems, errors and warnings, and a last line that counts them. A line with a place
+    !> is never broken, for tools that read it.
+    function report(self, width) result(text)
         class(diagnostics_t), intent(in) :: self
+        integer, intent(in), optional :: width !! of its lines, in columns
         character(:), allocatable :: text
-        integer :: i
+        integer :: i, columns
 
+        columns = default_width
+        if (present(width)) columns = width
         text = ''
         if (.not. allocated(self%problems)) return
         do i = 1, size(self%problems)
-            text = text // self%show(self%problems(i)) // new_line('a') // new_line('a')
+            text = text // self%show(self%problems(i), columns) // new_line('a') // new_line('a')
         end do
         text = text // counted(self%errors, 'error')
         if (self%errors > 0 .and. self%warnings > 0) text = text // ', '
@@ -174,11 +180,14 @@ contains
         end if
     end function stands_after
 
-    function show(self, problem) result(text)
+    function show(self, problem, width) result(text)
         class(diagnostics_t), intent(in) :: self
         type(problem_t), intent(in) :: problem
+        integer, intent(in) :: width
         character(:), allocatable :: text, line, before, marked, number, margin
+        character(*), parameter :: indent = '  '
         type(place_t) :: place
+        integer :: start
 
         place = problem%place
         text = problem%severity // ': ' // visible(problem%message)
@@ -196,11 +205,12 @@ contains
             end associate
         end if
         if (.not. allocated(line)) then
-            if (problem%hint /= '') text = text // new_line('a') // '  ' // visible(problem%hint)
+            if (problem%hint /= '') text = text // new_line('a') // indent // &
+                wrapped(visible(problem%hint), len(indent), width)
             return
         end if
 
-        call cut_to_window(line, place)
+        call cut_to_window(line, place, width - len(to_text(place%line)) - 3)
         before = visible(line(:place%column - 1))
         marked = visible(line(place%column:min(len(line), place%column + place%width - 1)))
         number = to_text(place%line)
@@ -208,7 +218,13 @@ contains
         text = text // new_line('a') // margin(:len(margin) - 1) // new_line('a') // &
             number // ' | ' // visible(line) // new_line('a') // margin // &
             repeat(' ', characters(before)) // repeat('^', max(1, characters(marked)))
-        if (problem%hint /= '') text = text // ' ' // visible(problem%hint)
+        if (problem%hint == '') return
+        start = len(margin) + characters(before) + max(1, characters(marked)) + 1
+        if (start + characters(visible(problem%hint)) <= width) then
+            text = text // ' ' // visible(problem%hint)
+        else
+            text = text // new_line('a') // indent // wrapped(visible(problem%hint), len(indent), width)
+        end if
     end function show
 
     !> The line of that number, without its end.
@@ -231,15 +247,17 @@ contains
     end function line_of
 
     !> Keeps the stretch of a very long line around the place.
-    pure subroutine cut_to_window(line, place)
+    pure subroutine cut_to_window(line, place, room)
         character(:), allocatable, intent(inout) :: line
         type(place_t), intent(inout) :: place
+        integer, intent(in) :: room !! columns for it
         character(*), parameter :: gap = '...'
-        integer :: first, last
+        integer :: first, last, widest
 
-        if (len(line) <= widest_line) return
-        first = max(1, min(place%column - widest_line / 2, len(line) - widest_line + 1))
-        last = first + widest_line - 1
+        if (len(line) <= min(room, widest_line)) return
+        widest = max(min(widest_line, room) - 2 * len(gap), least_window)
+        first = max(1, min(place%column - widest / 2, len(line) - widest + 1))
+        last = min(len(line), first + widest - 1)
         place%width = min(place%width, last - place%column + 1)
         if (last < len(line)) line = line(:last) // gap
         if (first > 1) then
@@ -269,6 +287,17 @@ contains
             i = i + max(1, length)
         end do
     end function visible
+
+    !> Whether a text stands on one line, and every program sees that line: no control character, no byte
+    !> that is not UTF-8, and none of the two characters of Unicode that part lines.
+    pure logical function is_plain(text)
+        character(*), intent(in) :: text
+        character(*), parameter :: line_separator = char(226) // char(128) // char(168), &
+            paragraph_separator = char(226) // char(128) // char(169)
+        is_plain = index(text, new_line('a')) == 0
+        if (is_plain) is_plain = visible(text) == text
+        if (is_plain) is_plain = index(text, line_separator) == 0 .and. index(text, paragraph_separator) == 0
+    end function is_plain
 
     !> Bytes of the character that the text starts with; 0 if that is not UTF-8, or one that a terminal
     !> obeys.
@@ -321,12 +350,5 @@ contains
         turns_writing = (second == 128 .and. (third == 142 .or. third == 143 .or. &
             (third >= 170 .and. third <= 174))) .or. (second == 129 .and. third >= 166 .and. third <= 169)
     end function turns_writing
-
-    !> Number of characters of a visible text (UTF-8 continuation bytes do not count).
-    pure integer function characters(text)
-        character(*), intent(in) :: text
-        integer :: i
-        characters = count([(iand(iachar(text(i:i)), 192) /= 128, i=1, len(text))])
-    end function characters
 
 end module spintop_diagnostics

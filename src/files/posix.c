@@ -10,6 +10,7 @@
 #include <string.h>
 #include <sys/file.h>
 #include <sys/resource.h>
+#include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
@@ -185,4 +186,10 @@ void spintop_reason(int number, char *text, int room) {
     }
     if (strerror_r(number, text, (size_t)room) != 0) text[0] = '\0';
     text[room - 1] = '\0';
+}
+
+/* Columns of the terminal that a file is; 0 for any other file, or where they are not known. */
+int spintop_terminal_width(int file) {
+    struct winsize size;
+    return isatty(file) && ioctl(file, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
 }

@@ -65,6 +65,7 @@ contains
         ! That of another kind of run would say more than the part has.
         if (.not. allocated(error)) call remove_journal(path, error)
         if (.not. allocated(error)) call self%begin(head, error)
+        if (allocated(error)) call self%discard()
     end subroutine create
 
     !> Takes hold of the part, and leaves it as it is: no other run can write it meanwhile. It is

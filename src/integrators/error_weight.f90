@@ -3,9 +3,9 @@
 !> An absolute tolerance is in radians for the attitude, and in units of the motion's largest rate and
 !> largest momentum for those: `formulation_t%scale`. So step control does not depend on the units of
 !> mass, length and time. An angle that counts its turns and on which nothing depends, phi for one,
-!> counts as one radian, however often it has gone round.
+!> counts as one radian, however often it has gone round, until it cannot be told any more for rounding.
 module spintop_error_weight
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, epsilon_dp
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     implicit none
     private
@@ -19,12 +19,16 @@ module spintop_error_weight
         real(dp) :: scale(max_states) = 1
         !> MATLAB's rule: the magnitude below which a component's error counts absolutely.
         real(dp) :: threshold(max_states) = 0
+        logical, private :: cyclic(max_states) = .false.
     contains
         procedure :: set
         procedure :: allowed
         procedure :: magnitude
         procedure :: matlab_magnitude
     end type error_weight_t
+
+    !> Smallest error that can be asked for, as a share of a number.
+    real(dp), parameter :: rounding = 8 * epsilon_dp
 
 contains
 
@@ -38,9 +42,10 @@ contains
         self%scale = formulation%scale
         self%absolute = absolute * self%scale
         self%relative = relative
-        where (formulation%cyclic)
+        self%cyclic = formulation%cyclic
+        where (self%cyclic)
             self%absolute = (absolute + relative) * self%scale
-            self%relative = 0
+            self%relative = rounding
         end where
         info = formulation%info()
         self%threshold = absolute / relative
@@ -62,7 +67,7 @@ contains
         class(error_weight_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states)
         real(dp) :: magnitude(max_states)
-        magnitude = merge(abs(y), self%scale, self%relative > 0)
+        magnitude = merge(self%scale, abs(y), self%cyclic)
     end function magnitude
 
     !> Magnitude by which MATLAB's step control divides an error, before it compares it with the

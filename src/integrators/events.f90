@@ -202,11 +202,14 @@ contains
     pure real(dp) function next_instant(self, t, pace) result(next)
         class(event_watch_t), intent(in) :: self
         real(dp), intent(in) :: t, pace
-        real(dp) :: pause
+        real(dp) :: pause, near
         next = t
         pause = t - self%t
         if (is_finite(pace) .and. pace * pause > largest_turn) pause = largest_turn / pace
-        if (any(abs(self%pole_axis) > 0)) pause = min(pause, time_near_pole(self%here, self%pole_axis))
+        if (any(abs(self%pole_axis) > 0)) then
+            near = time_near_pole(self%here, self%pole_axis)
+            if (near < pause) pause = near
+        end if
         pause = max(pause, 2 * least_spacings * spacing(max(abs(self%t), abs(t))))
         if (t - self%t > pause) next = self%t + (t - self%t) / (aint((t - self%t) / pause) + 1)
     end function next_instant

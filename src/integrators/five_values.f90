@@ -46,8 +46,9 @@ contains
             lowest = differences(i)
             differences(i) = huge(1.0_dp)
         end do
-        ! The fourth difference of independent errors e is sqrt(70) e.
-        bound = max(2 * lowest, 4 * epsilon(1.0_dp) * maxval(abs(values)))
+        ! The fourth difference of independent errors e is sqrt(70) e. What a parabola misses of them alone is
+        ! less than the bound with its margin, so that no piece is too noisy for the one and not for the other.
+        bound = max(8 * lowest, 16 * epsilon(1.0_dp) * maxval(abs(values)))
     end function rounding_of
 
 end module spintop_five_values

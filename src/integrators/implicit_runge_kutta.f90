@@ -11,7 +11,7 @@ module spintop_implicit_runge_kutta
     use spintop_implicit_tables, only: implicit_table_t, max_implicit_stages, max_modes
     use spintop_lapack, only: zgetrf, zgetrs
     use spintop_stage_continuation, only: follow_stages, solve_from_near
-    use spintop_stage_equations, only: acceptable, find_jacobian, find_residual, largest, negligible, &
+    use spintop_stage_equations, only: acceptable, find_jacobian, find_residual, largest, negligible, sure, &
         units_of_stages
     use spintop_status, only: status_ok, status_non_finite, status_not_converged, status_outside
     use spintop_stepper, only: workspace_t
@@ -48,7 +48,7 @@ module spintop_implicit_runge_kutta
     !> Growth of corrections that rounding may cause.
     real(dp), parameter :: jitter = 10
     !> Contraction above which a new Jacobian pays.
-    real(dp), parameter :: slow = 0.1_dp
+    real(dp), parameter :: slow = 0.05_dp
 
 contains
 
@@ -117,8 +117,9 @@ contains
     end subroutine step
 
     !> Solves the equations of the stages from the guess in z. Newton's corrections must be smaller than
-    !> the guess, and each smaller than the last: an iteration that wanders may find a solution, but
-    !> hardly that which grows out of the state as the step does.
+    !> the guess, and each smaller than the last, by half with a new Jacobian: an iteration that wanders
+    !> may find a solution, but hardly that which grows out of the state as the step does. Cyclic
+    !> variables follow from the others and have no say in this.
     subroutine solve_stages(self, formulation, work, h, z, status)
         class(implicit_runge_kutta_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
@@ -127,25 +128,30 @@ contains
         real(dp), intent(inout) :: z(max_states, max_implicit_stages)
         integer, intent(out) :: status
         real(dp) :: correction(max_states, max_implicit_stages), units(max_states)
-        real(dp) :: size, previous, smallest
+        real(dp) :: size, previous, smallest, core, core_previous, contraction
         integer :: iteration, idle
-        logical :: newton
+        logical :: newton, is_new
 
         newton = .not. self%controls%fixed_point
         units = units_of_stages(formulation, work%y, z)
         previous = largest(z, units)
+        core_previous = largest(z, units, .not. formulation%cyclic)
         smallest = huge(1.0_dp)
         idle = 0
+        is_new = .false.
         do iteration = 1, merge(newton_limit, fixed_point_limit, newton)
             call find_residual(self%table, formulation, work, h, z, correction, status)
             if (status == status_non_finite) exit
             if (status /= status_ok) return
+            if (newton .and. .not. is_equal(work%h_factors, h)) is_new = .true.
             if (newton) call newton_correction(self%table, formulation, work, h, z, correction, status)
             if (status /= status_ok) return
             z = z + correction
             size = largest(correction, units)
             if (size <= negligible) return
-            if (newton .and. size >= previous .and. size > acceptable) exit
+            core = largest(correction, units, .not. formulation%cyclic)
+            contraction = merge(sure, 1.0_dp, is_new .and. iteration > 1)
+            if (newton .and. .not. core < contraction * core_previous .and. core > acceptable) exit
             if (newton .and. iteration > 1) then
                 ! The next correction would be that.
                 if (size * (size / previous) <= negligible) return
@@ -160,6 +166,7 @@ contains
             end if
             if (idle > 1 .and. smallest <= rounding_of_insertion .and. size <= jitter * smallest) return
             previous = size
+            core_previous = core
         end do
         status = status_not_converged
     end subroutine solve_stages

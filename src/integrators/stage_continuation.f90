@@ -3,13 +3,13 @@
 !>
 !> The solution wanted is the one that grows out of the state as the step does (Deuflhard, Newton
 !> Methods for Nonlinear Problems, 2004, 5.1). So it is followed from a step of size zero, in stretches
-!> short enough that Newton's method contracts at once and goes no farther than the prediction.
+!> short enough that Newton's method contracts at once and goes less far than the prediction.
 module spintop_stage_continuation
     use spintop_kinds, only: dp
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     use spintop_implicit_tables, only: implicit_table_t, max_implicit_stages
     use spintop_lapack, only: dgetrf, dgetrs
-    use spintop_stage_equations, only: acceptable, find_jacobian, find_residual, largest, negligible, &
+    use spintop_stage_equations, only: acceptable, find_jacobian, find_residual, largest, negligible, sure, &
         units_of_stages
     use spintop_status, only: status_ok, status_not_converged
     use spintop_stepper, only: workspace_t
@@ -21,8 +21,9 @@ module spintop_stage_continuation
     integer, parameter :: max_unknowns = max_states * max_implicit_stages
     !> Iterations after which a stretch counts as too long: the digits double.
     integer, parameter :: most_iterations = 10
-    !> Contraction that shows the solution to be the one nearby.
-    real(dp), parameter :: sure = 0.5_dp
+    !> Increments of stages, in their units, that approximate a motion: an inclination has a range of pi
+    !> in all, a component of a quaternion of 4, a rate of 2.
+    real(dp), parameter :: farthest = 2
     !> The shortest stretch, and the largest number of them tried, in a step.
     real(dp), parameter :: shortest = 2.0_dp**(-12)
     integer, parameter :: most_stretches = 200
@@ -38,35 +39,32 @@ contains
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(out) :: z(max_states, max_implicit_stages) !! increments of the stages
         integer, intent(out) :: status !! `status_ok`, or `status_not_converged`
-        real(dp), dimension(max_states, max_implicit_stages) :: here, before, guess
-        real(dp) :: share, share_before, share_next, stretch
+        real(dp), dimension(max_states, max_implicit_stages) :: here, tangent
+        real(dp) :: share, stretch
         integer :: attempt, i
 
         here = 0
-        before = 0
+        do i = 1, max_implicit_stages
+            tangent(:, i) = table%node(i) * h * work%slope
+        end do
         share = 0
-        share_before = 0
         stretch = 1
         do attempt = 1, most_stretches
-            share_next = min(share + stretch, 1.0_dp)
-            if (share > 0) then
-                guess = here + (share_next - share) / (share - share_before) * (here - before)
-            else
-                do i = 1, max_implicit_stages
-                    guess(:, i) = table%node(i) * share_next * h * work%slope
-                end do
-            end if
-            z = guess
-            call iterate(table, formulation, work, share_next * h, guess - here, z, status)
+            stretch = min(stretch, 1 - share)
+            z = here + stretch * tangent
+            call iterate(table, formulation, work, (share + stretch) * h, stretch * tangent, z, status)
             if (status == status_ok) then
-                if (share_next >= 1) return
-                before = here
-                share_before = share
+                if (largest(z, formulation%scale, .not. formulation%cyclic) > farthest) exit
+                if (.not. share + stretch < 1) return
                 here = z
-                share = share_next
+                share = share + stretch
                 stretch = 2 * stretch
+                ! The equations z = share h (first f(y) + ...), derived by the share.
+                tangent = here / share
+                call find_correction(table, formulation, work, share * h, here, tangent, status)
+                if (status /= status_ok) exit
             else
-                stretch = (share_next - share) / 4
+                stretch = stretch / 4
                 if (stretch < shortest) exit
             end if
         end do
@@ -85,8 +83,9 @@ contains
         call iterate(table, formulation, work, h, z, z, status)
     end subroutine solve_from_near
 
-    !> Newton's method from the guess in z. The first correction may not be larger than `reach`, each
-    !> further one not larger than a share of the one before, until rounding alone is left.
+    !> Newton's method from the guess in z. The first correction may not be larger than a share of
+    !> `reach`, each further one not larger than that share of the one before, until rounding alone is
+    !> left. Cyclic variables follow from the others and have no say in this.
     subroutine iterate(table, formulation, work, h, reach, z, status)
         type(implicit_table_t), intent(in) :: table
         class(formulation_t), intent(in) :: formulation
@@ -94,23 +93,25 @@ contains
         real(dp), intent(in) :: h, reach(max_states, max_implicit_stages)
         real(dp), intent(inout) :: z(max_states, max_implicit_stages)
         integer, intent(out) :: status
-        real(dp) :: correction(max_states, max_implicit_stages), units(max_states), allowed, magnitude, previous
+        real(dp) :: correction(max_states, max_implicit_stages), units(max_states)
+        real(dp) :: core, core_previous, magnitude, previous
         integer :: iteration
 
         units = units_of_stages(formulation, work%y, z)
         previous = huge(1.0_dp)
-        allowed = largest(reach, units)
+        core_previous = largest(reach, units, .not. formulation%cyclic)
         do iteration = 1, most_iterations
             call find_residual(table, formulation, work, h, z, correction, status)
             if (status == status_ok) call find_correction(table, formulation, work, h, z, correction, status)
             if (status /= status_ok) exit
             magnitude = largest(correction, units)
-            if (.not. magnitude <= max(allowed, acceptable)) exit
+            core = largest(correction, units, .not. formulation%cyclic)
+            if (.not. core <= max(sure * core_previous, acceptable)) exit
             z = z + correction
-            if (magnitude <= negligible .or. magnitude >= previous) return
+            if (magnitude <= negligible .or. magnitude >= previous .and. magnitude <= acceptable) return
             if (iteration > 1 .and. magnitude * (magnitude / previous) <= negligible) return
             previous = magnitude
-            allowed = sure * magnitude
+            core_previous = core
         end do
         status = status_not_converged
     end subroutine iterate

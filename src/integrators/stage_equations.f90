@@ -11,11 +11,13 @@ module spintop_stage_equations
     implicit none
     private
     public :: find_residual, find_jacobian, units_of_stages, largest
-    public :: negligible, acceptable
+    public :: negligible, acceptable, sure
 
     !> An iteration is at rounding when its correction, relative to the units of the stages, is below
     !> the first, or when it does not shrink any more and is below the second.
     real(dp), parameter :: negligible = epsilon_dp / 128, acceptable = 1.0e-10_dp
+    !> Contraction that shows the solution to be the one nearby.
+    real(dp), parameter :: sure = 0.5_dp
 
 contains
 
@@ -84,11 +86,16 @@ contains
         units = max(formulation%scale, maxval(abs(z), dim=2), merge(0.0_dp, abs(y), formulation%cyclic))
     end function units_of_stages
 
-    !> Largest of the components of all stages, each in its unit.
-    pure real(dp) function largest(z, units)
+    !> Largest of the components of all stages, each in its unit; of those in a selection if there is one.
+    pure real(dp) function largest(z, units, selection)
         real(dp), intent(in) :: z(max_states, max_implicit_stages) !! increments
         real(dp), intent(in) :: units(max_states) !! their units
-        largest = maxval(maxval(abs(z), dim=2) / units)
+        logical, intent(in), optional :: selection(max_states) !! the variables that count
+        if (present(selection)) then
+            largest = maxval(maxval(abs(z), dim=2) / units, mask=selection)
+        else
+            largest = maxval(maxval(abs(z), dim=2) / units)
+        end if
     end function largest
 
 end module spintop_stage_equations

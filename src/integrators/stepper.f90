@@ -75,6 +75,8 @@ module spintop_stepper
         integer(int64) :: evaluations = 0, jacobians = 0
         !> Inadmissible values that `after_step` had to cut.
         integer(int64) :: clipped = 0
+    contains
+        procedure :: add
     end type counts_t
 
     !> A run in progress.
@@ -157,6 +159,18 @@ module spintop_stepper
     end interface
 
 contains
+
+    !> Adds what another run cost.
+    pure subroutine add(self, other)
+        class(counts_t), intent(inout) :: self
+        type(counts_t), intent(in) :: other
+        self%steps = self%steps + other%steps
+        self%rejected = self%rejected + other%rejected
+        self%looks = self%looks + other%looks
+        self%evaluations = self%evaluations + other%evaluations
+        self%jacobians = self%jacobians + other%jacobians
+        self%clipped = self%clipped + other%clipped
+    end subroutine add
 
     !> Order of convergence with the settings made.
     integer function order(self)

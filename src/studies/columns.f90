@@ -5,6 +5,7 @@ module spintop_columns
     use spintop_attitude, only: rotation_angle, vertical_from_quaternion, to_space
     use spintop_body, only: body_t
     use spintop_case, only: case_t
+    use spintop_compare, only: is_equal, is_finite
     use spintop_conditioning, only: conditioning_t, prepare_conditioning
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t
@@ -104,6 +105,7 @@ module spintop_columns
     contains
         procedure :: set
         procedure :: row
+        procedure :: is_defined
         procedure :: come_near
     end type column_computer_t
 
@@ -172,6 +174,7 @@ contains
 
         body = self%case%given_body
         motion = self%case%turn%back(computed, self%near)
+        if (is_equal(computed%t, self%case%start%t)) call take_start(self%case%given_start, motion)
         self%near = motion%angle
         kinetic = kinetic_energy(body, motion)
         potential = potential_energy(body, motion)
@@ -214,6 +217,30 @@ contains
         end do
         values = all_values(self%chosen)
     end function row
+
+    !> Whether the last row, given, is finite, but for the rates of phi and psi at a pole.
+    pure logical function is_defined(self, values)
+        class(column_computer_t), intent(in) :: self
+        real(dp), intent(in) :: values(:)
+        logical :: lost(size(values))
+        lost = .not. is_finite(values)
+        if (any(lost) .and. abs(sin(self%near(2))) <= 4 * epsilon(1.0_dp)) then
+            lost = lost .and. trajectory_columns(self%chosen)%name /= 'phi_rate' &
+                   .and. trajectory_columns(self%chosen)%name /= 'psi_rate'
+        end if
+        is_defined = .not. any(lost)
+    end function is_defined
+
+    !> Attitude and rates as they were given, in place of what a formulation makes of them. Rates that
+    !> do not exist at a pole stay as they were computed.
+    pure subroutine take_start(start, motion)
+        type(motion_t), intent(in) :: start
+        type(motion_t), intent(inout) :: motion
+        motion%angle = start%angle
+        where (is_finite(start%rate)) motion%rate = start%rate
+        motion%omega = start%omega
+        motion%quaternion = start%quaternion
+    end subroutine take_start
 
     !> The angles of the next row are continuous with those of another computer's last one.
     subroutine come_near(self, other)

@@ -47,6 +47,7 @@ contains
         integer :: status
 
         call choose_method(scene, case%body, plan, problems)
+        plan%max_steps = scene%max_steps
         if (problems%any()) return
         if (case%turn%is_turned()) then
             plan%reason = plan%reason // ' The body is turned inside, so that its axis of symmetry, body ' &
@@ -64,7 +65,8 @@ contains
         call take_samples(scene, case, plan, problems)
         if (problems%any()) return
         status = can_run(plan%stepper, plan%formulation, case%body)
-        if (status /= status_ok) call problems%add('integration', status_meaning(status), '')
+        if (status /= status_ok) call problems%add('integration', status_meaning(status), &
+                                                   'see what goes together in doc/methods.md')
     end subroutine make_plan
 
     !> The method named, or the cheapest that is adequate.
@@ -119,7 +121,13 @@ contains
             call refuse('integration.steps', scene%steps /= unset_integer)
             call refuse('integration.step', is_set(scene%step))
             call refuse('integration.table', scene%table /= '')
-            if (scene%method /= exact_info%name) return
+            if (scene%method /= exact_info%name) then
+                call ignore('integration.relative_tolerance', is_set(scene%relative_tolerance))
+                call ignore('integration.absolute_tolerance', is_set(scene%absolute_tolerance))
+                call ignore('integration.solver', scene%solver /= 'newton')
+                call ignore('integration.project', scene%project /= projection_names(project_nothing))
+                return
+            end if
             call refuse('integration.relative_tolerance', is_set(scene%relative_tolerance))
             call refuse('integration.absolute_tolerance', is_set(scene%absolute_tolerance))
             call refuse('integration.solver', scene%solver /= 'newton')
@@ -133,6 +141,16 @@ contains
             logical, intent(in) :: given
             if (given) call problems%add(name, 'the exact motion takes no ' // name, 'leave it out')
         end subroutine refuse
+
+        !> Tells that something given is not used.
+        subroutine ignore(name, given)
+            character(*), intent(in) :: name
+            logical, intent(in) :: given
+            if (.not. given) return
+            call problems%warn(name, name // ' is not used: the motion is computed in closed form, to rounding', &
+                               'leave it out, or name a method to have the motion integrated')
+            plan%reason = plan%reason // ' ' // name // ' is not used.'
+        end subroutine ignore
 
     end subroutine choose_method
 
@@ -360,7 +378,8 @@ contains
         end if
         associate (steps => plan%stepper%controls%steps)
             plan%samples = steps + 1
-            if (scene%samples == unset_integer) return
+            ! Of a motion that an event ends every step is a row.
+            if (scene%samples == unset_integer .or. scene%stop_at /= '') return
             wanted = scene%samples - 1
             plan%samples = scene%samples
             if (mod(steps, wanted) == 0) return

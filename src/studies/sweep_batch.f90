@@ -1,6 +1,7 @@
 !> Cases of a sweep that are followed step by step, many at once: bodies without a closed form, of
 !> which the table shows the end of the span only.
 module spintop_sweep_batch
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_case, only: case_t
@@ -95,7 +96,8 @@ contains
         real(dp), intent(inout) :: values(:, :) !! quantities, cases
         integer, intent(inout) :: status(:)
         type(note_t), intent(inout) :: note(:)
-        integer :: i, k
+        integer(int64) :: max_steps
+        integer :: i, k, stability
 
         associate (n => self%n)
             call integrate_many(self%controls, self%bodies(:n), self%starts(:n), self%t_end(:n), &
@@ -106,7 +108,9 @@ contains
             status(k) = self%outcomes(i)%status
             values(:, k) = no_values()
             call note(k)%clear()
-            call put_stability(cases(k), wanted, values(:, k), note(k))
+            max_steps = self%controls%max_steps - self%outcomes(i)%counts%steps
+            call put_stability(cases(k), wanted, max_steps, values(:, k), stability, note(k))
+            if (status(k) == status_ok) status(k) = stability
             if (wanted(group_fast_top)) call put_fast_top(cases(k), values(:, k), note(k))
             values(q_evaluations, k) = real(self%outcomes(i)%counts%evaluations, dp)
             if (status(k) == status_ok) then

@@ -12,7 +12,7 @@ module spintop_sweep_worker
     use spintop_row_block, only: row_block_t
     use spintop_scene, only: scene_t, describe_scene
     use spintop_start_of_scene, only: attitude_parameters
-    use spintop_status, only: status_ok, status_bad_input
+    use spintop_status, only: status_ok, status_bad_input, status_meanings
     use spintop_sweep_axes, only: put_values
     use spintop_sweep_batch, only: sweep_batch_t, goes_in_batch
     use spintop_sweep_columns, only: sweep_columns, sweep_groups, quantities, group_end, group_energy, &
@@ -48,6 +48,8 @@ module spintop_sweep_worker
         type(case_t), allocatable, private :: cases(:)
         integer, allocatable, private :: status(:), lane(:)
         type(note_t), allocatable, private :: note(:)
+        !> What is left of the work that a case may take, in steps.
+        integer(int64), allocatable, private :: max_steps(:)
         !> Whether the event came that was to end the motion.
         logical, allocatable, private :: came(:)
         !> The swept parameters of each case, as many as there are axes.
@@ -81,7 +83,7 @@ contains
         allocate (worker%slots, source=job%axes%slots_in(table))
         ! Not on the stack, which may be small.
         allocate (worker%cases(block_size), source=job%case)
-        allocate (worker%status(block_size), worker%lane(block_size), worker%came(block_size))
+        allocate (worker%status(block_size), worker%lane(block_size), worker%came(block_size), worker%max_steps(block_size))
         allocate (worker%parameters(size(job%axes%axis), block_size), worker%values(quantities, block_size))
         allocate (worker%note(block_size), worker%block)
         worker%status = status_ok
@@ -116,8 +118,11 @@ contains
                 call job%axes%find_values(first + k - 1, worker%parameters(:, k))
                 call put_values(worker%slots, worker%parameters(:, k))
                 call make_worker_case(worker, k)
+                worker%max_steps(k) = worker%plan%max_steps
                 if (worker%plan%exact .and. worker%status(k) == status_ok .and. size(job%events) > 0) then
-                    call stop_exactly(worker%cases(k), job%events, job%stop_after, worker%came(k))
+                    call stop_exactly(worker%cases(k), job%events, job%stop_after, worker%max_steps(k), worker%status(k), &
+                                      worker%came(k))
+                    if (worker%status(k) /= status_ok) call worker%note(k)%explain(trim(status_meanings(worker%status(k))))
                 end if
                 worker%lane(k) = 0
                 if (worker%status(k) /= status_ok) then
@@ -146,16 +151,17 @@ contains
             if (worker%batch%n > 0) then
                 call worker%batch%compute(worker%cases, worker%wanted, worker%values, worker%status, worker%note)
             end if
+            do k = 1, n
+                if (worker%lane(k) == 0) cycle
+                call unload_lane(worker%cases(k), block, worker%lane(k), worker%wanted, worker%max_steps(k), &
+                                 worker%values(:, k), worker%status(k), worker%note(k))
+                if (worker%status(k) == status_ok .and. .not. worker%came(k)) call worker%note(k)%add(note_no_stop)
+            end do
             worker%computing = worker%computing + (seconds() - moment)
 
             moment = seconds()
             call reserve_rows(job, block_size, rows)
             do k = 1, n
-                if (worker%lane(k) > 0) then
-                    call unload_lane(worker%cases(k), block, worker%lane(k), worker%wanted, &
-                                     worker%values(:, k), worker%status(k), worker%note(k))
-                    if (worker%status(k) == status_ok .and. .not. worker%came(k)) call worker%note(k)%add(note_no_stop)
-                end if
                 call put_row(job, first + k - 1, worker%parameters(:, k), worker%status(k), worker%values(:, k), &
                              worker%note(k), rows)
             end do

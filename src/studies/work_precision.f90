@@ -292,7 +292,9 @@ contains
         end associate
         call run_trial(case, plan, reference, row%trial)
         row%time = row%trial%time
-        if (row%trial%status == status_ok) call time_trial(case, plan, row%trial%time, job%precision%repeats, row%time)
+        ! Without the dense output for comparisons, in what is counted as in what is timed.
+        if (row%trial%status == status_ok) call time_trial(case, plan, row%trial%time, job%precision%repeats, row%time, &
+                                                           row%trial%counts)
     end subroutine run_setting
 
     !> Whether a plan is what would be chosen for the tolerance of a scene under a formulation (or auto).

@@ -112,8 +112,11 @@ contains
             turned = motion_from_quaternion(motion%t, &
                 quaternion_product(motion%quaternion, conjugate_quaternion(self%p)), &
                 self%vector(motion%omega), motion%angle)
+            turned%gives_quaternion = .true.
+            turned%gives_omega = .true.
         end if
         if (self%axis > 0) turned%omega = self%vector(motion%omega)
+        if (self%axis == 3) turned%gives_omega3 = motion%gives_omega3 .or. motion%gives_omega
     end function turned_motion
 
     !> A motion in turned axes seen in the axes in which the body was given; phi and psi next to

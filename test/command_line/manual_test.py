@@ -172,7 +172,7 @@ class ManualCase(unittest.TestCase):
             capture_output=True,
             text=True,
             check=False,
-            timeout=60,
+            timeout=1200,
         )
 
     def check(self, text: str) -> subprocess.CompletedProcess:

@@ -82,7 +82,7 @@ class PeersCase(unittest.TestCase):
             list(map(str, command)),
             capture_output=True,
             text=True,
-            timeout=240,
+            timeout=1200,
             check=False,
             env=os.environ | environment,
         )

@@ -79,7 +79,7 @@ contains
     end function start_in_units
 
     !> The motion as it would go back.
-    pure type(motion_t) function reversed(motion) result(back)
+    elemental type(motion_t) function reversed(motion) result(back)
         type(motion_t), intent(in) :: motion
         back = motion
         back%t = 0

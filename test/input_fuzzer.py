@@ -19,7 +19,9 @@ CODES = (0, 2, 4)
 """Exit codes of `--check`."""
 
 CRASHES = re.compile(r"Fortran runtime|Backtrace|Sanitizer|core dumped|internal error", re.I)
-OBEYED = re.compile("[\0-\x09\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
+OBEYED = re.compile(
+    "[\0-\x09\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069\ud800-\udfff]"
+)
 """Characters that a terminal obeys, and bytes that are none."""
 
 PLACE = re.compile(r"^(?P<place>\S+):\d+:\d+: (error|warning): .+$")

@@ -17,9 +17,10 @@ import balls  # noqa: E402
 
 balls.provide()
 
-from ball_top import Answer, Start, ball, motion_at, squared  # noqa: E402
 from flint import arb  # noqa: E402
-from random_tops import CLASSES, draw_top  # noqa: E402
+
+from ball_top import Answer, Start, ball, motion_at, squared  # noqa: E402
+from random_tops import draw_top  # noqa: E402
 
 PROGRAM = os.environ.get("SPINTOP_EXE", str(TESTS.parent / "build/release/spintop"))
 TOPS = int(os.environ.get("SPINTOP_LONG_CASES", "10000"))

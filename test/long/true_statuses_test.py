@@ -125,7 +125,9 @@ class CampaignTest(unittest.TestCase):
         run = self.call(folder, "--quiet", "-o", ".", *names)
         faults = []
         if run.returncode not in (0, 3) or "rror:" in run.stderr:
-            faults = [f"{names[0]} ... {names[-1]}: exit code {run.returncode}: {run.stderr[-600:]}"]
+            faults = [
+                f"{names[0]} ... {names[-1]}: exit code {run.returncode}: {run.stderr[-600:]}"
+            ]
         for name in names:
             path = folder / name.replace(".nml", ".csv")
             if not path.exists():

@@ -20,7 +20,7 @@ RADIUS = 1e-19
 """A ball with a larger radius is computed again with more bits."""
 
 
-class Undecided(ArithmeticError):
+class UndecidedError(ArithmeticError):
     """The balls do not decide a sign or a branch at this precision."""
 
 
@@ -72,24 +72,24 @@ def sign(value: arb) -> int:
         return 1
     if value < 0:
         return -1
-    raise Undecided("sign")
+    raise UndecidedError("sign")
 
 
 def motion_at(start: Start, times: list[float]) -> list[Answer]:
     """The attitude at some times, with as many bits as they need."""
     done: list[Answer] = []
-    error: Undecided | None = None
+    error: UndecidedError | None = None
     for bits in BITS:
         ctx.prec = bits
         try:
             motion = Motion(start)
             while len(done) < len(times):
                 done.append(motion.at(times[len(done)]))
-        except Undecided as undecided:
+        except UndecidedError as undecided:
             error = undecided
         else:
             return done
-    raise Undecided(f"{error} with {BITS[-1]} bits")
+    raise UndecidedError(f"{error} with {BITS[-1]} bits")
 
 
 def enclose_root(coefficients: list[arb], guess: arb) -> arb:
@@ -109,7 +109,7 @@ def enclose_root(coefficients: list[arb], guess: arb) -> arb:
         image = guess - (((g3 * guess + g2) * guess + g1) * guess + g0) / slope
         if trial.contains_interior(image):
             return image
-    raise Undecided("root")
+    raise UndecidedError("root")
 
 
 class Motion:
@@ -158,7 +158,7 @@ class Motion:
         if self.b_minus_a.is_zero():
             self.turns_round = not y2 < self.sh
             if self.turns_round and not y3 > self.sh:
-                raise Undecided("whether the axis passes the upright")
+                raise UndecidedError("whether the axis passes the upright")
             y2, y3 = (self.sh, y3) if self.turns_round else (y2, self.sh)
         self.set_up(y1, y2, y3, beta)
 
@@ -170,7 +170,7 @@ class Motion:
         far = -(g2 + sign(g2) * root) / 2
         low, high = sorted([far / beta, g1 / far], key=float)
         if not low < high:
-            raise Undecided("roots")
+            raise UndecidedError("roots")
         if self.starts_high:
             return low, arb(0), high
         return arb(0), low, high
@@ -181,11 +181,11 @@ class Motion:
         try:
             found = acb_poly([acb(value.mid()) for value in coefficients]).roots()
         except ValueError as error:
-            raise Undecided("roots") from error
+            raise UndecidedError("roots") from error
         guesses = sorted(root.real.mid() for root in found)
         y1, y2, y3 = (enclose_root(coefficients, guess) for guess in guesses)
         if not (y1 < 0 < y2 < y3):
-            raise Undecided("order of roots")
+            raise UndecidedError("order of roots")
         return y1, y2, y3
 
     def plane_start(self, rise: arb) -> tuple[arb, arb, arb]:
@@ -261,7 +261,7 @@ class Motion:
         z = self.z0 + self.zeta * time
         turns = (z / self.period).mid().floor().unique_fmpz() if self.period.is_finite() else 0
         if turns is None:
-            raise Undecided("turns")
+            raise UndecidedError("turns")
         z -= int(turns) * self.period
         if z.mid() > self.period.mid() / 2:
             z -= self.period
@@ -301,7 +301,7 @@ class Motion:
         (plus, turn_plus, _, _), (minus, turn_minus, value, _) = self.components(t)
         (plus0, turn_plus0, _, _), (minus0, turn_minus0, _, _) = self.first_plus, self.first_minus
         if turn_plus is None or turn_plus0 is None:
-            raise Undecided("argument at theta = pi")
+            raise UndecidedError("argument at theta = pi")
         phase_plus = self.sum + self.kappa_plus * t + turn_plus - turn_plus0
         upper = self.cosine * plus / plus0 * acb(0, phase_plus).exp()
         phi = psi = None
@@ -309,7 +309,7 @@ class Motion:
             lower = self.lower_from_pole(t, value)
         else:
             if turn_minus is None or turn_minus0 is None:
-                raise Undecided("argument at theta = 0")
+                raise UndecidedError("argument at theta = 0")
             phase_minus = self.difference + self.kappa_minus * t + turn_minus - turn_minus0
             lower = self.sine * minus / minus0 * acb(0, phase_minus).exp()
             if not (self.b_minus_a.is_zero() or self.b_plus_a.is_zero()):
@@ -347,7 +347,10 @@ class Motion:
 
     def free(self, t: arb) -> Answer:
         """Without gravity: a turn about the momentum and one about the axis."""
-        upper, lower = self.cosine * acb(0, self.sum).exp(), self.sine * acb(0, self.difference).exp()
+        upper, lower = (
+            self.cosine * acb(0, self.sum).exp(),
+            self.sine * acb(0, self.difference).exp(),
+        )
         start = (upper.real, lower.real, lower.imag, upper.imag)
         size = sum((squared(part) for part in self.momentum), arb(0)).sqrt()
         if not size.contains(0):
@@ -383,7 +386,7 @@ def product(
 
 
 def is_steady(start: Start) -> bool:
-    """Whether the motion is steady precession exactly, which takes I1 = I3 and 2 m g l = 2 I1 phi' psi'."""
+    """Whether the motion is steady precession exactly: I1 = I3 and m g l = I1 phi' psi'."""
     if start.theta_rate != 0 or start.inertia1 != start.inertia3 or start.spin_is_omega3:
         return False
     product = Fraction(start.mass) * Fraction(start.gravity) * Fraction(start.length)
@@ -394,7 +397,7 @@ def is_steady(start: Start) -> bool:
 def carlson(x: arb, y: arb, z: arb) -> arb:
     """Carlson's R_F of numbers that are not negative."""
     if not (x >= 0 and y >= 0 and z >= 0):
-        raise Undecided("argument of R_F")
+        raise UndecidedError("argument of R_F")
     return acb.elliptic_rf(x, y, z).real
 
 
@@ -411,10 +414,8 @@ def checked(upper: acb, lower: acb, phi: arb | None, psi: arb | None) -> Answer:
     theta = 2 * arb.atan2(abs(lower), abs(upper))
     values = [upper.real, lower.real, lower.imag, upper.imag, theta]
     if not all(value.is_finite() and value.rad() < RADIUS for value in values):
-        raise Undecided("radius of the attitude")
+        raise UndecidedError("radius of the attitude")
     for angle in (phi, psi):
         if angle is not None and not angle.rad() < RADIUS * (1 + abs(angle).mid()):
-            raise Undecided("radius of an angle")
+            raise UndecidedError("radius of an angle")
     return Answer(tuple(values[:4]), theta, phi, psi)
-
-

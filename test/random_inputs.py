@@ -11,7 +11,14 @@ import subprocess
 from dataclasses import dataclass
 from functools import cache
 
-SYMMETRIC_ONLY = ("euler", "lagrange", "energy_rate", "lagrange_energy", "space_frame", "cayley_klein")
+SYMMETRIC_ONLY = (
+    "euler",
+    "lagrange",
+    "energy_rate",
+    "lagrange_energy",
+    "space_frame",
+    "cayley_klein",
+)
 PAPER = SYMMETRIC_ONLY[:4]
 NEEDS = {
     "taylor": ("rigid_body", "space_frame", "cayley_klein"),
@@ -33,13 +40,17 @@ SHAPES = {
 }
 EVENTS = (
     "turning_points", "upper_turning_points", "lower_turning_points", "azimuth_turns",
-    "theta = 0.6", "phi_rate = 1.0 rising", "omega3 = 0", "psi_deg = 45 every turn", "axis_z_rate = 0",
+    "theta = 0.6", "phi_rate = 1.0 rising", "omega3 = 0", "psi_deg = 45 every turn",
+    "axis_z_rate = 0",
 )  # fmt: skip
 CASES = ("slow_top", "pole_upright", "through_hanging", "sleeping_below", "near_steady")
 WORDS = (
-    "", "''", "'x'", "1", "-1", "0", "1e308", "-1e-320", "nan", "inf", "1d0", "1.5.2", "2*3", ",", "'a", "\"b\"",
-    "'rk4'", "'all'", "9" * 30, "1:3", "(1,2)", "&top", "/", "!", "'\u00e9'", ".true.", "t", "*", "=", "0x10",
-    "1e-310", "2147483648", "-0", "+5", "1,2,3,4,5,6,7", "'t', 't'", "3*'t'", "'theta = 0.5'", "1 2",
+    "", "''", "'x'", "1", "-1", "0", "1e308", "-1e-320", "nan", "inf", "1d0", "1.5.2", "2*3", ",",
+    "'a", "\"b\"",
+    "'rk4'", "'all'", "9" * 30, "1:3", "(1,2)", "&top", "/", "!", "'\u00e9'", ".true.", "t",
+    "*", "=", "0x10",
+    "1e-310", "2147483648", "-0", "+5", "1,2,3,4,5,6,7", "'t', 't'", "3*'t'", "'theta = 0.5'",
+    "1 2",
 )  # fmt: skip
 
 
@@ -161,7 +172,7 @@ class Writer:
             inertia = [value * self.scale for value in (one, two, three)]
             self.put("top", mass=self.number(0.5, 3) * self.scale, inertia=inertia)
             if self.symmetric or self.chance(0.3):
-                self.put("top", length=self.pick(("", "", "-")) and -0.3 or self.number(0, 0.8))
+                self.put("top", length=-0.3 if self.chance(0.3) else self.number(0, 0.8))
             else:
                 self.put("top", centre_of_mass=[self.number(-0.3, 0.3) for _ in range(3)])
             if self.chance(0.1):
@@ -232,7 +243,9 @@ class Writer:
             if self.chance(0.2):
                 self.put("integration", absolute_tolerance=self.power(low - 2, -6))
         self.fixed = fixed
-        self.put("integration", max_steps=self.random.choice([200, 3000] if fixed else [5, 300, 3000]))
+        self.put(
+            "integration", max_steps=self.random.choice([200, 3000] if fixed else [5, 300, 3000])
+        )
         if method in ("crank_nicolson_1", "gauss_4", "euler_backward") and self.chance(0.3):
             self.put("integration", solver="fixed_point")
         if formulation not in PAPER and method not in ("auto", "exact") and self.chance(0.15):
@@ -244,7 +257,9 @@ class Writer:
         self.integration()
         if not self.fixed:
             self.put("span", samples=self.random.choice([2, 3, 20, 101]))
-        columns = [name for name in self.words.columns if name not in NEED_EXACT or not self.general]
+        columns = [
+            name for name in self.words.columns if name not in NEED_EXACT or not self.general
+        ]
         if self.chance(0.7):
             chosen = self.random.sample(columns, self.random.randint(1, 8))
             kept = ["t", *(name for name in ("theta", *chosen) if name != "t")]
@@ -260,24 +275,36 @@ class Writer:
         """A sweep."""
         self.span()
         self.integration()
-        keys = ["top.mass", "top.gravity", "span.t_end" if "t_end" in self.groups["span"] else "top.gravity"]
-        keys += [f"initial.{key}" for key in self.groups["initial"] if key not in ("quaternion", "omega")]
+        keys = [
+            "top.mass",
+            "top.gravity",
+            "span.t_end" if "t_end" in self.groups["span"] else "top.gravity",
+        ]
+        keys += [
+            f"initial.{key}" for key in self.groups["initial"] if key not in ("quaternion", "omega")
+        ]
         if "inertia" in self.groups["top"]:
             keys.append("top.inertia(3)")
-        keys = [key for key in dict.fromkeys(keys) if key != "top.mass" or "mass" in self.groups["top"]]
+        keys = [
+            key for key in dict.fromkeys(keys) if key != "top.mass" or "mass" in self.groups["top"]
+        ]
         chosen = self.random.sample(keys, min(len(keys), self.random.randint(1, 3)))
         combine = self.pick(("grid", "zip", "random", "latin_hypercube"))
         drawn = combine in ("random", "latin_hypercube")
         count = self.random.randint(1, 3)
         for place, key in enumerate(chosen, start=1):
             low, high = self.range_of(key)
-            self.put("sweep", **{f"parameter({place})": key, f"from({place})": low, f"to({place})": high})
+            self.put(
+                "sweep", **{f"parameter({place})": key, f"from({place})": low, f"to({place})": high}
+            )
             if not drawn:
                 self.put("sweep", **{f"count({place})": count if high != low else 1})
         self.put("sweep", combine=combine)
         if drawn:
             self.put("sweep", cases=count, seed=self.random.randint(1, 99))
-        quantities = [name for name in self.words.quantities if name not in LONG or self.chance(0.3)]
+        quantities = [
+            name for name in self.words.quantities if name not in LONG or self.chance(0.3)
+        ]
         if self.chance(0.7):
             chosen = self.random.sample(quantities, min(len(quantities), self.random.randint(1, 6)))
             extra = ["theta_end", "orientation_error", "double_floor"]
@@ -320,7 +347,9 @@ class Writer:
             if size > 1 and self.chance(0.4):
                 name += f"({self.random.choice([1, 2, size, size + 1, 0, -1])})"
             choices = [f"'{word}'" for word in self.words.choices.get(key, ["x"])]
-            value = self.pick((*WORDS, *choices, repr(self.power(-320, 308)), repr(self.number(-9, 9))))
+            value = self.pick(
+                (*WORDS, *choices, repr(self.power(-320, 308)), repr(self.number(-9, 9)))
+            )
             change = self.random.randrange(4)
             values = self.groups.setdefault(group, {})
             if change == 0 and values:
@@ -363,7 +392,12 @@ def damaged(data: bytes, draw: random.Random) -> bytes:
         elif change == 3:
             piece = draw.choice(WORDS).encode() + piece
         else:
-            piece = draw.choice((b"\n", b"\r\n", b"\t", b"\0", b"\xff", b"'", b'"', b"&", b"/", b"=", b"!")) + piece
+            piece = (
+                draw.choice(
+                    (b"\n", b"\r\n", b"\t", b"\0", b"\xff", b"'", b'"', b"&", b"/", b"=", b"!")
+                )
+                + piece
+            )
         data = data[:place] + piece + data[place + length :]
         if not data:
             return b"&"

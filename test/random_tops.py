@@ -21,7 +21,12 @@ class Draw:
         self.i3 = self.i1 * self.random.choice([self.log(1e-3, 0.1), self.uniform(0.1, 2), 1.0])
         self.mass, self.gravity, self.length = self.log(0.1, 10), 9.81, self.log(0.05, 3)
         self.phi, self.psi = self.uniform(-4, 4), self.uniform(-4, 4)
-        self.theta, self.phi_rate, self.theta_rate, self.omega3 = self.uniform(0.05, 3.09), 0.0, 0.0, 0.0
+        self.theta, self.phi_rate, self.theta_rate, self.omega3 = (
+            self.uniform(0.05, 3.09),
+            0.0,
+            0.0,
+            0.0,
+        )
 
     def uniform(self, low: float, high: float) -> float:
         """A number between two others."""
@@ -142,7 +147,9 @@ def draw_steady(top: Draw) -> None:
     root = math.sqrt(max(a**2 - 2 * top.beta * u, 0.0))
     slow = top.beta / (a + math.copysign(root, a))
     fast = (a + math.copysign(root, a)) / (2 * u) if abs(u) > 0.01 else slow
-    top.phi_rate = top.random.choice([slow, fast]) * (1 + top.random.choice([0, 1]) * top.signed(1e-16, 1e-2))
+    top.phi_rate = top.random.choice([slow, fast]) * (
+        1 + top.random.choice([0, 1]) * top.signed(1e-16, 1e-2)
+    )
     if top.random.random() < 0.3:
         top.theta_rate = top.signed(1e-16, 1e-3) * math.sqrt(top.beta)
 

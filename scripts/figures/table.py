@@ -23,8 +23,10 @@ KEPT_CASES = 5_000
 UNITS = {"1": "", "degree": "deg"}
 """Units that NetCDF tables name otherwise, as UDUNITS knows them."""
 WORDS = frozenset(
-    "auto case event formulation front method motion_class notes problem program reason reference "
-    "setting status verdict".split()
+    (
+        *("auto", "case", "event", "formulation", "front", "method", "motion_class", "notes"),
+        *("problem", "program", "reason", "reference", "setting", "status", "verdict"),
+    )
 )
 """Columns that may hold words; all others hold numbers."""
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?|[+-]?inf|nan", re.IGNORECASE | re.ASCII)
@@ -129,7 +131,7 @@ def table_of_netcdf(path: Path, attributes: Attributes, variables: dict[str, Var
     resolved = "\n".join(lines)
     header = {key: printable(text) for key, text in texts.items()}
     _, settings, _, _ = read_head([line.strip() for line in lines])
-    columns = {printable(variable.attributes["column"]): variable for variable in variables.values()}
+    columns = {printable(each.attributes["column"]): each for each in variables.values()}
     stride = stride_of(settings, list(columns), columns["case"].values.size)
     cells = {name: cells_of(column, columns["case"]) for name, column in columns.items()}
     rows = pd.DataFrame({name: native(column[::stride]) for name, column in cells.items()})

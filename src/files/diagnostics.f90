@@ -299,7 +299,8 @@ contains
         if (is_plain) is_plain = index(text, line_separator) == 0 .and. index(text, paragraph_separator) == 0
     end function is_plain
 
-    !> Bytes of the character that the text starts with; 0 if that is not UTF-8, or a C1 control.
+    !> Bytes of the character that the text starts with; 0 if that is not UTF-8, or one that a terminal
+    !> obeys.
     pure integer function utf8_length(text) result(length)
         character(*), intent(in) :: text
         integer :: code, i
@@ -331,6 +332,8 @@ contains
             if (i < 160) length = 0 ! a C1 control
         case (224)
             if (i < 160) length = 0 ! longer than need be
+        case (226)
+            if (turns_writing(i, iachar(text(3:3)))) length = 0
         case (237)
             if (i > 159) length = 0 ! a surrogate
         case (240)
@@ -339,5 +342,13 @@ contains
             if (i > 143) length = 0 ! beyond Unicode
         end select
     end function utf8_length
+
+    !> Whether the character of bytes 226, `second` and `third` changes the direction of writing, so that
+    !> a line would show another order than it has (U+200E, 200F, 202A to 202E, 2066 to 2069).
+    pure logical function turns_writing(second, third)
+        integer, intent(in) :: second, third
+        turns_writing = (second == 128 .and. (third == 142 .or. third == 143 .or. &
+            (third >= 170 .and. third <= 174))) .or. (second == 129 .and. third >= 166 .and. third <= 169)
+    end function turns_writing
 
 end module spintop_diagnostics

@@ -208,7 +208,7 @@ contains
         type(passages_t) :: found
         type(motion_t) :: motion, there
         real(dp) :: b, values(size(self%events), 5)
-        integer :: k, i
+        integer :: k, i, before
 
         values(:, 1) = self%values
         b = last
@@ -224,8 +224,10 @@ contains
             call self%quantities(motion, values(:, i))
         end do
         do k = 1, size(self%events)
+            before = found%n
             call self%aim(path, k, b, values(k, :))
             call self%refine(path, k, self%t, b, values(k, :) - self%sides(k)%level, 0, found)
+            call found%merge_from(before + 1)
         end do
         if (path%is_spent()) return
         do i = 1, found%n

@@ -185,7 +185,7 @@ class ScriptTest(DamagedCase):
         self.assertEqual(made, {b"caf\xe9_residuals.svg"})
 
     def test_report(self) -> None:
-        """Problems of a study can be shown, its pictures and bodies be damaged, its names be any."""
+        """Problems of a study and names of its tables can be shown."""
         self.put(os.fsdecode(b"caf\xe9.csv"), a_sweep())
         self.put("huge.csv", a_trajectory(phi=1e308))
         self.put(f"{RED}.csv", "nothing")
@@ -266,7 +266,13 @@ class ProgramTest(DamagedCase):
     def test_tables_of_cases(self) -> None:
         """Nor one of a table of cases."""
         self.put("a.nml", MOTION)
-        for text in (f"{RED}\n1\n", f"top.mass\n{RED}\n", "top.mass\n1\0\n", "\0", "top.mass\n\xff\n"):
+        for text in (
+            f"{RED}\n1\n",
+            f"top.mass\n{RED}\n",
+            "top.mass\n1\0\n",
+            "\0",
+            "top.mass\n\xff\n",
+        ):
             self.put("cases.csv", text)
             self.assertIn("cases.csv:", self.check_run(2, "a.nml"))
 

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from dataclasses import astuple, replace
 from pathlib import Path
 
 sys.dont_write_bytecode = True
@@ -17,9 +18,10 @@ import balls  # noqa: E402
 
 balls.provide()
 
-from ball_top import Answer, Start, ball, motion_at, squared  # noqa: E402
 from flint import arb  # noqa: E402
-from random_tops import CLASSES, draw_top  # noqa: E402
+
+from ball_top import Answer, Start, ball, motion_at, squared  # noqa: E402
+from random_tops import draw_top  # noqa: E402
 
 PROGRAM = os.environ.get("SPINTOP_EXE", str(TESTS.parent / "build/release/spintop"))
 TOPS = int(os.environ.get("SPINTOP_LONG_CASES", "10000"))
@@ -27,6 +29,33 @@ SEED = 20121
 BATCH = 500
 ALLOWED = 10.0
 """Of the inherent error, the printed attitude may be so many times off, and 1e-14."""
+
+SWEEP = """\
+&study
+    kind = 'sweep'
+/
+&top
+    mass = 1.0
+    inertia = 1.0, 1.0, 1.0
+    length = 1.0
+/
+&span
+    t_end = 1.0
+/
+&sweep
+    table = 'tops.csv'
+/
+&output
+    columns = 'theta_end', 'phi_end', 'psi_end', 'double_floor'
+/
+"""
+SWEPT = (
+    *("top.mass", "top.gravity", "top.inertia(1)", "top.inertia(2)", "top.inertia(3)"),
+    *("top.length", "initial.phi", "initial.theta", "initial.psi", "initial.phi_rate"),
+    *("initial.theta_rate", "initial.omega3", "span.t_end"),
+)
+BLOCK = 5e-13
+"""What sweeps in closed form promise besides: relative, or rad."""
 
 DECIDED = 1e-13
 """Relative size of b - a or b + a below which rounding decides how phi passes a pole."""
@@ -107,6 +136,22 @@ def faults_of(row: dict[str, float], answer: Answer, is_decided: bool) -> list[s
     return [f"{name} {ratio:.3g}" for name, ratio in errors.items() if not ratio <= 1]
 
 
+def faults_of_end(row: dict[str, str], answer: Answer, is_decided: bool) -> list[str]:
+    """The same for the row of a sweep, which has the angles alone."""
+    theta, phi, psi, floor = (
+        float(row[name]) for name in ("theta_end", "phi_end", "psi_end", "double_floor")
+    )
+    bound = ALLOWED * floor + BLOCK * max(1.0, abs(phi) + abs(psi))
+    errors = {"theta": above(ball(theta) - answer.theta) / bound}
+    if answer.phi is not None:
+        least = min(math.sin(theta / 2), math.cos(theta / 2))
+        for name, value, true in (("phi", phi, answer.phi), ("psi", psi, answer.psi)):
+            if bound < 0.1 * least:
+                off = ball(value) - true
+                errors[name] = above(off if is_decided else within_turn(off)) / (2 * bound / least)
+    return [f"{name} {ratio:.3g}" for name, ratio in errors.items() if not ratio <= 1]
+
+
 def within_turn(angle: arb) -> arb:
     """An angle without its whole turns."""
     turns = round(float(angle.mid()) / (2 * math.pi))
@@ -134,6 +179,37 @@ class ExactMotionTest(unittest.TestCase):
         faults: list[str] = []
         for first in range(0, TOPS, BATCH):
             faults += self.look_at(range(first, min(first + BATCH, TOPS)))
+        if faults:
+            self.fail(f"{len(faults)} rows are wrong:\n" + "\n".join(faults[:40]))
+
+    def test_sweep(self) -> None:
+        """The same tops as a sweep, by its angles at the end of the span."""
+        drawn = [draw_top(number, SEED + 1) for number in range(TOPS)]
+        tops = [(kind, replace(start, spin_is_omega3=True), span) for kind, start, span in drawn]
+        lines = [",".join(SWEPT)]
+        for _, start, span in tops:
+            i1, i3, mass, gravity, length, *motion = astuple(start)[:11]
+            cells = [mass, gravity, i1, i1, i3, length, *motion, span]
+            lines.append(",".join(map(repr, cells)))
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            (folder / "tops.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+            (folder / "a.nml").write_text(SWEEP, encoding="utf-8")
+            run = subprocess.run(
+                [PROGRAM, "--quiet", "-o", ".", "a.nml"],
+                cwd=folder,
+                capture_output=True,
+                text=True,
+                check=False,
+            )
+            self.assertEqual(run.returncode, 0, run.stderr[:2000])
+            table = (folder / "a.csv").read_text(encoding="utf-8").splitlines()
+        rows = list(csv.DictReader(line for line in table if not line.startswith("#")))
+        faults = []
+        for number, (row, (kind, start, span)) in enumerate(zip(rows, tops, strict=True)):
+            self.assertEqual(row["status"], "ok")
+            if wrong := faults_of_end(row, motion_at(start, [span])[0], is_decided(start)):
+                faults.append(f"{number} ({kind}): {', '.join(wrong)}")
         if faults:
             self.fail(f"{len(faults)} rows are wrong:\n" + "\n".join(faults[:40]))
 

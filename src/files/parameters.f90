@@ -26,14 +26,14 @@ module spintop_parameters
     !> A group of the input, and where it was given.
     type :: group_t
         character(:), allocatable :: name
-        type(place_t) :: place
+        type(place_t) :: place = place_t()
     end type group_t
 
     !> All parameters of an input, and where each was given.
     type :: parameter_table_t
         type(parameter_t), allocatable :: parameters(:) !! in the order in which they were added
         type(group_t), allocatable :: groups(:)         !! in the order of their first parameter
-        type(place_t) :: place                          !! the input as a whole
+        type(place_t) :: place = place_t()                          !! the input as a whole
         character(:), allocatable, private :: defect
     contains
         !> `add(name, variable, unit, range, what [, elements])` for reals and integers,

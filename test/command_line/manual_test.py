@@ -44,6 +44,8 @@ SKIPPED = {
         "scripts/test",
         "scripts/test manual_test program_test",
         "scripts/test --debug taylor_test",
+        "scripts/test --sanitize namelist_test",
+        "scripts/test --long",
         "scripts/lint",
         "scripts/manual_tables",
         "scripts/api_docs",

@@ -25,9 +25,9 @@ program spintop_main
     integer :: code, worst, i
 
     call begin_process()
-    call check_stacks(error)
-    call end_on(error)
     call start_ranks(ranks, error)
+    if (.not. allocated(error)) call check_stacks(error)
+    call ranks%agree(error)
     call end_on(error)
     call read_command_line(request, error)
     call end_on(error)

@@ -11,7 +11,8 @@
 !> extended precision, and only the reduced phases go on in double.
 module spintop_exact_motion
     use spintop_kinds, only: dp, xp
-    use spintop_status, only: status_ok
+    use spintop_compare, only: is_finite
+    use spintop_status, only: status_ok, status_non_finite
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
     use spintop_elliptic_series, only: pi_xp
@@ -20,7 +21,7 @@ module spintop_exact_motion
     use spintop_turning_points, only: turning_points_t, find_turning_points
     use spintop_theta_form, only: theta_values_t
     use spintop_theta_motion, only: theta_motion_t, prepare_theta_motion, regime_resting
-    use spintop_nutation, only: nutation_t, describe_nutation
+    use spintop_nutation, only: nutation_t, describe_nutation, is_defined
     use spintop_validity, only: no_number
     implicit none
     private
@@ -95,7 +96,16 @@ contains
         else
             call set_phases(regular, exact)
         end if
+        if (is_defined(exact%nutation) .and. is_finite(real(exact%upper_phase + exact%lower_phase, dp))) return
+        status = status_non_finite
+        call forget(exact)
     end subroutine prepare_exact_motion
+
+    !> Leaves nothing of a motion that overflowed.
+    pure subroutine forget(exact)
+        type(exact_motion_t), intent(out) :: exact
+        exact%passes_pole = .false.
+    end subroutine forget
 
     pure subroutine keep_constants(start, points, exact)
         type(regular_start_t), intent(in) :: start

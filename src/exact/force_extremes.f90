@@ -8,7 +8,8 @@
 !> so that both the vertical force and the square of the total force are quadratic in u.
 module spintop_force_extremes
     use spintop_kinds, only: dp, xp
-    use spintop_status, only: status_ok
+    use spintop_compare, only: is_finite
+    use spintop_status, only: status_ok, status_non_finite
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
     use spintop_regular_start, only: regular_start_t, find_checked_start
@@ -56,6 +57,9 @@ contains
             extremes%largest = real(max(total_force(body, regular, y1), &
                                         total_force(body, regular, y2)), dp)
         end associate
+        if (.not. is_finite(extremes%lowest_vertical + extremes%highest_vertical + extremes%largest)) then
+            status = status_non_finite
+        end if
     end subroutine find_force_extremes
 
     !> Upward force at u = u0 + y, N: m (g + l u''), u'' = f'(u)/2.

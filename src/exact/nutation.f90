@@ -3,7 +3,8 @@
 module spintop_nutation
     use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_positive_inf
     use spintop_kinds, only: dp, xp, epsilon_dp
-    use spintop_status, only: status_ok
+    use spintop_compare, only: is_finite
+    use spintop_status, only: status_ok, status_non_finite
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
     use spintop_elliptic_series, only: quotient, pi_xp
@@ -13,7 +14,7 @@ module spintop_nutation
     use spintop_theta_motion, only: theta_motion_t, prepare_theta_motion, regime_resting
     implicit none
     private
-    public :: nutation_t, find_nutation, describe_nutation, class_name, class_meaning, class_names
+    public :: nutation_t, find_nutation, describe_nutation, is_defined, class_name, class_meaning, class_names
     public :: class_loop, class_cusp, class_wave, class_steady, class_sleeping, class_hanging
     public :: class_separatrix, class_libration, class_circulation, last_class
 
@@ -85,7 +86,15 @@ contains
         if (status /= status_ok) return
         points = find_turning_points(regular)
         nutation = describe_nutation(regular, points, prepare_theta_motion(regular, points))
+        if (.not. is_defined(nutation)) status = status_non_finite
     end subroutine find_nutation
+
+    !> Whether no quantity overflowed. Only the period, and with it what it adds, may be infinite.
+    pure logical function is_defined(nutation)
+        type(nutation_t), intent(in) :: nutation
+        is_defined = is_finite(nutation%theta_min + nutation%theta_max + nutation%delta_u) .and. &
+            is_finite(nutation%precession_rate) .and. is_finite(nutation%phi_rate_max)
+    end function is_defined
 
     !> Name of a class as it stands in tables; 'unknown' for a number that is no class.
     pure function class_name(class) result(name)

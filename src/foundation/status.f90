@@ -46,7 +46,7 @@ module spintop_status
         'completed', &
         'the axis is at a pole (sin theta = 0), where these equations are singular', &
         'a value overflowed or is not a number', &
-        'the number of steps allowed (integration.max_steps) is used up', &
+        'the work allowed (integration.max_steps) is used up', &
         'the equations of an implicit step could not be solved', &
         'the step size fell to the rounding of the time', &
         'reached a turning point of theta, where the energy-rate equations end', &

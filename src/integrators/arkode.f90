@@ -32,6 +32,7 @@ module spintop_arkode
     !> Owns what ARKODE allocates for a run. Without default values: gfortran 14 takes the allocation of a
     !> type that has some and a finalizer for a structure constructor, which Fortran 2008 would finalize.
     type :: memory_owner_t
+        ! allow(C101): a default value is what this type may not have
         type(arkode_memory_t), pointer :: memory
     contains
         final :: release

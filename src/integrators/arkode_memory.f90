@@ -22,6 +22,8 @@ module spintop_arkode_memory
     use fsunlinsol_dense_mod, only: FSUNLinSol_Dense
     use fsunmatrix_dense_mod, only: FSUNDenseMatrix
     use fsunnonlinsol_fixedpoint_mod, only: FSUNNonlinSol_FixedPoint
+    use fsunnonlinsol_newton_mod, only: FSUNNonlinSol_Newton
+    use spintop_arkode_stages, only: judge_correction, stage_watch_t
     use spintop_arkode_tables, only: arkode_table_t
     use spintop_compare, only: is_equal, is_finite
     use spintop_error_weight, only: error_weight_t
@@ -31,8 +33,8 @@ module spintop_arkode_memory
     use spintop_status, only: status_ok, status_outside, status_non_finite
     use spintop_stepper, only: workspace_t, controls_t
     use spintop_sundials, only: FN_VDestroy, FN_VGetArrayPointer, FSUNContext_Free, FSUNLinSolFree, FSUNMatDestroy, &
-        FSUNNonlinSolFree, N_Vector, SUNLinearSolver, SUNMatrix, SUNNonlinearSolver, create_context, index_kind, &
-        silence
+        FSUNNonlinSolFree, FSUNNonlinSolSetConvTestFn, N_Vector, SUNLinearSolver, SUNMatrix, SUNNonlinearSolver, &
+        create_context, index_kind, silence
     implicit none
     private
     public :: arkode_memory_t
@@ -57,6 +59,8 @@ module spintop_arkode_memory
         real(dp), private :: slope_last(max_states) = 0
         type(dense_output_t), private :: dense
         logical, private :: dense_is_known = .false.
+        !> Ends the iterations of stages with fixed steps.
+        type(stage_watch_t), private :: stage_watch
         type(c_ptr), private :: context = c_null_ptr, integrator = c_null_ptr
         type(N_Vector), pointer, private :: state_vector => null()
         type(SUNMatrix), pointer, private :: matrix => null()
@@ -83,8 +87,7 @@ module spintop_arkode_memory
     real(c_double), parameter :: growth_allowed = 100
     !> What is left of a stage's equation may be this share of the tolerance.
     real(c_double), parameter :: stage_share = 1.0e-2_c_double
-    !> The tolerance that stages share in with equal steps, where the user's means nothing: still
-    !> above the rounding of a stiff slope.
+    !> The tolerance that ARKODE is given with equal steps, where it decides nothing.
     real(c_double), parameter :: fixed_step_tolerance = 1.0e-12_c_double
     !> Returns of a callback: go on, try a shorter step, give up.
     integer(c_int), parameter :: go_on = 0, retry = 1, give_up = -1
@@ -177,11 +180,14 @@ contains
 
     !> Options of implicit tables: how the stages' equations are solved.
     subroutine set_implicit_options(self, controls)
-        class(arkode_memory_t), intent(inout) :: self
+        type(arkode_memory_t), intent(inout), target :: self
         type(controls_t), intent(in) :: controls
         integer(index_kind) :: n
 
         n = int(self%states, index_kind)
+        self%stage_watch%scale = self%formulation%scale
+        self%stage_watch%cyclic = self%formulation%cyclic
+        if (controls%fixed_point) self%stage_watch%divergence = growth_allowed
         associate (ark => self%integrator)
             if (controls%fixed_point) then
                 self%nonlinear_solver => FSUNNonlinSol_FixedPoint(self%state_vector, 0_c_int, &
@@ -191,6 +197,8 @@ contains
                 ! A correction of an angle makes a larger one of its rate before both shrink.
                 call self%keep(FARKStepSetNonlinRDiv(ark, growth_allowed))
             else
+                self%nonlinear_solver => FSUNNonlinSol_Newton(self%state_vector, self%context)
+                call self%keep(FARKStepSetNonlinearSolver(ark, self%nonlinear_solver))
                 self%matrix => FSUNDenseMatrix(n, n, self%context)
                 self%linear_solver => FSUNLinSol_Dense(self%state_vector, self%matrix, self%context)
                 call self%keep(FARKStepSetLinearSolver(ark, self%linear_solver, self%matrix))
@@ -201,6 +209,8 @@ contains
                 call self%keep(FARKStepSetMaxNonlinIters(ark, newton_limit))
             end if
             call self%keep(FARKStepSetNonlinConvCoef(ark, stage_share))
+            if (.not. self%adaptive) call self%keep(FSUNNonlinSolSetConvTestFn( &
+                self%nonlinear_solver, c_funloc(judge_correction), c_loc(self%stage_watch)))
             call self%keep(FARKStepSetDeduceImplicitRhs(ark, 1_c_int))
         end associate
     end subroutine set_implicit_options
@@ -243,6 +253,7 @@ contains
         flag = self%flag
         if (flag < 0) return
         before = self%now
+        self%stage_watch%y = self%now%y
         self%status = status_ok
         flag = FARKStepEvolve(self%integrator, t_end, self%state_vector, t_reached, ARK_ONE_STEP)
         if (flag < 0) then

@@ -71,15 +71,14 @@ contains
         call self%set_weight(formulation, work)
         call begin_on_grid(self, formulation, work, status)
         if (self%controls%steps == 0 .and. status == status_ok) then
-            work%h = first_step(self, formulation, work)
+            work%h = first_step(formulation, work)
         end if
     end subroutine begin
 
     !> A step with which Euler's method errs by about 1% of the state; then, from the curvature found
     !> by it, one of the order of this method. Times are in units of that in which the state would
     !> change by all its magnitude, so that the unit of time does not matter.
-    real(dp) function first_step(self, formulation, work) result(h)
-        class(dop853_t), intent(in) :: self
+    real(dp) function first_step(formulation, work) result(h)
         class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(inout) :: work
         real(dp), parameter :: share = 0.01_dp

@@ -19,6 +19,7 @@ module spintop_events
     use spintop_motion, only: motion_t
     use spintop_status, only: status_ok, status_bad_events
     use spintop_passages, only: passages_t
+    use spintop_path, only: path_t
     use spintop_vectors, only: cross
     implicit none
     private
@@ -39,13 +40,6 @@ module spintop_events
         !> Events so far.
         integer :: count = 0
     end type event_t
-
-    !> A motion that can be had at any time within a stretch.
-    type, abstract :: path_t
-    contains
-        procedure(at), deferred :: at
-        procedure :: is_spent => never_spent
-    end type path_t
 
     !> On which side of its level a quantity is.
     type :: side_t
@@ -93,14 +87,6 @@ module spintop_events
     end type event_watch_t
 
     abstract interface
-        !> The motion at a time.
-        subroutine at(self, t, motion)
-            import :: path_t, motion_t, dp
-            class(path_t), intent(inout) :: self
-            real(dp), intent(in) :: t
-            type(motion_t), intent(out) :: motion
-        end subroutine at
-
         !> The quantities of all events; where one is not finite no event of it is found.
         subroutine quantities(self, motion, values)
             import :: event_watch_t, motion_t, dp
@@ -125,10 +111,9 @@ module spintop_events
     real(dp), parameter :: through_pole = 1.0e-12_dp
     !> A piece of so many spacings of the time is not divided.
     real(dp), parameter :: least_spacings = 8
-    !> An event sooner after the start than this share of the time of a radian is the start.
-    real(dp), parameter :: start_share = 1.0e-9_dp
-    !> Values this close to the level at the start, in units of their rounding, are at the level.
-    real(dp), parameter :: start_rounding = 16 * epsilon(1.0_dp)
+    !> An event sooner after the start than this share of the time of a radian is the start, and a value this
+    !> close to the level there, relatively, is at the level.
+    real(dp), parameter :: start_share = 1.0e-9_dp, start_rounding = 16 * epsilon(1.0_dp)
     !> A piece halved so often has its rounding measured, over this share of the piece.
     integer, parameter :: rounding_depth = 8
     real(dp), parameter :: rounding_share = 2.0_dp**(-12)
@@ -145,14 +130,6 @@ contains
         if (.not. all(abs(self%events%direction) == 1 .and. is_finite(self%events%level))) status = status_bad_events
     end function check
 
-    !> Looks without end.
-    logical function never_spent(self)
-        class(path_t), intent(in) :: self
-        associate (unused => self)
-        end associate
-        never_spent = .false.
-    end function never_spent
-
     !> Begins at a motion of the body.
     subroutine begin(self, body, motion)
         class(event_watch_t), intent(inout) :: self
@@ -167,10 +144,7 @@ contains
         self%t_begin = motion%t
         self%t = motion%t
         self%here = motion
-        self%soon = 0
-        associate (pace => norm2(motion%omega) + 2 * self%fall_rate)
-            if (pace > 0) self%soon = start_share / pace
-        end associate
+        self%soon = start_share / max(norm2(motion%omega) + 2 * self%fall_rate, tiny(1.0_dp))
         self%has_enough = .false.
         if (.not. allocated(self%events)) allocate (self%events(0))
         self%events%count = 0
@@ -202,20 +176,18 @@ contains
     pure real(dp) function next_instant(self, t, pace) result(next)
         class(event_watch_t), intent(in) :: self
         real(dp), intent(in) :: t, pace
-        real(dp) :: pause, near
+        real(dp) :: gap, near
         next = t
-        pause = t - self%t
-        if (is_finite(pace) .and. pace * pause > largest_turn) pause = largest_turn / pace
-        if (any(abs(self%pole_axis) > 0)) then
-            near = time_near_pole(self%here, self%pole_axis)
-            if (near < pause) pause = near
-        end if
-        pause = max(pause, 2 * least_spacings * spacing(max(abs(self%t), abs(t))))
-        if (t - self%t > pause) next = self%t + (t - self%t) / (aint((t - self%t) / pause) + 1)
+        gap = t - self%t
+        if (is_finite(pace) .and. pace * gap > largest_turn) gap = largest_turn / pace
+        near = time_near_pole(self%here, self%pole_axis)
+        if (near < gap) gap = near
+        gap = max(gap, 2 * least_spacings * spacing(max(abs(self%t), abs(t))))
+        if (t - self%t > gap) next = self%t + (t - self%t) / (aint((t - self%t) / gap) + 1)
     end function next_instant
 
-    !> The time in which a body axis goes a share of its distance from the vertical, s: with the way s
-    !> that it may go, its speed v and its acceleration a in space, v t + a t^2/2 = s.
+    !> The time in which a body axis goes a share of its distance from the vertical, s: with that way s, its
+    !> speed v and its acceleration a in space, v t + a t^2/2 = s. Without an axis there is no end to it.
     pure real(dp) function time_near_pole(motion, axis) result(time)
         type(motion_t), intent(in) :: motion
         real(dp), intent(in) :: axis(3)
@@ -303,7 +275,9 @@ contains
             if (event%turn_by_turn) level = 2 * pi * (event%count + 1)
             if (.not. is_equal(level, side%level)) then
                 side = side_t(level=level, t=self%t, distance=values(1) - level)
-                if (abs(side%distance) > start_rounding * (abs(values(1)) + abs(level))) side%sign = sign_of(side%distance)
+                if (abs(side%distance) > start_rounding * (abs(values(1)) + abs(level))) then
+                    side%sign = sign_of(side%distance)
+                end if
             end if
             side%farthest = maxval(abs(values - level), mask=is_finite(values))
             side%is_measured = .false.
@@ -353,16 +327,16 @@ contains
         class(path_t), intent(inout) :: path
         integer, intent(in) :: k
         real(dp), intent(in) :: b
-        real(dp) :: values(9), pause
+        real(dp) :: values(9), gap
         integer :: i
 
         associate (side => self%sides(k), a => self%t)
             side%is_measured = .true.
             side%rounding = 0
-            pause = max(rounding_share * (b - a), 2 * spacing(max(abs(a), abs(b))))
-            if (8 * pause > b - a) return
+            gap = max(rounding_share * (b - a), 2 * spacing(max(abs(a), abs(b))))
+            if (8 * gap > b - a) return
             do i = 1, 9
-                values(i) = self%value_at(path, k, a + pause * (i - 1))
+                values(i) = self%value_at(path, k, a + gap * (i - 1))
             end do
             if (all(is_finite(values))) side%rounding = rounding_of(values)
         end associate

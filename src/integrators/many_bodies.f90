@@ -74,9 +74,10 @@ contains
                 associate (status => outcomes(next)%status)
                     status = body_status(bodies(next))
                     if (status == status_ok) status = motion_status(starts(next))
-                    if (status == status_ok .and. .not. (t_end(next) >= 0 .and. is_finite(t_end(next)))) &
+                    if (status == status_ok) then
+                        if (t_end(next) >= 0 .and. is_finite(t_end(next))) return
                         status = status_bad_span
-                    if (status == status_ok) return
+                    end if
                 end associate
                 ends(next) = starts(next)
                 next = next + 1

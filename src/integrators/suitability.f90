@@ -104,7 +104,6 @@ contains
     pure integer function controls_status(method, controls) result(status)
         type(method_info_t), intent(in) :: method
         type(controls_t), intent(in) :: controls
-        type(arkode_table_t) :: table
         logical :: valid
         associate (relative => controls%relative_tolerance, absolute => controls%absolute_tolerance)
             valid = relative > 0 .and. relative <= huge(relative) .and. absolute > 0 .and. absolute <= huge(absolute) &
@@ -115,13 +114,19 @@ contains
                 valid = valid .and. relative >= method%finest_tolerance
             end if
         end associate
-        if (valid .and. controls%table /= '') then
-            valid = method%takes_table
-            if (valid) call find_arkode_table(controls%table, method%implicit, table, valid)
-        end if
+        if (valid .and. len_trim(controls%table) > 0) valid = has_table(method, controls%table)
         status = merge(status_ok, status_bad_controls, valid)
         if (valid .and. controls%steps == 0 .and. .not. method%adaptive) status = status_no_steps
     end function controls_status
+
+    !> Whether a method takes a Butcher table of that name.
+    pure logical function has_table(method, name)
+        type(method_info_t), intent(in) :: method
+        character(*), intent(in) :: name
+        type(arkode_table_t) :: table
+        has_table = method%takes_table
+        if (has_table) call find_arkode_table(name, method%implicit, table, has_table)
+    end function has_table
 
     !> Whether a motion may be followed as it is asked for: what `can_run` says, and that of the body,
     !> the start, the end of the span and the sample times, which rise from 0 to that end at most.

@@ -14,20 +14,23 @@ module spintop_sundials
 #endif
     use fsundials_core_mod, only: &
         FN_VDestroy, FN_VGetArrayPointer, FSUNContext_ClearErrHandlers, FSUNContext_Create, FSUNContext_Free, &
-        FSUNContext_SetLogger, FSUNLinSolFree, FSUNMatDestroy, FSUNNonlinSolFree, N_Vector, SUNLinearSolver, &
-        SUNMatrix, SUNNonlinearSolver
+        FSUNContext_SetLogger, FSUNLinSolFree, FSUNMatDestroy, FSUNNonlinSolFree, FSUNNonlinSolGetCurIter, &
+        FSUNNonlinSolSetConvTestFn, N_Vector, SUN_NLS_CONTINUE, SUN_NLS_CONV_RECVR, SUN_NLS_SUCCESS, &
+        SUNLinearSolver, SUNMatrix, SUNNonlinearSolver
 #else
     use farkode_arkstep_mod, only: FARKStepSetErrHandlerFn
     use fsundials_context_mod, only: FSUNContext_Create, FSUNContext_Free
     use fsundials_linearsolver_mod, only: FSUNLinSolFree, SUNLinearSolver
     use fsundials_matrix_mod, only: FSUNMatDestroy, SUNMatrix
-    use fsundials_nonlinearsolver_mod, only: FSUNNonlinSolFree, SUNNonlinearSolver
+    use fsundials_nonlinearsolver_mod, only: FSUNNonlinSolFree, FSUNNonlinSolGetCurIter, &
+        FSUNNonlinSolSetConvTestFn, SUN_NLS_CONTINUE, SUN_NLS_CONV_RECVR, SUN_NLS_SUCCESS, SUNNonlinearSolver
     use fsundials_nvector_mod, only: FN_VDestroy, FN_VGetArrayPointer, N_Vector
 #endif
     implicit none
     private
     public :: create_context, index_kind, silence
     public :: FN_VDestroy, FN_VGetArrayPointer, FSUNContext_Free, FSUNLinSolFree, FSUNMatDestroy, FSUNNonlinSolFree
+    public :: FSUNNonlinSolGetCurIter, FSUNNonlinSolSetConvTestFn, SUN_NLS_CONTINUE, SUN_NLS_CONV_RECVR, SUN_NLS_SUCCESS
     public :: N_Vector, SUNLinearSolver, SUNMatrix, SUNNonlinearSolver
 
     !> Kind of the sizes of vectors and matrices.

@@ -92,6 +92,8 @@ contains
         real(dp) :: h, t_new, change(max_states)
         logical :: changed
 
+        associate (unused => self)
+        end associate
         select type (work)
         class is (taylor_workspace_t)
             call formulation%series(work%y, work%order, work%coefficient)

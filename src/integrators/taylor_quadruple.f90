@@ -69,6 +69,8 @@ contains
         real(dp) :: h, t_new, y_new(max_states), rest(max_states)
         logical :: changed
 
+        associate (unused => self)
+        end associate
         select type (work)
         class is (quadruple_workspace_t)
             y = work%rest + real(work%y, qp)

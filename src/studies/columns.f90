@@ -5,7 +5,7 @@ module spintop_columns
     use spintop_attitude, only: rotation_angle, vertical_from_quaternion, to_space
     use spintop_body, only: body_t
     use spintop_case, only: case_t
-    use spintop_compare, only: is_equal, is_finite
+    use spintop_compare, only: is_finite
     use spintop_conditioning, only: conditioning_t, prepare_conditioning
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t
@@ -162,10 +162,11 @@ contains
     end function varies_near_poles
 
     !> The chosen columns of a motion, which is in the axes of the computation; all but the errors
-    !> are those of the body as it was given.
-    function row(self, computed) result(values)
+    !> are those of the body as it was given. That of the start (`is_start`) is told as it was given.
+    function row(self, computed, is_start) result(values)
         class(column_computer_t), intent(inout) :: self
         type(motion_t), intent(in) :: computed
+        logical, intent(in), optional :: is_start
         real(dp), allocatable :: values(:)
         real(dp) :: all_values(maxval(self%last)), kinetic, potential, drift
         type(motion_t) :: motion
@@ -174,7 +175,9 @@ contains
 
         body = self%case%given_body
         motion = self%case%turn%back(computed, self%near)
-        if (is_equal(computed%t, self%case%start%t)) call take_start(self%case%given_start, motion)
+        if (present(is_start)) then
+            if (is_start) call take_start(self%case%given_start, motion)
+        end if
         self%near = motion%angle
         kinetic = kinetic_energy(body, motion)
         potential = potential_energy(body, motion)

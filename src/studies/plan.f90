@@ -121,13 +121,6 @@ contains
             call refuse('integration.steps', scene%steps /= unset_integer)
             call refuse('integration.step', is_set(scene%step))
             call refuse('integration.table', scene%table /= '')
-            if (scene%method /= exact_info%name) then
-                call ignore('integration.relative_tolerance', is_set(scene%relative_tolerance))
-                call ignore('integration.absolute_tolerance', is_set(scene%absolute_tolerance))
-                call ignore('integration.solver', scene%solver /= 'newton')
-                call ignore('integration.project', scene%project /= projection_names(project_nothing))
-                return
-            end if
             call refuse('integration.relative_tolerance', is_set(scene%relative_tolerance))
             call refuse('integration.absolute_tolerance', is_set(scene%absolute_tolerance))
             call refuse('integration.solver', scene%solver /= 'newton')
@@ -136,21 +129,19 @@ contains
 
     contains
 
+        !> What is given and the exact motion does not take: an error where that was asked for by name.
         subroutine refuse(name, given)
             character(*), intent(in) :: name
             logical, intent(in) :: given
-            if (given) call problems%add(name, 'the exact motion takes no ' // name, 'leave it out')
-        end subroutine refuse
-
-        !> Tells that something given is not used.
-        subroutine ignore(name, given)
-            character(*), intent(in) :: name
-            logical, intent(in) :: given
             if (.not. given) return
-            call problems%warn(name, name // ' is not used: the motion is computed in closed form, to rounding', &
-                               'leave it out, or name a method to have the motion integrated')
-            plan%reason = plan%reason // ' ' // name // ' is not used.'
-        end subroutine ignore
+            if (scene%method == exact_info%name) then
+                call problems%add(name, 'the exact motion takes no ' // name, 'leave it out')
+            else
+                call problems%warn(name, name // ' is not used: the motion is computed in closed form, to rounding', &
+                                   'leave it out, or name a method to have the motion integrated')
+                plan%reason = plan%reason // ' ' // name // ' is not used.'
+            end if
+        end subroutine refuse
 
     end subroutine choose_method
 

@@ -175,8 +175,10 @@ contains
         call table%add('integration.relative_tolerance', scene%relative_tolerance, '', '[1e-31, 1]', &
                        'relative error a step of adaptive methods (1e-9; ode45: 1e-3)')
         call table%add('integration.absolute_tolerance', scene%absolute_tolerance, '', '> 0', &
-                       'absolute error a step (1e-12, ode45 1e-6; at most a thousandth of a relative_tolerance given)')
-        call table%add('integration.max_steps', scene%max_steps, '', '>= 1', 'most steps a case')
+                       'absolute error per step, in radians and in units of the largest rate or momentum ' // &
+                       '(1e-12, ode45 1e-6; at most a thousandth of a relative_tolerance given)')
+        call table%add('integration.max_steps', scene%max_steps, '', '>= 1', &
+                       'maximum work per case, in steps')
         call table%add('integration.solver', scene%solver, 'newton|fixed_point', &
                        'how implicit steps are solved')
         call table%add('integration.project', scene%project, join(projection_names, '|'), &

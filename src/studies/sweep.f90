@@ -140,7 +140,11 @@ contains
 
             cases_of_block = size_of_block(job)
             allocate (worker)
+            ! One thread at a time: gfortran keeps the length of a function's text in static memory where the
+            ! function is called (seen in 12 and 14), and this makes many texts.
+            !$omp critical (preparation)
             call worker%prepare(job)
+            !$omp end critical (preparation)
             formatting = 0
             number = come_again
             do

@@ -96,7 +96,8 @@ module spintop_sweep_columns
         sweep_column_t('growth_rate', '1/s', 'of small deviations from a start that is sleeping or steady', group_growth), &
         sweep_column_t('lyapunov_exponent', '1/s', &
                        'mean growth rate of a perturbation, equal in all components but along Gamma', group_lyapunov), &
-        sweep_column_t('largest_singular_value', '', 'of the tangent map over the span, in the scales of the motion', &
+        sweep_column_t('largest_singular_value', '', &
+                       'of the tangent map over the span, in the scales of the motion', &
                        group_singular)]
 
 end module spintop_sweep_columns

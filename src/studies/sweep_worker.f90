@@ -120,9 +120,11 @@ contains
                 call make_worker_case(worker, k)
                 worker%max_steps(k) = worker%plan%max_steps
                 if (worker%plan%exact .and. worker%status(k) == status_ok .and. size(job%events) > 0) then
-                    call stop_exactly(worker%cases(k), job%events, job%stop_after, worker%max_steps(k), worker%status(k), &
-                                      worker%came(k))
-                    if (worker%status(k) /= status_ok) call worker%note(k)%explain(trim(status_meanings(worker%status(k))))
+                    call stop_exactly(worker%cases(k), job%events, job%stop_after, worker%max_steps(k), &
+                                      worker%status(k), worker%came(k))
+                    if (worker%status(k) /= status_ok) then
+                        call worker%note(k)%explain(trim(status_meanings(worker%status(k))))
+                    end if
                 end if
                 worker%lane(k) = 0
                 if (worker%status(k) /= status_ok) then

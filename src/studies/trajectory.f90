@@ -34,6 +34,8 @@ module spintop_trajectory
         type(table_file_t) :: file
         type(progress_t) :: progress
         real(dp) :: t_end = 0
+        !> No row is wanted after this time, s.
+        real(dp) :: t_stop = huge(1.0_dp)
         !> Rows of the whole table.
         integer(int64) :: total = 0
         integer :: rows = 0
@@ -162,8 +164,8 @@ contains
         end do
     end subroutine take_times
 
-    !> Computes a motion that an event ended once more, up to there: its rows lie as those of a motion with
-    !> that end of the span do.
+    !> Computes a motion that an event ended once more, in the same steps, up to there: its rows are spread
+    !> over what was run, and the last is the motion at the event.
     subroutine compute_again(job, head, times, writer, outcome)
         type(job_t), intent(inout) :: job
         character(*), intent(in) :: head
@@ -184,9 +186,11 @@ contains
             times(i) = sample_time(first%t, size(times), i)
         end do
         associate (case => job%case, plan => job%plan)
-            call integrate(plan%formulation, plan%stepper, case%body, case%start, first%t, &
+            writer%t_stop = first%t
+            call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, &
                            times, writer, outcome)
         end associate
+        if (outcome%status == status_ok) outcome%t = first%t
         call outcome%counts%add(first%counts)
     end subroutine compute_again
 
@@ -300,16 +304,16 @@ contains
     subroutine write_row(self, motion)
         class(writer_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion
-        real(dp), allocatable :: values(:)
         if (self%has_enough) return
-        values = self%columns%row(motion)
-        self%is_wild = .not. self%columns%is_defined(values)
-        self%t_wild = motion%t
-        self%has_enough = self%is_wild
-        if (self%is_wild) return
-        self%rows = self%rows + 1
-        call self%file%add_row(values, self%error)
-        self%has_enough = allocated(self%error)
+        associate (values => self%columns%row(motion, is_start=self%rows == 0))
+            self%is_wild = .not. self%columns%is_defined(values)
+            self%t_wild = motion%t
+            self%has_enough = self%is_wild
+            if (self%is_wild) return
+            self%rows = self%rows + 1
+            call self%file%add_row(values, self%error)
+        end associate
+        self%has_enough = allocated(self%error) .or. motion%t >= self%t_stop
         call self%progress%update(int(motion%t / self%t_end * self%total, int64))
     end subroutine write_row
 

@@ -1,7 +1,7 @@
 !> The command line of `spintop`: arguments in, a request out.
 module spintop_command_line
     use spintop_errors, only: error_t, input_error
-    use spintop_job, only: options_t
+    use spintop_job, only: options_t, shell_word
     use spintop_line_list, only: line_list_t
     use spintop_shard, only: read_shard
     use spintop_text, only: string_t, nearest_word
@@ -37,7 +37,8 @@ module spintop_command_line
         option_t('--set', '', 'GROUP.KEY=VALUE', 'override a value of the input (repeatable)'), &
         option_t('--threads', '', 'N', 'number of threads, of each rank under MPI (default: all cores)'), &
         option_t('--check', '', '', 'read, check and plan only; print the resolved input and the plan'), &
-        option_t('--resume', '', '', 'go on with an interrupted sweep'), &
+        option_t('--resume', '', '', 'resume an interrupted sweep'), &
+        option_t('--restart', '', '', 'discard an interrupted sweep and start anew'), &
         option_t('--shard', '', 'I/N', 'compute part I of N of a sweep; `spintop merge` joins the parts'), &
         option_t('--quiet', '', '', 'no progress display'), &
         option_t('--progress', '', '', 'progress even when standard error is no terminal'), &
@@ -57,7 +58,8 @@ module spintop_command_line
     character(*), parameter :: exit_codes(*) = [character(96) :: &
         '', &
         'exit codes: 0 all is well; 2 wrong usage or input, nothing was computed; 3 some cases', &
-        'failed and are marked; 4 a result could not be written; 5 an internal error']
+        'failed and are marked; 4 a result could not be written; 5 no memory, or an internal error;', &
+        '128 + N: ended by signal N']
 
 contains
 
@@ -90,9 +92,10 @@ contains
         type(error_t), allocatable, intent(out) :: error
         character(:), allocatable :: argument, value
         logical :: only_inputs, valid
-        integer :: i, place
+        integer :: first, i, place
 
         request%options%output = 'output'
+        request%options%command = shell_word(argument_at(0))
         allocate (request%options%overrides(0), request%inputs(0))
         only_inputs = .false.
         i = 0
@@ -119,6 +122,7 @@ contains
                 return
             end if
             value = ''
+            first = i
             if (known_options(place)%value /= '') then
                 call take_value(value)
             else if (option_name(argument) /= argument) then
@@ -143,6 +147,8 @@ contains
                 request%action = action_check
             case ('--resume')
                 request%options%resume = .true.
+            case ('--restart')
+                request%options%restart = .true.
             case ('--shard')
                 call read_shard(value, request%options%shard, valid)
                 if (.not. valid) error = wrong("--shard takes I/N, part I of N, as in 2/3, not '" // value // "'")
@@ -154,10 +160,23 @@ contains
                 only_inputs = .true.
             end select
             if (allocated(error)) return
+            if (all(known_options(place)%name /= [character(9) :: '--resume', '--restart', '--'])) call keep_options()
         end do
-        if (size(request%inputs) == 0) error = wrong('no input is named')
+        if (request%options%resume .and. request%options%restart) then
+            error = wrong('--resume and --restart exclude each other')
+        else if (size(request%inputs) == 0) then
+            error = wrong('no input is named')
+        end if
 
     contains
+
+        !> The option is one of those with which a run may be resumed.
+        subroutine keep_options()
+            integer :: k
+            do k = first, i
+                request%options%command = request%options%command // ' ' // shell_word(argument_at(k))
+            end do
+        end subroutine keep_options
 
         !> The value of the option: behind its equals sign, or the next argument.
         subroutine take_value(value)

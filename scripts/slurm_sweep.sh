@@ -18,51 +18,63 @@
 # the last bits of the numbers may differ.
 set -euo pipefail
 
-# The environment's values win: Slurm runs a copy of this file from a folder of its own.
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
-build=release
-if [ "${2:-}" = mpi ]; then build=mpi; fi
-export SPINTOP_EXE=${SPINTOP_EXE:-$root/build/$build/spintop}
-export OUTPUT=${OUTPUT:-output}
-
-case ${SPINTOP_TASK:-submit} in
-submit)
-    if [ $# -lt 2 ]; then
-        sed -n '2,/^$/s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2
+# Slurm runs a copy of this file from a folder of its own, and may give it no environment but its own:
+# a job has its task and all that it needs as arguments.
+#
+#     slurm_sweep.sh --task compute|mpi|merge PROGRAM OUTPUT INPUT.nml PARTS
+if [ "${1:-}" = --task ]; then
+    if [ $# != 6 ]; then
+        echo "slurm_sweep.sh: --task is for the jobs that this script submits" >&2
         exit 2
     fi
-    input=$1 parts=$2
-    shift 2
-    if [ "$parts" = mpi ]; then
-        "$SPINTOP_EXE" --check "$input" >/dev/null
-        export SPINTOP_TASK=mpi
-        exec sbatch --parsable --job-name="spintop ${input##*/}" --requeue --open-mode=append \
-            "$@" "${BASH_SOURCE[0]}" "$input" mpi
-    fi
-    "$SPINTOP_EXE" --check --shard "1/$parts" "$input" >/dev/null
-    export SPINTOP_TASK=compute
-    array=$(sbatch --parsable --job-name="spintop ${input##*/}" --array="1-$parts" --requeue --open-mode=append \
-        "$@" "${BASH_SOURCE[0]}" "$input" "$parts")
-    export SPINTOP_TASK=merge
-    # Not afterok: a task with failed cases ends with exit code 3. A missing part stops the merge.
-    sbatch --parsable --job-name="spintop merge ${input##*/}" --dependency="afterany:${array%%;*}" \
-        "$@" --cpus-per-task=1 "${BASH_SOURCE[0]}" "$input" "$parts"
-    ;;
-compute)
-    # A part of its own for each task.
-    exec "$SPINTOP_EXE" --resume --progress --threads "${SLURM_CPUS_PER_TASK:-1}" \
-        --shard "$SLURM_ARRAY_TASK_ID/$2" --output "$OUTPUT" "$1"
-    ;;
-mpi)
-    exec srun --cpus-per-task="${SLURM_CPUS_PER_TASK:-1}" "$SPINTOP_EXE" --resume --progress \
-        --threads "${SLURM_CPUS_PER_TASK:-1}" --output "$OUTPUT" "$1"
-    ;;
-merge)
-    # The name of the table is that of the input, or that which the input gives.
-    first=$("$SPINTOP_EXE" --check --shard "1/$2" --output "$OUTPUT" "$1" | sed -n '1s/.* -> //p')
-    stem=${first%".1-of-$2.csv"}
-    tables=()
-    for ((part = 1; part <= $2; ++part)); do tables+=("$stem.$part-of-$2.csv"); done
-    exec "$SPINTOP_EXE" merge "$stem.csv" "${tables[@]}"
-    ;;
-esac
+    task=$2 program=$3 output=$4 input=$5 parts=$6
+    case $task in
+    compute)
+        # A part of its own for each task.
+        exec "$program" --resume --progress --threads "${SLURM_CPUS_PER_TASK:-1}" \
+            --shard "$SLURM_ARRAY_TASK_ID/$parts" --output "$output" "$input"
+        ;;
+    mpi)
+        exec srun --cpus-per-task="${SLURM_CPUS_PER_TASK:-1}" "$program" --resume --progress \
+            --threads "${SLURM_CPUS_PER_TASK:-1}" --output "$output" "$input"
+        ;;
+    merge)
+        # The name of the table is that of the input, or that which the input gives.
+        first=$("$program" --check --shard "1/$parts" --output "$output" "$input" | sed -n '1s/.* -> //p')
+        stem=${first%".1-of-$parts.csv"}
+        tables=()
+        for ((part = 1; part <= parts; ++part)); do tables+=("$stem.$part-of-$parts.csv"); done
+        exec "$program" merge "$stem.csv" "${tables[@]}"
+        ;;
+    esac
+    echo "slurm_sweep.sh: there is no task '$task'" >&2
+    exit 2
+fi
+
+if [ $# -lt 2 ]; then
+    sed -n '2,/^$/s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2
+    exit 2
+fi
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
+input=$1 parts=$2
+shift 2
+build=release
+if [ "$parts" = mpi ]; then build=mpi; fi
+program=${SPINTOP_EXE:-$root/build/$build/spintop}
+output=${OUTPUT:-output}
+name=${input##*/}
+
+# submit TASK [SBATCH OPTION ...]: submit this script again, with a task.
+submit() {
+    sbatch --parsable "${@:2}" "${BASH_SOURCE[0]}" --task "$1" "$program" "$output" "$input" "$parts"
+}
+
+if [ "$parts" = mpi ]; then
+    "$program" --check "$input" >/dev/null
+    submit mpi --job-name="spintop $name" --requeue --open-mode=append "$@"
+    exit
+fi
+"$program" --check --shard "1/$parts" "$input" >/dev/null
+array=$(submit compute --job-name="spintop $name" --array="1-$parts" --requeue --open-mode=append "$@")
+# Not afterok: a task with failed cases ends with exit code 3. A missing part stops the merge.
+submit merge --job-name="spintop merge $name" --dependency="afterany:${array%%;*}" "$@" --cpus-per-task=1

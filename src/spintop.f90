@@ -9,28 +9,34 @@
 module spintop
     use spintop_kinds, only: dp
     use spintop_errors, only: error_t
-    use spintop_status, only: status_ok, status_name, status_meaning
+    use spintop_status, only: status_ok, status_name, status_meaning, status_names, status_pole, &
+        status_non_finite, status_step_limit, status_not_converged, status_step_too_small, &
+        status_turning_point, status_outside, status_unsuitable, status_integrator, status_bad_input, &
+        status_bad_body, status_bad_start, status_bad_controls, status_bad_span, status_bad_samples, &
+        status_bad_events, status_bad_projection, status_no_steps, status_no_structure, &
+        status_stuck_at_turn, status_unknown_name
+    use spintop_validity, only: body_status, start_status
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t, motion_from_angles, motion_from_quaternion
-    use spintop_quantities, only: kinetic_energy, potential_energy, vertical_momentum, &
-        axial_momentum, euler_residuals, support_force, axis_tip, axis_height_rate
+    use spintop_checked_functions, only: kinetic_energy, potential_energy, vertical_momentum, &
+        axial_momentum, euler_residuals, support_force, axis_tip, axis_height_rate, &
+        euler_poisson_state, critical_omega3, fast_top
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_conditioning, only: conditioning_t, prepare_conditioning, double_floor
     use spintop_force_extremes, only: force_extremes_t, find_force_extremes
     use spintop_exact_block, only: exact_block_t, block_size
     use spintop_nutation, only: nutation_t, find_nutation, class_name
     use spintop_steady_precession, only: steady_rates, steady_rates_at_spin
-    use spintop_sleeping_top, only: critical_omega3
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_floquet, only: find_multipliers, find_monodromy
-    use spintop_lyapunov, only: find_lyapunov
+    use spintop_lyapunov, only: find_largest_singular_value, find_lyapunov
     use spintop_tangent_flow, only: carry_tangents
-    use spintop_euler_poisson, only: euler_poisson_state
-    use spintop_fast_top, only: fast_top_t, fast_top
+    use spintop_fast_top, only: fast_top_t
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     use spintop_formulations, only: formulation_infos, create_formulation
     use spintop_stepper, only: stepper_t, method_info_t, controls_t, workspace_t, counts_t
     use spintop_methods, only: method_infos, create_stepper
+    use spintop_suitability, only: can_run
     use spintop_events, only: event_t, event_watch_t, path_t
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_many_bodies, only: integrate_many

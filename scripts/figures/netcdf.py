@@ -64,6 +64,8 @@ class Header:
 
 def read_netcdf(path: Path) -> tuple[Attributes, dict[str, Variable]]:
     """The attributes of a file and its variables, whose values stay on the disk."""
+    if path.stat().st_size == 0:
+        raise FormatError("is empty")
     data = np.memmap(path, dtype=np.uint8, mode="r")
     header = Header(data)
     if header.take(4) != MAGIC:

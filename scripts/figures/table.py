@@ -1,5 +1,6 @@
 """Reading a table of spintop: its head of `#` lines, its rows, its status."""
 
+import csv
 import io
 import itertools
 import re
@@ -10,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from figures.netcdf import FormatError, Variable, cells_of, read_netcdf
+from figures.characters import printable
+from figures.netcdf import Attributes, FormatError, Variable, cells_of, read_netcdf
 
 EVENT = "event"
 """First column of a table of events, which may have no rows."""
@@ -20,6 +22,16 @@ MANY_CASES = 20_000
 KEPT_CASES = 5_000
 UNITS = {"1": "", "degree": "deg"}
 """Units that NetCDF tables name otherwise, as UDUNITS knows them."""
+WORDS = frozenset(
+    (
+        *("auto", "case", "event", "formulation", "front", "method", "motion_class", "notes"),
+        *("problem", "program", "reason", "reference", "setting", "status", "verdict"),
+    )
+)
+"""Columns that may hold words; all others hold numbers."""
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?|[+-]?inf|nan", re.IGNORECASE | re.ASCII)
+LONGEST = 40
+"""Characters of a cell that a message quotes at most."""
 VALUE = re.compile(r"'((?:[^']|'')*)'|([^\s,]+)")
 ASSIGNMENT = re.compile(r"([a-z]\w*(?:\([^)]*\))?)\s*=\s*(.*)", re.IGNORECASE)
 COLUMN = re.compile(r"(\S+?)(?:\s+\[(.*?)\])?:\s*(.*)")
@@ -101,18 +113,25 @@ def read_table(path: Path) -> Table:
 def read_netcdf_table(path: Path) -> Table:
     """Read the NetCDF table of a sweep."""
     try:
-        attributes, variables = read_netcdf(path)
+        return table_of_netcdf(path, *read_netcdf(path))
     except OSError as error:
         raise TableError((error.strerror or str(error)).lower()) from error
     except FormatError as error:
         raise TableError(str(error)) from error
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        raise TableError("is damaged or cut short") from error
+
+
+def table_of_netcdf(path: Path, attributes: Attributes, variables: dict[str, Variable]) -> Table:
+    """The table that a NetCDF file holds."""
     if not str(attributes.get("program", "")).startswith("spintop"):
         raise TableError("is no table of spintop: its attributes name no program")
-    header = {key: str(value) for key, value in attributes.items()}
-    resolved = header.pop("input", "")
-    lines = resolved.split("\n")
+    texts = {key: str(value) for key, value in attributes.items()}
+    lines = [printable(line) for line in texts.pop("input", "").split("\n")]
+    resolved = "\n".join(lines)
+    header = {key: printable(text) for key, text in texts.items()}
     _, settings, _, _ = read_head([line.strip() for line in lines])
-    columns = {str(variable.attributes["column"]): variable for variable in variables.values()}
+    columns = {printable(each.attributes["column"]): each for each in variables.values()}
     stride = stride_of(settings, list(columns), columns["case"].values.size)
     cells = {name: cells_of(column, columns["case"]) for name, column in columns.items()}
     rows = pd.DataFrame({name: native(column[::stride]) for name, column in cells.items()})
@@ -123,7 +142,7 @@ def read_netcdf_table(path: Path) -> Table:
 
 def attribute(variable: Variable, name: str) -> str:
     """An attribute of a variable, empty if it has none; a unit as tables of texts have it."""
-    text = str(variable.attributes.get(name, ""))
+    text = printable(variable.attributes.get(name, ""))
     return UNITS.get(text, text) if name == "units" else text
 
 
@@ -144,23 +163,33 @@ def read_text_table(path: Path) -> Table:
         text = path.read_text(encoding="utf-8", errors="replace")
     except OSError as error:
         raise TableError((error.strerror or str(error)).lower()) from error
-    lines = text.splitlines() if "\r\n" in text else text.split("\n")
+    lines = text.replace("\r\n", "\n").split("\n")
     first = next((i for i, line in enumerate(lines) if not line.startswith("#")), len(lines))
+    if not text.replace("\n", "").replace("\0", "").isprintable():
+        lines = [line if line.isprintable() else printable(line) for line in lines]
     header, settings, units, meanings = read_head([line[1:].strip() for line in lines[:first]])
     if not header.get("program", "").startswith("spintop"):
         raise TableError("is no table of spintop: its head names no program")
     if not text.endswith("\n"):
         raise TableError("is cut short: its last line has no end")
-    body = [line for line in lines[first:] if line and not line.startswith("#")]
+    if "\0" in text:
+        number = text[: text.index("\0")].count("\n") + 1
+        raise TableError(f"line {number} has a byte of value 0: the file is damaged")
+    body = [
+        (number, line)
+        for number, line in enumerate(lines[first:], start=first + 1)
+        if line and not line.startswith("#")
+    ]
     last = [line[1:].strip() for line in lines[first:] if line.startswith("#")]
     status = next((line[7:].strip() for line in last if line.startswith("status:")), None)
     if settings.get("study.kind") == ["trajectory"] and status is None:
         raise TableError("is cut short: its last line, the status, is missing")
     if not body:
         raise TableError("is cut short: it names no columns")
-    stride = stride_of(settings, body[0].split(","), len(body) - 1)
-    rows = read_rows([body[0], *body[1::stride]], first + 1)
-    if rows.empty and not body[0].startswith(f"{EVENT},"):
+    names = names_of(*body[0])
+    stride = stride_of(settings, names, len(body) - 1)
+    rows = read_rows(names, body[1::stride])
+    if rows.empty and names[0] != EVENT:
         raise TableError("has no rows" + (f" (status: {status})" if status else ""))
     resolved = input_of(lines[:first])
     words = tuple(line[9:].strip() for line in last if line.startswith("in words:"))
@@ -214,32 +243,52 @@ def read_values(text: str) -> list[str]:
     return [word or quoted.replace("''", "'") for quoted, word in VALUE.findall(text)]
 
 
-def read_rows(body: list[str], first: int) -> pd.DataFrame:
-    """The rows below the line of column names, which is line `first` of the file.
+def names_of(number: int, line: str) -> list[str]:
+    """The names of the columns, which stand in this line."""
+    names = line.split(",")
+    for place, name in enumerate(names):
+        if not name.strip():
+            raise TableError(f"line {number}: column {place + 1} has no name")
+        if name in names[:place]:
+            raise TableError(f"line {number}: there are two columns {printable(name)}")
+    return names
+
+
+def read_rows(names: list[str], body: list[tuple[int, str]]) -> pd.DataFrame:
+    """The rows of columns with these names, from lines with their numbers in the file.
 
     A column holds numbers or words, and is read as what its cells are.
     """
-    names = body[0].split(",")
-    for number, line in enumerate(body[1:], start=first + 1):
+    for number, line in body:
         cells = line.count(",") + 1
         if cells != len(names):
             raise TableError(f"line {number} has {cells} cells in place of {len(names)}")
-    text = io.StringIO("\n".join(body))
-    rows = pd.read_csv(text, keep_default_na=False, na_values=["nan"], low_memory=False)
+    rows = pd.read_csv(
+        io.StringIO("\n".join([",".join(names), *(line for _, line in body)])),
+        keep_default_na=False,
+        na_values=["nan"],
+        low_memory=False,
+        quoting=csv.QUOTE_NONE,
+        lineterminator="\n",
+    )
     for name in rows if len(rows) else ():
-        if pd.api.types.is_numeric_dtype(rows[name]):
+        column = rows[name]
+        if pd.api.types.is_numeric_dtype(column) and not pd.api.types.is_bool_dtype(column):
             continue
-        words = [is_word(cell) for cell in rows[name]]
-        if not all(words) and any(words):
+        words = [is_word(cell) for cell in column]
+        if name in WORDS and all(words):
+            continue
+        if any(words):
             bad = words.index(True)
-            raise TableError(f"line {first + 1 + bad}: {rows[name][bad]!r} in {name} is no number")
+            cell = printable(str(column[bad]))
+            cell = cell if len(cell) <= LONGEST else f"{cell[:LONGEST]}..."
+            raise TableError(f"line {body[bad][0]}: '{cell}' in {printable(name)} is no number")
+        rows[name] = [float(cell) for cell in column]  # integers that are too long for 64 bits
     return rows
 
 
 def is_word(cell: object) -> bool:
     """Whether a cell holds something that is no number."""
-    try:
-        float(cell)
-    except ValueError:
+    if isinstance(cell, bool):
         return True
-    return False
+    return not isinstance(cell, int | float | np.number) and not NUMBER.fullmatch(str(cell).strip())

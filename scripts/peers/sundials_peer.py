@@ -19,28 +19,36 @@ FORMULATIONS = ("space_frame", "cayley_klein", "rigid_body")
 DEBIAN = ("gcc", "libsundials-dev")
 SETTING = "tolerance"
 SETTINGS = DECADES[::2]
-LIBRARIES = ("arkode", "cvode", "sunnonlinsolfixedpoint", "nvecserial", "generic")
+LIBRARIES = ("arkode", "cvode", "sunnonlinsolfixedpoint", "nvecserial")
+HEADER = "sundials/sundials_context.h"
+
+
+def compiler() -> str:
+    """The compiler that finds the headers: it is MPI's where they include mpi.h."""
+    return next((name for name in ("gcc", "mpicc") if compiled.has_header(name, HEADER)), "")
 
 
 def absence() -> str:
     """Why it cannot be had."""
-    if compiled.has_header("gcc", "sundials/sundials_context.h"):
+    if compiler():
         return ""
-    return "gcc finds no sundials/sundials_context.h (Debian's libsundials-dev)"
+    return f"neither gcc nor mpicc finds {HEADER} (Debian's libsundials-dev)"
 
 
 def program() -> Path:
     """Its program."""
+    major = int(compiled.define(compiler(), "sundials/sundials_config.h", "SUNDIALS_VERSION_MAJOR"))
+    names = (*LIBRARIES, "generic" if major < 7 else "core")
     return compiled.make(
-        "gcc", "sundials.c", [*(f"-lsundials_{name}" for name in LIBRARIES), "-lm"]
+        compiler(), "sundials.c", [*(f"-lsundials_{name}" for name in names), "-lm"]
     )
 
 
 def versions() -> str:
     """What is used; it is compiled here, so that no trial has to wait for that."""
     program()
-    number = compiled.define("gcc", "sundials/sundials_config.h", "SUNDIALS_VERSION")
-    return f"SUNDIALS {number}, {compiled.version_of('gcc')}"
+    number = compiled.define(compiler(), "sundials/sundials_config.h", "SUNDIALS_VERSION")
+    return f"SUNDIALS {number}, {compiled.version_of(compiler())}"
 
 
 def solve(problem: Problem, method: str, formulation: str, setting: float) -> Answer:

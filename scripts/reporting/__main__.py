@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from figures.characters import printable
+from figures.drawing import show_path
 from reporting.errata import read_errata
 from reporting.page import make_page, write_page
 from reporting.study import read_study
@@ -43,7 +45,7 @@ def parse_arguments() -> argparse.Namespace:
 
 def complain(message: str) -> None:
     """Tell what is wrong."""
-    print(f"scripts/report: {message}", file=sys.stderr)
+    print(f"scripts/report: {printable(message)}", file=sys.stderr)
 
 
 def run_inputs(folder: Path, inputs: list[Path]) -> int:
@@ -69,7 +71,7 @@ def main() -> int:
     if not sections:
         complain(f"{arguments.study}: no table of spintop in it")
         return EXIT_INPUT
-    page, lack = make_page(arguments.study.resolve().name, sections, problems, errata)
+    page, lack = make_page(printable(arguments.study.resolve().name), sections, problems, errata)
     if lack:
         complain(f"the tops do not move in the page: {lack}")
     output = arguments.output or arguments.study / "report.html"
@@ -78,7 +80,7 @@ def main() -> int:
     except OSError as error:
         complain(f"cannot write {output}: {error.strerror or error}")
         return EXIT_OUTPUT
-    print(output)
+    show_path(output)
     return code
 
 

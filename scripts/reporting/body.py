@@ -11,6 +11,12 @@ BODY = re.compile(r"mass (\S+) kg; inertia (.+?) kg m\^2 about the pivot; centre
 ALIKE = 1e-6
 """Moments of inertia that differ by less than this part of the largest are equal."""
 
+NUMBERS = 6
+"""Of inertia and centre of mass together."""
+
+LARGEST = 1e100
+"""Numbers beyond are those of no body that can be drawn."""
+
 THINNEST = 0.04
 """No solid is drawn thinner than this part of its largest extent."""
 
@@ -30,12 +36,18 @@ class Body:
 
 
 def read_body(table: Table) -> Body | None:
-    """The body that the head of a table tells, None if it tells none."""
+    """The body that the head of a table tells, None if it tells none that can be drawn."""
     match = BODY.fullmatch(table.header.get("body", ""))
     if not match:
         return None
-    inertia, centre = (np.array([float(x) for x in match[i].split(",")]) for i in (2, 3))
-    return Body(float(match[1]), inertia, centre)
+    try:
+        mass, *others = [float(x) for group in match.groups() for x in group.split(",")]
+    except ValueError:
+        return None
+    sizes = np.abs([mass, *others])
+    if len(others) != NUMBERS or not (sizes < LARGEST).all():
+        return None
+    return Body(mass, np.array(others[:3]), np.array(others[3:]))
 
 
 def central_inertia(body: Body) -> np.ndarray:

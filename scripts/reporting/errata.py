@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from figures.registry import FIGURES
-from figures.table import Table
+from figures.table import Table, is_word
 from reporting.body import read_body
 
 ERRATA = Path(__file__).resolve().parent.parent.parent / "doc" / "errata.md"
@@ -82,7 +82,7 @@ def examples_of(table: Table) -> set[str]:
         inertia, mass = tuple(body.inertia), (body.mass,)
     else:
         inertia, mass = (
-            tuple(float(x) for x in table.settings.get(f"top.{key}", []))
+            tuple(float(x) for x in table.settings.get(f"top.{key}", []) if not is_word(x))
             for key in ("inertia", "mass")
         )
     if inertia == EXAMPLE_1["inertia"]:

@@ -4,12 +4,16 @@ import base64
 import io
 import struct
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from PIL import Image
+
+from figures.drawing import draw_to
 from figures.registry import FigureKind, choose_figures
-from figures.style import reduce_colours, save_as
-from figures.table import Table
+from figures.style import reduce_colours
+from figures.table import Table, TableError
 
 SMALL = 150_000
 """Bytes up to which a picture is taken as SVG, which can be enlarged and stays sharp."""
@@ -54,11 +58,18 @@ class Picture:
         return f"data:{MEDIA[self.form]};base64,{base64.b64encode(self.forms[self.form]).decode()}"
 
 
-def pictures_of(table: Table) -> list[Picture]:
-    """The pictures that belong to a table."""
+def pictures_of(table: Table, problems: list[str] | None = None) -> list[Picture]:
+    """The pictures that belong to a table; why others cannot be drawn joins the problems."""
     kinds, _ = choose_figures(table)
+    pictures = []
     with tempfile.TemporaryDirectory() as scratch:
-        return [find_picture(table, kind, Path(scratch)) for kind in kinds]
+        for kind in kinds:
+            try:
+                pictures.append(find_picture(table, kind, Path(scratch)))
+            except TableError as error:
+                if problems is not None:
+                    problems.append(str(error))
+    return pictures
 
 
 def find_picture(table: Table, kind: FigureKind, scratch: Path) -> Picture:
@@ -66,12 +77,22 @@ def find_picture(table: Table, kind: FigureKind, scratch: Path) -> Picture:
     name = f"{table.path.stem}_{kind.name}"
     paths = [table.path.with_name(name + ending) for ending in DRAWN]
     made = table.path.stat().st_mtime
-    if not all(path.is_file() and path.stat().st_mtime >= made for path in paths):
-        paths = save_as(kind.draw(table), scratch / name)
-    forms = {path.suffix: path.read_bytes() for path in paths}
-    forms[FEW_COLOURS] = with_few_colours(forms[".png"])
+    forms: dict[str, bytes] = {}
+    if all(path.is_file() and path.stat().st_mtime >= made for path in paths):
+        forms = forms_of(paths)
+    if not forms:
+        forms = forms_of(draw_to(kind, table, scratch / name))
     form = ".svg" if len(forms[".svg"]) <= SMALL else FEW_COLOURS
     return Picture(name, kind.what, forms, form)
+
+
+def forms_of(paths: Sequence[Path]) -> dict[str, bytes]:
+    """The forms of a picture that lies in these files; none if the files are damaged."""
+    try:
+        forms = {path.suffix: path.read_bytes() for path in paths}
+        return forms | {FEW_COLOURS: with_few_colours(forms[".png"])}
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError):
+        return {}
 
 
 def with_few_colours(png: bytes) -> bytes:

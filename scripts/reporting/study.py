@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from figures.characters import printable
 from figures.netcdf import FormatError
 from figures.table import Table, TableError, read_table
 from reporting.errata import Erratum, errata_for
@@ -34,7 +35,7 @@ class Section:
     @property
     def name(self) -> str:
         """The name of the file."""
-        return self.table.path.name
+        return printable(self.table.path.name)
 
     @property
     def title(self) -> str:
@@ -136,10 +137,12 @@ def read_study(folder: Path, errata: list[Erratum]) -> tuple[list[Section], list
     for path in find_tables(folder):
         try:
             table = read_table(path)
-            pictures = pictures_of(table)
+            undrawn: list[str] = []
+            pictures = pictures_of(table, undrawn)
         except (TableError, FormatError) as error:
-            problems.append(f"{path.relative_to(folder)}: {error}")
+            problems.append(f"{printable(path.relative_to(folder))}: {error}")
             continue
+        problems += [f"{printable(path.relative_to(folder))}: {problem}" for problem in undrawn]
         anchor = f"table-{len(sections) + 1}"
         sections.append(Section(table, anchor, pictures, errata_for(table, errata)))
     return sections, problems

@@ -6,8 +6,8 @@
 !> quadratic-like equation in the data, which keeps its digits also where the axis passes a pole.
 !> Whittaker and Watson, A Course of Modern Analysis, chapter XXI; Klein and Sommerfeld, chapter VI.
 module spintop_circular_form
-    use spintop_kinds, only: dp, xp
-    use spintop_elliptic_series, only: nome, theta3_constant, quotient, pi_xp
+    use spintop_kinds, only: dp, xp, pi_xp
+    use spintop_elliptic_series, only: nome, theta3_constant, quotient
     use spintop_scalar_functions, only: find_sine_and_cosine
     use spintop_regular_start, only: regular_start_t
     use spintop_turning_points, only: turning_points_t

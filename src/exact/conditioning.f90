@@ -12,6 +12,7 @@ module spintop_conditioning
     use spintop_motion, only: motion_t, motion_from_angles
     use spintop_regular_start, only: rates_describe
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
+    use spintop_validity, only: no_number
     implicit none
     private
     public :: conditioning_t, prepare_conditioning, double_floor
@@ -131,7 +132,7 @@ contains
         displaced_value = x * (1 + displacement)
     end function displaced_value
 
-    !> How far rounding of the data turns the attitude at time t (s), rad.
+    !> How far rounding of the data turns the attitude at time t (s), rad; NaN at no finite time.
     pure real(dp) function floor_at(self, t) result(angle)
         class(conditioning_t), intent(in) :: self
         real(dp), intent(in) :: t
@@ -146,11 +147,11 @@ contains
         ! Displaced by whole turns and more, motions may look alike by chance.
         turning = rounding * self%rate * abs(t - self%time)
         if (turning > hopeless) angle = max(angle, turning)
-        angle = min(angle, pi)
+        if (angle > pi) angle = pi ! unlike min, keeps a NaN
     end function floor_at
 
-    !> How far rounding of the data turns the attitude at time t (s), rad; 0 for data without an
-    !> exact motion. For many times, prepare once.
+    !> How far rounding of the data turns the attitude at time t (s), rad; NaN for data without an
+    !> exact motion (`prepare_conditioning` says why). For many times, prepare once.
     pure real(dp) function double_floor(body, start, t) result(angle)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
@@ -158,7 +159,7 @@ contains
         type(conditioning_t) :: conditioning
         integer :: status
         call prepare_conditioning(body, start, conditioning, status)
-        angle = 0
+        angle = no_number
         if (status == status_ok) angle = conditioning%floor_at(t)
     end function double_floor
 

@@ -7,9 +7,7 @@ module spintop_elliptic_series
     use spintop_kinds, only: xp
     implicit none
     private
-    public :: nome, theta3_constant, quotient, pi_xp
-
-    real(xp), parameter :: pi_xp = 3.14159265358979323846264338327950288_xp
+    public :: nome, theta3_constant, quotient
 
     !> Coefficients of the nome's series in the fourth power of its leading term: enough for
     !> extended precision up to k^2 = 1/2.

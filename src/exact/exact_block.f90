@@ -20,7 +20,7 @@ module spintop_exact_block
         find_nome, find_start_phases, find_phases
     use spintop_motion, only: motion_t, motion_from_angles
     use spintop_quantities, only: kinetic_energy, potential_energy
-    use spintop_status, only: status_ok, status_non_finite
+    use spintop_status, only: status_ok, status_bad_input, status_non_finite
     implicit none
     private
     public :: exact_block_t, block_size, block_accuracy
@@ -70,7 +70,8 @@ module spintop_exact_block
 contains
 
     !> Computes all cases of the block: the quantities of a whole nutation; with `wants_end` the
-    !> motion at `t_end`; with `wants_period` phi at `t_period`.
+    !> motion at `t_end`; with `wants_period` phi at `t_period`. With a number of cases that a block
+    !> does not hold nothing is computed, and every status is `status_bad_input`.
     subroutine compute(self, wants_end, wants_period)
         class(exact_block_t), intent(inout) :: self
         logical, intent(in) :: wants_end, wants_period
@@ -78,8 +79,12 @@ contains
         integer :: first, last, i
         logical :: moves, is_end
 
-        call self%fill_last_strip()
         self%fallbacks = 0
+        if (self%n < 0 .or. self%n > block_size) then
+            self%status = status_bad_input
+            return
+        end if
+        call self%fill_last_strip()
         do first = 1, self%n, lanes
             last = first + lanes - 1
             call describe_start(self, first, strip)

@@ -10,17 +10,18 @@
 !> What remains of rounding is rate times time. Therefore the constants and the phases are in
 !> extended precision, and only the reduced phases go on in double.
 module spintop_exact_motion
-    use spintop_kinds, only: dp, xp
-    use spintop_status, only: status_ok
+    use spintop_kinds, only: dp, xp, pi_xp
+    use spintop_compare, only: is_finite
+    use spintop_status, only: status_ok, status_non_finite
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
-    use spintop_elliptic_series, only: pi_xp
     use spintop_scalar_functions, only: argument, unit
-    use spintop_regular_start, only: regular_start_t, find_regular_start
+    use spintop_regular_start, only: regular_start_t, find_checked_start
     use spintop_turning_points, only: turning_points_t, find_turning_points
     use spintop_theta_form, only: theta_values_t
     use spintop_theta_motion, only: theta_motion_t, prepare_theta_motion, regime_resting
-    use spintop_nutation, only: nutation_t, describe_nutation
+    use spintop_nutation, only: nutation_t, describe_nutation, is_defined
+    use spintop_validity, only: no_number
     implicit none
     private
     public :: exact_motion_t, prepare_exact_motion
@@ -38,9 +39,10 @@ module spintop_exact_motion
         real(xp) :: upper_phase = 0, lower_phase = 0
         real(xp) :: upper_rate = 0, lower_rate = 0, sum_rate = 0, difference_rate = 0
         !> The component of the start that a resting axis keeps.
-        complex(dp) :: upper = 1, lower = 0
+        !> NaN until it is set up, and so is any motion then.
+        complex(dp) :: upper = (no_number, no_number), lower = (no_number, no_number)
         !> Constants of the motion as in `regular_start` and `turning_points`.
-        real(dp) :: a = 0, half_beta = 0, omega3 = 0, swing_squared = 0
+        real(dp) :: a = 0, half_beta = 0, omega3 = no_number, swing_squared = 0
         real(dp) :: turn = 0, b_minus_a = 0, b_plus_a = 0
         real(dp) :: y1 = 0, y2 = 0, u2_minus_u1 = 0, one_minus_u2 = 0, one_plus_u1 = 0
         real(dp) :: k_squared = 0, complement_squared = 1, frequency = 0
@@ -48,6 +50,8 @@ module spintop_exact_motion
         real(xp) :: tops_before = 0, bottoms_before = 0
         !> Whether there are exact passages of a pole.
         logical :: passes_pole = .false.
+        !> The sign of the start's quaternion, beside that which its angles give.
+        real(dp) :: side = 1
     contains
         procedure :: at
         procedure :: quaternion_at
@@ -70,7 +74,7 @@ contains
 
     !> Sets up the exact motion of `body` from `start`, of which either angles and rates or, close
     !> to a pole, quaternion and omega are used. `status` is `status_ok`, `status_unsuitable` (not
-    !> a symmetric undamped top) or `status_non_finite`.
+    !> a symmetric undamped top), `status_non_finite`, `status_bad_body` or `status_bad_start`.
     pure subroutine prepare_exact_motion(body, start, exact, status)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
@@ -79,7 +83,7 @@ contains
         type(regular_start_t) :: regular
         type(turning_points_t) :: points
 
-        call find_regular_start(body, start, regular, status)
+        call find_checked_start(body, start, regular, status)
         if (status /= status_ok) return
         points = find_turning_points(regular)
         exact%theta = prepare_theta_motion(regular, points)
@@ -91,7 +95,16 @@ contains
         else
             call set_phases(regular, exact)
         end if
+        if (is_defined(exact%nutation) .and. is_finite(real(exact%upper_phase + exact%lower_phase, dp))) return
+        status = status_non_finite
+        call forget(exact)
     end subroutine prepare_exact_motion
+
+    !> Leaves nothing of a motion that overflowed.
+    pure subroutine forget(exact)
+        type(exact_motion_t), intent(out) :: exact
+        exact%passes_pole = .false.
+    end subroutine forget
 
     pure subroutine keep_constants(start, points, exact)
         type(regular_start_t), intent(in) :: start
@@ -100,6 +113,7 @@ contains
         exact%time = start%time
         exact%upper = cmplx(start%upper, kind=dp)
         exact%lower = cmplx(start%lower, kind=dp)
+        exact%side = merge(-1.0_dp, 1.0_dp, start%turns_against_angles)
         exact%a = real(start%a, dp)
         exact%half_beta = real(start%beta / 2, dp)
         exact%omega3 = real(start%omega3, dp)
@@ -180,7 +194,8 @@ contains
 
     end subroutine set_phases
 
-    !> The motion at time t, s, or at an array of times. Rates of phi and psi at an exact passage of
+    !> The motion at time t, s, or at an array of times; its attitude is NaN at no finite time, and
+    !> of what `prepare_exact_motion` did not set up. Rates of phi and psi at an exact passage of
     !> a pole, where they do not exist, are those of the limit of passing ever closer.
     elemental type(motion_t) function at(self, t) result(motion)
         class(exact_motion_t), intent(in) :: self
@@ -193,8 +208,8 @@ contains
         swing_rate = -i * (self%omega3 - self%a) * swing &
             + 2 * self%half_beta * attitude%lower * conjg(attitude%upper)
         motion%t = t
-        motion%quaternion = [real(attitude%upper, dp), real(attitude%lower, dp), &
-                             aimag(attitude%lower), aimag(attitude%upper)]
+        motion%quaternion = self%side * [real(attitude%upper, dp), real(attitude%lower, dp), &
+                                         aimag(attitude%lower), aimag(attitude%upper)]
         motion%omega = [real(swing, dp), aimag(swing), self%omega3]
         motion%omega_rate = [real(swing_rate, dp), aimag(swing_rate), 0.0_dp]
         call add_angles(self, attitude, motion)
@@ -207,8 +222,8 @@ contains
         real(dp) :: q(4)
         type(attitude_t) :: attitude
         call find_attitude(self, t, attitude)
-        q = [real(attitude%upper, dp), real(attitude%lower, dp), &
-             aimag(attitude%lower), aimag(attitude%upper)]
+        q = self%side * [real(attitude%upper, dp), real(attitude%lower, dp), &
+                         aimag(attitude%lower), aimag(attitude%upper)]
     end function quaternion_at
 
     !> The Cayley-Klein components at time t.

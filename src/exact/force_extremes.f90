@@ -8,10 +8,11 @@
 !> so that both the vertical force and the square of the total force are quadratic in u.
 module spintop_force_extremes
     use spintop_kinds, only: dp, xp
-    use spintop_status, only: status_ok
+    use spintop_compare, only: is_finite
+    use spintop_status, only: status_ok, status_non_finite
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
-    use spintop_regular_start, only: regular_start_t, find_regular_start
+    use spintop_regular_start, only: regular_start_t, find_checked_start
     use spintop_turning_points, only: turning_points_t, find_turning_points
     implicit none
     private
@@ -27,7 +28,7 @@ module spintop_force_extremes
 
 contains
 
-    !> Finds the extremes for a start. `status` as in `find_regular_start`.
+    !> Finds the extremes for a start. `status` as in `prepare_exact_motion`.
     pure subroutine find_force_extremes(body, start, extremes, status)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
@@ -37,7 +38,7 @@ contains
         type(turning_points_t) :: points
         real(xp) :: vertical(3), turning_y
 
-        call find_regular_start(body, start, regular, status)
+        call find_checked_start(body, start, regular, status)
         if (status /= status_ok) return
         points = find_turning_points(regular)
         associate (y1 => points%y1, y2 => points%y2)
@@ -56,6 +57,9 @@ contains
             extremes%largest = real(max(total_force(body, regular, y1), &
                                         total_force(body, regular, y2)), dp)
         end associate
+        if (.not. is_finite(extremes%lowest_vertical + extremes%highest_vertical + extremes%largest)) then
+            status = status_non_finite
+        end if
     end subroutine find_force_extremes
 
     !> Upward force at u = u0 + y, N: m (g + l u''), u'' = f'(u)/2.

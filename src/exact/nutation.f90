@@ -2,18 +2,19 @@
 !> nutation adds to precession and spin, the largest rates, and the class of the motion.
 module spintop_nutation
     use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_positive_inf
-    use spintop_kinds, only: dp, xp, epsilon_dp
-    use spintop_status, only: status_ok
+    use spintop_kinds, only: dp, xp, pi_xp, epsilon_dp
+    use spintop_compare, only: is_finite
+    use spintop_status, only: status_ok, status_non_finite
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
-    use spintop_elliptic_series, only: quotient, pi_xp
-    use spintop_regular_start, only: regular_start_t, find_regular_start
+    use spintop_elliptic_series, only: quotient
+    use spintop_regular_start, only: regular_start_t, find_checked_start
     use spintop_turning_points, only: turning_points_t, find_turning_points
     use spintop_theta_form, only: theta_clock_t
     use spintop_theta_motion, only: theta_motion_t, prepare_theta_motion, regime_resting
     implicit none
     private
-    public :: nutation_t, find_nutation, describe_nutation, class_name, class_meaning, class_names
+    public :: nutation_t, find_nutation, describe_nutation, is_defined, class_name, class_meaning, class_names
     public :: class_loop, class_cusp, class_wave, class_steady, class_sleeping, class_hanging
     public :: class_separatrix, class_libration, class_circulation, last_class
 
@@ -73,7 +74,7 @@ module spintop_nutation
 
 contains
 
-    !> Finds the complete quantities of a start. `status` as in `find_regular_start`.
+    !> Finds the complete quantities of a start. `status` as in `prepare_exact_motion`.
     pure subroutine find_nutation(body, start, nutation, status)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
@@ -81,17 +82,26 @@ contains
         integer, intent(out) :: status
         type(regular_start_t) :: regular
         type(turning_points_t) :: points
-        call find_regular_start(body, start, regular, status)
+        call find_checked_start(body, start, regular, status)
         if (status /= status_ok) return
         points = find_turning_points(regular)
         nutation = describe_nutation(regular, points, prepare_theta_motion(regular, points))
+        if (.not. is_defined(nutation)) status = status_non_finite
     end subroutine find_nutation
 
-    !> Name of a class as it stands in tables.
+    !> Whether no quantity overflowed. Only the period, and with it what it adds, may be infinite.
+    pure logical function is_defined(nutation)
+        type(nutation_t), intent(in) :: nutation
+        is_defined = is_finite(nutation%theta_min + nutation%theta_max + nutation%delta_u) .and. &
+            is_finite(nutation%precession_rate) .and. is_finite(nutation%phi_rate_max)
+    end function is_defined
+
+    !> Name of a class as it stands in tables; 'unknown' for a number that is no class.
     pure function class_name(class) result(name)
         integer, intent(in) :: class
         character(:), allocatable :: name
-        name = trim(class_names(class))
+        name = 'unknown'
+        if (class >= 1 .and. class <= last_class) name = trim(class_names(class))
     end function class_name
 
     !> One phrase that explains a class.

@@ -15,9 +15,10 @@ module spintop_regular_start
     use spintop_status, only: status_ok, status_non_finite, status_unsuitable
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
+    use spintop_validity, only: body_status, start_status
     implicit none
     private
-    public :: regular_start_t, find_regular_start, rates_describe
+    public :: regular_start_t, find_regular_start, find_checked_start, rates_describe
 
     !> Everything the closed form needs from body and start, in extended precision.
     type :: regular_start_t
@@ -40,6 +41,8 @@ module spintop_regular_start
         complex(xp) :: upper = 1, lower = 0, upper_rate = 0, lower_rate = 0
         !> (phi + psi)/2 and (phi - psi)/2, rad, with all their turns.
         real(xp) :: upper_phase = 0, lower_phase = 0
+        !> The start's quaternion has the sign opposite to that of the components (q and -q are one attitude).
+        logical :: turns_against_angles = .false.
     contains
         procedure :: half
     end type regular_start_t
@@ -76,6 +79,7 @@ contains
         else
             call take_quaternion(start, regular, swing)
         end if
+        regular%turns_against_angles = opposes(start%quaternion, regular)
 
         inertia = body%inertia(1)
         regular%time = start%t
@@ -90,6 +94,17 @@ contains
         regular%upper_phase = (real(start%angle(1), xp) + start%angle(3)) / 2
         regular%lower_phase = (real(start%angle(1), xp) - start%angle(3)) / 2
     end subroutine find_regular_start
+
+    !> The same for data of which nothing is known: `status` is also that of `spintop_validity`.
+    pure subroutine find_checked_start(body, start, regular, status)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        type(regular_start_t), intent(out) :: regular
+        integer, intent(out) :: status
+        call find_regular_start(body, start, regular, status)
+        if (status == status_ok) status = body_status(body)
+        if (status == status_ok) status = start_status(start)
+    end subroutine find_checked_start
 
     pure integer function status_of_data(body, start) result(status)
         type(body_t), intent(in) :: body
@@ -107,7 +122,8 @@ contains
         type(motion_t), intent(in) :: start
         rates_describe = start%angle(2) >= 0 .and. start%angle(2) <= pi &
             .and. all(is_finite(start%rate)) &
-            .and. maxval(abs(start%rate)) <= cancelling_ratio * maxval(abs(start%omega))
+            .and. maxval(abs(start%rate)) <= cancelling_ratio * maxval(abs(start%omega)) &
+            .and. .not. (start%gives_quaternion .and. start%gives_omega)
     end function rates_describe
 
     pure subroutine take_angles(start, regular, swing)
@@ -132,6 +148,7 @@ contains
         regular%u = (regular%one_plus_u - regular%one_minus_u) / 2
         regular%sine_squared = sine**2
         regular%omega3 = start%rate(3) + phi_rate * regular%u
+        if (start%gives_omega3 .or. start%gives_omega) regular%omega3 = start%omega(3)
         regular%u_rate = -sine * theta_rate
         regular%swing_squared = theta_rate**2 + (sine * phi_rate)**2
         regular%turn = regular%sine_squared * phi_rate
@@ -186,6 +203,14 @@ contains
             end if
         end associate
     end function opposes_angles
+
+    !> Whether a quaternion is the negative of the components.
+    pure logical function opposes(q, regular)
+        real(dp), intent(in) :: q(4)
+        type(regular_start_t), intent(in) :: regular
+        opposes = real(conjg(regular%upper) * cmplx(q(1), q(4), xp) &
+                       + conjg(regular%lower) * cmplx(q(2), q(3), xp), xp) < 0
+    end function opposes
 
     elemental complex(xp) function unit(angle)
         real(xp), intent(in) :: angle

@@ -1,8 +1,10 @@
 !> Steady precession of a symmetric top: constant inclination, precession and spin.
 module spintop_steady_precession
     use spintop_kinds, only: dp
-    use spintop_compare, only: is_zero
+    use spintop_compare, only: is_finite, is_zero
     use spintop_body, only: body_t
+    use spintop_status, only: status_ok, status_non_finite, status_unsuitable
+    use spintop_validity, only: body_status, no_number
     implicit none
     private
     public :: steady_rates, steady_rates_at_spin
@@ -11,25 +13,49 @@ contains
 
     !> Rates of steady precession at an inclination for a given axial angular velocity, rad/s:
     !> the roots of I1 cos(theta) p^2 - I3 omega3 p + mgl = 0, slow one first (Eq 25). `count` is
-    !> how many there are: 0 below the least omega3, 1 where the fast one is infinite.
-    pure subroutine steady_rates(body, theta, omega3, rates, count)
+    !> how many there are: 0 below the least omega3, 1 where the fast one is infinite. `status` is
+    !> `status_ok`, that of a body which is none, `status_unsuitable` (not a symmetric undamped top) or
+    !> `status_non_finite`; the rates are then NaN and their number 0.
+    pure subroutine steady_rates(body, theta, omega3, rates, count, status)
         type(body_t), intent(in) :: body
-        real(dp), intent(in) :: theta, omega3
+        real(dp), intent(in) :: theta, omega3 !! rad, rad/s
         real(dp), intent(out) :: rates(2)
         integer, intent(out) :: count
+        integer, intent(out), optional :: status
         call precession_roots(body%inertia(1) * cos(theta), body%inertia(3) * omega3, &
                               body%mgl(), rates, count)
+        call check(body, [theta, omega3], rates, count, status)
     end subroutine steady_rates
 
     !> The same for a given spin rate psi', where omega3 = psi' + p cos(theta).
-    pure subroutine steady_rates_at_spin(body, theta, spin_rate, rates, count)
+    pure subroutine steady_rates_at_spin(body, theta, spin_rate, rates, count, status)
         type(body_t), intent(in) :: body
-        real(dp), intent(in) :: theta, spin_rate
+        real(dp), intent(in) :: theta, spin_rate !! rad, rad/s
         real(dp), intent(out) :: rates(2)
         integer, intent(out) :: count
+        integer, intent(out), optional :: status
         call precession_roots((body%inertia(1) - body%inertia(3)) * cos(theta), &
                               body%inertia(3) * spin_rate, body%mgl(), rates, count)
+        call check(body, [theta, spin_rate], rates, count, status)
     end subroutine steady_rates_at_spin
+
+    !> Takes back rates of what is no such top, of no finite data, or too large for a number.
+    pure subroutine check(body, data, rates, count, status)
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: data(2)
+        real(dp), intent(inout) :: rates(2)
+        integer, intent(inout) :: count
+        integer, intent(out), optional :: status
+        integer :: found
+        found = body_status(body)
+        if (found == status_ok .and. .not. body%is_lagrange()) found = status_unsuitable
+        if (found == status_ok .and. .not. all(is_finite([data, rates]))) found = status_non_finite
+        if (found /= status_ok) then
+            rates = no_number
+            count = 0
+        end if
+        if (present(status)) status = found
+    end subroutine check
 
     !> Roots of a p^2 - b p + c = 0 with c >= 0, without cancellation; that which stays finite as
     !> a vanishes comes first.

@@ -9,7 +9,7 @@
 !> Drift and kick are those of any such pair of equations y'' = g(y): y moves at its rate, the rate
 !> changes by g at rest. Splitting methods are then symplectic Runge-Kutta-Nystrom methods.
 module spintop_cayley_klein
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, xp
     use spintop_attitude, only: follow_angles, conjugate_quaternion, quaternion_product, &
         vertical_from_quaternion
     use spintop_body, only: body_t
@@ -27,6 +27,8 @@ module spintop_cayley_klein
         private
         !> sigma, b, A+ + b/2 and b/2 - A-.
         real(dp) :: sigma = 0, b = 0, upper = 0, lower = 0
+        !> sigma with the digits that its phase needs.
+        real(xp) :: spin_rate = 0
     contains
         procedure, nopass :: info
         procedure :: prepare
@@ -62,7 +64,8 @@ contains
         real(dp) :: a, energy, gamma(3)
         self%body = body
         a = body%inertia(3) * start%omega(3) / body%inertia(1)
-        self%sigma = (body%inertia(1) - body%inertia(3)) * start%omega(3) / body%inertia(1)
+        self%spin_rate = (real(body%inertia(1), xp) - body%inertia(3)) * start%omega(3) / body%inertia(1)
+        self%sigma = real(self%spin_rate, dp)
         self%b = 2 * body%mgl() / body%inertia(1)
         gamma = vertical_from_quaternion(start%quaternion)
         energy = sum(start%omega(1:2)**2) + self%b * gamma(3)
@@ -153,11 +156,12 @@ contains
     pure type(motion_t) function motion(self, t, y, near)
         class(cayley_klein_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states), near(3)
-        real(dp) :: dy(max_states), spin(4), q(4), omega(3), rate(4), acceleration(4), half
+        real(dp) :: dy(max_states), spin(4), q(4), omega(3), rate(4), acceleration(4)
+        real(xp) :: half
         integer :: status
 
-        half = self%sigma * t / 2
-        spin = [cos(half), 0.0_dp, 0.0_dp, sin(half)]
+        half = self%spin_rate * t / 2
+        spin = [real(cos(half), dp), 0.0_dp, 0.0_dp, real(sin(half), dp)]
         call self%derivative(y, dy, status)
         q = quaternion_product(y(1:4) / norm2(y(1:4)), spin)
         rate = quaternion_product(y(5:8) / norm2(y(1:4)), spin) &

@@ -17,7 +17,7 @@ module spintop_energy_rate
     !> State y = (phi, theta, psi).
     type, extends(formulation_t) :: energy_rate_t
         private
-        type(symmetric_top_t) :: top
+        type(symmetric_top_t) :: top = symmetric_top_t()
         !> Sign of theta' on this branch; 0 for steady precession.
         real(dp) :: branch = 1
         !> Whether the start is a turning point.

@@ -14,7 +14,7 @@ module spintop_euler
     !> State y = (phi, phi', theta, theta', psi); omega3 is constant.
     type, extends(formulation_t) :: euler_t
         private
-        type(symmetric_top_t) :: top
+        type(symmetric_top_t) :: top = symmetric_top_t()
     contains
         procedure, nopass :: info
         procedure :: prepare
@@ -47,7 +47,7 @@ contains
         y(1:5) = [start%angle(1), start%rate(1), start%angle(2), start%rate(2), start%angle(3)]
         scales = motion_scales(body, start)
         self%scale(1:5) = [1.0_dp, scales%rate, 1.0_dp, scales%rate, 1.0_dp]
-        self%cyclic(1) = .true.
+        self%cyclic([1, 5]) = .true.
         status = merge(status_pole, status_ok, at_pole(start%angle(2)))
     end subroutine prepare
 

@@ -37,6 +37,8 @@ module spintop_formulation
         logical :: symmetric_only = .true.
         !> Singular where sin(theta) = 0.
         logical :: singular_at_poles = .true.
+        !> Takes theta' anew from the energy after each step.
+        logical :: resets_speed = .false.
         !> Structures offered.
         logical :: offers(structure_split:structure_quadruple) = .false.
         !> Number of invariants that the state should keep.
@@ -49,7 +51,7 @@ module spintop_formulation
     !> A form of the equations of motion.
     type, abstract :: formulation_t
         !> The body that it was set up for.
-        type(body_t) :: body
+        type(body_t) :: body = body_t()
         !> How large each state variable becomes, in the motion's own units, set by `prepare`: a radian
         !> for angles (half of it for quaternions), the largest rate and the largest momentum.
         !> Tolerances are relative to it.

@@ -8,6 +8,7 @@ module spintop_formulations
     use spintop_rigid_body, only: rigid_body_t
     use spintop_space_frame, only: space_frame_t
     use spintop_cayley_klein, only: cayley_klein_t
+    use spintop_status, only: status_ok, status_unknown_name
     implicit none
     private
     public :: formulation_infos, create_formulation
@@ -19,7 +20,7 @@ module spintop_formulations
     !> The formulations by name, in the order in which they are listed.
     type :: registry_t
         integer :: size = 0
-        type(entry_t) :: entry(16)
+        type(entry_t), allocatable :: entry(:)
     contains
         procedure :: add
     end type registry_t
@@ -42,6 +43,16 @@ contains
     subroutine add(self, prototype)
         class(registry_t), intent(inout) :: self
         class(formulation_t), intent(in) :: prototype
+        type(entry_t), allocatable :: larger(:)
+        integer :: i
+        if (.not. allocated(self%entry)) allocate (self%entry(16))
+        if (self%size == size(self%entry)) then
+            allocate (larger(2 * self%size))
+            do i = 1, self%size
+                call move_alloc(self%entry(i)%prototype, larger(i)%prototype)
+            end do
+            call move_alloc(larger, self%entry)
+        end if
         self%size = self%size + 1
         allocate (self%entry(self%size)%prototype, source=prototype)
     end subroutine add
@@ -58,10 +69,11 @@ contains
         end do
     end function formulation_infos
 
-    !> A formulation by its name; unallocated if there is none of that name.
-    subroutine create_formulation(name, formulation)
+    !> A formulation by its name; unallocated, and `status_unknown_name`, if there is none of that name.
+    subroutine create_formulation(name, formulation, status)
         character(*), intent(in) :: name
         class(formulation_t), allocatable, intent(out) :: formulation
+        integer, intent(out), optional :: status
         type(registry_t) :: known
         type(formulation_info_t) :: info
         integer :: i
@@ -70,8 +82,9 @@ contains
             info = known%entry(i)%prototype%info()
             if (info%name /= name) cycle
             allocate (formulation, source=known%entry(i)%prototype)
-            return
+            exit
         end do
+        if (present(status)) status = merge(status_ok, status_unknown_name, allocated(formulation))
     end subroutine create_formulation
 
 end module spintop_formulations

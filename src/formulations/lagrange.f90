@@ -13,7 +13,7 @@ module spintop_lagrange
 
     !> State y = (phi, theta, theta', psi); both momenta are constants.
     type, extends(formulation_t) :: lagrange_t
-        type(symmetric_top_t) :: top
+        type(symmetric_top_t) :: top = symmetric_top_t()
     contains
         procedure, nopass :: info
         procedure :: prepare

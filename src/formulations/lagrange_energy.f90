@@ -20,7 +20,8 @@ contains
     pure function info()
         type(formulation_info_t) :: info
         info = formulation_info_t('lagrange_energy', &
-            "lagrange, with theta' reset from the energy after each step (Eq 46, scenario 2)", 4)
+            "lagrange, with theta' reset from the energy after each step (Eq 46, scenario 2)", 4, &
+            resets_speed=.true.)
     end function info
 
     !> theta' = sign(theta') sqrt(max(0, radicand of Eq 46)); a negative radicand is clipped.

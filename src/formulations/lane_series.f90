@@ -11,6 +11,7 @@
 !> components and a quotient: twelve products, where a second vector in place of chi takes fifteen and
 !> a quaternion twenty.
 module spintop_lane_series
+    use, intrinsic :: iso_fortran_env, only: sp => real32
     use spintop_kinds, only: dp, qp
     use spintop_formulation, only: max_series_order
     implicit none
@@ -24,10 +25,11 @@ module spintop_lane_series
 
     !> Counts in the tables that follow.
     integer :: divisor
-    !> 1/k, and what it lacks: a share rounded alike in every step would make energy and momentum
-    !> drift.
-    real(dp), parameter :: share(*) = [(1.0_dp / divisor, divisor=1, max_series_order)]
-    real(dp), parameter :: share_rest(*) = [(real(1 / real(divisor, qp) - 1.0_dp / divisor, dp), &
+    !> 1/k in single precision, and the rest: a share rounded alike in every step would make energy and
+    !> momentum drift. The rest of a share in double precision would be below the rounding of its product,
+    !> and so be lost wherever products are not fused with sums.
+    real(dp), parameter :: share(*) = [(real(1 / real(divisor, sp), dp), divisor=1, max_series_order)]
+    real(dp), parameter :: share_rest(*) = [(real(1 / real(divisor, qp) - 1 / real(divisor, sp), dp), &
                                              divisor=1, max_series_order)]
 
 contains

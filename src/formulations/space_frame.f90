@@ -9,7 +9,7 @@
 !> the weight at rest. (The split of Dullweber, Leimkuhler and McLachlan, J. Chem. Phys. 107, 1997, in
 !> the axes in which free symmetric tops turn uniformly.)
 module spintop_space_frame
-    use spintop_kinds, only: dp, qp
+    use spintop_kinds, only: dp, qp, xp
     use spintop_attitude, only: follow_angles, conjugate_quaternion, quaternion_product, to_space, &
         turn_less_one
     use spintop_body, only: body_t
@@ -29,8 +29,10 @@ module spintop_space_frame
         private
         !> Momentum about the vertical, spin rate about the axis, and sigma, its part split off.
         real(dp) :: vertical = 0, omega3 = 0, sigma = 0
+        !> sigma with the digits that its phase needs.
+        real(xp) :: spin_rate = 0
         real(dp) :: mgl = 0, i1 = 1
-        type(motion_t) :: start
+        type(motion_t) :: start = motion_t()
     contains
         procedure, nopass :: info
         procedure :: prepare
@@ -74,7 +76,8 @@ contains
         self%start = start
         self%omega3 = start%omega(3)
         self%i1 = body%inertia(1)
-        self%sigma = (body%inertia(1) - body%inertia(3)) * start%omega(3) / body%inertia(1)
+        self%spin_rate = (real(body%inertia(1), xp) - body%inertia(3)) * start%omega(3) / body%inertia(1)
+        self%sigma = real(self%spin_rate, dp)
         self%mgl = body%mgl()
         y = 0
         y(1:2) = momentum(1:2)
@@ -169,9 +172,11 @@ contains
     pure function with_spin(self, t, y) result(q)
         class(space_frame_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states)
-        real(dp) :: q(4), half
-        half = self%sigma * t / 2
-        q = quaternion_product(y(3:6) / norm2(y(3:6)), [cos(half), 0.0_dp, 0.0_dp, sin(half)])
+        real(dp) :: q(4)
+        real(xp) :: half
+        ! Of many turns a phase in double has no digit to spare.
+        half = self%spin_rate * t / 2
+        q = quaternion_product(y(3:6) / norm2(y(3:6)), [real(cos(half), dp), 0.0_dp, 0.0_dp, real(sin(half), dp)])
     end function with_spin
 
     !> Angular velocity in body axes.

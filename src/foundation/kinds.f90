@@ -3,7 +3,7 @@ module spintop_kinds
     use, intrinsic :: iso_fortran_env, only: real64, real128
     implicit none
     private
-    public :: dp, xp, qp, pi, degree, epsilon_dp
+    public :: dp, xp, qp, pi, pi_xp, degree, epsilon_dp
 
     !> Working precision of every public quantity.
     integer, parameter :: dp = real64
@@ -14,6 +14,8 @@ module spintop_kinds
     integer, parameter :: qp = real128
 
     real(dp), parameter :: pi = acos(-1.0_dp)
+    !> The same in extended precision.
+    real(xp), parameter :: pi_xp = 3.14159265358979323846264338327950288_xp
     !> One degree in radians.
     real(dp), parameter :: degree = pi / 180
     !> Unit round-off spacing of the working precision, 2.2e-16.

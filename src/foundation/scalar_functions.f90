@@ -4,8 +4,7 @@
 !>
 !> Errors below 3e-16: relative of `find_sine_and_cosine` and `argument`, absolute of `unit`.
 module spintop_scalar_functions
-    use spintop_kinds, only: dp, xp, pi
-    use spintop_elliptic_series, only: pi_xp
+    use spintop_kinds, only: dp, xp, pi_xp, pi
     implicit none
     private
     public :: find_sine_and_cosine, argument, unit, nearest_whole

@@ -5,7 +5,9 @@ module spintop_status
     public :: status_name, status_meaning, status_names, status_meanings
     public :: status_ok, status_pole, status_non_finite, status_step_limit, status_not_converged
     public :: status_step_too_small, status_turning_point, status_outside, status_unsuitable
-    public :: status_integrator, status_bad_input, last_status
+    public :: status_integrator, status_bad_input, status_bad_body, status_bad_start, status_bad_controls
+    public :: status_bad_span, status_bad_samples, status_bad_events, status_bad_projection
+    public :: status_no_steps, status_no_structure, status_stuck_at_turn, status_unknown_name, last_status
 
     integer, parameter :: status_ok = 0
     integer, parameter :: status_pole = 1
@@ -18,41 +20,68 @@ module spintop_status
     integer, parameter :: status_unsuitable = 8
     integer, parameter :: status_integrator = 9
     integer, parameter :: status_bad_input = 10
-    integer, parameter :: last_status = 10
+    ! What a call is refused for, before anything is computed.
+    integer, parameter :: status_bad_body = 11
+    integer, parameter :: status_bad_start = 12
+    integer, parameter :: status_bad_controls = 13
+    integer, parameter :: status_bad_span = 14
+    integer, parameter :: status_bad_samples = 15
+    integer, parameter :: status_bad_events = 16
+    integer, parameter :: status_bad_projection = 17
+    integer, parameter :: status_no_steps = 18
+    integer, parameter :: status_no_structure = 19
+    integer, parameter :: status_stuck_at_turn = 20
+    integer, parameter :: status_unknown_name = 21
+    integer, parameter :: last_status = 21
 
     !> Names as they stand in tables, and a sentence for each. Threads take them from here: gfortran
     !> keeps the length that a function of deferred length returns in memory shared by all threads.
     character(*), parameter :: status_names(0:last_status) = [character(16) :: &
         'ok', 'pole', 'non_finite', 'step_limit', 'not_converged', 'step_too_small', &
-        'turning_point', 'outside', 'unsuitable', 'integrator', 'bad_input']
+        'turning_point', 'outside', 'unsuitable', 'integrator', 'bad_input', 'bad_body', 'bad_start', &
+        'bad_controls', 'bad_span', 'bad_samples', 'bad_events', 'bad_projection', 'no_steps', &
+        'no_structure', 'stuck_at_turn', 'unknown_name']
 
-    character(*), parameter :: status_meanings(0:last_status) = [character(96) :: &
+    character(*), parameter :: status_meanings(0:last_status) = [character(112) :: &
         'completed', &
         'the axis is at a pole (sin theta = 0), where these equations are singular', &
         'a value overflowed or is not a number', &
-        'the number of steps allowed (integration.max_steps) is used up', &
+        'the work allowed (integration.max_steps) is used up', &
         'the equations of an implicit step could not be solved', &
         'the step size fell to the rounding of the time', &
         'reached a turning point of theta, where the energy-rate equations end', &
         'the state left the region where the equations hold (negative radicand)', &
         'the equations do not hold for this body or start', &
         'the integrator library reported a failure of its own', &
-        'the parameters of the case describe no top or no motion']
+        'the arguments, or the parameters of the case, describe no top or no motion', &
+        'the mass of the body is not positive, or a moment of inertia or a damping coefficient is negative', &
+        'the quaternion of the start is zero, or contradicts its angles, or its rates contradict omega', &
+        'a tolerance, steps, max_steps, the projection or the Butcher table is not valid for the method', &
+        'the end of the span is not a finite time at or after the start', &
+        'the sample times are not in rising order within the span', &
+        'an event has a level that is not finite, or no direction', &
+        'the formulation does not have, or the damped body does not conserve, what is to be projected on', &
+        'a method of fixed step size is given no number of steps', &
+        'the method needs a structure that the formulation does not offer', &
+        'where theta_rate is reset from the energy, this method stays at the first turning point for ever', &
+        'there is nothing of this name']
 
 contains
 
-    !> Name of a status as it stands in tables.
+    !> Name of a status as it stands in tables; 'unknown' for a number that is no status.
     pure function status_name(status) result(name)
         integer, intent(in) :: status
         character(:), allocatable :: name
-        name = trim(status_names(status))
+        name = 'unknown'
+        if (status >= 0 .and. status <= last_status) name = trim(status_names(status))
     end function status_name
 
     !> One sentence that explains a status.
     pure function status_meaning(status) result(meaning)
         integer, intent(in) :: status
         character(:), allocatable :: meaning
-        meaning = trim(status_meanings(status))
+        meaning = 'this number is no status'
+        if (status >= 0 .and. status <= last_status) meaning = trim(status_meanings(status))
     end function status_meaning
 
 end module spintop_status

@@ -1,9 +1,10 @@
 !> `key(subscripts) = values`: the values of one assignment, checked and stored.
 module spintop_assignment
-    use spintop_diagnostics, only: diagnostics_t, place_t, visible
+    use spintop_diagnostics, only: diagnostics_t, place_t
     use spintop_kinds, only: dp
     use spintop_literals, only: read_integer, read_logical, read_real
     use spintop_parameter, only: all_elements, kind_integer, kind_real, kind_text, &
+    use spintop_plain_text, only: is_plain
         leading_elements, parameter_t, quoted
     use spintop_scanner, only: scanner_t, token_close, token_colon, token_comma, token_open, &
         token_string, token_t, token_word
@@ -255,6 +256,7 @@ contains
                 problem = parameter%element_name(self%row, column) // ' is out of range'
                 hint = 'must be ' // parameter%rule
                 if (scan(parameter%rule, '[(') == 1) hint = 'must be in ' // parameter%rule
+                hint = hint // parameter%in_other_units()
             end if
         end if
         if (problem /= '') then
@@ -288,7 +290,7 @@ contains
         else if (.not. token%closed) then
             call self%refuse(parameter, diagnostics, token%place, &
                 'the quote is not closed on its line', 'the closing quote is missing')
-        else if (visible(text) /= text) then
+        else if (.not. is_plain(text)) then
             call self%refuse(parameter, diagnostics, token%place, &
                 'a tab, a control character or a byte that is not UTF-8', 'plain text is expected')
         else if (len_trim(text) > parameter%text_length()) then
@@ -304,7 +306,7 @@ contains
                 word = parameter%choices(i)%text
             else
                 call self%fail(parameter, diagnostics, token%place, quoted(abbreviate(text)) // &
-                    ' is no choice for ' // parameter%key, suggest_word(text, parameter%choices))
+                    ' is no choice for ' // parameter%key, suggest_word(text, parameter%choices, parameter%aliases))
             end if
         end if
         if (.not. parameter%faulty) call parameter%put_text(column, word)

@@ -6,15 +6,17 @@
 !>        |     ^^^ did you mean 'mass'?
 module spintop_diagnostics
     use spintop_errors, only: error_t, input_error
+    use spintop_plain_text, only: visible
     use spintop_text, only: to_text
+    use spintop_wrapping, only: characters, default_width, wrapped
     implicit none
     private
-    public :: diagnostics_t, place_t, visible
+    public :: diagnostics_t, place_t
 
     !> More problems than this are counted, not shown.
     integer, parameter :: most_shown = 100
     !> Longest stretch of a source line that is shown.
-    integer, parameter :: widest_line = 100
+    integer, parameter :: widest_line = 100, least_window = 20
 
     !> Where something stands in a source. The default is nowhere.
     type :: place_t
@@ -103,22 +105,27 @@ contains
     end function has_warnings
 
     !> Turns the errors, if there are any, into one error that holds the whole report.
-    subroutine raise(self, error)
+    subroutine raise(self, error, width)
         class(diagnostics_t), intent(in) :: self
         type(error_t), allocatable, intent(out) :: error
-        if (self%has_errors()) error = input_error(self%report())
+        integer, intent(in), optional :: width !! of its lines, in columns
+        if (self%has_errors()) error = input_error(self%report(width))
     end subroutine raise
 
-    !> The text of all problems, errors and warnings, and a last line that counts them.
-    function report(self) result(text)
+    !> The text of all problems, errors and warnings, and a last line that counts them. A line with a place
+    !> is never broken, for tools that read it.
+    function report(self, width) result(text)
         class(diagnostics_t), intent(in) :: self
+        integer, intent(in), optional :: width !! of its lines, in columns
         character(:), allocatable :: text
-        integer :: i
+        integer :: i, columns
 
+        columns = default_width
+        if (present(width)) columns = width
         text = ''
         if (.not. allocated(self%problems)) return
         do i = 1, size(self%problems)
-            text = text // self%show(self%problems(i)) // new_line('a') // new_line('a')
+            text = text // self%show(self%problems(i), columns) // new_line('a') // new_line('a')
         end do
         text = text // counted(self%errors, 'error')
         if (self%errors > 0 .and. self%warnings > 0) text = text // ', '
@@ -174,11 +181,14 @@ contains
         end if
     end function stands_after
 
-    function show(self, problem) result(text)
+    function show(self, problem, width) result(text)
         class(diagnostics_t), intent(in) :: self
         type(problem_t), intent(in) :: problem
+        integer, intent(in) :: width
         character(:), allocatable :: text, line, before, marked, number, margin
+        character(*), parameter :: indent = '  '
         type(place_t) :: place
+        integer :: start
 
         place = problem%place
         text = problem%severity // ': ' // visible(problem%message)
@@ -196,11 +206,12 @@ contains
             end associate
         end if
         if (.not. allocated(line)) then
-            if (problem%hint /= '') text = text // new_line('a') // '  ' // visible(problem%hint)
+            if (problem%hint /= '') text = text // new_line('a') // indent // &
+                wrapped(visible(problem%hint), len(indent), width)
             return
         end if
 
-        call cut_to_window(line, place)
+        call cut_to_window(line, place, width - len(to_text(place%line)) - 3)
         before = visible(line(:place%column - 1))
         marked = visible(line(place%column:min(len(line), place%column + place%width - 1)))
         number = to_text(place%line)
@@ -208,7 +219,13 @@ contains
         text = text // new_line('a') // margin(:len(margin) - 1) // new_line('a') // &
             number // ' | ' // visible(line) // new_line('a') // margin // &
             repeat(' ', characters(before)) // repeat('^', max(1, characters(marked)))
-        if (problem%hint /= '') text = text // ' ' // visible(problem%hint)
+        if (problem%hint == '') return
+        start = len(margin) + characters(before) + max(1, characters(marked)) + 1
+        if (start + characters(visible(problem%hint)) <= width) then
+            text = text // ' ' // visible(problem%hint)
+        else
+            text = text // new_line('a') // indent // wrapped(visible(problem%hint), len(indent), width)
+        end if
     end function show
 
     !> The line of that number, without its end.
@@ -231,15 +248,17 @@ contains
     end function line_of
 
     !> Keeps the stretch of a very long line around the place.
-    pure subroutine cut_to_window(line, place)
+    pure subroutine cut_to_window(line, place, room)
         character(:), allocatable, intent(inout) :: line
         type(place_t), intent(inout) :: place
+        integer, intent(in) :: room !! columns for it
         character(*), parameter :: gap = '...'
-        integer :: first, last
+        integer :: first, last, widest
 
-        if (len(line) <= widest_line) return
-        first = max(1, min(place%column - widest_line / 2, len(line) - widest_line + 1))
-        last = first + widest_line - 1
+        if (len(line) <= min(room, widest_line)) return
+        widest = max(min(widest_line, room) - 2 * len(gap), least_window)
+        first = max(1, min(place%column - widest / 2, len(line) - widest + 1))
+        last = min(len(line), first + widest - 1)
         place%width = min(place%width, last - place%column + 1)
         if (last < len(line)) line = line(:last) // gap
         if (first > 1) then
@@ -248,74 +267,12 @@ contains
         end if
     end subroutine cut_to_window
 
-    !> The text as a terminal may show it: a tab as a blank, other control characters and
-    !> bytes that are no UTF-8 as '?', line ends kept.
-    pure function visible(text) result(shown)
-        character(*), intent(in) :: text
-        character(:), allocatable :: shown
-        integer :: i, length, code
-
-        allocate (character(len(text)) :: shown)
-        shown(:) = text
-        i = 1
-        do while (i <= len(text))
-            length = utf8_length(text(i:))
-            code = iachar(text(i:i))
-            if (code == 9) then
-                shown(i:i) = ' '
-            else if (length == 0 .or. code == 127 .or. (code < 32 .and. code /= 10)) then
-                shown(i:i) = '?'
-            end if
-            i = i + max(1, length)
-        end do
-    end function visible
-
-    !> Bytes of the character that the text starts with; 0 if that is not UTF-8, or a C1 control.
-    pure integer function utf8_length(text) result(length)
-        character(*), intent(in) :: text
-        integer :: code, i
-
-        code = iachar(text(1:1))
-        select case (code)
-        case (0:127)
-            length = 1
-        case (194:223)
-            length = 2
-        case (224:239)
-            length = 3
-        case (240:244)
-            length = 4
-        case default
-            length = 0
-        end select
-        if (length > len(text)) length = 0
-        do i = 2, length
-            if (iand(iachar(text(i:i)), 192) /= 128) then
-                length = 0
-                return
-            end if
-        end do
-        if (length < 2) return
-        i = iachar(text(2:2))
-        select case (code)
-        case (194)
-            if (i < 160) length = 0 ! a C1 control
-        case (224)
-            if (i < 160) length = 0 ! longer than need be
-        case (237)
-            if (i > 159) length = 0 ! a surrogate
-        case (240)
-            if (i < 144) length = 0 ! longer than need be
-        case (244)
-            if (i > 143) length = 0 ! beyond Unicode
-        end select
-    end function utf8_length
-
-    !> Number of characters of a visible text (UTF-8 continuation bytes do not count).
-    pure integer function characters(text)
-        character(*), intent(in) :: text
-        integer :: i
-        characters = count([(iand(iachar(text(i:i)), 192) /= 128, i=1, len(text))])
-    end function characters
+    !> Whether the character of bytes 226, `second` and `third` changes the direction of writing, so that
+    !> a line would show another order than it has (U+200E, 200F, 202A to 202E, 2066 to 2069).
+    pure logical function turns_writing(second, third)
+        integer, intent(in) :: second, third
+        turns_writing = (second == 128 .and. (third == 142 .or. third == 143 .or. &
+            (third >= 170 .and. third <= 174))) .or. (second == 129 .and. third >= 166 .and. third <= 169)
+    end function turns_writing
 
 end module spintop_diagnostics

@@ -57,6 +57,16 @@ contains
         end do
     end subroutine read_namelist
 
+    !> The place of the i-th byte of a source.
+    pure type(place_t) function place_of_byte(text, i, source) result(place)
+        character(*), intent(in) :: text
+        integer, intent(in) :: i, source
+        integer :: k
+        place%source = source
+        place%line = 1 + count([(text(k:k) == new_line('a'), k=1, i - 1)])
+        place%column = i - index(text(:i - 1), new_line('a'), back=.true.)
+    end function place_of_byte
+
     subroutine read_groups(text, table, diagnostics)
         character(*), intent(in) :: text
         type(parameter_table_t), intent(inout) :: table
@@ -66,8 +76,8 @@ contains
         logical :: any_group
 
         if (index(text, char(0)) > 0) then
-            call diagnostics%error(table%place, 'not a text file: it has NUL bytes', &
-                'a namelist in ASCII or UTF-8 is expected')
+            call diagnostics%error(place_of_byte(text, index(text, char(0)), table%place%source), &
+                'not a text file: it has NUL bytes', 'a namelist in ASCII or UTF-8 is expected')
             return
         end if
         call scanner%start(text, table%place%source, comments=.true.)

@@ -4,7 +4,7 @@ module spintop_overrides
     use spintop_diagnostics, only: diagnostics_t
     use spintop_parameter, only: kind_text, parameter_t, quoted
     use spintop_parameters, only: parameter_table_t
-    use spintop_scanner, only: scanner_t, token_equals, token_t, token_word
+    use spintop_scanner, only: scanner_t, token_end, token_equals, token_t, token_word
     use spintop_suggestions, only: homes_of, suggest_group, suggest_key
     use spintop_text, only: abbreviate, lower_case
     use spintop_value_list, only: read_values
@@ -52,6 +52,9 @@ contains
                 call read_plain_words(text, len(text) - len(rest), parameter, assignment, diagnostics)
             else
                 call read_values(scanner, '', table, parameter, assignment, diagnostics)
+                call scanner%peek(token)
+                if (token%kind /= token_end) call assignment%refuse(parameter, diagnostics, token%place, &
+                    'what follows the value has no place in an override', 'one --set for each GROUP.KEY=VALUE')
             end if
             call assignment%finish(parameter, diagnostics)
         end associate

@@ -40,6 +40,8 @@ module spintop_parameter
         character(:), allocatable :: default !! as in a namelist, '' for none
         type(range_t) :: range
         type(string_t), allocatable :: choices(:) !! words allowed; none means any
+        character(48), allocatable :: aliases(:)  !! `other=own`: what others call one of the choices
+        character(:), allocatable :: key_in_degrees !! the key that takes the same angle in degrees
         integer :: kind = kind_real
         integer :: rank = 0
         integer :: elements = any_elements
@@ -66,6 +68,7 @@ module spintop_parameter
         procedure :: element_name
         procedure :: full_name
         procedure :: is_number
+        procedure :: in_other_units
         procedure, private :: prepare
     end type parameter_t
 
@@ -150,6 +153,14 @@ contains
         class(parameter_t), intent(in) :: self
         is_number = self%kind == kind_real .or. self%kind == kind_integer
     end function is_number
+
+    !> Which other key takes the value in other units, as the end of a sentence; '' if none does.
+    pure function in_other_units(self) result(text)
+        class(parameter_t), intent(in) :: self
+        character(:), allocatable :: text
+        text = ''
+        if (allocated(self%key_in_degrees)) text = ' ' // self%unit // '; ' // self%key_in_degrees // ' takes degrees'
+    end function in_other_units
 
     !> Sets an element that is a real.
     subroutine put_real(self, row, column, value)

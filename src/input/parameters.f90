@@ -9,28 +9,31 @@
 module spintop_parameters
     use spintop_diagnostics, only: place_t
     use spintop_errors, only: error_t, internal_error
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: degree, dp
     use spintop_number_slot, only: number_slot_t
     use spintop_parameter, only: all_elements, any_elements, kind_real, leading_elements, &
         parameter_t, quoted, unset, unset_integer
     use spintop_ranges, only: parse_range
-    use spintop_text, only: nearest_word, split, string_t
+    use spintop_text, only: nearest_word, split, string_t, to_text
     implicit none
     private
-    public :: parameter_table_t
+    public :: parameter_table_t, unit_hint
     public :: unset, unset_integer, all_elements, leading_elements, any_elements
+
+    !> How the name of an angle ends that is in degrees.
+    character(*), parameter :: degrees = '_deg'
 
     !> A group of the input, and where it was given.
     type :: group_t
         character(:), allocatable :: name
-        type(place_t) :: place
+        type(place_t) :: place = place_t()
     end type group_t
 
     !> All parameters of an input, and where each was given.
     type :: parameter_table_t
         type(parameter_t), allocatable :: parameters(:) !! in the order in which they were added
         type(group_t), allocatable :: groups(:)         !! in the order of their first parameter
-        type(place_t) :: place                          !! the input as a whole
+        type(place_t) :: place = place_t()                          !! the input as a whole
         character(:), allocatable, private :: defect
     contains
         !> `add(name, variable, unit, range, what [, elements])` for reals and integers,
@@ -114,14 +117,16 @@ contains
     end subroutine add_integers
 
     !> A text, or one word of the `choices` ('a|b|c').
-    subroutine add_text(self, name, variable, choices, what)
+    subroutine add_text(self, name, variable, choices, what, aliases)
         class(parameter_table_t), intent(inout) :: self
         character(*), intent(in) :: name
         character(*), target, intent(inout) :: variable
         character(*), intent(in), optional :: choices
         character(*), intent(in) :: what
+        character(*), intent(in), optional :: aliases(:) !! `other=own`: what others call one of the choices
         type(parameter_t) :: parameter
         call parameter%bind_text(variable)
+        if (present(aliases)) allocate (parameter%aliases, source=[character(len(parameter%aliases)) :: aliases])
         call self%append(parameter, name, what, choices=choices)
     end subroutine add_text
 
@@ -175,6 +180,7 @@ contains
         if (present(unit)) parameter%unit = unit
         call split('', '|', parameter%choices)
         if (present(choices)) call split(choices, '|', parameter%choices)
+        if (.not. allocated(parameter%aliases)) allocate (parameter%aliases(0))
         if (present(elements)) parameter%elements = elements
         parameter%rule = ''
         if (present(range)) parameter%rule = range
@@ -186,6 +192,10 @@ contains
         more(:known) = self%parameters
         more(known + 1) = parameter
         call move_alloc(more, self%parameters)
+        if (ends_in_degrees(name)) then
+            known = self%find(name(:len(name) - len(degrees)))
+            if (known > 0) self%parameters(known)%key_in_degrees = parameter%key
+        end if
         if (self%find_group(parameter%group) > 0) return
         known = size(self%groups)
         allocate (more_groups(known + 1))
@@ -239,7 +249,7 @@ contains
             else
                 call slot%bind_integer(parameter%integer_target(row, column), parameter%range)
             end if
-            slot%rule = parameter%rule
+            slot%rule = parameter%rule // parameter%in_other_units()
         end associate
     end subroutine find_number
 
@@ -321,6 +331,10 @@ contains
                 names(i)%text = self%parameters(i)%name
             end do
             problem = 'there is no parameter ' // quoted(name(:open - 1))
+            if (unit_hint(self, name(:open - 1)) /= '') then
+                problem = problem // '; ' // unit_hint(self, name(:open - 1))
+                return
+            end if
             if (nearest_word(name(:open - 1), names) /= '') problem = problem // &
                 '; did you mean ' // quoted(nearest_word(name(:open - 1), names)) // '?'
             return
@@ -347,6 +361,32 @@ contains
             column = values(2)
         end associate
     end subroutine locate
+
+    !> Whether a name says that it is in degrees.
+    pure logical function ends_in_degrees(name)
+        character(*), intent(in) :: name
+        integer :: last
+        last = len_trim(name) - len(degrees)
+        ends_in_degrees = .false.
+        if (last > 0) ends_in_degrees = name(last + 1:len_trim(name)) == degrees
+    end function ends_in_degrees
+
+    !> What to do where a parameter is named in degrees that is in radians; '' for other names.
+    function unit_hint(table, name) result(hint)
+        class(parameter_table_t), intent(in) :: table
+        character(*), intent(in) :: name !! `group.key`
+        character(:), allocatable :: hint
+        integer :: number
+        hint = ''
+        if (.not. ends_in_degrees(name)) return
+        number = table%find(name(:len_trim(name) - len(degrees)))
+        if (number == 0) return
+        associate (parameter => table%parameters(number))
+            if (index(parameter%unit, 'rad') /= 1) return
+            hint = quoted(parameter%key) // ' is in ' // parameter%unit // ': 1 ' // parameter%unit // ' = ' &
+                // to_text(1 / degree) // ' deg' // parameter%unit(4:)
+        end associate
+    end function unit_hint
 
     !> A positive number of at most nine digits; else 0.
     pure subroutine read_subscript(text, value)

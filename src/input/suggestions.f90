@@ -1,11 +1,11 @@
 !> What would be right where a group or a key is not known.
 module spintop_suggestions
     use spintop_parameter, only: quoted
-    use spintop_parameters, only: parameter_table_t
-    use spintop_text, only: join, nearest_word, string_t
+    use spintop_parameters, only: parameter_table_t, unit_hint
+    use spintop_text, only: join, lower_case, nearest_word, string_t
     implicit none
     private
-    public :: suggest_group, suggest_key, suggest_word, homes_of
+    public :: suggest_group, suggest_key, suggest_word, own_name, homes_of
 
 contains
 
@@ -29,6 +29,8 @@ contains
         character(:), allocatable :: hint
         type(string_t) :: keys(size(table%parameters))
         integer :: i, found
+        hint = unit_hint(table, group // '.' // key)
+        if (hint /= '') return
         found = 0
         do i = 1, size(keys)
             if (table%parameters(i)%group /= group) cycle
@@ -52,17 +54,34 @@ contains
         end do
     end function homes_of
 
-    !> The candidate that is meant, or the list of all.
-    function suggest_word(word, candidates) result(hint)
+    !> The candidate that is meant, or the list of all. Of names that others use each says, behind an equals
+    !> sign, which candidate it is.
+    function suggest_word(word, candidates, aliases) result(hint)
         character(*), intent(in) :: word
         type(string_t), intent(in) :: candidates(:)
+        character(*), intent(in), optional :: aliases(:)
         character(:), allocatable :: hint
-        hint = nearest_word(word, candidates)
+        hint = ''
+        if (present(aliases)) hint = own_name(word, aliases)
+        if (hint == '') hint = nearest_word(word, candidates)
         if (hint /= '') then
             hint = 'did you mean ' // quoted(hint) // '?'
         else
             hint = 'one of: ' // join(candidates, ', ')
         end if
     end function suggest_word
+
+    !> What a word of others is called here; '' for words that are no aliases.
+    pure function own_name(word, aliases) result(name)
+        character(*), intent(in) :: word
+        character(*), intent(in) :: aliases(:) !! each `other=own`
+        character(:), allocatable :: name
+        integer :: i, equals
+        name = ''
+        do i = 1, size(aliases)
+            equals = index(aliases(i), '=')
+            if (aliases(i)(:equals - 1) == lower_case(trim(word))) name = trim(aliases(i)(equals + 1:))
+        end do
+    end function own_name
 
 end module spintop_suggestions

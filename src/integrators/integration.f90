@@ -6,6 +6,7 @@ module spintop_integration
     use spintop_motion, only: motion_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_stepper, only: stepper_t, workspace_t, counts_t
+    use spintop_suitability, only: call_status
     use spintop_status, only: status_ok, status_outside, status_step_too_small, &
         status_step_limit, status_turning_point, status_not_converged
     implicit none
@@ -48,10 +49,12 @@ module spintop_integration
         class(formulation_t), pointer :: formulation => null()
         class(stepper_t), pointer :: stepper => null()
         class(workspace_t), pointer :: work => null()
-        !> At the start of the step.
-        type(follower_t) :: follower
+        !> At the start of the step, and at the two latest times asked for: from the last of these before
+        !> a time the angles are followed to it.
+        type(follower_t) :: seen(3)
     contains
         procedure :: at => motion_in_step
+        procedure :: is_spent => step_is_spent
     end type step_path_t
 
     !> How a run ended.
@@ -78,12 +81,15 @@ contains
     !> times (rising, from 0 to t_end): all of them by dense output of an adaptive method, those
     !> that are steps of a fixed-step one; and the turning point where the equations end at one.
     !> `watch` looks for events on the way; the motion at one that ends the run is shown last.
+    !>
+    !> What is given is checked first (`call_status`, `event_watch_t%check`): a call that asks for what
+    !> cannot be ends with a status that says why, and the observer sees nothing.
     subroutine integrate(formulation, stepper, body, start, t_end, samples, observer, outcome, watch)
         class(formulation_t), target, intent(inout) :: formulation
         class(stepper_t), target, intent(in) :: stepper
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
-        real(dp), intent(in) :: t_end, samples(:)
+        real(dp), intent(in) :: t_end, samples(:) !! s, from the start on, whatever its `t`
         class(observer_t), intent(inout) :: observer
         type(outcome_t), intent(out) :: outcome
         class(event_watch_t), intent(inout), optional :: watch
@@ -93,6 +99,9 @@ contains
         integer :: next, status
         logical :: stopped
 
+        outcome%status = call_status(stepper, formulation, body, start, t_end, samples)
+        if (outcome%status == status_ok .and. present(watch)) outcome%status = watch%check()
+        if (outcome%status /= status_ok) return
         stopped = .false.
         call stepper%new_workspace(work)
         work%t_end = t_end
@@ -109,23 +118,29 @@ contains
             if (present(watch)) call begin_watch()
         end if
         do while (status == status_ok .and. work%t < t_end .and. .not. observer%has_enough)
-            if (work%counts%steps >= stepper%controls%max_steps) then
+            if (work%is_spent(stepper%controls%max_steps)) then
                 status = status_step_limit
                 exit
             end if
             call stepper%advance(formulation, work, status)
             if (status == status_ok .and. present(watch)) then
-                path%follower = follower
+                path%seen = follower
                 call watch%look(path, work%t)
                 stopped = watch%has_enough
                 if (stopped) call show_end(watch%t)
                 if (stopped) exit
+                if (path%is_spent() .and. watch%t < work%t) then
+                    status = status_step_limit
+                    call show_end(watch%t)
+                    outcome%t = watch%t
+                    exit
+                end if
             end if
             if (status == status_ok) call show_until(work%t)
             call check_arrival(formulation, work, follower, observer, status)
         end do
         outcome%status = status
-        outcome%t = work%t
+        if (.not. outcome%t > 0) outcome%t = work%t
         if (stopped) outcome%t = watch%t
         outcome%counts = work%counts
 
@@ -151,7 +166,7 @@ contains
         end subroutine show_until
 
         subroutine begin_watch()
-            path = step_path_t(formulation, stepper, work, follower)
+            path = step_path_t(formulation, stepper, work)
             call watch%begin(body, formulation%motion(work%t, work%y, follower%angle))
         end subroutine begin_watch
 
@@ -177,15 +192,23 @@ contains
 
     !> The motion at a time within the last step.
     subroutine motion_in_step(self, t, motion)
-        class(step_path_t), intent(in) :: self
+        class(step_path_t), intent(inout) :: self
         real(dp), intent(in) :: t
         type(motion_t), intent(out) :: motion
         type(follower_t) :: follower
-        follower = self%follower
+        follower = self%seen(max(1, count(self%seen%t <= t)))
+        self%work%counts%looks = self%work%counts%looks + 1
         call follower%walk_to(self%formulation, self%stepper, self%work, t, &
                               self%stepper%interpolate(self%formulation, self%work, t))
         motion = self%formulation%motion(t, follower%y, follower%angle)
+        if (t > self%seen(3)%t) self%seen(2:3) = [self%seen(3), follower]
     end subroutine motion_in_step
+
+    !> Whether the work of the case is used up.
+    logical function step_is_spent(self)
+        class(step_path_t), intent(in) :: self
+        step_is_spent = self%work%is_spent(self%stepper%controls%max_steps)
+    end function step_is_spent
 
     !> Goes on to a later time and state.
     subroutine go_to(self, formulation, t, y)
@@ -212,13 +235,15 @@ contains
         angle = self%angle
         sure = self%is_idle
         if (.not. sure) call formulation%follow(self%t, self%y, t, y, angle, sure)
-        sure = sure .or. t - self%t <= max(shortest_pace * (work%t - work%t_last), 2 * spacing(t))
+        sure = sure .or. t - self%t <= max(shortest_pace * (work%t - work%t_last), 2 * spacing(t)) &
+               .or. work%is_spent(stepper%controls%max_steps)
         if (sure) then
             self%t = t
             self%y = y
             self%angle = angle
         else
             middle = self%t + (t - self%t) / 2
+            work%counts%looks = work%counts%looks + 1
             call self%walk_to(formulation, stepper, work, middle, &
                               stepper%interpolate(formulation, work, middle))
             call self%walk_to(formulation, stepper, work, t, y)

@@ -18,6 +18,7 @@ module spintop_methods
     use spintop_formulation, only: structure_group, structure_quadruple, structure_series, &
         structure_split
     use spintop_kinds, only: dp
+    use spintop_status, only: status_ok, status_unknown_name
     implicit none
     private
     public :: method_infos, create_stepper, exact_info
@@ -33,7 +34,7 @@ module spintop_methods
     !> The methods by name, in the order in which they are listed.
     type :: registry_t
         integer :: size = 0
-        type(entry_t) :: entry(32)
+        type(entry_t), allocatable :: entry(:)
     contains
         procedure :: add
     end type registry_t
@@ -44,7 +45,7 @@ contains
     subroutine list_methods(known)
         type(registry_t), intent(out) :: known
         call known%add(runge_kutta_t(table=euler_table(), info=method_info_t( &
-            'euler_forward', 'explicit Euler method', order=1, fixed_step=.true.)))
+            'euler_forward', 'explicit Euler method', order=1, fixed_step=.true., caught_by_reset=.true.)))
         call known%add(runge_kutta_t(table=midpoint_table(), info=method_info_t( &
             'rk2', 'explicit midpoint rule (the paper, Appendix C)', order=2, fixed_step=.true.)))
         call known%add(runge_kutta_t(table=classical_table(), info=method_info_t( &
@@ -60,7 +61,7 @@ contains
             order=1, fixed_step=.true., implicit=.true.)))
         call known%add(implicit_runge_kutta_t(table=theta_table(1.0_dp), info=method_info_t( &
             'euler_backward', 'implicit Euler method (Appendix D)', &
-            order=1, fixed_step=.true., implicit=.true.)))
+            order=1, fixed_step=.true., implicit=.true., caught_by_reset=.true.)))
         call known%add(implicit_runge_kutta_t(table=gauss_table(2), info=method_info_t( &
             'gauss_4', 'Gauss-Legendre collocation with 2 stages, symplectic', &
             order=4, fixed_step=.true., implicit=.true., symmetric=.true.)))
@@ -113,6 +114,16 @@ contains
     subroutine add(self, prototype)
         class(registry_t), intent(inout) :: self
         class(stepper_t), intent(in) :: prototype
+        type(entry_t), allocatable :: larger(:)
+        integer :: i
+        if (.not. allocated(self%entry)) allocate (self%entry(16))
+        if (self%size == size(self%entry)) then
+            allocate (larger(2 * self%size))
+            do i = 1, self%size
+                call move_alloc(self%entry(i)%prototype, larger(i)%prototype)
+            end do
+            call move_alloc(larger, self%entry)
+        end if
         self%size = self%size + 1
         allocate (self%entry(self%size)%prototype, source=prototype)
     end subroutine add
@@ -129,18 +140,21 @@ contains
         end do
     end function method_infos
 
-    !> A method by its name, with default settings; unallocated if there is none of that name.
-    subroutine create_stepper(name, stepper)
+    !> A method by its name, with default settings; unallocated, and `status_unknown_name`, if there is
+    !> none of that name.
+    subroutine create_stepper(name, stepper, status)
         character(*), intent(in) :: name
         class(stepper_t), allocatable, intent(out) :: stepper
+        integer, intent(out), optional :: status
         type(registry_t) :: known
         integer :: i
         call list_methods(known)
         do i = 1, known%size
             if (known%entry(i)%prototype%info%name /= name) cycle
             allocate (stepper, source=known%entry(i)%prototype)
-            return
+            exit
         end do
+        if (present(status)) status = merge(status_ok, status_unknown_name, allocated(stepper))
     end subroutine create_stepper
 
 end module spintop_methods

@@ -61,9 +61,10 @@ contains
         end if
     end subroutine apply
 
-    !> The nearest state with the invariants wanted, by Newton's method: each correction is the
-    !> shortest that solves the linearised conditions (Hairer, Lubich and Wanner, Geometric Numerical
-    !> Integration, IV.4).
+    !> The nearest state with the invariants wanted, by Newton's method, each variable in units of how
+    !> large it becomes: each correction is the shortest that solves the linearised conditions (Hairer,
+    !> Lubich and Wanner, Geometric Numerical Integration, IV.4). An invariant that does not change to
+    !> first order there, as the energy of a sleeping top, is no condition.
     subroutine restore_invariants(formulation, info, wanted, y)
         class(formulation_t), intent(in) :: formulation
         type(formulation_info_t), intent(in) :: info
@@ -73,16 +74,20 @@ contains
         !> energy, for one.
         real(dp), parameter :: dependent = 1.0e-6_dp
         real(dp) :: values(max_invariants), matrix(max_invariants, max_states)
-        real(dp) :: correction(max_states), row_norm, work(64)
+        real(dp) :: correction(max_states), noise(max_invariants), row_norm, work(64)
         integer :: iteration, i, columns(max_states), rank, failure
 
         do iteration = 1, most_corrections
             call formulation%invariants(y, values)
-            call find_gradients(formulation, info%states, y, matrix)
+            call find_gradients(formulation, info%states, y, matrix, noise)
             correction(:max_invariants) = wanted - values
             do i = 1, info%invariants
                 row_norm = norm2(matrix(i, :info%states))
-                if (row_norm <= 0) cycle
+                if (row_norm <= noise(i)) then
+                    matrix(i, :) = 0
+                    correction(i) = 0
+                    cycle
+                end if
                 matrix(i, :) = matrix(i, :) / row_norm
                 correction(i) = correction(i) / row_norm
             end do
@@ -90,29 +95,37 @@ contains
             call dgelsy(info%invariants, info%states, 1, matrix, max_invariants, correction, &
                         max_states, columns, dependent, rank, work, size(work), failure)
             if (failure /= 0) return
-            y(:info%states) = y(:info%states) + correction(:info%states)
-            if (maxval(abs(correction(:info%states))) <= epsilon_dp * maxval(abs(y))) return
+            y(:info%states) = y(:info%states) + correction(:info%states) * formulation%scale(:info%states)
+            if (maxval(abs(correction(:info%states))) <= epsilon_dp) return
         end do
     end subroutine restore_invariants
 
-    !> The gradients of the invariants, one a row, by central differences.
-    subroutine find_gradients(formulation, states, y, gradient)
+    !> The gradients of the invariants by the variables in units of how large they become, one a row,
+    !> by central differences; and how large one may be that is none: what second derivatives and
+    !> rounding make of the differences of an invariant that is stationary.
+    subroutine find_gradients(formulation, states, y, gradient, noise)
         class(formulation_t), intent(in) :: formulation
         integer, intent(in) :: states
         real(dp), intent(in) :: y(max_states)
         real(dp), intent(out) :: gradient(max_invariants, max_states)
-        real(dp) :: moved(max_states), above(max_invariants), below(max_invariants), shift
+        real(dp), intent(out) :: noise(max_invariants)
+        real(dp) :: moved(max_states), shift
+        real(dp), dimension(max_invariants) :: here, above, below
         integer :: j
 
         gradient = 0
+        noise = 0
+        call formulation%invariants(y, here)
         do j = 1, states
-            shift = epsilon_dp**(1.0_dp / 3) * max(1.0_dp, abs(y(j)))
+            if (formulation%cyclic(j)) cycle
+            shift = epsilon_dp**(1.0_dp / 3)
             moved = y
-            moved(j) = y(j) + shift
+            moved(j) = y(j) + shift * formulation%scale(j)
             call formulation%invariants(moved, above)
-            moved(j) = y(j) - shift
+            moved(j) = y(j) - shift * formulation%scale(j)
             call formulation%invariants(moved, below)
             gradient(:, j) = (above - below) / (2 * shift)
+            noise = max(noise, (abs(above - 2 * here + below) + 8 * epsilon_dp * abs(here)) / (2 * shift))
         end do
     end subroutine find_gradients
 

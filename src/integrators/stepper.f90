@@ -5,12 +5,16 @@
 module spintop_stepper
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
+    use spintop_error_weight, only: error_weight_t
     use spintop_formulation, only: formulation_t, max_states, structure_none
     use spintop_projection, only: projection_t, project_nothing
     use spintop_status, only: status_ok, status_non_finite
     implicit none
     private
-    public :: stepper_t, method_info_t, controls_t, workspace_t, counts_t
+    public :: stepper_t, method_info_t, controls_t, workspace_t, counts_t, looks_per_step
+
+    !> So many looks at a motion within steps count as one step of the work that a run may take.
+    integer, parameter :: looks_per_step = 16
 
     !> What the registry, the help, the checks and the tests know of a method.
     type :: method_info_t
@@ -36,6 +40,8 @@ module spintop_stepper
         real(dp) :: relative_tolerance = 0, absolute_tolerance = 0
         !> A smaller relative tolerance is below what its arithmetic can tell.
         real(dp) :: finest_tolerance = 1.0e-17_dp
+        !> Caught at a turning point where the speed is reset after each step: see `passes_turns`.
+        logical :: caught_by_reset = .false.
         !> Output points a step by its own convention (ode45: 4); 0 without one.
         integer :: refine = 0
     end type method_info_t
@@ -44,9 +50,12 @@ module spintop_stepper
     type :: controls_t
         !> Number of equal steps; 0 lets an adaptive method choose its steps.
         integer :: steps = 0
-        !> Error that a step may make, as a share of each state variable and as such.
+        !> Error that a step may make: as a share of each state variable (of a radian, for angles that
+        !> count their turns and on which nothing depends), and beside that, in radians for the attitude
+        !> and as a share of the motion's largest rate and largest momentum for those. With `ode45` and
+        !> the paper's formulations the second has MATLAB's meaning: in the unit of each variable.
         real(dp) :: relative_tolerance = 1.0e-9_dp, absolute_tolerance = 1.0e-12_dp
-        !> Most steps of an adaptive method in one run.
+        !> Most work of one run, in steps: tried or taken, and for so many looks within steps one each.
         integer(int64) :: max_steps = 1000000
         !> Solve implicit steps by fixed-point iteration instead of Newton's.
         logical :: fixed_point = .false.
@@ -60,10 +69,14 @@ module spintop_stepper
     type :: counts_t
         !> Steps taken, and tried in vain.
         integer(int64) :: steps = 0, rejected = 0
+        !> Looks at the motion within steps, in search of events and of the turns of angles.
+        integer(int64) :: looks = 0
         !> Right-hand sides and Jacobian matrices computed.
         integer(int64) :: evaluations = 0, jacobians = 0
         !> Inadmissible values that `after_step` had to cut.
         integer(int64) :: clipped = 0
+    contains
+        procedure :: add
     end type counts_t
 
     !> A run in progress.
@@ -80,12 +93,15 @@ module spintop_stepper
         real(dp) :: h = 0
         !> Steps done on the grid of a fixed-step method; -1 once it has left the grid.
         integer :: grid = 0
+        !> How large an error of a step may be, set as an adaptive method begins.
+        type(error_weight_t) :: weight
         !> Puts each new state back on what it must satisfy.
         type(projection_t) :: projection
         !> What the run has cost so far.
         type(counts_t) :: counts
     contains
         procedure :: evaluate
+        procedure :: is_spent
         procedure :: settle
         procedure :: settle_change
     end type workspace_t
@@ -93,15 +109,16 @@ module spintop_stepper
     !> A method of integration.
     type, abstract :: stepper_t
         !> What the method is.
-        type(method_info_t) :: info
+        type(method_info_t) :: info = method_info_t()
         !> What its user set.
-        type(controls_t) :: controls
+        type(controls_t) :: controls = controls_t()
     contains
         procedure(new_workspace), deferred :: new_workspace
         procedure(begin), deferred :: begin
         procedure(advance), deferred :: advance
         procedure(interpolate), deferred :: interpolate
         procedure :: order
+        procedure :: set_weight
     end type stepper_t
 
     abstract interface
@@ -143,11 +160,31 @@ module spintop_stepper
 
 contains
 
+    !> Adds what another run cost.
+    pure subroutine add(self, other)
+        class(counts_t), intent(inout) :: self
+        type(counts_t), intent(in) :: other
+        self%steps = self%steps + other%steps
+        self%rejected = self%rejected + other%rejected
+        self%looks = self%looks + other%looks
+        self%evaluations = self%evaluations + other%evaluations
+        self%jacobians = self%jacobians + other%jacobians
+        self%clipped = self%clipped + other%clipped
+    end subroutine add
+
     !> Order of convergence with the settings made.
     integer function order(self)
         class(stepper_t), intent(in) :: self
         order = self%info%order
     end function order
+
+    !> Prepares the run's error control for the tolerances.
+    pure subroutine set_weight(self, formulation, work)
+        class(stepper_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        call work%weight%set(formulation, self%controls%relative_tolerance, self%controls%absolute_tolerance)
+    end subroutine set_weight
 
     !> Right-hand side, counted; an infinite or undefined slope is `status_non_finite`.
     subroutine evaluate(self, formulation, y, dy, status)
@@ -161,6 +198,15 @@ contains
         ! Not by is_finite: a call for each component would cost as much as a right-hand side.
         if (status == status_ok .and. .not. all(abs(dy) <= huge(1.0_dp))) status = status_non_finite
     end subroutine evaluate
+
+    !> Whether the work that a case may take is used up: steps, tried or taken, and looks.
+    pure logical function is_spent(self, max_steps)
+        class(workspace_t), intent(in) :: self
+        integer(int64), intent(in) :: max_steps
+        associate (counts => self%counts)
+            is_spent = counts%steps + counts%rejected + counts%looks / looks_per_step >= max_steps
+        end associate
+    end function is_spent
 
     !> Accepts the state `y_new` at `t_new`, after formulation and projection have put it back on
     !> what it must satisfy; `changed` tells whether they did. The slope is the caller's to renew.

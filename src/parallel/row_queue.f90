@@ -93,10 +93,10 @@ contains
         class(row_queue_t), intent(inout) :: self
         class(row_table_t), intent(inout) :: table
         type(error_t), allocatable, intent(out) :: error
-        associate (block => self%waiting(place_of(self, self%written + 1)))
-            call table%put(block, error)
-            call block%clear()
-        end associate
+        integer :: place
+        place = place_of(self, self%written + 1)
+        call table%put(self%waiting(place), error)
+        call self%waiting(place)%clear()
     end subroutine write_next
 
     !> The block is written, or could not be.

@@ -139,17 +139,25 @@ contains
             type(number_slot_t), intent(in) :: slot
             type(axis_t), intent(in) :: axis
             character(*), intent(in) :: subscript
-            character(:), allocatable :: problem
+            character(:), allocatable :: problem, place
             integer :: k
 
             problem = ''
+            place = 'sweep.parameter' // subscript
             if (allocated(axis%listed)) then
                 do k = 1, axis%count
-                    if (problem == '') problem = slot%refusal(axis%listed(k))
+                    problem = slot%refusal(axis%listed(k))
+                    place = 'sweep.values(' // subscript(2:len(subscript) - 1) // ',' // to_text(k) // ')'
+                    if (problem /= '') exit
                 end do
             else
                 problem = slot%refusal(axis%from)
-                if (problem == '') problem = slot%refusal(axis%to)
+                if (problem /= '') then
+                    place = 'sweep.from' // subscript
+                else
+                    problem = slot%refusal(axis%to)
+                    if (problem /= '') place = 'sweep.to' // subscript
+                end if
                 if (problem == '' .and. axis%whole) then
                     do k = 1, axis%count
                         associate (value => axis%unrounded(k))
@@ -162,8 +170,7 @@ contains
                 end if
             end if
             if (problem /= '') then
-                call problems%add('sweep.parameter' // subscript, axis%name // ' ' // problem, &
-                                  'change the values of the axis')
+                call problems%add(place, axis%name // ' ' // problem, 'change the values of the axis')
             end if
         end subroutine check_values
 

@@ -8,6 +8,7 @@ module spintop_body_of_scene
     use spintop_parameters, only: unset
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
+    use spintop_text, only: to_text
     implicit none
     private
     public :: make_body, is_set
@@ -67,8 +68,9 @@ contains
         body%mass = scene%mass
         body%inertia = scene%inertia
         if (breaks_triangle(scene%inertia)) then
-            call problems%add('top.inertia', 'no body has these moments of inertia: the largest exceeds &
-                &the sum of the others', 'each moment is at most the sum of the other two')
+            call problems%add('top.inertia(' // to_text(maxloc(scene%inertia, dim=1)) // ')', &
+                'no body has these moments of inertia: the largest exceeds the sum of the others', &
+                'each moment is at most the sum of the other two')
         end if
         if (scene%inertia_about == 'centre_of_mass') then
             body%inertia = scene%inertia + steiner(body)

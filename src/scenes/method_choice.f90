@@ -3,11 +3,13 @@ module spintop_method_choice
     use spintop_formulation, only: formulation_info_t
     use spintop_formulations, only: formulation_infos
     use spintop_kinds, only: dp
+    use spintop_method_aliases, only: method_aliases
     use spintop_parameters, only: unset, unset_integer
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
     use spintop_stepper, only: method_info_t
-    use spintop_text, only: string_t, nearest_word
+    use spintop_suggestions, only: own_name
+    use spintop_text, only: string_t, nearest_word, to_text
     implicit none
     private
     public :: method_choice_t, take_methods, refuse_name, set_adaptive, set_steps
@@ -23,7 +25,7 @@ contains
     !> Finds the methods that are named, and adds them to the choices. What has no formulation of its
     !> own is taken under each of `formulations`.
     subroutine take_methods(key, names, known, formulations, choices, problems)
-        character(*), intent(in) :: key !! parameter that holds the names
+        character(*), intent(in) :: key !! list that holds the names
         character(*), intent(in) :: names(:) !! blank ones are left out
         type(method_info_t), intent(in) :: known(:)
         character(*), intent(in) :: formulations(:)
@@ -39,11 +41,11 @@ contains
             slash = index(trim(names(i)) // '/', '/')
             place = findloc(known%name == names(i)(:slash - 1), .true., dim=1)
             if (place == 0) then
-                call refuse_name(key, 'method', names(i)(:slash - 1), known%name, problems)
+                call refuse_name(key // '(' // to_text(i) // ')', 'method', names(i)(:slash - 1), known%name, problems)
             else if (slash < len_trim(names(i))) then
                 formulation = names(i)(slash + 1:)
                 if (.not. any(forms%name == formulation)) then
-                    call refuse_name(key, 'formulation', trim(formulation), forms%name, problems)
+                    call refuse_name(key // '(' // to_text(i) // ')', 'formulation', trim(formulation), forms%name, problems)
                 end if
                 choices = [choices, method_choice_t(known(place), formulation)]
             else
@@ -84,7 +86,9 @@ contains
         do i = 1, size(known)
             words(i)%text = trim(known(i))
         end do
-        hint = nearest_word(name, words)
+        hint = ''
+        if (noun == 'method') hint = own_name(name, method_aliases)
+        if (hint == '') hint = nearest_word(name, words)
         if (hint /= '') hint = "did you mean '" // hint // "'?"
         if (hint == '') hint = '`spintop list ' // noun // 's` shows them all'
         call problems%add(key, 'there is no ' // noun // " '" // name // "'", hint)

@@ -5,7 +5,7 @@ module spintop_plan
     use spintop_body, only: body_t
     use spintop_body_of_scene, only: is_set
     use spintop_case, only: case_t
-    use spintop_formulation, only: formulation_info_t, formulation_t, structure_none, structure_names
+    use spintop_formulation, only: formulation_info_t, formulation_t, structure_names
     use spintop_formulations, only: create_formulation, formulation_infos
     use spintop_methods, only: create_stepper, exact_info
     use spintop_parameters, only: unset_integer
@@ -14,7 +14,9 @@ module spintop_plan
     use spintop_recommendation, only: recommend_adaptive, recommend_steps
     use spintop_run_plan, only: plan_t, sample_time, sample_times
     use spintop_scene, only: scene_t
+    use spintop_status, only: status_ok, status_meaning
     use spintop_stepper, only: controls_t, method_info_t
+    use spintop_suitability, only: can_run, has_structure, holds_for, passes_turns, projection_status
     use spintop_text, only: to_text, lower_case, nearest_word, string_t, join
     implicit none
     private
@@ -42,8 +44,10 @@ contains
         type(case_t), intent(in) :: case
         type(plan_t), intent(out) :: plan
         type(problems_t), intent(inout) :: problems
+        integer :: status
 
         call choose_method(scene, case%body, plan, problems)
+        plan%max_steps = scene%max_steps
         if (problems%any()) return
         if (case%turn%is_turned()) then
             plan%reason = plan%reason // ' The body is turned inside, so that its axis of symmetry, body ' &
@@ -59,6 +63,10 @@ contains
         call take_projection(scene, case%body, plan, problems)
         if (problems%any()) return
         call take_samples(scene, case, plan, problems)
+        if (problems%any()) return
+        status = can_run(plan%stepper, plan%formulation, case%body)
+        if (status /= status_ok) call problems%add('integration', status_meaning(status), &
+                                                   'see what goes together in doc/methods.md')
     end subroutine make_plan
 
     !> The method named, or the cheapest that is adequate.
@@ -113,7 +121,6 @@ contains
             call refuse('integration.steps', scene%steps /= unset_integer)
             call refuse('integration.step', is_set(scene%step))
             call refuse('integration.table', scene%table /= '')
-            if (scene%method /= exact_info%name) return
             call refuse('integration.relative_tolerance', is_set(scene%relative_tolerance))
             call refuse('integration.absolute_tolerance', is_set(scene%absolute_tolerance))
             call refuse('integration.solver', scene%solver /= 'newton')
@@ -122,10 +129,18 @@ contains
 
     contains
 
+        !> What is given and the exact motion does not take: an error where that was asked for by name.
         subroutine refuse(name, given)
             character(*), intent(in) :: name
             logical, intent(in) :: given
-            if (given) call problems%add(name, 'the exact motion takes no ' // name, 'leave it out')
+            if (.not. given) return
+            if (scene%method == exact_info%name) then
+                call problems%add(name, 'the exact motion takes no ' // name, 'leave it out')
+            else
+                call problems%warn(name, name // ' is not used: the motion is computed in closed form, to rounding', &
+                                   'leave it out, or name a method to have the motion integrated')
+                plan%reason = plan%reason // ' ' // name // ' is not used.'
+            end if
         end subroutine refuse
 
     end subroutine choose_method
@@ -174,8 +189,7 @@ contains
             if (body%is_lagrange()) then
                 call create_formulation(of_symmetric_tops, plan%formulation)
                 info = plan%formulation%info()
-                suits = plan%stepper%info%needs == structure_none
-                if (.not. suits) suits = info%offers(plan%stepper%info%needs)
+                suits = has_structure(info, plan%stepper%info)
             end if
             if (suits) then
                 plan%reason = plan%reason // ' The equations are those of ' // of_symmetric_tops // ', &
@@ -191,28 +205,33 @@ contains
         end if
         info = plan%formulation%info()
         plan%model = trim(info%name) // ': ' // trim(info%what)
-        if (info%symmetric_only .and. .not. body%is_lagrange()) then
+        if (.not. holds_for(info, body)) then
             call problems%add('integration.formulation', 'formulation ' // trim(info%name) // ' holds for ' &
                               // known_for, 'I1 = I2, no damping, no centre of mass off body z')
         end if
-        call check_structure(plan%stepper%info, info, problems)
+        call check_method(plan%stepper%info, info, problems)
     end subroutine choose_formulation
 
-    !> A method may need more of the equations than y' = f(y).
-    subroutine check_structure(method, form, problems)
+    !> A method may need more of the equations than y' = f(y), or be caught by them.
+    subroutine check_method(method, form, problems)
         type(method_info_t), intent(in) :: method
         type(formulation_info_t), intent(in) :: form
         type(problems_t), intent(inout) :: problems
         type(formulation_info_t), allocatable :: forms(:)
         integer :: i
 
-        if (method%needs == structure_none) return
-        if (form%offers(method%needs)) return
         allocate (forms, source=formulation_infos())
-        call problems%add('integration.formulation', 'method ' // trim(method%name) // ' needs equations that &
-            &offer it ' // trim(structure_names(method%needs)) // ', and ' // trim(form%name) // ' has none', &
-            'these have: ' // join(pack(forms%name, [(forms(i)%offers(method%needs), i=1, size(forms))]), ', '))
-    end subroutine check_structure
+        if (.not. has_structure(form, method)) then
+            call problems%add('integration.formulation', 'method ' // trim(method%name) // ' needs equations that &
+                &offer it ' // trim(structure_names(method%needs)) // ', and ' // trim(form%name) // ' has none', &
+                'these have: ' // join(pack(forms%name, [(has_structure(forms(i), method), i=1, size(forms))]), ', '))
+        else if (.not. passes_turns(form, method)) then
+            call problems%add('integration.method', 'method ' // trim(method%name) // ' stays at the first turning &
+                &point of theta for ever where theta_rate is reset from the energy after each step, as in ' // &
+                trim(form%name) // ': with more steps it converges to a wrong motion', &
+                "take a method of order 2 or more, such as 'rk4', or formulation = 'lagrange'")
+        end if
+    end subroutine check_method
 
     !> What is put back after each step.
     subroutine take_projection(scene, body, plan, problems)
@@ -227,13 +246,15 @@ contains
         info = plan%formulation%info()
         kind = findloc(projection_names, scene%project, dim=1) - 1
         plan%stepper%controls%project = kind
-        if (kind == project_unit .and. info%quaternion == 0) then
-            call problems%add(key, 'formulation ' // trim(info%name) // ' holds no quaternion', &
-                              "leave it out, or take formulation = 'rigid_body'")
-        else if (kind == project_invariants .and. info%invariants == 0) then
-            call problems%add(key, 'formulation ' // trim(info%name) // ' keeps its invariants by itself', 'leave it out')
-        else if (kind == project_invariants .and. any(body%damping > 0)) then
-            call problems%add(key, 'a damped body keeps neither energy nor momentum', "take project = 'unit'")
+        if (projection_status(kind, info, body) /= status_ok) then
+            if (kind == project_unit) then
+                call problems%add(key, 'formulation ' // trim(info%name) // ' holds no quaternion', &
+                                  "leave it out, or take formulation = 'rigid_body'")
+            else if (info%invariants == 0) then
+                call problems%add(key, 'formulation ' // trim(info%name) // ' keeps its invariants by itself', 'leave it out')
+            else
+                call problems%add(key, 'a damped body keeps neither energy nor momentum', "take project = 'unit'")
+            end if
         end if
         if (kind /= project_nothing) then
             plan%method = plan%method // ', projected after each step (' // trim(projection_names(kind)) // ')'
@@ -348,7 +369,8 @@ contains
         end if
         associate (steps => plan%stepper%controls%steps)
             plan%samples = steps + 1
-            if (scene%samples == unset_integer) return
+            ! Of a motion that an event ends every step is a row.
+            if (scene%samples == unset_integer .or. scene%stop_at /= '') return
             wanted = scene%samples - 1
             plan%samples = scene%samples
             if (mod(steps, wanted) == 0) return

@@ -22,8 +22,10 @@ module spintop_problems
         procedure :: add
         procedure :: warn
         procedure :: any => has_errors
+        procedure :: any_warning
         procedure :: first
         procedure :: tell
+        procedure :: take_warnings
         procedure, private :: append
     end type problems_t
 
@@ -62,6 +64,30 @@ contains
         has_errors = .false.
         if (allocated(self%list)) has_errors = any(self%list%is_error)
     end function has_errors
+
+    !> Whether there is a warning among them.
+    pure logical function any_warning(self)
+        class(problems_t), intent(in) :: self
+        any_warning = .false.
+        if (allocated(self%list)) any_warning = .not. all(self%list%is_error)
+    end function any_warning
+
+    !> Takes over the warnings among other problems, with what comes before each message; `found` tells
+    !> whether there are any.
+    subroutine take_warnings(self, other, before, found)
+        class(problems_t), intent(inout) :: self
+        class(problems_t), intent(in) :: other
+        character(*), intent(in) :: before
+        logical, intent(out) :: found
+        integer :: i
+        found = .false.
+        if (.not. allocated(other%list)) return
+        do i = 1, size(other%list)
+            if (other%list(i)%is_error) cycle
+            found = .true.
+            call self%warn(other%list(i)%name, before // other%list(i)%message, other%list(i)%hint)
+        end do
+    end subroutine take_warnings
 
     !> The first error in one line, for a table; empty without one.
     pure function first(self) result(text)
@@ -104,7 +130,7 @@ contains
         character(*), intent(in) :: name
         integer :: number
         is_certain = table%is_given(name)
-        number = table%find(name)
+        number = table%find(name(:index(name // '(', '(') - 1))
         if (number > 0) is_certain = is_certain .and. .not. table%parameters(number)%faulty
     end function is_certain
 

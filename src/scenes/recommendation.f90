@@ -14,10 +14,11 @@
 !>   (`spintop --set work_precision.methods=dop853,splitting_6 --set work_precision.steps=40,80,160,320
 !>   input/work_precision_slow_top.nml`), and more on the one body without symmetry that was tried.
 module spintop_recommendation
-    use spintop_formulation, only: formulation_info_t, structure_none, structure_split
+    use spintop_formulation, only: formulation_info_t, structure_split
     use spintop_kinds, only: dp
     use spintop_methods, only: create_stepper
     use spintop_stepper, only: stepper_t
+    use spintop_suitability, only: has_structure
     implicit none
     private
     public :: recommend_adaptive, recommend_steps
@@ -56,8 +57,7 @@ contains
             if (tolerance < recommendations(i)%least) cycle
             call create_stepper(recommendations(i)%method, stepper)
             why = trim(recommendations(i)%why)
-            if (stepper%info%needs == structure_none) return
-            if (info%offers(stepper%info%needs)) return
+            if (has_structure(info, stepper%info)) return
         end do
     end subroutine recommend_adaptive
 

@@ -1,5 +1,6 @@
 !> The plan of a computation, as data: model, method, steps and rows.
 module spintop_run_plan
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_formulation, only: formulation_t
     use spintop_stepper, only: stepper_t
@@ -24,6 +25,8 @@ module spintop_run_plan
         real(dp) :: step = 0
         !> Rows of the table.
         integer :: samples = default_samples
+        !> Most work of a case, in steps (`controls_t`).
+        integer(int64) :: max_steps = 1000000
         !> What was chosen, and why, in sentences.
         character(:), allocatable :: model, method, reason
     contains

@@ -9,6 +9,7 @@ module spintop_scene
     use spintop_projection, only: projection_names, project_nothing
     use spintop_parameters, only: parameter_table_t, unset, unset_integer, any_elements, leading_elements
     use spintop_formulations, only: formulation_infos
+    use spintop_method_aliases, only: method_aliases
     use spintop_methods, only: method_infos
     use spintop_reference_kinds, only: reference_auto, reference_names
     use spintop_shapes, only: shape_infos, shape_by_inertia
@@ -164,7 +165,8 @@ contains
             call table%add('integration.formulation', scene%formulation, &
                            'auto|' // join(forms%name, '|'), 'form of the equations of motion')
             call table%add('integration.method', scene%method, &
-                           'auto|exact|' // join(methods%name, '|'), 'integrator, or the exact motion')
+                           'auto|exact|' // join(methods%name, '|'), 'integrator, or the exact motion', &
+                           aliases=method_aliases)
         end associate
         call table%add('integration.table', scene%table, what='Butcher table of an ARKODE method')
         call table%add('integration.steps', scene%steps, '', '>= 1', 'number of equal steps')
@@ -173,8 +175,10 @@ contains
         call table%add('integration.relative_tolerance', scene%relative_tolerance, '', '[1e-31, 1]', &
                        'relative error a step of adaptive methods (1e-9; ode45: 1e-3)')
         call table%add('integration.absolute_tolerance', scene%absolute_tolerance, '', '> 0', &
-                       'absolute error a step (1e-12, ode45 1e-6; at most a thousandth of a relative_tolerance given)')
-        call table%add('integration.max_steps', scene%max_steps, '', '>= 1', 'most steps a case')
+                       'absolute error per step, in radians and in units of the largest rate or momentum ' // &
+                       '(1e-12, ode45 1e-6; at most a thousandth of a relative_tolerance given)')
+        call table%add('integration.max_steps', scene%max_steps, '', '>= 1', &
+                       'maximum work per case, in steps')
         call table%add('integration.solver', scene%solver, 'newton|fixed_point', &
                        'how implicit steps are solved')
         call table%add('integration.project', scene%project, join(projection_names, '|'), &

@@ -10,6 +10,7 @@ module spintop_start_of_scene
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
     use spintop_steady_precession, only: steady_rates, steady_rates_at_spin
+    use spintop_text, only: to_text
     implicit none
     private
     public :: make_start, attitude_parameters
@@ -22,6 +23,8 @@ module spintop_start_of_scene
         'initial.phi', 'initial.theta', 'initial.psi']
     !> Distance from 1 of the length of a quaternion that is read as rounding.
     real(dp), parameter :: unit_slack = 1.0e-6_dp
+    !> That of a unit quaternion whose elements are rounded: it is taken as given.
+    real(dp), parameter :: rounding_of_length = 4 * epsilon_dp
 
 contains
 
@@ -63,11 +66,13 @@ contains
             end if
             associate (length => norm2(scene%quaternion))
                 if (abs(length - 1) > unit_slack) then
-                    call problems%add('initial.quaternion', 'the quaternion is not of length 1', &
-                                      'an attitude is a unit quaternion')
+                    call problems%add('initial.quaternion', 'the quaternion has the length ' // to_text(length) // ', not 1', &
+                                      'an attitude is a unit quaternion: divide it by its length')
                     return
                 end if
-                start%quaternion = scene%quaternion / length
+                start%quaternion = scene%quaternion
+                if (abs(length - 1) > rounding_of_length) start%quaternion = scene%quaternion / length
+                start%gives_quaternion = .true.
             end associate
             start%angle = angles_from_quaternion(start%quaternion, [0.0_dp, 0.0_dp, 0.0_dp])
             return
@@ -99,6 +104,7 @@ contains
                               'give either omega(3), or the rates with omega3 or spin_ratio')
         end if
         start%omega = scene%omega
+        start%gives_omega = .true.
         start%rate = rates_from_omega(start%angle, start%omega)
     end subroutine take_omega
 
@@ -137,6 +143,8 @@ contains
         if (by_omega3) start%rate(3) = omega3 - start%rate(1) * cos(start%angle(2))
         start%omega = omega_from_rates(start%angle, start%rate)
         if (by_omega3) start%omega(3) = omega3
+        start%gives_omega = .false.
+        start%gives_omega3 = by_omega3
     end subroutine take_rates
 
     !> phi' of steady precession (Eq 25).

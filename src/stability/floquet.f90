@@ -2,12 +2,14 @@
 module spintop_floquet
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
+    use spintop_compare, only: is_finite
     use spintop_euler_poisson, only: euler_poisson_state, euler_poisson_rate, invariant_gradients, &
         turning_about, state_units
     use spintop_motion, only: motion_t
     use spintop_spectrum, only: find_spectrum
-    use spintop_status, only: status_ok, status_unsuitable
+    use spintop_status, only: status_ok, status_bad_input, status_unsuitable
     use spintop_tangent_flow, only: carry_tangents
+    use spintop_validity, only: body_status, motion_status, no_number
     use spintop_vectors, only: cross
     implicit none
     private
@@ -21,7 +23,8 @@ contains
     !> Multipliers of the motion that returns to its start after `period` seconds, but for a turn of
     !> the body about its axis of symmetry: each a factor by which a small deviation grows in a
     !> period. Those that belong to invariants, symmetries and the time of the start are 1 and come
-    !> last. `status_unsuitable`: the motion does not return by then.
+    !> last. `status_unsuitable`: the motion does not return by then; `status_bad_input`: no positive
+    !> period; `status_non_finite`, `status_bad_body`, `status_bad_start`: no body or no motion.
     subroutine find_multipliers(body, start, period, multipliers, status)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
@@ -42,6 +45,7 @@ contains
 
     !> The matrix that takes a deviation (of Gamma and Pi) from the start to that after a period,
     !> and the turn about the axis of symmetry that closes the motion, rad; it is part of the matrix.
+    !> `status` as in `find_multipliers`.
     subroutine find_monodromy(body, start, period, monodromy, turn, status)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
@@ -51,6 +55,12 @@ contains
         real(dp) :: columns(6, 7), x(6), unit(6), axis(3)
         integer :: i
 
+        monodromy = no_number
+        turn = no_number
+        status = body_status(body)
+        if (status == status_ok) status = motion_status(start)
+        if (status == status_ok .and. .not. (period > 0 .and. is_finite(period))) status = status_bad_input
+        if (status /= status_ok) return
         x = euler_poisson_state(body, start)
         unit = state_units(body, x)
         columns = 0

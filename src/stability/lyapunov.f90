@@ -1,24 +1,38 @@
-!> Lyapunov exponents of a motion: the mean rates at which small deviations grow.
+!> Lyapunov exponents of a motion, the mean rates at which perturbations grow, and the largest singular
+!> value of its tangent map, the largest factor by which one of them grows.
+!>
+!> Perturbations are measured in the scales of the motion (`state_units`): no result depends on the units
+!> of mass, length and time.
 module spintop_lyapunov
     use spintop_kinds, only: dp, pi
+    use spintop_lapack, only: dgesvd
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite
     use spintop_euler_poisson, only: euler_poisson_state, state_units
     use spintop_motion, only: motion_t
     use spintop_status, only: status_ok, status_step_limit, status_bad_input, status_non_finite
     use spintop_tangent_flow, only: step_limit, take_tangent_step
+    use spintop_validity, only: body_status, motion_status
+    use spintop_vectors, only: cross
     implicit none
     private
-    public :: find_lyapunov
+    public :: find_lyapunov, find_largest_singular_value
+
+    !> Perturbations that have fallen behind the largest so far are zero.
+    real(dp), parameter :: negligible = 1.0e-150_dp
 
 contains
 
     !> The `size(exponents)` largest exponents of the motion over `t_end` seconds, at most six, 1/s;
     !> largest first in the limit of long times, to which they tend like log(t)/t. Deviations are
     !> made orthonormal after every step (Benettin, Galgani, Giorgilli and Strelcyn, Meccanica 15,
-    !> 1980); they are given by `directions`, a column each (Gamma, Pi; SI units), or of no
-    !> special direction. A motion of more than `max_steps` steps is given up.
-    pure subroutine find_lyapunov(body, start, t_end, exponents, status, directions, max_steps)
+    !> 1980); they are given by `directions`, a column each (Gamma, Pi; SI units), or else of no special
+    !> direction. A single one then has equal components but for its part along Gamma, which is left out, so
+    !> that the vertical keeps its length; several tell also what becomes of that part. A motion of more
+    !> than `max_steps` steps is given up; `steps` are those taken.
+    !> `status_bad_input`: no positive span, no or more than six exponents, or directions that are not six
+    !> finite numbers for each; `status_non_finite`, `status_bad_body`, `status_bad_start`: no body or no motion.
+    pure subroutine find_lyapunov(body, start, t_end, exponents, status, directions, max_steps, steps)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
         real(dp), intent(in) :: t_end
@@ -26,21 +40,35 @@ contains
         integer, intent(out) :: status
         real(dp), intent(in), optional :: directions(:, :)
         integer, intent(in), optional :: max_steps
+        integer, intent(out), optional :: steps
         real(dp) :: columns(6, 1 + size(exponents)), unit(6), growth(size(exponents)), left, h
         integer :: step, most_steps, i, k
 
         exponents = 0
         growth = 0
+        if (present(steps)) steps = 0
         status = status_bad_input
-        if (size(exponents) > 6 .or. .not. (t_end > 0 .and. is_finite(t_end))) return
+        if (size(exponents) < 1 .or. size(exponents) > 6 .or. .not. (t_end > 0 .and. is_finite(t_end))) return
+        if (present(directions)) then
+            if (size(directions, 1) /= 6 .or. size(directions, 2) < size(exponents)) return
+            if (.not. all(is_finite(directions))) return
+        end if
+        status = body_status(body)
+        if (status == status_ok) status = motion_status(start)
+        if (status /= status_ok) return
         columns(:, 1) = euler_poisson_state(body, start)
-        unit = state_units(body, columns(:, 1))
+        unit = scales_of(body, columns(:, 1), t_end)
         if (present(directions)) then
             columns(:, 2:) = directions(:, :size(exponents))
         else
             do k = 1, size(exponents)
                 columns(:, 1 + k) = unit * [(cos(pi * (i - 0.5_dp) * (k - 1) / 6), i=1, 6)]
             end do
+            if (size(exponents) == 1) then
+                associate (vertical => columns(1:3, 1), vector => columns(1:3, 2))
+                    columns(1:3, 2) = vector - dot_product(vertical, vector) * vertical
+                end associate
+            end if
         end if
         call separate(columns(:, 2:), unit, growth)
         growth = 0
@@ -54,12 +82,101 @@ contains
             call take_tangent_step(body, left, columns, h, status)
             if (status /= status_ok) return
             left = left - h
+            if (present(steps)) steps = step
             call separate(columns(:, 2:), unit, growth)
         end do
         if (left > 0) status = status_step_limit
         if (.not. all(is_finite(growth))) status = status_non_finite
         if (status == status_ok) exponents = growth / t_end
     end subroutine find_lyapunov
+
+    !> The largest singular value of the tangent map of the motion over `t_end` seconds, in the scales of
+    !> its start: the largest factor by which a perturbation grows that keeps the length of the vertical.
+    !> A motion of more than `max_steps` steps is given up; `steps` are those taken.
+    subroutine find_largest_singular_value(body, start, t_end, factor, status, max_steps, steps)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        real(dp), intent(in) :: t_end !! s
+        real(dp), intent(out) :: factor !! 0 unless `status_ok`
+        integer, intent(out) :: status
+        integer, intent(in), optional :: max_steps
+        integer, intent(out), optional :: steps
+        real(dp) :: columns(6, 6), unit(6), left, h, scale, growth
+        integer :: step, most_steps, i
+
+        factor = 0
+        if (present(steps)) steps = 0
+        status = status_bad_input
+        if (.not. (t_end > 0 .and. is_finite(t_end))) return
+        columns(:, 1) = euler_poisson_state(body, start)
+        unit = scales_of(body, columns(:, 1), t_end)
+        call span_perturbations(columns(1:3, 1), unit, columns(:, 2:))
+        growth = 0
+        most_steps = step_limit
+        if (present(max_steps)) most_steps = max_steps
+        status = status_ok
+        left = t_end
+        do step = 1, most_steps
+            if (.not. left > 0) exit
+            call take_tangent_step(body, left, columns, h, status)
+            if (status /= status_ok) return
+            left = left - h
+            if (present(steps)) steps = step
+            scale = maxval(abs(columns(:, 2:)) / spread(unit, 2, 5))
+            growth = growth + log(scale)
+            columns(:, 2:) = columns(:, 2:) / scale
+            do i = 2, 6
+                if (all(abs(columns(:, i)) < negligible * unit)) columns(:, i) = 0
+            end do
+        end do
+        if (left > 0) status = status_step_limit
+        if (status == status_ok) call scale_up(columns(:, 2:) / spread(unit, 2, 5), growth, factor, status)
+    end subroutine find_largest_singular_value
+
+    !> The largest singular value of a matrix times e^growth.
+    subroutine scale_up(matrix, growth, factor, status)
+        real(dp), intent(in) :: matrix(6, 5), growth
+        real(dp), intent(out) :: factor
+        integer, intent(out) :: status
+        real(dp) :: a(6, 5), values(5), u(1, 1), v(1, 1), work(64)
+        integer :: failure
+        factor = 0
+        status = status_non_finite
+        if (.not. all(is_finite(matrix))) return
+        a = matrix
+        call dgesvd('N', 'N', 6, 5, a, 6, values, u, 1, v, 1, work, size(work), failure)
+        if (failure /= 0 .or. .not. growth + log(values(1)) < log(huge(1.0_dp))) return
+        factor = exp(growth + log(values(1)))
+        status = status_ok
+    end subroutine scale_up
+
+    !> Perturbations orthonormal in the scales `unit` that keep the length of the vertical: two of the
+    !> vertical, across it, and three of the momentum.
+    pure subroutine span_perturbations(vertical, unit, vectors)
+        real(dp), intent(in) :: vertical(3), unit(6)
+        real(dp), intent(out) :: vectors(6, 5)
+        real(dp) :: across(3)
+        integer :: i
+        across = 0
+        across(minloc(abs(vertical), dim=1)) = 1
+        across = cross(vertical, across)
+        across = across / norm2(across)
+        vectors = 0
+        vectors(1:3, 1) = across
+        vectors(1:3, 2) = cross(vertical, across)
+        do i = 4, 6
+            vectors(i, i - 1) = unit(i)
+        end do
+    end subroutine span_perturbations
+
+    !> The scales of a state; for a body at rest without weight, those of a radian in the span.
+    pure function scales_of(body, x, t_end) result(unit)
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: x(6), t_end
+        real(dp) :: unit(6)
+        unit = state_units(body, x)
+        if (all(abs([x(4:6), body%weight_moment()]) <= 0)) unit(4:6) = maxval(body%inertia) / t_end
+    end function scales_of
 
     !> Makes vectors orthonormal, each by those before it, and adds the logarithms of the lengths
     !> that they had grown to.

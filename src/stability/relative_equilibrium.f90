@@ -13,6 +13,7 @@ module spintop_relative_equilibrium
     use spintop_motion, only: motion_t
     use spintop_spectrum, only: find_spectrum
     use spintop_status, only: status_ok, status_unsuitable, status_non_finite
+    use spintop_validity, only: body_status, motion_status
     use spintop_vectors, only: skew
     implicit none
     private
@@ -25,7 +26,8 @@ contains
 
     !> Eigenvalues of the motion linearised about a relative equilibrium, 1/s: the largest real part
     !> is the rate at which small deviations grow. Those that belong to invariants and symmetries
-    !> are zero and come last. `status_unsuitable`: the motion is no relative equilibrium.
+    !> are zero and come last. `status_unsuitable`: the motion is no relative equilibrium;
+    !> `status_non_finite`, `status_bad_body`, `status_bad_start`: no body or no motion.
     subroutine find_equilibrium_eigenvalues(body, motion, eigenvalues, status)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: motion
@@ -34,6 +36,9 @@ contains
         real(dp) :: x(6), unit(6), axis(3), spin, matrix(6, 6), forms(6, 4), directions(6, 1)
 
         eigenvalues = 0
+        status = body_status(body)
+        if (status == status_ok) status = motion_status(motion)
+        if (status /= status_ok) return
         x = euler_poisson_state(body, motion)
         ! Without weight any direction may be called vertical; that of the momentum stands still.
         if (.not. norm2(body%weight_moment()) > 0 .and. norm2(x(4:6)) > 0) x(1:3) = x(4:6) / norm2(x(4:6))

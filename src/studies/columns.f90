@@ -5,6 +5,7 @@ module spintop_columns
     use spintop_attitude, only: rotation_angle, vertical_from_quaternion, to_space
     use spintop_body, only: body_t
     use spintop_case, only: case_t
+    use spintop_compare, only: is_finite
     use spintop_conditioning, only: conditioning_t, prepare_conditioning
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t
@@ -13,7 +14,7 @@ module spintop_columns
     implicit none
     private
     public :: column_t, column_computer_t, trajectory_columns, default_trajectory_columns
-    public :: needs_exact_motion, place_of_column
+    public :: needs_exact_motion, varies_near_poles, place_of_column
 
     !> What a table says of a column.
     type :: column_t
@@ -104,6 +105,7 @@ module spintop_columns
     contains
         procedure :: set
         procedure :: row
+        procedure :: is_defined
         procedure :: come_near
     end type column_computer_t
 
@@ -153,11 +155,18 @@ contains
         needs_exact_motion = column%group == group_oracle .or. column%group == group_floor
     end function needs_exact_motion
 
+    !> Whether a column may vary much faster near a pole than the attitude turns: it depends on phi or psi.
+    elemental logical function varies_near_poles(column)
+        type(column_t), intent(in) :: column
+        varies_near_poles = column%group == group_angles .or. column%group == group_force
+    end function varies_near_poles
+
     !> The chosen columns of a motion, which is in the axes of the computation; all but the errors
-    !> are those of the body as it was given.
-    function row(self, computed) result(values)
+    !> are those of the body as it was given. That of the start (`is_start`) is told as it was given.
+    function row(self, computed, is_start) result(values)
         class(column_computer_t), intent(inout) :: self
         type(motion_t), intent(in) :: computed
+        logical, intent(in), optional :: is_start
         real(dp), allocatable :: values(:)
         real(dp) :: all_values(maxval(self%last)), kinetic, potential, drift
         type(motion_t) :: motion
@@ -166,6 +175,9 @@ contains
 
         body = self%case%given_body
         motion = self%case%turn%back(computed, self%near)
+        if (present(is_start)) then
+            if (is_start) call take_start(self%case%given_start, motion)
+        end if
         self%near = motion%angle
         kinetic = kinetic_energy(body, motion)
         potential = potential_energy(body, motion)
@@ -208,6 +220,30 @@ contains
         end do
         values = all_values(self%chosen)
     end function row
+
+    !> Whether the last row, given, is finite, but for the rates of phi and psi at a pole.
+    pure logical function is_defined(self, values)
+        class(column_computer_t), intent(in) :: self
+        real(dp), intent(in) :: values(:)
+        logical :: lost(size(values))
+        lost = .not. is_finite(values)
+        if (any(lost) .and. abs(sin(self%near(2))) <= 4 * epsilon(1.0_dp)) then
+            lost = lost .and. trajectory_columns(self%chosen)%name /= 'phi_rate' &
+                   .and. trajectory_columns(self%chosen)%name /= 'psi_rate'
+        end if
+        is_defined = .not. any(lost)
+    end function is_defined
+
+    !> Attitude and rates as they were given, in place of what a formulation makes of them. Rates that
+    !> do not exist at a pole stay as they were computed.
+    pure subroutine take_start(start, motion)
+        type(motion_t), intent(in) :: start
+        type(motion_t), intent(inout) :: motion
+        motion%angle = start%angle
+        where (is_finite(start%rate)) motion%rate = start%rate
+        motion%omega = start%omega
+        motion%quaternion = start%quaternion
+    end subroutine take_start
 
     !> The angles of the next row are continuous with those of another computer's last one.
     subroutine come_near(self, other)

@@ -3,7 +3,7 @@ module spintop_event_recorder
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
-    use spintop_columns, only: column_t, column_computer_t
+    use spintop_columns, only: column_t, column_computer_t, trajectory_columns, varies_near_poles
     use spintop_errors, only: error_t
     use spintop_event_text, only: column_event_t
     use spintop_events, only: event_watch_t, path_t
@@ -45,11 +45,13 @@ module spintop_event_recorder
         procedure :: meet
     end type event_recorder_t
 
-    !> The exact motion, any time.
+    !> The exact motion, any time; looks at it are counted.
     type, extends(path_t) :: exact_path_t
         type(exact_motion_t) :: exact
+        integer(int64) :: looks = 0, most_looks = huge(1_int64)
     contains
         procedure :: at
+        procedure :: is_spent
     end type exact_path_t
 
 contains
@@ -67,6 +69,10 @@ contains
         self%ended_by = 0
         self%azimuth = case%given_start%angle(1)
         call self%quantity%set(events%column, case)
+        self%pole_axis = 0
+        if (any(varies_near_poles(trajectory_columns(events%column)))) then
+            self%pole_axis = case%turn%vector([0.0_dp, 0.0_dp, 1.0_dp])
+        end if
     end subroutine set
 
     !> Starts the table of the listed events, with these columns of the trajectory.
@@ -132,10 +138,17 @@ contains
 
     !> The exact motion at a time.
     subroutine at(self, t, motion)
-        class(exact_path_t), intent(in) :: self
+        class(exact_path_t), intent(inout) :: self
         real(dp), intent(in) :: t
         type(motion_t), intent(out) :: motion
         motion = self%exact%at(t)
+        self%looks = self%looks + 1
     end subroutine at
+
+    !> Whether the work of the case is used up.
+    logical function is_spent(self)
+        class(exact_path_t), intent(in) :: self
+        is_spent = self%looks >= self%most_looks
+    end function is_spent
 
 end module spintop_event_recorder

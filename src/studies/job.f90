@@ -3,8 +3,10 @@ module spintop_job
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_axes_of_scene, only: count_axes, make_axes
     use spintop_axes_of_table, only: read_axes
+    use spintop_body, only: body_t
+    use spintop_body_of_scene, only: make_body
     use spintop_case, only: case_t, make_case
-    use spintop_columns, only: trajectory_columns, default_trajectory_columns, needs_exact_motion
+    use spintop_column_choice, only: choose_columns
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t
     use spintop_event_choice, only: choose_events
@@ -12,6 +14,7 @@ module spintop_job
     use spintop_namelist, only: read_namelist
     use spintop_netcdf_axis, only: most_netcdf_rows
     use spintop_netcdf_table, only: has_netcdf
+    use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: parameter_table_t, unset_integer
     use spintop_plan, only: plan_t, make_plan
     use spintop_precision_plan, only: make_precision_plan, precision_plan_t, read_reference
@@ -21,11 +24,11 @@ module spintop_job
     use spintop_shard, only: shard_t
     use spintop_stability_plan, only: make_stability_plan, stability_plan_t
     use spintop_sweep_axes, only: axes_t, put_values
-    use spintop_sweep_columns, only: sweep_columns, costly_groups
-    use spintop_text, only: string_t, nearest_word, to_text
+    use spintop_terminal, only: message_width
+    use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: job_t, options_t, prepare_job
+    public :: job_t, options_t, prepare_job, shell_word
 
     !> What the command line says for all inputs, and the processes that carry it out.
     type :: options_t
@@ -37,9 +40,11 @@ module spintop_job
         integer :: threads = 0
         logical :: quiet = .false.
         logical :: progress = .false.
-        !> Which part of a sweep, and whether to go on with an interrupted one.
+        !> Which part of a sweep, and whether to resume an interrupted one or to discard it.
         type(shard_t) :: shard
-        logical :: resume = .false.
+        logical :: resume = .false., restart = .false.
+        !> The program with these options, as a shell takes them, but for the inputs and those two.
+        character(:), allocatable :: command
         type(ranks_t) :: ranks
     end type options_t
 
@@ -90,14 +95,14 @@ contains
         call plan_job(job, problems, diagnostics)
         if (job%scene%kind /= 'sweep') call refuse_for_sweeps_only(options, problems)
         if (job%scene%format == 'netcdf') call refuse_for_netcdf(job, options, problems)
-        call choose_columns(job, problems)
+        call choose_columns(job%scene, job%case, job%plan%exact, job%columns, problems)
         call choose_events(job%scene, job%case, job%events, problems)
         if (job%scene%stop_after /= unset_integer) job%stop_after = job%scene%stop_after
         call problems%tell(job%table, diagnostics)
-        call diagnostics%raise(error)
+        call diagnostics%raise(error, message_width())
         if (allocated(error)) return
         job%warnings = ''
-        if (diagnostics%has_warnings()) job%warnings = diagnostics%report()
+        if (diagnostics%has_warnings()) job%warnings = diagnostics%report(message_width())
         if (job%scene%file /= '') job%name = base_name(trim(job%scene%file))
         associate (stem => options%output // '/' // job%name // options%shard%suffix())
             job%output = stem // '.csv'
@@ -190,101 +195,56 @@ contains
         case ('trajectory', 'sweep')
             if (.not. problems%any()) call make_plan(first, job%case, job%plan, problems)
         end select
+        if (has_axes .or. job%scene%kind == 'sweep') then
+            if (job%axes%varies('top')) call warn_of_bodies(first, job%axes%slots_in(first_table), job%axes, problems)
+        end if
     end subroutine plan_job
 
-    !> The columns named, all of them, or the default set.
-    subroutine choose_columns(job, problems)
-        type(job_t), intent(inout) :: job
+    !> Passes on what is odd about the body of a later case, the first such of all cases or, of very many, of
+    !> some evenly among them. The scene is left as that case has it.
+    subroutine warn_of_bodies(scene, slots, axes, problems)
+        type(scene_t), intent(in) :: scene
+        type(number_slot_t), intent(in) :: slots(:) !! of the scene
+        type(axes_t), intent(in) :: axes
         type(problems_t), intent(inout) :: problems
-        type(string_t), allocatable :: known(:)
+        integer(int64), parameter :: most_looked_at = 1000000
+        type(problems_t) :: of_case
+        type(body_t) :: body
+        integer(int64) :: number
+        logical :: found
+
+        do number = 1, axes%cases, max(1_int64, axes%cases / most_looked_at)
+            call put_values(slots, axes%values_of(number))
+            of_case = problems_t()
+            call make_body(scene, body, of_case)
+            if (number == 1) then
+                ! What is odd about the first case was said when it was made.
+                if (of_case%any_warning()) return
+                cycle
+            end if
+            call problems%take_warnings(of_case, 'case ' // to_text(number) // ': ', found)
+            if (found) return
+        end do
+    end subroutine warn_of_bodies
+
+    !> A text as a word of the shell.
+    pure function shell_word(text) result(word)
+        character(*), intent(in) :: text
+        character(:), allocatable :: word
+        character(*), parameter :: plain = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=,:+@%-'
         integer :: i
-
-        if (job%scene%kind == 'stability' .or. job%scene%kind == 'work_precision') then
-            if (any(job%scene%columns /= '')) then
-                call problems%add('output.columns', 'the table of this study has columns of its own', 'leave it out')
-            end if
-            return
-        end if
-        if (job%scene%kind == 'sweep') then
-            call take_names(sweep_columns%name)
-        else
-            call take_names(trajectory_columns%name)
-        end if
-
-        if (all(job%scene%columns == '')) then
-            if (job%scene%kind == 'sweep') then
-                job%columns = [(i, i=1, size(known))]
-                job%columns = pack(job%columns, [(all(sweep_columns(i)%group /= costly_groups), i=1, size(known))])
+        word = text
+        if (text /= '' .and. verify(text, plain) == 0) return
+        word = ''''
+        do i = 1, len(text)
+            if (text(i:i) == '''') then
+                word = word // '''\'''''
             else
-                job%columns = [(place_of(default_trajectory_columns(i)), &
-                                i=1, size(default_trajectory_columns))]
-                job%columns = pack(job%columns, can_have(job%columns))
+                word = word // text(i:i)
             end if
-            ! The exact motion compared with itself says nothing.
-            if (job%plan%exact) job%columns = pack(job%columns, job%columns /= place_of('orientation_error'))
-            ! Nor does the end of the span where nothing may end it sooner.
-            if (job%scene%stop_at == '') job%columns = pack(job%columns, job%columns /= place_of('t_end'))
-        else if (job%scene%columns(1) == 'all') then
-            job%columns = [(i, i=1, size(known))]
-            if (job%scene%kind /= 'sweep') job%columns = pack(job%columns, can_have(job%columns))
-        else
-            allocate (job%columns(0))
-            do i = 1, size(job%scene%columns)
-                if (job%scene%columns(i) == '') cycle
-                call take_column(trim(job%scene%columns(i)))
-            end do
-        end if
-
-    contains
-
-        subroutine take_names(names)
-            character(*), intent(in) :: names(:)
-            allocate (known(size(names)))
-            do i = 1, size(names)
-                known(i)%text = trim(names(i))
-            end do
-        end subroutine take_names
-
-        !> Place of a column among the known ones, 0 if there is none.
-        integer function place_of(name)
-            character(*), intent(in) :: name
-            do place_of = size(known), 1, -1
-                if (known(place_of)%text == name) return
-            end do
-        end function place_of
-
-        !> Whether the trajectory can have a column: some compare with an exact motion.
-        elemental logical function can_have(place)
-            integer, intent(in) :: place
-            can_have = job%case%body%is_lagrange() &
-                       .or. .not. needs_exact_motion(trajectory_columns(place))
-        end function can_have
-
-        subroutine take_column(name)
-            character(*), intent(in) :: name
-            character(:), allocatable :: hint
-            integer :: place
-            place = place_of(name)
-            if (place == 0) then
-                hint = nearest_word(name, known)
-                if (hint /= '') hint = "did you mean '" // hint // "'?"
-                if (hint == '') hint = '`spintop list columns` shows them all'
-                call problems%add('output.columns', "there is no column '" // name // "'", hint)
-            else if (any(job%columns == place)) then
-                call problems%add('output.columns', "column '" // name // "' is named twice", &
-                                  'name it once')
-            else
-                if (job%scene%kind /= 'sweep' .and. .not. problems%any()) then
-                    if (.not. can_have(place)) then
-                        call problems%add('output.columns', "column '" // name // "' compares with the exact &
-                            &motion, and this body has none", 'leave it out')
-                    end if
-                end if
-                job%columns = [job%columns, place]
-            end if
-        end subroutine take_column
-
-    end subroutine choose_columns
+        end do
+        word = word // ''''
+    end function shell_word
 
     !> Name of a file without its folder and its ending.
     pure function base_name(path) result(name)

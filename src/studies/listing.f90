@@ -16,7 +16,9 @@ module spintop_listing
     use spintop_stability, only: stability_columns
     use spintop_stepper, only: method_info_t
     use spintop_sweep_columns, only: sweep_columns
+    use spintop_terminal, only: output_width
     use spintop_text, only: string_t, nearest_word, join, to_text
+    use spintop_wrapping, only: wrapped
     implicit none
     private
     public :: list_topic, topics
@@ -32,13 +34,13 @@ contains
         character(*), intent(in) :: topic
         type(string_t), allocatable, intent(out) :: lines(:)
         type(error_t), allocatable, intent(out) :: error
-        type(scene_t), target :: scene
+        type(scene_t), allocatable, target :: scene
         type(parameter_table_t) :: table
         type(string_t), allocatable :: known(:)
         character(:), allocatable :: hint
         integer :: i
 
-        allocate (lines(0))
+        allocate (lines(0), scene)
         select case (topic)
         case ('methods')
             call list_methods(lines)
@@ -95,7 +97,22 @@ contains
             error = input_error("spintop: cannot list '" // topic // "'" // hint // &
                                 ' (there are ' // join(known, ', ') // ')')
         end select
+        call fit_lines(output_width(), lines)
     end subroutine list_topic
+
+    !> Breaks lines that are longer than a terminal is wide; what goes on stands below its own column.
+    subroutine fit_lines(width, lines)
+        integer, intent(in) :: width
+        type(string_t), intent(inout) :: lines(:)
+        integer :: i, last_column
+        do i = 1, size(lines)
+            associate (text => lines(i)%text)
+                if (len_trim(text) <= width) cycle
+                last_column = index(text, '  ', back=.true.)
+                lines(i)%text = wrapped(text, 0, width, indent=max(4, last_column + 1))
+            end associate
+        end do
+    end subroutine fit_lines
 
     subroutine list_methods(lines)
         type(string_t), allocatable, intent(inout) :: lines(:)

@@ -2,6 +2,7 @@
 module spintop_studies
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, exit_ok, exit_failed, input_error
+    use spintop_interrupted_run, only: refuse_to_discard_idle
     use spintop_job, only: job_t, options_t, prepare_job
     use spintop_line_list, only: line_list_t
     use spintop_parameter_print, only: print_namelist
@@ -17,7 +18,7 @@ module spintop_studies
     !$ use omp_lib, only: omp_set_num_threads
     implicit none
     private
-    public :: prepare_jobs, run_job, explain_job
+    public :: prepare_jobs, protect_interrupted, run_job, explain_job
 
 contains
 
@@ -54,6 +55,26 @@ contains
         end do
         call options%ranks%agree(error)
     end subroutine prepare_jobs
+
+    !> An error, the same in all ranks, if the jobs would discard what interrupted runs have left, and nobody
+    !> has asked for that.
+    subroutine protect_interrupted(jobs, options, error)
+        type(job_t), intent(in) :: jobs(:)
+        type(options_t), intent(in) :: options
+        type(error_t), allocatable, intent(out) :: error
+        integer :: i
+
+        if (options%ranks%is_writer() .and. .not. (options%resume .or. options%restart)) then
+            do i = 1, size(jobs)
+                call refuse_to_discard_idle(jobs(i)%output, error)
+                if (.not. allocated(error) .and. jobs(i)%event_output /= '') then
+                    call refuse_to_discard_idle(jobs(i)%event_output, error)
+                end if
+                if (allocated(error)) exit
+            end do
+        end if
+        call options%ranks%agree(error)
+    end subroutine protect_interrupted
 
     !> Runs a job, shows its progress, and gives the lines of its summary and its exit code.
     subroutine run_job(job, options, lines, code, error)

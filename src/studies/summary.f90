@@ -78,14 +78,20 @@ contains
         type(case_t), intent(in) :: case
         type(nutation_t) :: nutation
         type(fast_top_t) :: fast
+        character(:), allocatable :: momentum, energy
         integer :: status
 
         if (case%turn%is_turned()) then
             call self%add('axes', 'the lines below are for the body turned inside, its centre of mass above the pivot')
         end if
         associate (body => case%body, start => case%start)
-            call self%add('constants', 'c1 = Lz = ' // decimal(vertical_momentum(body, start)) // ' J s, c2 = E = ' &
-                          // decimal(kinetic_energy(body, start) + potential_energy(body, start)) // ' J')
+            momentum = decimal(vertical_momentum(body, start)) // ' J s'
+            energy = decimal(kinetic_energy(body, start) + potential_energy(body, start)) // ' J'
+            if (any(body%damping > 0)) then
+                call self%add('start', 'Lz = ' // momentum // ', E = ' // energy // '; the damping changes both')
+            else
+                call self%add('constants', 'c1 = Lz = ' // momentum // ', c2 = E = ' // energy)
+            end if
             if (.not. body%is_lagrange()) return
             call find_nutation(body, start, nutation, status)
             if (status /= status_ok) return

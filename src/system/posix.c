@@ -10,6 +10,7 @@
 #include <string.h>
 #include <sys/file.h>
 #include <sys/resource.h>
+#include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
@@ -94,6 +95,16 @@ int spintop_sync(int file) {
     return result < 0 ? errno : 0;
 }
 
+// Returns when the names in a folder are on the disk. One that may not be read cannot be synchronised.
+int spintop_sync_folder(const char *path) {
+    int file;
+    int status = spintop_open(path, &file);
+    if (status != 0) return status == EACCES ? 0 : status;
+    status = spintop_sync(file);
+    close(file);
+    return status;
+}
+
 // A special file has no size that could be cut.
 int spintop_truncate(int file, long long size) {
     struct stat info;
@@ -175,4 +186,10 @@ void spintop_reason(int number, char *text, int room) {
     }
     if (strerror_r(number, text, (size_t)room) != 0) text[0] = '\0';
     text[room - 1] = '\0';
+}
+
+/* Columns of the terminal that a file is; 0 for any other file, or where they are not known. */
+int spintop_terminal_width(int file) {
+    struct winsize size;
+    return isatty(file) && ioctl(file, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
 }

@@ -3,7 +3,7 @@ module spintop_posix
     use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_long_long
     implicit none
     private
-    public :: c_open, c_open_locked, c_write, c_read, c_sync, c_truncate, c_close, c_rename, &
+    public :: c_open, c_open_locked, c_write, c_read, c_sync, c_sync_folder, c_truncate, c_close, c_rename, &
         c_remove, c_make_folder, c_inspect, c_is_terminal, c_seconds, c_pause, c_utc, &
         c_host, c_peak_memory, c_reason
 
@@ -44,6 +44,12 @@ module spintop_posix
             import :: c_int
             integer(c_int), value :: file
         end function c_sync
+
+        !> Returns when the names in a folder are on the disk.
+        integer(c_int) function c_sync_folder(path) bind(C, name='spintop_sync_folder')
+            import :: c_char, c_int
+            character(c_char), intent(in) :: path(*)
+        end function c_sync_folder
 
         !> Cuts a file to a size, bytes.
         integer(c_int) function c_truncate(file, size) bind(C, name='spintop_truncate')

@@ -1,8 +1,10 @@
 !> How far a long computation is, on standard error: one line that is written over on a terminal,
 !> or plain lines every so often in a log.
 module spintop_progress
-    use, intrinsic :: iso_fortran_env, only: error_unit, int64
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_plain_text, only: visible
     use spintop_kinds, only: dp
+    use spintop_process, only: complain_of
     use spintop_system, only: error_is_terminal, seconds
     use spintop_text, only: to_text
     implicit none
@@ -62,8 +64,8 @@ contains
         class(progress_t), intent(in) :: self
         character(*), intent(in) :: text
         if (self%mode == silent) return
-        call show(self, self%name // ': ' // text)
-        if (self%mode == terminal) write (error_unit, '()')
+        call show(self, visible(self%name) // ': ' // text)
+        if (self%mode == terminal) call complain_of(new_line('a'))
     end subroutine note
 
     !> Shows how much is done, if the last line is old enough.
@@ -76,7 +78,7 @@ contains
         now = seconds()
         if (now - self%shown < merge(terminal_pause, log_pause, self%mode == terminal)) return
         self%shown = now
-        call show(self, self%name // ': ' // &
+        call show(self, visible(self%name) // ': ' // &
             progress_text(done, self%total, now - self%started, self%noun, self%before))
     end subroutine update
 
@@ -92,11 +94,10 @@ contains
         character(*), intent(in) :: line
         character(*), parameter :: carriage_return = achar(13), erase_line = achar(27) // '[K'
         if (self%mode == terminal) then
-            write (error_unit, '(a)', advance='no') carriage_return // line // erase_line
+            call complain_of(carriage_return // line // erase_line)
         else
-            write (error_unit, '(a)') line
+            call complain_of(line // new_line('a'))
         end if
-        flush (error_unit)
     end subroutine show
 
     !> `45 %, 450 of 1000 cases, 120 cases/s, 0:04 left`

@@ -4,7 +4,7 @@ module spintop_system
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, exit_input, input_error, output_error
     use spintop_kinds, only: dp
-    use spintop_posix, only: c_open, c_open_locked, c_write, c_read, c_sync, c_truncate, c_close, c_rename, &
+    use spintop_posix, only: c_open, c_open_locked, c_write, c_read, c_sync, c_sync_folder, c_truncate, c_close, c_rename, &
         c_remove, c_make_folder, c_inspect, c_is_terminal, c_seconds, c_pause, c_utc, &
         c_host, c_peak_memory, c_reason
     implicit none
@@ -12,8 +12,10 @@ module spintop_system
     public :: input_file_t, output_file_t, read_file, replace_file, file_exists, is_folder, file_size
     public :: make_folder, rename_file, remove_file, sync_folder_of
     public :: error_is_terminal, seconds, pause_for, utc_now, host_name, peak_memory
+    public :: standard_output, standard_error, write_stream, close_stream
 
-    integer, parameter :: standard_error = 2
+    !> Numbers of the standard streams.
+    integer, parameter :: standard_output = 1, standard_error = 2
     integer, parameter :: no_file = -1
 
     !> A file open for reading, from its beginning.
@@ -105,15 +107,8 @@ contains
         character(*), intent(in) :: path
         type(error_t), allocatable, intent(out) :: error
         character(:), allocatable :: folder
-        integer(c_int) :: descriptor, status, ignored
-
         folder = path(:index(path, '/', back=.true.)) // '.'
-        status = c_open(folder // c_null_char, descriptor)
-        if (status == 0) then
-            status = c_sync(descriptor)
-            ignored = c_close(descriptor)
-        end if
-        call check(status, 'write to folder', folder, error)
+        call check(c_sync_folder(folder // c_null_char), 'write to folder', folder, error)
     end subroutine sync_folder_of
 
     !> Renames a file; one that had the new name is gone.
@@ -130,7 +125,24 @@ contains
         call check(c_remove(path // c_null_char), 'remove', path, error)
     end subroutine remove_file
 
-    !> Makes a folder and those above it, where they are missing.
+    !> Writes all of a text to a standard stream.
+    subroutine write_stream(stream, text, name, error)
+        integer, intent(in) :: stream
+        character(*), intent(in) :: text
+        character(*), intent(in) :: name !! of the stream, for the error
+        type(error_t), allocatable, intent(out) :: error
+        call check(c_write(int(stream, c_int), text, len(text, int64)), 'write to', name, error)
+    end subroutine write_stream
+
+    !> Closes a standard stream.
+    subroutine close_stream(stream, name, error)
+        integer, intent(in) :: stream
+        character(*), intent(in) :: name !! of the stream, for the error
+        type(error_t), allocatable, intent(out) :: error
+        call check(c_close(int(stream, c_int)), 'write to', name, error)
+    end subroutine close_stream
+
+    !> Makes a folder and those above it, where they are missing; what was made is on the disk then.
     subroutine make_folder(path, error)
         character(*), intent(in) :: path
         type(error_t), allocatable, intent(out) :: error
@@ -147,6 +159,8 @@ contains
             ! Another process may have been faster.
             if (is_folder(path(:i - 1))) status = 0
             if (status /= 0) exit
+            call sync_folder_of(path(:i - 1), error)
+            if (allocated(error)) return
         end do
         call check(status, 'make folder', path, error)
     end subroutine make_folder

@@ -2,13 +2,15 @@
 !> power cut. Beside its part lies a journal that tells how much of the part is surely on the disk;
 !> a later run cuts the part back to it and goes on there.
 !>
-!>     call table%start(path, head, resume, error)   ! and on as in spintop_row_table
+!>     call table%start(path, head, resume, restart, error)   ! and on as in spintop_row_table
 module spintop_growing_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_checksum, only: add_to_checksum, checksum_t, checksum_text
     use spintop_errors, only: error_t, input_error
+    use spintop_interrupted_run, only: refuse_to_discard
     use spintop_journal, only: journal_entry_t, journal_of, read_journal, remove_journal, write_journal
     use spintop_kinds, only: dp
+    use spintop_process, only: keep_rows
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
     use spintop_row_text, only: format_rows
@@ -49,16 +51,20 @@ module spintop_growing_table
 contains
 
     !> Starts a table, or goes on with one (`resume`): the head must then be that of the earlier run,
-    !> which says what program computes what from which input.
-    subroutine start(self, path, head, resume, error)
+    !> which says what program computes what from which input. What an interrupted run has left is
+    !> discarded only if that is asked for (`restart`).
+    subroutine start(self, path, head, resume, restart, error)
         class(growing_table_t), intent(inout) :: self
         character(*), intent(in) :: path, head
-        logical, intent(in) :: resume
+        logical, intent(in) :: resume, restart
         type(error_t), allocatable, intent(out) :: error
         character(:), allocatable :: problem
+        logical :: had_part
 
         self%remark = ''
-        if (resume .and. file_exists(part_of(path)) .and. file_exists(journal_of(path))) then
+        self%is_resumable = .true.
+        had_part = file_exists(part_of(path))
+        if (resume .and. had_part .and. file_exists(journal_of(path))) then
             call self%table%reserve(path, error)
             if (.not. allocated(error)) call self%resume(head, error)
         else if (resume .and. file_exists(path)) then
@@ -72,6 +78,10 @@ contains
             if (.not. file_exists(part_of(path))) call remove_journal(path, error)
         else
             call self%table%reserve(path, error)
+            if (had_part .and. .not. (allocated(error) .or. restart)) then
+                call refuse_to_discard(path, error)
+                if (allocated(error)) call self%table%abandon()
+            end if
             if (.not. allocated(error)) call self%start_anew(head, resume, error)
         end if
         self%due = seconds() + first_pause
@@ -91,8 +101,7 @@ contains
                 self%remark = 'nothing to go on with: starts from the beginning'
             else if (file_exists(journal_of(path))) then
                 call read_journal(path, entry, problem)
-                self%remark = 'takes the place of an interrupted run of ' // to_text(sum(entry%counts)) // &
-                    ' rows, with which --resume would have gone on'
+                self%remark = 'discards an interrupted run of ' // to_text(sum(entry%counts)) // ' rows'
             end if
             ! A journal must never say more than its part has.
             call remove_journal(path, error)
@@ -176,6 +185,7 @@ contains
         type(error_t), allocatable, intent(out) :: error
         call self%table%sync(error)
         if (.not. allocated(error)) call write_journal(self%table%path, entry, error)
+        if (.not. allocated(error)) call keep_rows(sum(entry%counts))
     end subroutine keep_entry
 
     !> The entry taken is kept: sets the time of the next one.
@@ -261,7 +271,7 @@ contains
     type(error_t) function refusal(path, problem) result(error)
         character(*), intent(in) :: path, problem
         error = input_error('cannot go on with ' // path // ': ' // problem // new_line('a') // &
-                            'without --resume it is computed from the beginning')
+                            '--restart discards it and computes all from the beginning')
     end function refusal
 
 end module spintop_growing_table

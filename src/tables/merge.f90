@@ -2,6 +2,7 @@
 module spintop_merge
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, input_error
+    use spintop_interrupted_run, only: refuse_to_discard_idle
     use spintop_shard, only: read_shard_line, shard_t
     use spintop_system, only: input_file_t
     use spintop_table_file, only: table_file_t
@@ -34,6 +35,7 @@ contains
         integer :: i
 
         call order_parts(path, parts, head, cases, part_at, error)
+        if (.not. allocated(error)) call refuse_to_discard_idle(path, error)
         if (allocated(error)) return
         call table%create(path, head, error)
         do i = 1, size(part_at)

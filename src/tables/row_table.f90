@@ -22,6 +22,8 @@ module spintop_row_table
         type(table_column_t), allocatable :: columns(:)
         !> Rows of each status: put so far, and those of them taken over from an earlier run.
         integer(int64) :: counts(0:last_status) = 0, taken_over(0:last_status) = 0
+        !> Whether an interrupted run keeps its rows.
+        logical :: is_resumable = .false.
         !> The table was there already, complete.
         logical :: is_complete = .false.
         !> What was found of earlier runs, ready to print; empty if nothing.

@@ -11,6 +11,7 @@ module spintop_table_file
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_checksum, only: add_to_checksum, checksum_t
     use spintop_errors, only: error_t, output_error
+    use spintop_journal, only: remove_journal
     use spintop_kinds, only: dp
     use spintop_system, only: is_folder, output_file_t, remove_file, rename_file, sync_folder_of
     use spintop_table_head, only: comment_lines
@@ -61,7 +62,10 @@ contains
         character(*), intent(in) :: head !! ready to write
         type(error_t), allocatable, intent(out) :: error
         call self%reserve(path, error)
+        ! That of another kind of run would say more than the part has.
+        if (.not. allocated(error)) call remove_journal(path, error)
         if (.not. allocated(error)) call self%begin(head, error)
+        if (allocated(error)) call self%discard()
     end subroutine create
 
     !> Takes hold of the part, and leaves it as it is: no other run can write it meanwhile. It is

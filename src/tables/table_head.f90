@@ -9,6 +9,8 @@ module spintop_table_head
     public :: table_head, comment_lines, read_head, first_line_of, compare_heads
 
     character, parameter :: nl = new_line('a')
+    !> Bytes of a line that a message quotes at most.
+    integer, parameter :: longest_line = 200
 
 contains
 
@@ -38,11 +40,12 @@ contains
         type(error_t), allocatable, intent(out) :: error
         integer, parameter :: largest_head = 16 * 1024 * 1024, piece = 64 * 1024
         type(input_file_t) :: file
-        character(piece) :: block
+        character(:), allocatable :: block
         integer :: length, first, break
 
         head = ''
         first = 1
+        allocate (character(piece) :: block)
         call file%open(path, error)
         if (allocated(error)) return
         do
@@ -99,6 +102,7 @@ contains
         else
             line = text(first:first + index(text(first:) // nl, nl) - 2)
             if (index(line, '#') == 1) line = trim(adjustl(line(2:)))
+            if (len(line) > longest_line) line = line(:longest_line) // '...'
         end if
     end function line_at
 

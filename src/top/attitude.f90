@@ -4,7 +4,7 @@
 !> scalar first and turns body into space axes. Conventions: Provatidis (2012), Eqs 1-10.
 module spintop_attitude
     use spintop_compare, only: is_zero
-    use spintop_kinds, only: dp, pi
+    use spintop_kinds, only: dp, pi, xp
     use spintop_small_turn, only: half_turn
     implicit none
     private
@@ -13,39 +13,56 @@ module spintop_attitude
     public :: quaternion_product, conjugate_quaternion, to_space, vertical_from_quaternion
     public :: rotation_angle, nearest_turn, follow_angles, turn_less_one
 
+    !> pi in extended precision.
+    real(xp), parameter :: half_of_turn = acos(-1.0_xp)
+
 contains
 
     !> Unit quaternion of the angles.
     pure function quaternion_from_angles(angle) result(q)
         real(dp), intent(in) :: angle(3)
-        real(dp) :: q(4)
-        associate (plus => (angle(1) + angle(3)) / 2, minus => (angle(1) - angle(3)) / 2, &
-                   half => angle(2) / 2)
-            q = [cos(half) * cos(plus), sin(half) * cos(minus), &
-                 sin(half) * sin(minus), cos(half) * sin(plus)]
+        real(dp) :: q(4), plus(2), minus(2)
+        plus = circular_of_half(angle(1), angle(3))
+        minus = circular_of_half(angle(1), -angle(3))
+        associate (half => angle(2) / 2)
+            q = [cos(half) * plus(1), sin(half) * minus(1), sin(half) * minus(2), cos(half) * plus(2)]
         end associate
     end function quaternion_from_angles
+
+    !> cos((a + b)/2) and sin((a + b)/2): of many turns the rounding of the sum would be all that matters.
+    pure function circular_of_half(a, b) result(circular)
+        real(dp), intent(in) :: a, b
+        real(dp) :: circular(2), total, part, lost, c, s
+        total = a + b
+        part = total - a
+        lost = ((a - (total - part)) + (b - part)) / 2 ! of the sum by its rounding, exactly (Knuth)
+        c = cos(total / 2)
+        s = sin(total / 2)
+        circular = [c - lost * s, s + lost * c]
+    end function circular_of_half
 
     !> Angles of a quaternion (of any length, either sign): theta in [0, pi]; phi and psi are the
     !> values next to those of `near`, so they stay continuous along a motion. At a pole only
     !> phi + psi or phi - psi exists; the other combination is kept from `near`.
     pure function angles_from_quaternion(q, near) result(angle)
         real(dp), intent(in) :: q(4), near(3)
-        real(dp) :: angle(3), upper, lower, plus, minus, offset(2), flipped(2)
+        real(dp) :: angle(3), upper, lower
+        real(xp) :: plus, minus, offset(2), flipped(2)
 
         upper = hypot(q(1), q(4))
         lower = hypot(q(2), q(3))
-        plus = (near(1) + near(3)) / 2
-        minus = (near(1) - near(3)) / 2
+        ! In extended precision, so that many turns are rounded once: in the result.
+        plus = (real(near(1), xp) + near(3)) / 2
+        minus = (real(near(1), xp) - near(3)) / 2
         offset = 0
-        if (upper > 0) offset(1) = nearest_turn(atan2(q(4), q(1)), plus) - plus
-        if (lower > 0) offset(2) = nearest_turn(atan2(q(3), q(2)), minus) - minus
+        if (upper > 0) offset(1) = least_turn(atan2(q(4), q(1)) - plus)
+        if (lower > 0) offset(2) = least_turn(atan2(q(3), q(2)) - minus)
         ! q and -q are one attitude: both half angles, where they exist, may move by pi together.
-        flipped = merge(nearest_turn(offset + pi, 0.0_dp), 0.0_dp, [upper, lower] > 0)
+        flipped = merge(least_turn(offset + half_of_turn), 0.0_xp, [upper, lower] > 0)
         if (sum(abs(flipped)) < sum(abs(offset))) offset = flipped
         plus = plus + offset(1)
         minus = minus + offset(2)
-        angle = [plus + minus, 2 * atan2(lower, upper), plus - minus]
+        angle = [real(plus + minus, dp), 2 * atan2(lower, upper), real(plus - minus, dp)]
     end function angles_from_quaternion
 
     !> Carries angles over a time h from the attitude `q_last`, which has them, to the attitude `q`:
@@ -131,8 +148,14 @@ contains
     !> The value next to `near` among `angle` + 2 pi n, rad.
     elemental real(dp) function nearest_turn(angle, near)
         real(dp), intent(in) :: angle, near
-        nearest_turn = angle - 2 * pi * anint((angle - near) / (2 * pi))
+        nearest_turn = real(near + least_turn(real(angle, xp) - near), dp)
     end function nearest_turn
+
+    !> The value next to zero among `angle` + 2 pi n, rad.
+    elemental real(xp) function least_turn(angle)
+        real(xp), intent(in) :: angle
+        least_turn = angle - 2 * half_of_turn * anint(angle / (2 * half_of_turn))
+    end function least_turn
 
     !> Angular velocity in body axes of the rates of the angles, rad/s.
     pure function omega_from_rates(angle, rate) result(omega)

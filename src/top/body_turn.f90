@@ -26,7 +26,7 @@ module spintop_body_turn
         procedure :: turned_body
         procedure :: turned_motion
         procedure :: back
-        procedure, private :: vector
+        procedure :: vector
     end type body_turn_t
 
     !> Half a turn about x: y and z change sign.
@@ -94,7 +94,7 @@ contains
     !> A vector in turned axes, without rounding.
     pure function vector(self, v) result(w)
         class(body_turn_t), intent(in) :: self
-        real(dp), intent(in) :: v(3)
+        real(dp), intent(in) :: v(3) !! in the axes in which the body was given
         real(dp) :: w(3)
         w = exchanged(self%axis, v)
         if (self%flipped) w(2:3) = -w(2:3)
@@ -112,8 +112,11 @@ contains
             turned = motion_from_quaternion(motion%t, &
                 quaternion_product(motion%quaternion, conjugate_quaternion(self%p)), &
                 self%vector(motion%omega), motion%angle)
+            turned%gives_quaternion = .true.
+            turned%gives_omega = .true.
         end if
         if (self%axis > 0) turned%omega = self%vector(motion%omega)
+        if (self%axis == 3) turned%gives_omega3 = motion%gives_omega3 .or. motion%gives_omega
     end function turned_motion
 
     !> A motion in turned axes seen in the axes in which the body was given; phi and psi next to

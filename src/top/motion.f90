@@ -23,7 +23,13 @@ module spintop_motion
         real(dp) :: quaternion(4) = [1, 0, 0, 0]
         !> Length less 1 of the quaternion that the motion was computed as; 0 if by other means.
         real(dp) :: quaternion_drift = 0
+        !> Of a start, what was given and is exact, where the rest was computed from it and is rounded: the
+        !> quaternion, not the angles; omega, or omega3 alone, not the rates.
+        logical :: gives_quaternion = .false., gives_omega = .false., gives_omega3 = .false.
     end type motion_t
+
+    !> Distance from 1 of the squared length of a quaternion that is left as it is.
+    real(dp), parameter :: unit_slack = 1.0e-6_dp
 
 contains
 
@@ -38,7 +44,8 @@ contains
     end function motion_from_angles
 
     !> Motion from a unit quaternion and the body angular velocity; phi and psi are the values next
-    !> to `near` (phi, theta, psi). The acceleration is left zero.
+    !> to `near` (phi, theta, psi). The acceleration is left zero. A quaternion whose length is not 1,
+    !> to six digits, is scaled; one of no length gives NaN.
     pure type(motion_t) function motion_from_quaternion(t, q, omega, near) result(motion)
         real(dp), intent(in) :: t, q(4), omega(3), near(3)
         motion%t = t
@@ -46,6 +53,7 @@ contains
         motion%rate = rates_from_omega(motion%angle, omega)
         motion%omega = omega
         motion%quaternion = q
+        if (.not. abs(dot_product(q, q) - 1) <= unit_slack) motion%quaternion = q / norm2(q)
     end function motion_from_quaternion
 
 end module spintop_motion

@@ -183,7 +183,7 @@ class NetcdfTest(NetcdfCase):
                 capture_output=True,
                 text=True,
                 check=False,
-                timeout=60,
+                timeout=1200,
             )
             self.assertEqual(result.returncode, code, result.stderr)
             tables = (self.folder / folder / f"{name}.nc" for folder in ("output", "ranks"))

@@ -82,7 +82,7 @@ class PeersCase(unittest.TestCase):
             list(map(str, command)),
             capture_output=True,
             text=True,
-            timeout=240,
+            timeout=1200,
             check=False,
             env=os.environ | environment,
         )
@@ -209,7 +209,7 @@ class ScriptTest(PeersCase):
 
     def test_comparison(self) -> None:
         """The table has all rows, can be read and drawn, and is told in words."""
-        result = self.compare("--quick", "--budget", 2, "--peers", "sundials,scipy", self.put())
+        result = self.compare("--quick", "--budget", 20, "--peers", "sundials,scipy", self.put())
         self.assertEqual(result.returncode, 0, result.stderr)
         table = read_table(self.folder / "peers.csv")
         self.assertEqual(table.kind, "work_precision")

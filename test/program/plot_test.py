@@ -157,8 +157,8 @@ class DrawTest(TableCase):
         (self.folder / "b").mkdir()
         clash = self.put("b/a.csv", a_sweep())
         odd = self.put("odd.csv", a_stability().replace("wrong", "odd"))
-        reason = a_table("stability", TRIALS, [[*8 * ["1"], "2", "3"]])
-        numbers = self.put("numbers.csv", reason.replace("1,1,1,1,", "a,b,c,wrong,"))
+        trial = ["a", "b", "c", "wrong", "1", "1", "1", "ok", "2", "3"]
+        numbers = self.put("numbers.csv", a_table("stability", TRIALS, [trial]))
         none = self.put("none.csv", some_events(0))
         blocked = table / "folder"
         expected = {

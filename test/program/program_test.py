@@ -128,7 +128,7 @@ class ProgramCase(unittest.TestCase):
             capture_output=True,
             text=True,
             check=False,
-            timeout=60,
+            timeout=1200,
             **options,
         )
 
@@ -480,7 +480,7 @@ class PaperTest(ProgramCase):
             self.assertEqual(f"{table.largest('R4'):.2g}", least)
 
     def test_scenario_2_keeps_the_energy_and_loses_the_azimuth(self) -> None:
-        """R4 below 1e-13 beside an azimuth 1.8 degrees wrong: the table shows both."""
+        """R4 below 1e-13 beside an azimuth that is wrong by what the erratum on Eq 51 says."""
         table = self.compute(self.scene("slow_top_scenario2_rk4"))
         for name in ("R4", "phi", "orientation_error"):
             self.assertIn(name, table.names)
@@ -490,8 +490,20 @@ class PaperTest(ProgramCase):
             abs(math.degrees(a - b))
             for a, b in zip(table.column("phi"), exact.column("phi"), strict=True)
         ]
-        self.assertAlmostEqual(wrong[-1], 1.8, 1)
+        self.assertAlmostEqual(wrong[-1], 1.76, 2)
+        self.assertAlmostEqual(max(wrong), 2.24, 2)
         self.assertGreater(math.degrees(table.largest("orientation_error")), 1.8)
+        table = self.compute(self.scene("slow_top_scenario2_rk4"), "integration.steps=248")
+        exact = self.compute(self.scene("slow_top"), "span.samples=249")
+        self.assertLess(table.largest("R4"), 1e-13)
+        wrong = [
+            abs(math.degrees(a - b))
+            for a, b in zip(table.column("phi"), exact.column("phi"), strict=True)
+        ]
+        self.assertAlmostEqual(wrong[-1], 38.9, 1)
+        # Once a nutation, at the lowest point.
+        self.assertAlmostEqual(max(wrong[83:166]), 92.6, 1)
+        self.assertAlmostEqual(max(wrong[166:]), 161.7, 1)
 
     def test_table_1(self) -> None:
         """Every row of both tables as rebuilt, to 1e-6 relative or 1e-9 rad."""
@@ -563,6 +575,29 @@ class ExactMotionTest(ProgramCase):
         text += "&sweep parameter(1) = 'initial.phi_rate', values(1,:) = -0.5, 0, 0.5 /\n"
         table = self.compute(self.write(text))
         self.assertEqual(table.texts("motion_class"), ["loop", "cusp", "wave"])
+
+    def test_precession_through_a_pole(self) -> None:
+        """It is the mean of those of motions that pass the pole closely on its two sides."""
+        theta, mgl, momentum = 0.5, 9.81 * 0.8660254037844387, 0.25 * 5
+        rate = momentum / 0.875 / (1 + math.cos(theta))  # of phi, for a passage of the pole itself
+        energy = 9 + 2 * mgl / 0.875 * (1 - math.cos(theta))
+        lines = ["initial.theta,initial.phi_rate,initial.theta_rate", "0.0,0.0,3.0"]
+        for phi_rate in (rate * (1 + 1e-9), rate * (1 - 1e-9)):
+            theta_rate = math.sqrt(energy - (math.sin(theta) * phi_rate) ** 2)
+            lines.append(f"{theta},{phi_rate},{theta_rate}")
+        (self.folder / "cases.csv").write_text("\n".join(lines) + "\n", encoding="ascii")
+        text = (
+            "&study kind = 'sweep' /\n&sweep table = 'cases.csv' /\n"
+            + GOOD.split("&integration")[0]
+        )
+        text = text.replace("psi_rate = 1.0", "phi_rate = 0, theta_rate = 0, omega3 = 5")
+        table = self.compute(self.write(text), "output.columns=all")
+        for name in ("precession_per_nutation", "spin_per_nutation", "precession_rate"):
+            through, *beside = table.column(name)
+            self.assertAlmostEqual(through, sum(beside) / 2, delta=1e-6)
+        for name in ("precession_per_nutation", "spin_per_nutation"):
+            _, *beside = table.column(name)
+            self.assertAlmostEqual(abs(beside[0] - beside[1]), 2 * math.pi, delta=1e-6)
 
     def test_stability_of_starts(self) -> None:
         """Sleeping below and above the critical spin, and an inclined start that is not steady."""
@@ -690,6 +725,56 @@ class EventTest(ProgramCase):
                 result = self.run_program(scene, *arguments, "--set", "span.t_end=3")
                 self.assertIn("came less than 2 times in the span", result.stdout)
                 self.assertEqual(self.table().column("t")[-1], 3)
+
+    def test_rows_of_a_motion_that_an_event_ends(self) -> None:
+        """Spread equally up to the event; with a fixed step size every step, whatever `samples`."""
+        scene = self.write(re.sub(r"&integration[^/]*/", "", GOOD))
+        settings = ["span.t_end=1000", "span.samples=16", "span.stop_at=upper_turning_points"]
+        for method in ("exact", "taylor", "dop853", "ode45"):
+            table = self.compute(scene, f"integration.method={method}", *settings)
+            times = table.column("t")
+            self.assertEqual(len(times), 16, method)
+            self.assertAlmostEqual(times[-1], PERIOD, delta=1e-1 if method == "ode45" else 1e-6)
+            for i, t in enumerate(times):
+                self.assertAlmostEqual(t, times[-1] * i / 15, delta=1e-14)
+            self.assertEqual(table.last_line, "# status: ok")
+        steps = ("integration.method=rk4", "integration.steps=300", "span.t_end=3")
+        table = self.compute(scene, *settings[1:], *steps)
+        times = table.column("t")
+        for i, t in enumerate(times[:-1]):
+            self.assertAlmostEqual(t, 0.01 * i, delta=1e-14)
+        self.assertEqual(len(times), int(times[-1] / 0.01) + 2)
+
+    def test_a_value_that_overflows_is_no_good_end(self) -> None:
+        """Rows of a motion, at an event or not, and of a sweep: a status, and no inf or nan."""
+        text = GOOD.split("&integration")[0].replace("t_end = 0.5", "t_end = 1e-100")
+        scene = self.write(text.replace("length = 0.8660254037844387", "length = 1e200"))
+        for method in ("exact", "splitting_2", "dop853"):
+            settings = [f"integration.method={method}", "span.stop_at=theta_deg = 12"]
+            if method == "splitting_2":
+                settings.append("integration.steps=10")
+            table = self.compute(scene, *settings, "output.columns=t,kinetic,com_z,force_z", code=3)
+            self.assertIn("# status: non_finite", table.last_line)
+            self.assertTrue(all(math.isfinite(float(x)) for row in table.rows for x in row))
+
+    def test_work_is_bounded(self) -> None:
+        """An event that never comes, in a motion that is never known: the work allowed, no more."""
+        scene = self.write(re.sub(r"&integration[^/]*/", "", GOOD))
+        for method in (["method=exact"], ["method=dop853"], ["method=rk4", "steps=100"]):
+            settings = [f"integration.{setting}" for setting in method]
+            settings += ["span.t_end=1000", "span.stop_at=com_z = 3", "integration.max_steps=150"]
+            table = self.compute(scene, *settings, code=3)
+            self.assertIn("# status: step_limit at t = ", table.last_line)
+            self.assertLess(float(table.last_line.split()[-1]), 1000)
+        sweep = (
+            "&sweep parameter(1) = 'initial.omega3', values(1,:) = 1, 2 / &study kind = 'sweep' /\n"
+        )
+        scene = self.write(GOOD.split("&integration")[0].replace("psi_rate = 1.0", "") + sweep)
+        for column in ("lyapunov_exponent", "largest_singular_value"):
+            settings = (f"output.columns={column}", "span.t_end=1000", "integration.max_steps=20")
+            table = self.compute(scene, *settings, code=3)
+            self.assertEqual(table.texts("status"), ["step_limit"] * 2)
+            self.assertEqual(table.texts(column), ["nan"] * 2)
 
     def test_an_event_ends_the_cases_of_a_sweep(self) -> None:
         """Every case to its second lower turning point, in closed form and by steps."""
@@ -867,7 +952,7 @@ class BadInputTest(ProgramCase):
             "column twice": (("'theta', 'R4'", "'t', 'R4'"), "named twice"),
             "unphysical": (
                 ("0.875, 0.875, 0.25", "0.875, 0.875, 2.25"),
-                "scene.nml:3:15",
+                "scene.nml:3:29",
                 "the largest exceeds the sum of the others",
             ),
             "no mass": (("mass = 1.0", "mass = 0"), "scene.nml:2:12", "> 0"),

@@ -24,7 +24,7 @@ class StabilityTest(unittest.TestCase):
     def run_program(self, *arguments: str) -> subprocess.CompletedProcess:
         """Run the program."""
         return subprocess.run(
-            [EXE, *arguments, "-o", self.folder], capture_output=True, text=True, timeout=120
+            [EXE, *arguments, "-o", self.folder], capture_output=True, text=True, timeout=1200
         )
 
     def study(self, cases: str, methods: str) -> dict[tuple[str, str, str], dict[str, str]]:

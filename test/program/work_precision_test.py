@@ -33,7 +33,7 @@ class WorkPrecisionCase(unittest.TestCase):
     def run_program(self, *arguments: str) -> subprocess.CompletedProcess:
         """Run the program."""
         return subprocess.run(
-            [EXE, *arguments, "-o", self.folder], capture_output=True, text=True, timeout=120
+            [EXE, *arguments, "-o", self.folder], capture_output=True, text=True, timeout=1200
         )
 
     def write(self, text: str) -> str:

@@ -76,14 +76,14 @@ contains
     end function times_of
 
     subroutine exactly_at(self, t, motion)
-        class(exact_path_t), intent(in) :: self
+        class(exact_path_t), intent(inout) :: self
         real(dp), intent(in) :: t
         type(motion_t), intent(out) :: motion
         motion = self%exact%at(t)
     end subroutine exactly_at
 
     subroutine made_up_at(self, t, motion)
-        class(made_up_path_t), intent(in) :: self
+        class(made_up_path_t), intent(inout) :: self
         real(dp), intent(in) :: t
         type(motion_t), intent(out) :: motion
         associate (unused => self)

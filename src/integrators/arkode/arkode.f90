@@ -29,11 +29,19 @@ module spintop_arkode
         procedure :: order
     end type arkode_t
 
-    !> Owns what ARKODE allocates for a run.
-    type, extends(workspace_t) :: arkode_workspace_t
-        type(arkode_memory_t), pointer :: memory => null()
+    !> Owns what ARKODE allocates for a run. Without default values: gfortran 14 takes the allocation of a
+    !> type that has some and a finalizer for a structure constructor, which Fortran 2008 would finalize.
+    type :: memory_owner_t
+        ! allow(C101): a default value is what this type may not have
+        type(arkode_memory_t), pointer :: memory
     contains
         final :: release
+    end type memory_owner_t
+
+    !> A run in progress.
+    type, extends(workspace_t) :: arkode_workspace_t
+        type(arkode_memory_t), pointer :: memory => null()
+        type(memory_owner_t), allocatable :: owner
     end type arkode_workspace_t
 
     !> What a step is cut to where the right-hand side failed in it.
@@ -82,8 +90,9 @@ contains
         if (.not. found) return
         select type (work)
         class is (arkode_workspace_t)
-            call release(work)
-            allocate (work%memory)
+            if (allocated(work%owner)) deallocate (work%owner)
+            allocate (work%memory, work%owner)
+            work%owner%memory => work%memory
             call work%memory%create(formulation, work, table, self%controls)
             status = status_ok
         end select
@@ -257,8 +266,7 @@ contains
     end function status_of
 
     subroutine release(self)
-        type(arkode_workspace_t), intent(inout) :: self
-        if (.not. associated(self%memory)) return
+        type(memory_owner_t), intent(inout) :: self
         call self%memory%destroy()
         deallocate (self%memory)
     end subroutine release

@@ -4,14 +4,14 @@
 !> tables whose last stage lies at the end of the step without being the next step's first.
 !> Each memory has a SUNContext of its own, so that runs on several threads share nothing.
 module spintop_arkode_memory
-    use, intrinsic :: iso_c_binding, only: c_double, c_funloc, c_int, c_int64_t, c_loc, &
+    use, intrinsic :: iso_c_binding, only: c_double, c_funloc, c_int, c_loc, &
         c_long, c_null_funptr, c_null_ptr, c_associated, c_f_pointer, c_ptr
     use, intrinsic :: iso_fortran_env, only: int64
     use farkode_arkstep_mod, only: &
         FARKStepCreate, FARKStepEvolve, FARKStepFree, FARKStepGetCurrentStep, &
         FARKStepGetNumJacEvals, FARKStepGetNumStepAttempts, FARKStepGetNumSteps, FARKStepReset, &
-        FARKStepSStolerances, FARKStepSetAdaptivityMethod, FARKStepSetDeduceImplicitRhs, &
-        FARKStepSetErrHandlerFn, FARKStepSetFixedStep, FARKStepSetInitStep, &
+        FARKStepWFtolerances, FARKStepSetAdaptivityMethod, FARKStepSetDeduceImplicitRhs, &
+        FARKStepSetFixedStep, FARKStepSetInitStep, &
         FARKStepSetInterpolantDegree, FARKStepSetJacEvalFrequency, FARKStepSetLSetupFrequency, &
         FARKStepSetLinearSolver, FARKStepSetMaxConvFails, FARKStepSetMaxErrTestFails, &
         FARKStepSetMaxNonlinIters, FARKStepSetMaxNumSteps, FARKStepSetNonlinConvCoef, &
@@ -19,21 +19,22 @@ module spintop_arkode_memory
         FARKStepSetStopTime, FARKStepSetTableNum, FARKStepSetUserData
     use farkode_mod, only: ARK_ADAPT_I, ARK_MEM_FAIL, ARK_ONE_STEP, ARKODE_DIRK_NONE, ARKODE_ERK_NONE
     use fnvector_serial_mod, only: FN_VMake_Serial
-    use fsundials_context_mod, only: FSUNContext_Create, FSUNContext_Free
-    use fsundials_linearsolver_mod, only: SUNLinearSolver, FSUNLinSolFree
-    use fsundials_matrix_mod, only: SUNMatrix, FSUNMatDestroy
-    use fsundials_nonlinearsolver_mod, only: SUNNonlinearSolver, FSUNNonlinSolFree
-    use fsundials_nvector_mod, only: N_Vector, FN_VDestroy, FN_VGetArrayPointer
     use fsunlinsol_dense_mod, only: FSUNLinSol_Dense
     use fsunmatrix_dense_mod, only: FSUNDenseMatrix
     use fsunnonlinsol_fixedpoint_mod, only: FSUNNonlinSol_FixedPoint
+    use fsunnonlinsol_newton_mod, only: FSUNNonlinSol_Newton
+    use spintop_arkode_stages, only: judge_correction, stage_watch_t
     use spintop_arkode_tables, only: arkode_table_t
     use spintop_compare, only: is_equal, is_finite
+    use spintop_error_weight, only: error_weight_t
     use spintop_dense_output, only: dense_output_t
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     use spintop_kinds, only: dp
     use spintop_status, only: status_ok, status_outside, status_non_finite
     use spintop_stepper, only: workspace_t, controls_t
+    use spintop_sundials, only: FN_VDestroy, FN_VGetArrayPointer, FSUNContext_Free, FSUNLinSolFree, FSUNMatDestroy, &
+        FSUNNonlinSolFree, FSUNNonlinSolSetConvTestFn, N_Vector, SUNLinearSolver, SUNMatrix, SUNNonlinearSolver, &
+        create_context, index_kind, silence
     implicit none
     private
     public :: arkode_memory_t
@@ -42,6 +43,8 @@ module spintop_arkode_memory
     type :: arkode_memory_t
         !> Time, state, slope and counts as ARKODE has them.
         type(workspace_t) :: now
+        !> How large an error of a step may be, as a root mean square.
+        type(error_weight_t), private :: weight
         !> Status of the last right-hand side.
         integer :: status = status_ok
         !> A copy: dense output needs the equations too, where no formulation is at hand.
@@ -56,6 +59,8 @@ module spintop_arkode_memory
         real(dp), private :: slope_last(max_states) = 0
         type(dense_output_t), private :: dense
         logical, private :: dense_is_known = .false.
+        !> Ends the iterations of stages with fixed steps.
+        type(stage_watch_t), private :: stage_watch
         type(c_ptr), private :: context = c_null_ptr, integrator = c_null_ptr
         type(N_Vector), pointer, private :: state_vector => null()
         type(SUNMatrix), pointer, private :: matrix => null()
@@ -82,8 +87,7 @@ module spintop_arkode_memory
     real(c_double), parameter :: growth_allowed = 100
     !> What is left of a stage's equation may be this share of the tolerance.
     real(c_double), parameter :: stage_share = 1.0e-2_c_double
-    !> The tolerance that stages share in with equal steps, where the user's means nothing: still
-    !> above the rounding of a stiff slope.
+    !> The tolerance that ARKODE is given with equal steps, where it decides nothing.
     real(c_double), parameter :: fixed_step_tolerance = 1.0e-12_c_double
     !> Returns of a callback: go on, try a shorter step, give up.
     integer(c_int), parameter :: go_on = 0, retry = 1, give_up = -1
@@ -99,11 +103,11 @@ contains
         type(arkode_table_t), intent(in) :: table
         type(controls_t), intent(in) :: controls
         type(formulation_info_t) :: info
-        integer(c_int64_t) :: n
+        integer(index_kind) :: n
 
         info = formulation%info()
         self%states = info%states
-        n = self%states
+        n = int(self%states, index_kind)
         allocate (self%formulation, source=formulation)
         self%adaptive = controls%steps == 0
         self%now%t = work%t
@@ -112,7 +116,7 @@ contains
         self%now%counts = work%counts
         self%state = work%y
         call self%dense%set_order(table%order)
-        call self%keep(FSUNContext_Create(c_null_ptr, self%context))
+        call self%keep(create_context(self%context))
         if (self%flag < 0) return
         self%state_vector => FN_VMake_Serial(n, self%state, self%context)
         if (table%implicit) then
@@ -144,7 +148,7 @@ contains
 
         associate (ark => self%integrator)
             ! First of all: nothing of what follows may print.
-            call self%keep(FARKStepSetErrHandlerFn(ark, c_funloc(keep_silent), c_null_ptr))
+            call self%keep(silence(ark))
             call self%keep(FARKStepSetUserData(ark, c_loc(self)))
             if (table%implicit) then
                 call self%keep(FARKStepSetTableNum(ark, table%id, ARKODE_ERK_NONE))
@@ -159,7 +163,8 @@ contains
                 relative = controls%relative_tolerance / sqrt(real(self%states, dp))
                 absolute = controls%absolute_tolerance / sqrt(real(self%states, dp))
             end if
-            call self%keep(FARKStepSStolerances(ark, relative, absolute))
+            call self%weight%set(self%formulation, relative, absolute)
+            call self%keep(FARKStepWFtolerances(ark, c_funloc(find_weights)))
             ! The plain controller: on this smooth motion it saves a sixth over ARKODE's default.
             unused = 0
             call self%keep(FARKStepSetAdaptivityMethod(ark, ARK_ADAPT_I, 1_c_int, 0_c_int, unused))
@@ -175,11 +180,14 @@ contains
 
     !> Options of implicit tables: how the stages' equations are solved.
     subroutine set_implicit_options(self, controls)
-        class(arkode_memory_t), intent(inout) :: self
+        type(arkode_memory_t), intent(inout), target :: self
         type(controls_t), intent(in) :: controls
-        integer(c_int64_t) :: n
+        integer(index_kind) :: n
 
-        n = self%states
+        n = int(self%states, index_kind)
+        self%stage_watch%scale = self%formulation%scale
+        self%stage_watch%cyclic = self%formulation%cyclic
+        if (controls%fixed_point) self%stage_watch%divergence = growth_allowed
         associate (ark => self%integrator)
             if (controls%fixed_point) then
                 self%nonlinear_solver => FSUNNonlinSol_FixedPoint(self%state_vector, 0_c_int, &
@@ -189,6 +197,8 @@ contains
                 ! A correction of an angle makes a larger one of its rate before both shrink.
                 call self%keep(FARKStepSetNonlinRDiv(ark, growth_allowed))
             else
+                self%nonlinear_solver => FSUNNonlinSol_Newton(self%state_vector, self%context)
+                call self%keep(FARKStepSetNonlinearSolver(ark, self%nonlinear_solver))
                 self%matrix => FSUNDenseMatrix(n, n, self%context)
                 self%linear_solver => FSUNLinSol_Dense(self%state_vector, self%matrix, self%context)
                 call self%keep(FARKStepSetLinearSolver(ark, self%linear_solver, self%matrix))
@@ -199,6 +209,8 @@ contains
                 call self%keep(FARKStepSetMaxNonlinIters(ark, newton_limit))
             end if
             call self%keep(FARKStepSetNonlinConvCoef(ark, stage_share))
+            if (.not. self%adaptive) call self%keep(FSUNNonlinSolSetConvTestFn( &
+                self%nonlinear_solver, c_funloc(judge_correction), c_loc(self%stage_watch)))
             call self%keep(FARKStepSetDeduceImplicitRhs(ark, 1_c_int))
         end associate
     end subroutine set_implicit_options
@@ -241,6 +253,7 @@ contains
         flag = self%flag
         if (flag < 0) return
         before = self%now
+        self%stage_watch%y = self%now%y
         self%status = status_ok
         flag = FARKStepEvolve(self%integrator, t_end, self%state_vector, t_reached, ARK_ONE_STEP)
         if (flag < 0) then
@@ -321,6 +334,24 @@ contains
         if (self%adaptive .or. self%status == status_outside) rhs = retry
     end function rhs
 
+    !> The callback that computes the weights of errors: what they are multiplied by in a norm.
+    integer(c_int) function find_weights(y_vector, weight_vector, data) bind(C, name='')
+        type(N_Vector), intent(inout) :: y_vector, weight_vector
+        type(c_ptr), value :: data
+        type(arkode_memory_t), pointer :: self
+        real(c_double), pointer :: y_now(:), weights(:)
+        real(dp) :: y(max_states), allowed(max_states)
+
+        call c_f_pointer(data, self)
+        y_now => FN_VGetArrayPointer(y_vector)
+        weights => FN_VGetArrayPointer(weight_vector)
+        y = 0
+        y(1:self%states) = y_now
+        allowed = self%weight%allowed(y, y)
+        weights = 1 / allowed(1:self%states)
+        find_weights = merge(go_on, give_up, all(allowed(1:self%states) > 0))
+    end function find_weights
+
     !> The callback of a step to `t` that is accepted. ARKODE goes on from the state that the formulation
     !> makes of it.
     integer(c_int) function finish_step(t, y_vector, data) bind(C, name='')
@@ -344,14 +375,5 @@ contains
         call self%now%evaluate(self%formulation, self%now%y, self%now%slope, self%status)
         if (self%status == status_ok) finish_step = go_on
     end function finish_step
-
-    !> The callback that takes ARKODE's messages, which would go to standard error otherwise.
-    subroutine keep_silent(code, module_name, function_name, message, data) bind(C, name='')
-        integer(c_int), value :: code
-        type(c_ptr), value :: module_name, function_name, message, data
-        associate (unused => code, u1 => module_name, u2 => function_name, u3 => message, &
-                   u4 => data)
-        end associate
-    end subroutine keep_silent
 
 end module spintop_arkode_memory

@@ -1,8 +1,8 @@
 !> Implicit methods with equal steps: Gauss' and the theta methods (the paper's Appendix D).
 !>
 !> Their stages are solved to rounding, by Newton's method with one Jacobian for all stages, which
-!> serves as many steps as it will, or by repeated insertion. The unknowns are the increments z of
-!> the stages over the state, so that small steps lose no digits.
+!> serves as many steps as it will, or by repeated insertion. Where this Newton's method fails, the
+!> solution is followed from a step of size zero (`spintop_stage_continuation`).
 module spintop_implicit_runge_kutta
     use spintop_kinds, only: dp, epsilon_dp
     use spintop_compare, only: is_equal
@@ -10,7 +10,10 @@ module spintop_implicit_runge_kutta
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     use spintop_implicit_tables, only: implicit_table_t, max_implicit_stages, max_modes
     use spintop_lapack, only: zgetrf, zgetrs
-    use spintop_status, only: status_ok, status_non_finite, status_not_converged
+    use spintop_stage_continuation, only: follow_stages, solve_from_near
+    use spintop_stage_equations, only: acceptable, find_jacobian, find_residual, largest, negligible, sure, &
+        units_of_stages
+    use spintop_status, only: status_ok, status_non_finite, status_not_converged, status_outside
     use spintop_stepper, only: workspace_t
     implicit none
     private
@@ -39,11 +42,13 @@ module spintop_implicit_runge_kutta
 
     !> Iterations after which a step counts as not converged.
     integer, parameter :: newton_limit = 30, fixed_point_limit = 200
-    !> An iteration is at rounding when its correction, relative to the state, is below the first, or
-    !> when it does not shrink any more and is below the second.
-    real(dp), parameter :: negligible = epsilon_dp / 128, acceptable = 1.0e-10_dp
+    !> Corrections that do not shrink any more are due to rounding if they are below the first; with
+    !> repeated insertion, below the second. Larger ones may as well be due to the Jacobian.
+    real(dp), parameter :: rounding = 64 * epsilon_dp, rounding_of_insertion = 1.0e-12_dp
+    !> Growth of corrections that rounding may cause.
+    real(dp), parameter :: jitter = 10
     !> Contraction above which a new Jacobian pays.
-    real(dp), parameter :: slow = 0.1_dp
+    real(dp), parameter :: slow = 0.05_dp
 
 contains
 
@@ -75,7 +80,7 @@ contains
     end subroutine begin
 
     !> One step of the method. The stages are sought from the polynomial of the last step; if that
-    !> leads nowhere, from the slope, with a new Jacobian.
+    !> leads nowhere, from the slope, with a new Jacobian; and if that fails, too, by continuation.
     subroutine step(self, formulation, work, h, change, status)
         class(implicit_runge_kutta_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
@@ -100,6 +105,9 @@ contains
                     z(:, i) = self%table%node(i) * h * work%slope
                 end do
                 call solve_stages(self, formulation, work, h, z, status)
+                if (.not. self%controls%fixed_point .and. all(status /= [status_ok, status_outside])) then
+                    call follow_stages(self%table, formulation, work, h, z, status)
+                end if
             end if
             if (status /= status_ok) return
             work%z = z
@@ -109,8 +117,9 @@ contains
     end subroutine step
 
     !> Solves the equations of the stages from the guess in z. Newton's corrections must be smaller than
-    !> the guess, and each smaller than the last: an iteration that wanders may find a solution, but
-    !> hardly that which grows out of the state as the step does.
+    !> the guess, and each smaller than the last, by half with a new Jacobian: an iteration that wanders
+    !> may find a solution, but hardly that which grows out of the state as the step does. Cyclic
+    !> variables follow from the others and have no say in this.
     subroutine solve_stages(self, formulation, work, h, z, status)
         class(implicit_runge_kutta_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
@@ -118,26 +127,31 @@ contains
         real(dp), intent(in) :: h
         real(dp), intent(inout) :: z(max_states, max_implicit_stages)
         integer, intent(out) :: status
-        real(dp) :: correction(max_states, max_implicit_stages), scale(max_states)
-        real(dp) :: size, previous, smallest
+        real(dp) :: correction(max_states, max_implicit_stages), units(max_states)
+        real(dp) :: size, previous, smallest, core, core_previous, contraction
         integer :: iteration, idle
-        logical :: newton
+        logical :: newton, is_new
 
         newton = .not. self%controls%fixed_point
-        scale = max(abs(work%y), maxval(abs(z), dim=2), 1.0_dp)
-        previous = largest(z, scale)
+        units = units_of_stages(formulation, work%y, z)
+        previous = largest(z, units)
+        core_previous = largest(z, units, .not. formulation%cyclic)
         smallest = huge(1.0_dp)
         idle = 0
+        is_new = .false.
         do iteration = 1, merge(newton_limit, fixed_point_limit, newton)
             call find_residual(self%table, formulation, work, h, z, correction, status)
             if (status == status_non_finite) exit
             if (status /= status_ok) return
+            if (newton .and. .not. is_equal(work%h_factors, h)) is_new = .true.
             if (newton) call newton_correction(self%table, formulation, work, h, z, correction, status)
             if (status /= status_ok) return
             z = z + correction
-            size = largest(correction, scale)
+            size = largest(correction, units)
             if (size <= negligible) return
-            if (newton .and. size >= previous .and. size > acceptable) exit
+            core = largest(correction, units, .not. formulation%cyclic)
+            contraction = merge(sure, 1.0_dp, is_new .and. iteration > 1)
+            if (newton .and. .not. core < contraction * core_previous .and. core > acceptable) exit
             if (newton .and. iteration > 1) then
                 ! The next correction would be that.
                 if (size * (size / previous) <= negligible) return
@@ -146,36 +160,16 @@ contains
             ! Insertion may step closer and back by turns; Newton's method does not.
             idle = merge(0, idle + 1, size < smallest)
             smallest = min(smallest, size)
-            if (idle > merge(0, 1, newton) .and. smallest <= acceptable) return
+            if (newton .and. idle > 0 .and. size <= acceptable) then
+                if (size > rounding) call solve_from_near(self%table, formulation, work, h, z, status)
+                return
+            end if
+            if (idle > 1 .and. smallest <= rounding_of_insertion .and. size <= jitter * smallest) return
             previous = size
+            core_previous = core
         end do
         status = status_not_converged
     end subroutine solve_stages
-
-    !> What is missing to the equations of the stages.
-    subroutine find_residual(table, formulation, work, h, z, residual, status)
-        type(implicit_table_t), intent(in) :: table
-        class(formulation_t), intent(in) :: formulation
-        class(stage_workspace_t), intent(inout) :: work
-        real(dp), intent(in) :: h, z(max_states, max_implicit_stages)
-        real(dp), intent(out) :: residual(max_states, max_implicit_stages)
-        integer, intent(out) :: status
-        real(dp) :: slope(max_states)
-        integer :: i, j
-
-        residual = 0
-        status = status_ok
-        do j = 1, table%stages
-            call work%evaluate(formulation, work%y + z(:, j), slope, status)
-            if (status /= status_ok) return
-            do i = 1, table%stages
-                residual(:, i) = residual(:, i) + table%a(i, j) * slope
-            end do
-        end do
-        do i = 1, table%stages
-            residual(:, i) = h * (residual(:, i) + table%first * work%slope) - z(:, i)
-        end do
-    end subroutine find_residual
 
     !> Turns the residual into Newton's correction. With one Jacobian J for all stages the equations
     !> come apart along the eigenvectors of the coefficients a (Butcher, BIT 16, 1976): with each
@@ -232,35 +226,5 @@ contains
         end do
         if (status == status_ok) work%h_factors = h
     end subroutine factor_matrices
-
-    !> The Jacobian df/dy by forward differences, good to some digits also where a component is zero.
-    subroutine find_jacobian(formulation, work, y, jacobian, status)
-        class(formulation_t), intent(in) :: formulation
-        class(stage_workspace_t), intent(inout) :: work
-        real(dp), intent(in) :: y(max_states)
-        real(dp), intent(out) :: jacobian(max_states, max_states)
-        integer, intent(out) :: status
-        !> Shift of a component relative to its size, and the least size that is taken for it.
-        real(dp), parameter :: share = sqrt(epsilon_dp), least = sqrt(sqrt(epsilon_dp))
-        real(dp) :: moved(max_states), slope(max_states), slope_moved(max_states)
-        integer :: j
-
-        work%counts%jacobians = work%counts%jacobians + 1
-        jacobian = 0
-        call work%evaluate(formulation, y, slope, status)
-        do j = 1, work%states
-            if (status /= status_ok) return
-            moved = y
-            moved(j) = y(j) + share * max(abs(y(j)), least)
-            call work%evaluate(formulation, moved, slope_moved, status)
-            jacobian(:, j) = (slope_moved - slope) / (moved(j) - y(j))
-        end do
-    end subroutine find_jacobian
-
-    !> Largest of the components of all stages, each relative to a scale.
-    pure real(dp) function largest(z, scale)
-        real(dp), intent(in) :: z(max_states, max_implicit_stages), scale(max_states)
-        largest = maxval(maxval(abs(z), dim=2) / scale)
-    end function largest
 
 end module spintop_implicit_runge_kutta

@@ -68,37 +68,35 @@ contains
             info = formulation%info()
             work%states = info%states
         end select
+        call self%set_weight(formulation, work)
         call begin_on_grid(self, formulation, work, status)
         if (self%controls%steps == 0 .and. status == status_ok) then
-            work%h = first_step(self, formulation, work)
+            work%h = first_step(formulation, work)
         end if
     end subroutine begin
 
-    !> A step with which Euler's method errs by about 1% of the tolerance; then, from the curvature
-    !> found by it, one of the order of this method.
-    real(dp) function first_step(self, formulation, work) result(h)
-        class(dop853_t), intent(in) :: self
+    !> A step with which Euler's method errs by about 1% of the state; then, from the curvature found
+    !> by it, one of the order of this method. Times are in units of that in which the state would
+    !> change by all its magnitude, so that the unit of time does not matter.
+    real(dp) function first_step(formulation, work) result(h)
         class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(inout) :: work
-        real(dp), parameter :: share = 0.01_dp, tiny_size = 1.0e-10_dp, flat = 1.0e-15_dp
-        real(dp) :: span, scale(max_states), slope(max_states), size, steepness, bend
+        real(dp), parameter :: share = 0.01_dp
+        real(dp) :: span, allowed(max_states), slope(max_states), size, steepness, unit, bend
         integer :: status
 
         span = work%t_end - work%t
-        scale = error_scale(self, work%y, work%y)
-        size = norm2(work%y / scale)
-        steepness = norm2(work%slope / scale)
-        h = 1.0e-6_dp
-        if (min(size, steepness)**2 > tiny_size) h = share * size / steepness
-        h = min(h, span)
+        h = span
+        allowed = work%weight%allowed(work%y, work%y)
+        size = norm2(work%weight%magnitude(work%y) / allowed)
+        steepness = norm2(work%slope / allowed)
+        if (.not. steepness > 0) return
+        unit = size / steepness
+        h = min(share * unit, span)
         call work%evaluate(formulation, work%y + h * work%slope, slope, status)
         if (status /= status_ok) return
-        bend = max(norm2((slope - work%slope) / scale) / h, steepness)
-        if (bend <= flat) then
-            h = min(span, max(1.0e-6_dp, 1.0e-3_dp * h))
-        else
-            h = min(span, 100 * h, (share / bend)**(1 / power))
-        end if
+        bend = max(norm2((slope - work%slope) / allowed) / h * unit**2, size)
+        h = min(span, 100 * h, unit * (share / bend)**(1 / power))
     end function first_step
 
     !> One step: of the grid, or one that the error estimate accepts; rejected trials are counted.
@@ -144,7 +142,7 @@ contains
             error = 0
             if (status == status_ok) then
                 y_new = work%y + (change + work%rest)
-                error = error_estimate(self, work, h, y_new)
+                error = error_estimate(self%table, work, h, y_new)
                 if (.not. is_finite(error)) status = status_non_finite
             end if
             ! The slope there must exist: it begins the next step.
@@ -199,26 +197,17 @@ contains
 
     !> Error of a step in units of the tolerance: those of the embedded methods of orders 5 and 3
     !> combined to one that goes with h^8.
-    pure real(dp) function error_estimate(self, work, h, y_new) result(error)
-        class(dop853_t), intent(in) :: self
+    pure real(dp) function error_estimate(table, work, h, y_new) result(error)
+        type(dop853_table_t), intent(in) :: table
         class(dop853_workspace_t), intent(in) :: work
         real(dp), intent(in) :: h, y_new(max_states)
-        real(dp) :: scale(max_states), error5, error3
-        scale = error_scale(self, work%y, y_new)
-        error5 = sum((weighted(work%k, self%table%error5, main_stages) / scale)**2)
-        error3 = sum((weighted(work%k, self%table%error3, main_stages) / scale)**2)
+        real(dp) :: allowed(max_states), error5, error3
+        allowed = work%weight%allowed(work%y, y_new)
+        error5 = sum((weighted(work%k, table%error5, main_stages) / allowed)**2)
+        error3 = sum((weighted(work%k, table%error3, main_stages) / allowed)**2)
         error = 0
         if (error5 > 0) error = h * error5 / sqrt((error5 + 0.01_dp * error3) * work%states)
     end function error_estimate
-
-    !> Error allowed for each component of the state.
-    pure function error_scale(self, y, y_new) result(scale)
-        class(dop853_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states), y_new(max_states)
-        real(dp) :: scale(max_states)
-        scale = self%controls%absolute_tolerance &
-                + self%controls%relative_tolerance * max(abs(y), abs(y_new))
-    end function error_scale
 
     !> Sum of the first n stages with the weights given.
     pure function weighted(k, weight, n) result(total)

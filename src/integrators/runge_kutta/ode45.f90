@@ -51,10 +51,11 @@ contains
         integer, intent(out) :: status
         real(dp) :: steepest
 
+        call self%set_weight(formulation, work)
         call work%evaluate(formulation, work%y, work%slope, status)
         if (status /= status_ok) return
         work%h = largest_share * (work%t_end - work%t_begin)
-        steepest = maxval(abs(work%slope) / max(abs(work%y), threshold(self))) &
+        steepest = maxval(abs(work%slope) / work%weight%matlab_magnitude(work%y, work%y)) &
                    / (0.8_dp * self%controls%relative_tolerance**power(self))
         if (work%h * steepest > 1) work%h = 1 / steepest
     end subroutine begin
@@ -139,15 +140,9 @@ contains
             if (status /= status_ok) return
         end do
         error = h * maxval(abs(stage_sum(work%k, self%table%error, self%table%stages)) &
-                           / max(abs(work%y), abs(y_new), threshold(self)))
+                           / work%weight%matlab_magnitude(work%y, y_new))
         if (.not. is_finite(error)) status = status_non_finite
     end subroutine try_step
-
-    !> State below which a component's error counts absolutely.
-    pure real(dp) function threshold(self)
-        class(ode45_t), intent(in) :: self
-        threshold = self%controls%absolute_tolerance / self%controls%relative_tolerance
-    end function threshold
 
     !> Power of the error in the step size.
     pure real(dp) function power(self)

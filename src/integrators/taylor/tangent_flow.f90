@@ -12,6 +12,7 @@ module spintop_tangent_flow
     use spintop_euler_poisson, only: state_units
     use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_step_too_small, &
         status_bad_input
+    use spintop_validity, only: body_status
     use spintop_vectors, only: cross
     implicit none
     private
@@ -29,7 +30,8 @@ contains
 
     !> Carries the state `columns(:, 1)` and the tangent vectors in the other columns over `duration`
     !> seconds, of either sign, in at most `max_steps` steps. On failure they are those of the last
-    !> step that succeeded.
+    !> step that succeeded. `status_bad_input`: a duration that is not finite, or columns that are not
+    !> six finite numbers each; `status_non_finite`, `status_bad_body`: no body.
     pure subroutine carry_tangents(body, duration, columns, status, max_steps)
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: duration
@@ -42,8 +44,10 @@ contains
         most_steps = step_limit
         if (present(max_steps)) most_steps = max_steps
         status = status_bad_input
-        if (.not. is_finite(duration)) return
-        status = status_ok
+        if (.not. is_finite(duration) .or. size(columns, 1) /= 6 .or. size(columns, 2) < 1) return
+        if (.not. all(is_finite(columns))) return
+        status = body_status(body)
+        if (status /= status_ok) return
         left = duration
         do step = 1, most_steps
             if (.not. abs(left) > 0) return

@@ -9,7 +9,7 @@ module spintop_taylor
     use spintop_compare, only: is_finite
     use spintop_formulation, only: formulation_t, max_series_order, max_states
     use spintop_status, only: status_ok, status_non_finite, status_step_too_small
-    use spintop_stepper, only: controls_t, stepper_t, workspace_t
+    use spintop_stepper, only: stepper_t, workspace_t
     implicit none
     private
     public :: taylor_t, order_for, safety, largest_growth, smallest_spacings, stretch
@@ -74,6 +74,7 @@ contains
         class(workspace_t), intent(inout) :: work
         integer, intent(out) :: status
 
+        call self%set_weight(formulation, work)
         call work%evaluate(formulation, work%y, work%slope, status)
         select type (work)
         class is (taylor_workspace_t)
@@ -91,11 +92,13 @@ contains
         real(dp) :: h, t_new, change(max_states)
         logical :: changed
 
+        associate (unused => self)
+        end associate
         select type (work)
         class is (taylor_workspace_t)
             call formulation%series(work%y, work%order, work%coefficient)
             work%counts%evaluations = work%counts%evaluations + work%order
-            h = length_of_step(self%controls, work)
+            h = length_of_step(work)
             status = status_non_finite
             if (.not. is_finite(h)) return
             status = status_step_too_small
@@ -114,20 +117,18 @@ contains
     end subroutine advance
 
     !> The time after which one of the last two terms reaches the tolerance.
-    pure real(dp) function length_of_step(controls, work) result(h)
-        type(controls_t), intent(in) :: controls
+    pure real(dp) function length_of_step(work) result(h)
         type(taylor_workspace_t), intent(in) :: work
         real(dp) :: allowed, last, before, share, growth
         integer :: i
 
         last = 0
         before = 0
-        associate (c => work%coefficient, p => work%order)
+        associate (c => work%coefficient, p => work%order, w => work%weight)
             !$omp simd reduction(max: last, before)
             do i = 1, max_states
                 ! A component that passes zero is as large as it was or will be a step away.
-                allowed = controls%absolute_tolerance + controls%relative_tolerance &
-                          * (abs(c(i, 0)) + abs(c(i, 1)) * work%h)
+                allowed = w%absolute(i) + w%relative(i) * (abs(c(i, 0)) + min(abs(c(i, 1)) * work%h, w%scale(i)))
                 share = 1 / allowed
                 last = max(last, abs(c(i, p)) * share)
                 before = max(before, abs(c(i, p - 1)) * share)

@@ -13,6 +13,7 @@ module spintop_taylor_lanes
     use spintop_formulation, only: max_series_order
     use spintop_lane_series, only: expand, lanes, parts, quotient
     use spintop_motion, only: motion_t, motion_from_quaternion
+    use spintop_motion_scales, only: motion_scales_t, motion_scales
     use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_step_too_small
     use spintop_stepper, only: controls_t
     use spintop_taylor, only: order_for, safety, largest_growth, smallest_spacings, stretch
@@ -58,8 +59,8 @@ module spintop_taylor_lanes
         real(dp), private :: sense(lanes) = 1
         !> What rounding has cut from the state so far: the state is state + rest.
         real(dp), private :: rest(lanes, parts) = 0
-        !> The last step, s.
-        real(dp), private :: h(lanes) = 0
+        !> The last step, s, and the largest angular velocity, rad/s.
+        real(dp), dimension(lanes), private :: h = 0, scale = 1
         !> Room for the coefficients of the last step, which begin at a cache line: otherwise each
         !> vector would lie in two, and a step take half as long again.
         real(dp), private :: room(coefficients + line - 1) = 0
@@ -108,7 +109,10 @@ contains
         type(motion_t), intent(in) :: start
         real(dp), intent(in) :: t_end
         real(dp) :: q(4), vertical(3), side, half, turns
+        type(motion_scales_t) :: scales
 
+        scales = motion_scales(body, start)
+        self%scale(lane) = scales%rate
         q = start%quaternion / norm2(start%quaternion)
         self%t(lane) = 0
         self%t_last(lane) = 0
@@ -145,7 +149,7 @@ contains
 
         call expand(self%order, self%coupling, self%mobility, self%decay, self%moment, self%side, &
                     self%state, self%room(self%first))
-        call choose_durations(self%order, self%controls, self%room(self%first), self%t, self%t_end, &
+        call choose_durations(self%order, self%controls, self%room(self%first), self%scale, self%t, self%t_end, &
                               self%steps, self%h, duration, trouble)
         if (count(trouble > 0) > 0) then
             do lane = 1, lanes
@@ -237,12 +241,13 @@ contains
     end function motion
 
     !> How long the steps last, s: until one of the last two terms of the series reaches the
-    !> tolerance, relative to the size of omega, to the unit vector and to a radian. `h` holds the
+    !> tolerance, relative to the magnitude of omega, to the unit vector and to a radian; the absolute
+    !> tolerance is a share of the largest angular velocity, `scale`, and in radians. `h` holds the
     !> steps wanted: the last, then these. `trouble` is zero for lanes that are well.
-    pure subroutine choose_durations(order, controls, c, t, t_end, steps, h, duration, trouble)
+    pure subroutine choose_durations(order, controls, c, scale, t, t_end, steps, h, duration, trouble)
         integer, intent(in) :: order
         type(controls_t), intent(in) :: controls
-        real(dp), intent(in) :: c(lanes, quotient, 0:order), t(lanes), t_end(lanes)
+        real(dp), intent(in) :: c(lanes, quotient, 0:order), scale(lanes), t(lanes), t_end(lanes)
         integer(int64), intent(in) :: steps(lanes)
         real(dp), intent(inout) :: h(lanes)
         real(dp), intent(out) :: duration(lanes), trouble(lanes)
@@ -257,8 +262,8 @@ contains
         !$omp simd private(of_rate, last, before)
         do i = 1, lanes
             ! A velocity that passes zero is as large as it was or will be a step away.
-            of_rate = 1 / (absolute + relative * ((abs(c(i, 1, 0)) + abs(c(i, 2, 0)) + abs(c(i, 3, 0))) &
-                + (abs(c(i, 1, 1)) + abs(c(i, 2, 1)) + abs(c(i, 3, 1))) * h(i)))
+            of_rate = 1 / (absolute * scale(i) + relative * ((abs(c(i, 1, 0)) + abs(c(i, 2, 0)) + abs(c(i, 3, 0))) &
+                + min((abs(c(i, 1, 1)) + abs(c(i, 2, 1)) + abs(c(i, 3, 1))) * h(i), scale(i))))
             last = of_rate * (abs(c(i, 1, order)) + abs(c(i, 2, order)) + abs(c(i, 3, order))) &
                 + of_attitude * (abs(c(i, 4, order)) + abs(c(i, 5, order)) + abs(c(i, 6, order)) &
                                  + abs(c(i, 7, order)))
@@ -274,28 +279,34 @@ contains
         end do
     end subroutine choose_durations
 
-    !> Logarithm to base 2 by a parabola between powers of 2, to 0.01: enough for a step size, and
-    !> made of vector instructions. Of zero: -1023.
+    !> Logarithm to base 2 to 4e-8, made of vector instructions: accurate enough that step sizes do not
+    !> depend on the unit of time. Of zero: -1023.
     elemental real(dp) function binary_logarithm(x) result(y)
         real(dp), intent(in) :: x
         integer, parameter :: mantissa = digits(x) - 1
         integer(int64), parameter :: one = shiftl(int(maxexponent(x) - 1, int64), mantissa)
-        real(dp) :: m
+        real(dp), parameter :: root = sqrt(2.0_dp), unit = 2 / log(2.0_dp)
+        real(dp) :: m, s, square
         integer(int64) :: bits
         bits = transfer(x, bits)
         m = transfer(ior(iand(bits, shiftl(1_int64, mantissa) - 1), one), m)
-        y = real(shiftr(bits, mantissa) - (maxexponent(x) - 1), dp) + (m * (6 - m) - 5) / 3
+        s = (m - root) / (m + root)
+        square = s**2
+        y = (real(shiftr(bits, mantissa) - (maxexponent(x) - 1), dp) + 0.5_dp) &
+            + unit * s * (1 + square * (1.0_dp / 3 + square * (1.0_dp / 5 + square / 7)))
     end function binary_logarithm
 
-    !> Power of 2 by a parabola between whole numbers, to 0.2 %, |y| < 1000.
+    !> Power of 2 to 2e-7, |y| < 1000, likewise.
     elemental real(dp) function power_of_two(y) result(x)
         real(dp), intent(in) :: y
         integer, parameter :: mantissa = digits(x) - 1
         integer(int64) :: whole
+        real(dp), parameter :: root = sqrt(2.0_dp)
         real(dp) :: f
         whole = int(y + maxexponent(x), int64)
-        f = y + maxexponent(x) - real(whole, dp)
-        x = transfer(shiftl(whole - 1, mantissa), x) * (1 + f * (2 + f) / 3)
+        f = (y + maxexponent(x) - real(whole, dp) - 0.5_dp) * log(2.0_dp)
+        x = transfer(shiftl(whole - 1, mantissa), x) * (root * (1 + f * (1 + f * (1.0_dp / 2 + f * (1.0_dp / 6 &
+            + f * (1.0_dp / 24 + f * (1.0_dp / 120 + f / 720)))))))
     end function power_of_two
 
     !> Adds to the states their change over the steps, by Horner's rule, summed with compensation

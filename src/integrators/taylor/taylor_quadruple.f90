@@ -4,9 +4,10 @@
 !> The state is kept as the sum of two numbers in double precision, `y + rest`, 106 bits; series and
 !> sums are in quadruple precision.
 module spintop_taylor_quadruple
+    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
     use spintop_kinds, only: dp, qp
     use spintop_compare, only: is_finite
-    use spintop_formulation, only: formulation_t, max_series_order, max_states
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_series_order, max_states
     use spintop_status, only: status_ok, status_non_finite, status_step_too_small
     use spintop_stepper, only: stepper_t, workspace_t
     use spintop_taylor, only: safety, smallest_spacings, stretch
@@ -26,6 +27,8 @@ module spintop_taylor_quadruple
     !> Keeps the series of the last step.
     type, extends(workspace_t) :: quadruple_workspace_t
         real(qp) :: coefficient(max_states, 0:max_series_order) = 0
+        !> First component of the quaternion, and number of components in use.
+        integer :: attitude = 1, states = max_states
     end type quadruple_workspace_t
 
 contains
@@ -45,8 +48,14 @@ contains
         class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(inout) :: work
         integer, intent(out) :: status
-        associate (unused => self)
-        end associate
+        type(formulation_info_t) :: info
+        call self%set_weight(formulation, work)
+        select type (work)
+        class is (quadruple_workspace_t)
+            info = formulation%info()
+            work%attitude = info%quaternion
+            work%states = info%states
+        end select
         call work%evaluate(formulation, work%y, work%slope, status)
     end subroutine begin
 
@@ -60,13 +69,15 @@ contains
         real(dp) :: h, t_new, y_new(max_states), rest(max_states)
         logical :: changed
 
+        associate (unused => self)
+        end associate
         select type (work)
         class is (quadruple_workspace_t)
             y = work%rest + real(work%y, qp)
             call formulation%series_quadruple(y, max_series_order, work%coefficient)
             work%counts%evaluations = work%counts%evaluations + max_series_order
             work%slope = real(work%coefficient(:, 1), dp)
-            h = length_of_step(self, work)
+            h = length_of_step(work)
             status = status_non_finite
             if (.not. is_finite(h)) return
             status = status_step_too_small
@@ -84,23 +95,37 @@ contains
         end select
     end subroutine advance
 
-    !> The time after which one of the last two terms reaches the tolerance, relative to the size of
-    !> the whole state.
-    real(dp) function length_of_step(self, work) result(h)
-        class(taylor_quadruple_t), intent(in) :: self
+    !> The time after which one of the last two terms reaches the tolerance, relative to the magnitude
+    !> of the attitude, or to that of the momentum; not finite where a term is not.
+    pure real(dp) function length_of_step(work) result(h)
         type(quadruple_workspace_t), intent(in) :: work
-        real(dp) :: allowed, size
+        integer :: i
+        h = work%t_end - work%t
+        associate (q => work%attitude)
+            call shorten(work, [(i, i=q, q + 3)], h)
+            call shorten(work, [(i, i=1, q - 1), (i, i=q + 4, work%states)], h)
+        end associate
+    end function length_of_step
+
+    !> Shortens a step to what components of like units allow.
+    pure subroutine shorten(work, like, h)
+        type(quadruple_workspace_t), intent(in) :: work
+        integer, intent(in) :: like(:)
+        real(dp), intent(inout) :: h
+        real(qp) :: allowed, term
         integer :: k
 
-        allowed = self%controls%absolute_tolerance &
-            + self%controls%relative_tolerance * real(maxval(abs(work%coefficient(:, 0))), dp)
-        h = work%t_end - work%t
-        do k = max_series_order - 1, max_series_order
-            size = real(maxval(abs(work%coefficient(:, k))), dp)
-            if (.not. is_finite(size)) h = size
-            if (size > 0) h = min(h, safety * exp((log(allowed) - log(size)) / k))
-        end do
-    end function length_of_step
+        if (.not. is_finite(h)) return
+        associate (c => work%coefficient, weight => work%weight)
+            allowed = maxval(weight%absolute(like)) + maxval(weight%relative(like)) * maxval(abs(c(like, 0)))
+            do k = max_series_order - 1, max_series_order
+                term = maxval(abs(c(like, k)))
+                if (.not. all(abs(c(like, k)) <= huge(term))) h = ieee_value(h, ieee_positive_inf)
+                if (.not. is_finite(h)) return
+                if (term > 0) h = min(h, real(safety * exp((log(allowed) - log(term)) / k), dp))
+            end do
+        end associate
+    end subroutine shorten
 
     !> Change of the state after a time h, by Horner's rule.
     pure function sum_of_terms(work, h) result(change)

@@ -22,7 +22,7 @@ module spintop_precision_table
         study_column_t('error_max', 'rad', 'largest angle of the turn from the reference attitude'), &
         study_column_t('steps', '', 'steps'), &
         study_column_t('rejected', '', 'steps rejected'), &
-        study_column_t('evaluations', '', 'right-hand sides; a Taylor series of order p counts as p'), &
+        study_column_t('evaluations', '', 'right-hand sides of what time_s times; a Taylor series of order p counts as p'), &
         study_column_t('time_s', 's', 'least time of the repeats, for the state at the end'), &
         study_column_t('energy_drift', '', 'largest energy error over (kinetic at start + m g |r|)'), &
         study_column_t('status', '', 'how it ended'), &

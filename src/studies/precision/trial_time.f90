@@ -7,6 +7,7 @@ module spintop_trial_time
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_motion, only: motion_t
     use spintop_plan, only: plan_t
+    use spintop_stepper, only: counts_t
     use spintop_system, only: seconds
     implicit none
     private
@@ -27,13 +28,15 @@ contains
 
     !> The least time of `repeats` computations of a case as planned, s. Something like it should have
     !> run just before, as a warm-up, and have taken about `expected` seconds. A computation so slow
-    !> that the repeats would take longer than two seconds has fewer of them, one at least.
-    subroutine time_trial(case, plan, expected, repeats, time)
+    !> that the repeats would take longer than two seconds has fewer of them, one at least. `counts` is what
+    !> one of them took.
+    subroutine time_trial(case, plan, expected, repeats, time, counts)
         type(case_t), intent(in) :: case
         type(plan_t), intent(inout) :: plan
         real(dp), intent(in) :: expected
         integer, intent(in) :: repeats
         real(dp), intent(out) :: time
+        type(counts_t), intent(out) :: counts
         type(arrival_t) :: arrival
         real(dp) :: began, start
         integer :: calls, repeat, i
@@ -45,7 +48,7 @@ contains
         do repeat = 1, repeats
             began = seconds()
             do i = 1, calls
-                call go(case, plan, arrival)
+                call go(case, plan, arrival, counts)
             end do
             time = min(time, (seconds() - began) / calls)
             if (seconds() - start > longest) exit
@@ -53,10 +56,11 @@ contains
     end subroutine time_trial
 
     !> The state at the end of the span.
-    subroutine go(case, plan, arrival)
+    subroutine go(case, plan, arrival, counts)
         type(case_t), intent(in) :: case
         type(plan_t), intent(inout) :: plan
         type(arrival_t), intent(inout) :: arrival
+        type(counts_t), intent(out) :: counts
         type(exact_motion_t) :: exact
         type(outcome_t) :: outcome
         integer :: status
@@ -67,6 +71,7 @@ contains
         else
             call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, &
                            [case%t_end], arrival, outcome)
+            counts = outcome%counts
         end if
     end subroutine go
 

@@ -48,7 +48,7 @@ contains
         type(summary_t), intent(out) :: summary
         integer, intent(out) :: failures
         type(error_t), allocatable, intent(out) :: error
-        type(scene_t), target :: scene
+        type(scene_t), allocatable, target :: scene
         type(parameter_table_t) :: table
         type(number_slot_t), allocatable :: slots(:)
         type(table_file_t) :: file
@@ -64,7 +64,7 @@ contains
         rows = 0
         call begin_table(job, file, error)
         if (allocated(error)) return
-        scene = job%scene
+        allocate (scene, source=job%scene)
         call describe_scene(scene, table)
         allocate (slots, source=job%axes%slots_in(table))
         allocate (values(size(slots)))
@@ -262,12 +262,12 @@ contains
         character(*), intent(inout) :: tried(:) !! methods with their formulations
         type(precision_row_t), intent(out) :: row
         character(:), allocatable, intent(out) :: refusal
-        type(scene_t) :: trial_scene
+        type(scene_t), allocatable :: trial_scene
         type(problems_t) :: problems
         type(plan_t) :: plan
 
         refusal = ''
-        trial_scene = scene
+        allocate (trial_scene, source=scene)
         associate (choice => job%precision%choices(i))
             call set_setting(job%precision, choice, k, trial_scene)
             call make_plan(trial_scene, case, plan, problems)
@@ -292,7 +292,9 @@ contains
         end associate
         call run_trial(case, plan, reference, row%trial)
         row%time = row%trial%time
-        if (row%trial%status == status_ok) call time_trial(case, plan, row%trial%time, job%precision%repeats, row%time)
+        ! Without the dense output for comparisons, in what is counted as in what is timed.
+        if (row%trial%status == status_ok) call time_trial(case, plan, row%trial%time, job%precision%repeats, row%time, &
+                                                           row%trial%counts)
     end subroutine run_setting
 
     !> Whether a plan is what would be chosen for the tolerance of a scene under a formulation (or auto).
@@ -301,13 +303,13 @@ contains
         type(case_t), intent(in) :: case
         type(plan_t), intent(in) :: plan
         character(*), intent(in) :: formulation
-        type(scene_t) :: free_scene
+        type(scene_t), allocatable :: free_scene
         type(plan_t) :: free_plan
         type(problems_t) :: problems
 
         is_auto = plan%is_adaptive()
         if (.not. is_auto) return
-        free_scene = scene
+        allocate (free_scene, source=scene)
         free_scene%method = 'auto'
         free_scene%formulation = formulation
         call make_plan(free_scene, case, free_plan, problems)

@@ -139,12 +139,13 @@ contains
         type(progress_t), intent(inout) :: progress
         integer, intent(inout) :: verdicts(:, :)
         type(error_t), allocatable, intent(out) :: error
-        type(scene_t) :: scene
-        type(case_facts_t) :: facts
+        type(scene_t), allocatable :: scene
+        type(case_facts_t), allocatable :: facts
         type(text_buffer_t) :: row
         character(40) :: tried(size(job%stability%methods))
         integer :: k, verdict
 
+        allocate (scene, facts)
         facts%name = own_case
         if (job%stability%cases(i) > 0) facts%name = hard_cases(job%stability%cases(i))%name
         call scene_of_case(job%scene, job%stability%cases(i), scene, error)

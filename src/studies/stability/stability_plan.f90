@@ -11,6 +11,7 @@ module spintop_stability_plan
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
     use spintop_stepper, only: method_info_t
+    use spintop_text, only: to_text
     implicit none
     private
     public :: stability_plan_t, make_stability_plan, scene_of_case, scene_of_trial
@@ -69,7 +70,7 @@ contains
             if (names(i) == '') cycle
             place = findloc(hard_cases%name == names(i), .true., dim=1)
             if (place == 0 .and. names(i) /= own_case) then
-                call refuse_name('stability.cases', 'case', trim(names(i)), &
+                call refuse_name('stability.cases(' // to_text(i) // ')', 'case', trim(names(i)), &
                                  [character(24) :: hard_cases%name, own_case], problems)
             end if
             cases = [cases, place]

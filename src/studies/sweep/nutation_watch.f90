@@ -63,6 +63,8 @@ contains
         self%case = case
         self%events = [self%events, event_t('upper', -1), event_t('lower', 1), event_t('lowest', 1), &
                        event_t('fastest', 1), event_t('fastest', -1)]
+        ! The precession is fastest near a pole.
+        self%pole_axis = [0.0_dp, 0.0_dp, 1.0_dp]
         self%starts_turning = is_zero(axis_height_rate(case%start))
         call self%take_extremes(case%start)
     end subroutine measure_nutation

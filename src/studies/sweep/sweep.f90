@@ -5,8 +5,9 @@ module spintop_sweep
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_errors, only: error_t, input_error
-    use spintop_job, only: job_t, options_t
+    use spintop_job, only: job_t, options_t, shell_word
     use spintop_journal, only: journal_entry_t
+    use spintop_process, only: watch_no_more, watch_signals
     use spintop_progress, only: progress_t
     use spintop_ranks, only: ranks_t, signed_off
     use spintop_row_block, only: row_block_t
@@ -68,7 +69,7 @@ contains
         call compare_with_writer(options%ranks, head, error)
         if (allocated(error)) return
         if (options%ranks%is_writer()) then
-            call start_table(job, options%resume, head, table, error)
+            call start_table(job, options%resume, options%restart, head, table, error)
             span = [options%shard%first(job%axes%cases) + table%rows(), options%shard%last(job%axes%cases)]
             if (allocated(error) .or. table%is_complete) span = no_cases
         end if
@@ -96,6 +97,7 @@ contains
             call progress%start(job%name, 'cases', table%rows() + span(2) - span(1) + 1, options%quiet, &
                                 options%progress, before=table%rows())
             if (table%remark /= '') call progress%note(table%remark)
+            call announce_signals(job, options, table, table%rows() + span(2) - span(1) + 1)
             call queue%start(blocks_ahead * nint(team(1)), (span(2) - span(1)) / size_of_block(job) + 1)
             if (ranks%count > 1) servers = 1
         end if
@@ -113,6 +115,7 @@ contains
         moment = seconds()
         call move_alloc(queue%error, error)
         if (.not. allocated(error)) call table%finish(error)
+        call watch_no_more()
         if (allocated(error)) then
             call table%abandon(error)
             return
@@ -137,7 +140,11 @@ contains
 
             cases_of_block = size_of_block(job)
             allocate (worker)
+            ! One thread at a time: gfortran keeps the length of a function's text in static memory where the
+            ! function is called (seen in 12 and 14), and this makes many texts.
+            !$omp critical (preparation)
             call worker%prepare(job)
+            !$omp end critical (preparation)
             formatting = 0
             number = come_again
             do
@@ -246,6 +253,29 @@ contains
         end subroutine add_up_costs
 
     end subroutine run_sweep
+
+    !> A signal that ends the run tells how many of so many rows are kept, and how to resume it.
+    subroutine announce_signals(job, options, table, rows)
+        type(job_t), intent(in) :: job
+        type(options_t), intent(in) :: options
+        class(row_table_t), intent(in) :: table
+        integer(int64), intent(in) :: rows
+        character, parameter :: nl = new_line('a')
+        character(:), allocatable :: command
+
+        if (.not. table%is_resumable) then
+            call watch_signals('', 'spintop: interrupted: nothing is kept of ' // job%output // nl, -1_int64)
+            return
+        end if
+        command = 'the same command with --resume'
+        if (options%ranks%count == 1 .and. allocated(options%command)) then
+            command = options%command // ' --resume '
+            if (index(job%input, '-') == 1) command = command // '-- '
+            command = command // shell_word(job%input)
+        end if
+        call watch_signals('spintop: interrupted: ', ' of ' // to_text(rows) // ' rows of ' // job%output // &
+                           ' are kept' // nl // 'to resume: ' // command // nl, table%rows())
+    end subroutine announce_signals
 
     !> Number of the calling thread, from 0.
     integer function this_thread()

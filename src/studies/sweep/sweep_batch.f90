@@ -1,6 +1,7 @@
 !> Cases of a sweep that are followed step by step, many at once: bodies without a closed form, of
 !> which the table shows the end of the span only.
 module spintop_sweep_batch
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_case, only: case_t
@@ -31,10 +32,13 @@ module spintop_sweep_batch
     type :: sweep_batch_t
         integer :: n = 0
         type(controls_t), private :: controls
-        integer, private :: place(block_size)
-        type(body_t), private :: bodies(block_size)
-        type(motion_t), private :: starts(block_size)
-        real(dp), private :: t_end(block_size)
+        integer, allocatable, private :: place(:)
+        type(body_t), allocatable, private :: bodies(:)
+        type(motion_t), allocatable, private :: starts(:)
+        real(dp), allocatable, private :: t_end(:)
+        !> What comes of them.
+        type(motion_t), allocatable, private :: ends(:)
+        type(outcome_t), allocatable, private :: outcomes(:)
     contains
         procedure :: add
         procedure :: compute
@@ -72,6 +76,10 @@ contains
         type(case_t), intent(in) :: case
         type(plan_t), intent(in) :: plan
         integer, intent(in) :: k
+        if (.not. allocated(self%place)) then
+            allocate (self%place(block_size), self%bodies(block_size), self%starts(block_size), &
+                      self%t_end(block_size), self%ends(block_size), self%outcomes(block_size))
+        end if
         self%n = self%n + 1
         self%controls = plan%stepper%controls
         self%place(self%n) = k
@@ -88,24 +96,25 @@ contains
         real(dp), intent(inout) :: values(:, :) !! quantities, cases
         integer, intent(inout) :: status(:)
         type(note_t), intent(inout) :: note(:)
-        type(motion_t) :: ends(block_size)
-        type(outcome_t) :: outcomes(block_size)
-        integer :: i, k
+        integer(int64) :: max_steps
+        integer :: i, k, stability
 
         associate (n => self%n)
             call integrate_many(self%controls, self%bodies(:n), self%starts(:n), self%t_end(:n), &
-                                ends(:n), outcomes(:n))
+                                self%ends(:n), self%outcomes(:n))
         end associate
         do i = 1, self%n
             k = self%place(i)
-            status(k) = outcomes(i)%status
+            status(k) = self%outcomes(i)%status
             values(:, k) = no_values()
             call note(k)%clear()
-            call put_stability(cases(k), wanted, values(:, k), note(k))
+            max_steps = self%controls%max_steps - self%outcomes(i)%counts%steps
+            call put_stability(cases(k), wanted, max_steps, values(:, k), stability, note(k))
+            if (status(k) == status_ok) status(k) = stability
             if (wanted(group_fast_top)) call put_fast_top(cases(k), values(:, k), note(k))
-            values(q_evaluations, k) = real(outcomes(i)%counts%evaluations, dp)
+            values(q_evaluations, k) = real(self%outcomes(i)%counts%evaluations, dp)
             if (status(k) == status_ok) then
-                call put_end(cases(k), ends(i), values(q_energy_error_max, k), values(:, k))
+                call put_end(cases(k), self%ends(i), values(q_energy_error_max, k), values(:, k))
             else
                 call note(k)%explain(trim(status_meanings(status(k))))
             end if

@@ -5,7 +5,7 @@ module spintop_sweep_columns
     private
     public :: sweep_column_t, sweep_columns
     public :: group_nutation, group_fast_top, group_period, group_end, group_energy, group_oracle, &
-        group_cost, group_floor, group_details, group_growth, group_lyapunov, &
+        group_cost, group_floor, group_details, group_growth, group_lyapunov, group_singular, &
         sweep_groups, costly_groups
 
     public :: quantities
@@ -17,7 +17,7 @@ module spintop_sweep_columns
     public :: q_phi_end, q_psi_end, q_theta_rate_end, q_energy_error_max, q_orientation_error
     public :: q_double_floor, q_evaluations, q_motion_class, q_spin_per_nutation
     public :: q_theta_rate_max, q_force_max, q_force_z_min, q_force_z_max, q_t_end, q_growth_rate
-    public :: q_lyapunov_exponent
+    public :: q_lyapunov_exponent, q_largest_singular_value
 
     !> What a table says of a quantity.
     type :: sweep_column_t
@@ -34,9 +34,11 @@ module spintop_sweep_columns
     !> motion.
     integer, parameter :: group_nutation = 1, group_fast_top = 2, group_period = 3, group_end = 4, &
         group_energy = 5, group_oracle = 6, group_cost = 7, group_floor = 8, &
-        group_details = 9, group_growth = 10, group_lyapunov = 11, sweep_groups = group_lyapunov
+        group_details = 9, group_growth = 10, group_lyapunov = 11, group_singular = 12, &
+        sweep_groups = group_singular
     !> What costs much more than the rest is for those who name it.
-    integer, parameter :: costly_groups(*) = [group_floor, group_details, group_growth, group_lyapunov]
+    integer, parameter :: costly_groups(*) = [group_floor, group_details, group_growth, group_lyapunov, &
+                                                group_singular]
 
     !> Places of the quantities in the table below, which has them in this order.
     enum, bind(C)
@@ -50,8 +52,9 @@ module spintop_sweep_columns
         enumerator :: q_theta_rate_end, q_energy_error_max, q_orientation_error, q_double_floor
         enumerator :: q_evaluations, q_motion_class, q_spin_per_nutation, q_theta_rate_max
         enumerator :: q_force_max, q_force_z_min, q_force_z_max, q_t_end, q_growth_rate, q_lyapunov_exponent
+        enumerator :: q_largest_singular_value
     end enum
-    integer, parameter :: quantities = q_lyapunov_exponent
+    integer, parameter :: quantities = q_largest_singular_value
 
     !> All quantities, in the order of the table's documentation.
     type(sweep_column_t), parameter :: sweep_columns(quantities) = [ &
@@ -62,7 +65,8 @@ module spintop_sweep_columns
         sweep_column_t('nutation_period', 's', 'time of a full nutation', group_nutation), &
         sweep_column_t('nutation_rate', 'rad/s', '2 pi over the nutation period', group_nutation), &
         sweep_column_t('nutation_rate_fast_top', 'rad/s', 'the same by Eq 30', group_fast_top), &
-        sweep_column_t('precession_per_nutation', 'rad', 'change of phi in a nutation', group_nutation), &
+        sweep_column_t('precession_per_nutation', 'rad', &
+                       'change of phi in a nutation, without the half turns at exact passages of a pole', group_nutation), &
         sweep_column_t('precession_rate', 'rad/s', 'mean precession rate', group_nutation), &
         sweep_column_t('precession_rate_fast_top', 'rad/s', 'the same by Eq 32', group_fast_top), &
         sweep_column_t('nutations_per_turn', '', 'nutations in a full turn of precession', group_nutation), &
@@ -82,13 +86,18 @@ module spintop_sweep_columns
         sweep_column_t('double_floor', 'rad', 'how far rounding of the data alone turns that attitude', group_floor), &
         sweep_column_t('evaluations', '', 'right-hand sides evaluated', group_cost), &
         sweep_column_t('motion_class', '', 'loop, cusp, wave, steady, ... (a word)', group_details), &
-        sweep_column_t('spin_per_nutation', 'rad', 'change of psi in a nutation', group_details), &
+        sweep_column_t('spin_per_nutation', 'rad', &
+                       'change of psi in a nutation, without the half turns at exact passages of a pole', group_details), &
         sweep_column_t('theta_rate_max', 'rad/s', 'largest nutation rate', group_details), &
         sweep_column_t('force_max', 'N', 'largest support force', group_details), &
         sweep_column_t('force_z_min', 'N', 'least vertical support force', group_details), &
         sweep_column_t('force_z_max', 'N', 'largest vertical support force', group_details), &
         sweep_column_t('t_end', 's', 'end of the span, or when stop_at ended the motion', group_end), &
         sweep_column_t('growth_rate', '1/s', 'of small deviations from a start that is sleeping or steady', group_growth), &
-        sweep_column_t('lyapunov_exponent', '1/s', 'mean growth rate of deviations over the span', group_lyapunov)]
+        sweep_column_t('lyapunov_exponent', '1/s', &
+                       'mean growth rate of a perturbation, equal in all components but along Gamma', group_lyapunov), &
+        sweep_column_t('largest_singular_value', '', &
+                       'of the tangent map over the span, in the scales of the motion', &
+                       group_singular)]
 
 end module spintop_sweep_columns

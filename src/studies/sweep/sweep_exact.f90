@@ -1,5 +1,6 @@
 !> Cases of a sweep whose motion is known in closed form, many at once.
 module spintop_sweep_exact
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
     use spintop_conditioning, only: double_floor
@@ -9,7 +10,8 @@ module spintop_sweep_exact
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t
-    use spintop_status, only: status_ok, status_meanings
+    use spintop_status, only: status_ok, status_step_limit, status_meanings
+    use spintop_stepper, only: looks_per_step
     use spintop_sweep_columns, only: quantities, group_nutation, group_fast_top, group_period, &
         group_end, group_energy, group_floor, group_details, sweep_groups, q_orientation_error, q_double_floor, &
         q_evaluations
@@ -41,23 +43,34 @@ contains
         block%t_period(lane) = precession_period(case)
     end subroutine load_lane
 
-    !> Ends the span of a case at the n-th of the events; `came` tells whether it came.
-    subroutine stop_exactly(case, events, n, came)
+    !> Ends the span of a case at the n-th of the events; `came` tells whether it came, and `status`
+    !> whether the work allowed was enough to see it.
+    subroutine stop_exactly(case, events, n, max_steps, status, came)
         type(case_t), intent(inout) :: case
         type(column_event_t), intent(in) :: events(:)
         integer, intent(in) :: n
+        integer(int64), intent(inout) :: max_steps !! left of the work of the case
+        integer, intent(out) :: status
         logical, intent(out) :: came
-        type(exact_path_t) :: path
-        type(event_recorder_t) :: watch
-        integer :: status
+        ! They are large: a thread may have a small stack.
+        type(exact_path_t), allocatable :: path
+        type(event_recorder_t), allocatable :: watch
 
         came = .false.
+        allocate (path, watch)
         call prepare_exact_motion(case%body, case%start, path%exact, status)
-        if (status /= status_ok) return
+        if (status /= status_ok) then
+            ! Left to the kernel to tell.
+            status = status_ok
+            return
+        end if
+        path%most_looks = looks_per_step * max_steps
         call watch%set(events, n, case)
         call watch%begin(case%body, path%exact%at(0.0_dp))
         call watch%look(path, case%t_end)
+        max_steps = max_steps - path%looks / looks_per_step
         came = watch%has_enough
+        if (.not. came .and. watch%t < case%t_end) status = status_step_limit
         if (came) case%t_end = watch%t
     end subroutine stop_exactly
 
@@ -68,11 +81,12 @@ contains
     end function kernel_runs
 
     !> The quantities of the case in a lane of a computed block.
-    subroutine unload_lane(case, block, lane, wanted, values, status, note)
+    subroutine unload_lane(case, block, lane, wanted, max_steps, values, status, note)
         type(case_t), intent(in) :: case
         type(exact_block_t), intent(in) :: block
         integer, intent(in) :: lane
         logical, intent(in) :: wanted(sweep_groups)
+        integer(int64), intent(inout) :: max_steps !! left of the work of the case
         real(dp), intent(out) :: values(quantities)
         integer, intent(out) :: status
         type(note_t), intent(inout) :: note
@@ -106,7 +120,7 @@ contains
         values(q_evaluations) = 0
         values(q_orientation_error) = 0
         if (wanted(group_details)) call put_details(case, values, note)
-        call put_stability(case, wanted, values, note)
+        call put_stability(case, wanted, max_steps, values, status, note)
         if (wanted(group_floor)) then
             values(q_double_floor) = double_floor(case%body, case%start, case%t_end)
         end if

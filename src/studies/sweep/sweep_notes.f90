@@ -4,21 +4,22 @@ module spintop_sweep_notes
     private
     public :: note_t, note_names
     public :: note_no_period, note_no_turns, note_no_nutation, note_no_class, note_no_fast_top, note_no_details, &
-        note_no_azimuth, note_no_stop, note_no_extremes, note_no_growth, note_no_lyapunov
+        note_no_azimuth, note_no_stop, note_no_extremes, note_no_growth, note_no_lyapunov, note_no_singular
 
     !> Places of the notes in the list below, which has them in this order.
     enum, bind(C)
         enumerator :: note_no_period = 1
         enumerator :: note_no_turns, note_no_nutation, note_no_class, note_no_fast_top, note_no_details
         enumerator :: note_no_azimuth, note_no_stop, note_no_extremes, note_no_growth, note_no_lyapunov
+        enumerator :: note_no_singular
     end enum
 
     !> What there is to note, apart from the reason in a case.
-    character(*), parameter :: note_names(note_no_lyapunov) = [character(40) :: &
+    character(*), parameter :: note_names(note_no_singular) = [character(40) :: &
         'no nutation period', 'no nutations per turn', 'no full nutation in the span', 'no class', &
         'no fast-top formulas', 'no class and extremes', 'no azimuth after a period', &
         'stop_at did not come in the span', 'no extremes of theta_rate and force', 'no growth rate', &
-        'no Lyapunov exponent']
+        'no Lyapunov exponent', 'no largest singular value']
 
     !> The notes on a case.
     type :: note_t

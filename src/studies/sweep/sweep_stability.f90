@@ -1,47 +1,71 @@
 !> What a sweep table says of the stability of a case.
 module spintop_sweep_stability
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
-    use spintop_lyapunov, only: find_lyapunov
+    use spintop_lyapunov, only: find_largest_singular_value, find_lyapunov
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
-    use spintop_status, only: status_ok, status_unsuitable, status_meanings
-    use spintop_sweep_columns, only: quantities, group_growth, group_lyapunov, sweep_groups, &
-        q_growth_rate, q_lyapunov_exponent
-    use spintop_sweep_notes, only: note_t, note_no_growth, note_no_lyapunov
+    use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_unsuitable, status_meanings
+    use spintop_sweep_columns, only: quantities, group_growth, group_lyapunov, group_singular, sweep_groups, &
+        q_growth_rate, q_largest_singular_value, q_lyapunov_exponent
+    use spintop_sweep_notes, only: note_t, note_no_growth, note_no_lyapunov, note_no_singular
     implicit none
     private
     public :: put_stability
 
 contains
 
-    !> The growth rate at a relative equilibrium, and the largest Lyapunov exponent.
-    subroutine put_stability(case, wanted, values, note)
+    !> The growth rate at a relative equilibrium, the Lyapunov exponent, and the largest singular value.
+    !> `status` tells of work that was not finished or of numbers that overflowed.
+    subroutine put_stability(case, wanted, max_steps, values, status, note)
         type(case_t), intent(in) :: case
         logical, intent(in) :: wanted(sweep_groups)
+        integer(int64), intent(inout) :: max_steps !! left of the work of the case
         real(dp), intent(inout) :: values(quantities)
+        integer, intent(out) :: status
         type(note_t), intent(inout) :: note
         complex(dp) :: eigenvalues(6)
-        real(dp) :: exponents(1)
-        integer :: status
+        real(dp) :: value(1)
+        integer :: how, steps
 
+        status = status_ok
         if (wanted(group_growth)) then
-            call find_equilibrium_eigenvalues(case%body, case%start, eigenvalues, status)
-            if (status == status_ok) then
+            call find_equilibrium_eigenvalues(case%body, case%start, eigenvalues, how)
+            if (how == status_ok) then
                 values(q_growth_rate) = maxval(real(eigenvalues, dp))
-            else if (status == status_unsuitable) then
+            else if (how == status_unsuitable) then
                 call note%add(note_no_growth, 'the start is not at rest, sleeping or steady')
             else
-                call note%add(note_no_growth, trim(status_meanings(status)))
+                call note%add(note_no_growth, trim(status_meanings(how)))
             end if
         end if
         if (wanted(group_lyapunov)) then
-            call find_lyapunov(case%body, case%start, case%t_end, exponents, status)
-            if (status == status_ok) then
-                values(q_lyapunov_exponent) = exponents(1)
-            else
-                call note%add(note_no_lyapunov, trim(status_meanings(status)))
-            end if
+            call find_lyapunov(case%body, case%start, case%t_end, value, how, max_steps=most_steps(), steps=steps)
+            call take(q_lyapunov_exponent, note_no_lyapunov)
         end if
+        if (wanted(group_singular)) then
+            call find_largest_singular_value(case%body, case%start, case%t_end, value(1), how, most_steps(), steps)
+            call take(q_largest_singular_value, note_no_singular)
+        end if
+
+    contains
+
+        integer function most_steps()
+            most_steps = int(max(0_int64, min(max_steps, int(huge(1) - 1, int64))))
+        end function most_steps
+
+        !> Takes what was found, or notes why it was not.
+        subroutine take(quantity, reason)
+            integer, intent(in) :: quantity, reason
+            max_steps = max_steps - steps
+            if (how == status_ok) then
+                values(quantity) = value(1)
+            else
+                call note%add(reason, trim(status_meanings(how)))
+                if (how == status_step_limit .or. how == status_non_finite) status = how
+            end if
+        end subroutine take
+
     end subroutine put_stability
 
 end module spintop_sweep_stability

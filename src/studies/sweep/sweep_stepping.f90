@@ -1,6 +1,8 @@
 !> A case of a sweep that is followed step by step.
 module spintop_sweep_stepping
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
+    use spintop_compare, only: is_finite
     use spintop_attitude, only: rotation_angle
     use spintop_case, only: case_t
     use spintop_conditioning, only: double_floor
@@ -55,6 +57,8 @@ contains
         type(note_t), intent(inout) :: note
         type(nutation_watch_t), allocatable :: watch
         type(nutation_t) :: nutation
+        integer(int64) :: max_steps
+        integer :: stability
         logical :: measures
 
         values = no_values()
@@ -66,7 +70,9 @@ contains
             end if
             if (wanted(group_details)) call put_details(case, values, note)
         end if
-        call put_stability(case, wanted, values, note)
+        max_steps = plan%stepper%controls%max_steps
+        call put_stability(case, wanted, max_steps, values, stability, note)
+        if (stability /= status_ok) status = stability
         if (wanted(group_fast_top)) call put_fast_top(case, values, note)
 
         measures = any(wanted([group_nutation, group_details])) .and. .not. case%body%is_lagrange()
@@ -76,8 +82,9 @@ contains
             call watch%set(events, n, case)
             if (measures) call watch%measure_nutation(case)
         end if
-        call follow(case, plan, wanted, watch, values, status, note)
+        call follow(case, plan, max_steps, wanted, watch, values, status, note)
         if (status /= status_ok) return
+        status = stability
         if (measures) call put_measured(case, watch, values, note)
         if (measures .and. wanted(group_details)) then
             call note%add(note_no_extremes, 'they are not measured')
@@ -87,10 +94,11 @@ contains
         end if
     end subroutine compute_stepping
 
-    !> Follows the motion to the end of its span, or to the event that ends it.
-    subroutine follow(case, plan, wanted, watch, values, status, note)
+    !> Follows the motion to the end of its span, or to the event that ends it, with the work that is left.
+    subroutine follow(case, plan, max_steps, wanted, watch, values, status, note)
         type(case_t), intent(in) :: case
         type(plan_t), intent(inout) :: plan
+        integer(int64), intent(in) :: max_steps
         logical, intent(in) :: wanted(sweep_groups)
         type(nutation_watch_t), intent(inout), optional :: watch
         real(dp), intent(inout) :: values(quantities)
@@ -99,6 +107,7 @@ contains
         type(witness_t) :: witness
         type(outcome_t) :: outcome
         real(dp), allocatable :: times(:)
+        integer(int64) :: all_steps
 
         call plan%fit_steps(case%t_end)
         call begin_witness(case, witness)
@@ -106,8 +115,11 @@ contains
         times = [case%t_end]
         if (wanted(group_energy)) times = sample_times(case%t_end, rows(plan))
         if (wanted(group_period)) times = with_time(times, witness%period)
+        all_steps = plan%stepper%controls%max_steps
+        plan%stepper%controls%max_steps = max_steps
         call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, times, &
                        witness, outcome, watch)
+        plan%stepper%controls%max_steps = all_steps
         status = outcome%status
         values(q_evaluations) = real(outcome%counts%evaluations, dp)
         if (wanted(group_period)) then
@@ -188,7 +200,9 @@ contains
         real(dp) :: energy
         self%last = motion
         energy = kinetic_energy(self%case%body, motion) + potential_energy(self%case%body, motion)
-        self%energy_error = max(self%energy_error, abs(energy - self%energy) / self%energy_scale)
+        energy = abs(energy - self%energy) / self%energy_scale
+        ! What is not finite stays.
+        if (is_finite(self%energy_error) .and. .not. energy <= self%energy_error) self%energy_error = energy
         if (matches(motion%t, self%period)) then
             self%saw_period = .true.
             self%azimuth_at_period = motion%angle(1) - self%case%start%angle(1)

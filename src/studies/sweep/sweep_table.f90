@@ -3,6 +3,7 @@
 module spintop_sweep_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
+    use spintop_compare, only: is_finite
     use spintop_errors, only: error_t
     use spintop_growing_table, only: growing_table_t
     use spintop_job, only: job_t
@@ -14,9 +15,10 @@ module spintop_sweep_table
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
     use spintop_shard, only: shard_t
-    use spintop_status, only: status_names
+    use spintop_status, only: status_names, status_non_finite, status_ok
     use spintop_sweep_axes, only: axes_t, combine_grid
-    use spintop_sweep_columns, only: quantities, q_motion_class, sweep_columns
+    use spintop_sweep_columns, only: quantities, q_energy_error_max, q_motion_class, q_phi_end, q_psi_end, q_t_end, &
+        q_theta_end, sweep_columns
     use spintop_sweep_notes, only: note_names, note_t
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words, table_column_t
     use spintop_table_head, only: comment_lines, table_head
@@ -27,6 +29,8 @@ module spintop_sweep_table
 
     !> The column with the number of the case.
     character(*), parameter :: case_column = 'case'
+    !> Quantities that every case has which ends well.
+    integer, parameter :: always_defined(*) = [q_t_end, q_theta_end, q_phi_end, q_psi_end, q_energy_error_max]
 
 contains
 
@@ -54,10 +58,11 @@ contains
         head = comment_lines(part) // table_head(header, table%columns%name)
     end subroutine describe_table
 
-    !> Starts the table, or goes on with one (`resume`) of the same head.
-    subroutine start_table(job, resume, head, table, error)
+    !> Starts the table, or goes on with one (`resume`) of the same head; what an interrupted run has left is
+    !> discarded only if that is asked for (`restart`).
+    subroutine start_table(job, resume, restart, head, table, error)
         type(job_t), intent(in) :: job
-        logical, intent(in) :: resume
+        logical, intent(in) :: resume, restart
         character(*), intent(in) :: head
         class(row_table_t), intent(inout) :: table
         type(error_t), allocatable, intent(out) :: error
@@ -66,7 +71,7 @@ contains
 
         select type (table)
         type is (growing_table_t)
-            call table%start(job%output, head, resume, error)
+            call table%start(job%output, head, resume, restart, error)
         type is (netcdf_table_t)
             call gather(job, facts, input)
             call table%start(job%output, facts, input, grid_of(job%axes), error)
@@ -156,13 +161,16 @@ contains
         real(dp), intent(in) :: values(quantities)
         type(note_t), intent(in) :: note
         type(row_block_t), intent(inout) :: rows
-        integer :: i
+        integer :: i, told
 
+        ! What a case does not have is a NaN with a note; what overflowed is a failure.
+        told = status
+        if (status == status_ok .and. overflowed(job, values)) told = status_non_finite
         rows%rows = rows%rows + 1
         associate (cells => rows%cells(:, rows%rows), axes => size(parameters))
             cells(1) = real(number, dp)
             cells(2:axes + 1) = parameters
-            cells(axes + 2) = status
+            cells(axes + 2) = told
             ! As an assignment of arrays this takes memory from the heap for each row.
             do i = 1, size(job%columns)
                 cells(axes + 2 + i) = values(job%columns(i))
@@ -170,7 +178,21 @@ contains
             cells(size(cells)) = note%flags
         end associate
         call rows%set_note(note%text)
-        rows%counts(status) = rows%counts(status) + 1
+        rows%counts(told) = rows%counts(told) + 1
     end subroutine put_row
+
+    !> Whether a quantity of the table is infinite, or the end of the motion undefined.
+    pure logical function overflowed(job, values)
+        type(job_t), intent(in) :: job
+        real(dp), intent(in) :: values(quantities)
+        integer :: i
+        overflowed = .false.
+        do i = 1, size(job%columns)
+            associate (value => values(job%columns(i)))
+                overflowed = overflowed .or. abs(value) > huge(value)
+                if (any(job%columns(i) == always_defined)) overflowed = overflowed .or. .not. is_finite(value)
+            end associate
+        end do
+    end function overflowed
 
 end module spintop_sweep_table

@@ -10,9 +10,9 @@ module spintop_sweep_worker
     use spintop_plan, only: plan_t, make_plan
     use spintop_problems, only: problems_t
     use spintop_row_block, only: row_block_t
-    use spintop_scene, only: scene_t, describe_scene, max_axes
+    use spintop_scene, only: scene_t, describe_scene
     use spintop_start_of_scene, only: attitude_parameters
-    use spintop_status, only: status_ok, status_bad_input
+    use spintop_status, only: status_ok, status_bad_input, status_meanings
     use spintop_sweep_axes, only: put_values
     use spintop_sweep_batch, only: sweep_batch_t, goes_in_batch
     use spintop_sweep_columns, only: sweep_columns, sweep_groups, quantities, group_end, group_energy, &
@@ -43,15 +43,19 @@ module spintop_sweep_worker
         !> Which groups of quantities are wanted.
         logical, private :: wanted(sweep_groups) = .false.
         !> The cases of a block, each made in the place of one of the last block, from which it keeps what is the
-        !> same; status, note, swept parameters, quantities, and lane in the block of the exact motion (0 for
+        !> same; status, note, quantities, and lane in the block of the exact motion (0 for
         !> cases without).
-        type(case_t), private :: cases(block_size)
-        integer, private :: status(block_size) = status_ok, lane(block_size) = 0
-        type(note_t), private :: note(block_size)
+        type(case_t), allocatable, private :: cases(:)
+        integer, allocatable, private :: status(:), lane(:)
+        type(note_t), allocatable, private :: note(:)
+        !> What is left of the work that a case may take, in steps.
+        integer(int64), allocatable, private :: max_steps(:)
         !> Whether the event came that was to end the motion.
-        logical, private :: came(block_size) = .true.
-        real(dp), private :: parameters(max_axes, block_size) = 0, values(quantities, block_size) = 0
-        type(exact_block_t), private :: block
+        logical, allocatable, private :: came(:)
+        !> The swept parameters of each case, as many as there are axes.
+        real(dp), allocatable, private :: parameters(:, :)
+        real(dp), allocatable, private :: values(:, :)
+        type(exact_block_t), allocatable, private :: block
         type(sweep_batch_t), private :: batch
         !> Seconds spent on making and computing cases, and on filling their rows.
         real(dp) :: making = 0, computing = 0, filling = 0
@@ -77,7 +81,16 @@ contains
         worker%scene = job%scene
         call describe_scene(worker%scene, table)
         allocate (worker%slots, source=job%axes%slots_in(table))
-        worker%cases = job%case
+        ! Not on the stack, which may be small.
+        allocate (worker%cases(block_size), source=job%case)
+        allocate (worker%status(block_size), worker%lane(block_size), worker%came(block_size), worker%max_steps(block_size))
+        allocate (worker%parameters(size(job%axes%axis), block_size), worker%values(quantities, block_size))
+        allocate (worker%note(block_size), worker%block)
+        worker%status = status_ok
+        worker%lane = 0
+        worker%came = .true.
+        worker%parameters = 0
+        worker%values = 0
         worker%plan = job%plan
         worker%same_body = .not. job%axes%varies('top')
         worker%same_attitude = .not. job%axes%varies_any(attitude_parameters)
@@ -97,16 +110,21 @@ contains
         real(dp) :: moment
         integer :: k
 
-        associate (n => int(last - first + 1), axes => size(job%axes%axis), block => worker%block)
+        associate (n => int(last - first + 1), block => worker%block)
             moment = seconds()
             block%n = 0
             do k = 1, n
                 call worker%note(k)%clear()
-                call job%axes%find_values(first + k - 1, worker%parameters(:axes, k))
-                call put_values(worker%slots, worker%parameters(:axes, k))
+                call job%axes%find_values(first + k - 1, worker%parameters(:, k))
+                call put_values(worker%slots, worker%parameters(:, k))
                 call make_worker_case(worker, k)
+                worker%max_steps(k) = worker%plan%max_steps
                 if (worker%plan%exact .and. worker%status(k) == status_ok .and. size(job%events) > 0) then
-                    call stop_exactly(worker%cases(k), job%events, job%stop_after, worker%came(k))
+                    call stop_exactly(worker%cases(k), job%events, job%stop_after, worker%max_steps(k), &
+                                      worker%status(k), worker%came(k))
+                    if (worker%status(k) /= status_ok) then
+                        call worker%note(k)%explain(trim(status_meanings(worker%status(k))))
+                    end if
                 end if
                 worker%lane(k) = 0
                 if (worker%status(k) /= status_ok) then
@@ -135,17 +153,18 @@ contains
             if (worker%batch%n > 0) then
                 call worker%batch%compute(worker%cases, worker%wanted, worker%values, worker%status, worker%note)
             end if
+            do k = 1, n
+                if (worker%lane(k) == 0) cycle
+                call unload_lane(worker%cases(k), block, worker%lane(k), worker%wanted, worker%max_steps(k), &
+                                 worker%values(:, k), worker%status(k), worker%note(k))
+                if (worker%status(k) == status_ok .and. .not. worker%came(k)) call worker%note(k)%add(note_no_stop)
+            end do
             worker%computing = worker%computing + (seconds() - moment)
 
             moment = seconds()
             call reserve_rows(job, block_size, rows)
             do k = 1, n
-                if (worker%lane(k) > 0) then
-                    call unload_lane(worker%cases(k), block, worker%lane(k), worker%wanted, &
-                                     worker%values(:, k), worker%status(k), worker%note(k))
-                    if (worker%status(k) == status_ok .and. .not. worker%came(k)) call worker%note(k)%add(note_no_stop)
-                end if
-                call put_row(job, first + k - 1, worker%parameters(:axes, k), worker%status(k), worker%values(:, k), &
+                call put_row(job, first + k - 1, worker%parameters(:, k), worker%status(k), worker%values(:, k), &
                              worker%note(k), rows)
             end do
             worker%filling = worker%filling + (seconds() - moment)

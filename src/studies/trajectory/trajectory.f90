@@ -5,7 +5,7 @@ module spintop_trajectory
     use spintop_body, only: body_t
     use spintop_case, only: case_t
     use spintop_columns, only: column_computer_t, column_t, trajectory_columns
-    use spintop_errors, only: error_t
+    use spintop_errors, only: error_t, exit_internal
     use spintop_event_recorder, only: event_recorder_t, event_columns, exact_path_t
     use spintop_exact_cost, only: measure_exact_cost
     use spintop_exact_motion, only: prepare_exact_motion
@@ -13,11 +13,12 @@ module spintop_trajectory
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_job, only: job_t, options_t
     use spintop_motion, only: motion_t
-    use spintop_plan, only: sample_time, sample_times
+    use spintop_plan, only: plan_t, sample_time
     use spintop_progress, only: progress_t
     use spintop_parameter_print, only: print_namelist
     use spintop_provenance, only: describe_provenance, fact_count, fact_t, gather_facts
-    use spintop_status, only: status_ok, status_name, status_meaning
+    use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_name, status_meaning
+    use spintop_stepper, only: looks_per_step
     use spintop_summary, only: summary_t, decimal, rounded
     use spintop_system, only: seconds
     use spintop_table_file, only: table_file_t
@@ -33,9 +34,14 @@ module spintop_trajectory
         type(table_file_t) :: file
         type(progress_t) :: progress
         real(dp) :: t_end = 0
+        !> No row is wanted after this time, s.
+        real(dp) :: t_stop = huge(1.0_dp)
         !> Rows of the whole table.
         integer(int64) :: total = 0
         integer :: rows = 0
+        !> A motion had a value that overflowed or is not a number, and when, s.
+        logical :: is_wild = .false.
+        real(dp) :: t_wild = 0
         type(error_t), allocatable :: error
     contains
         procedure :: observe
@@ -57,9 +63,13 @@ contains
         type(outcome_t) :: outcome
         type(string_t), allocatable :: input(:), header(:)
         type(string_t) :: trailer(1)
+        real(dp), allocatable :: times(:)
+        character(:), allocatable :: head
         real(dp) :: began, elapsed, setup, sample
 
         status = status_ok
+        call take_times(job, times, error)
+        if (allocated(error)) return
         associate (case => job%case, plan => job%plan)
             writer%t_end = case%t_end
             writer%total = plan%samples
@@ -70,7 +80,8 @@ contains
             associate (columns => trajectory_columns(job%columns))
                 call print_namelist(job%table, input)
                 call describe_table(job, input, columns, header)
-                call writer%file%create(job%output, table_head(header, columns%name), error)
+                head = table_head(header, columns%name)
+                call writer%file%create(job%output, head, error)
                 if (allocated(error)) return
                 if (size(job%events) > 0) then
                     allocate (watch)
@@ -90,11 +101,15 @@ contains
 
             began = seconds()
             if (plan%exact) then
-                call sample_exactly(case, plan%samples, writer, outcome, watch)
+                call sample_exactly(case, plan, writer, outcome, watch)
             else
                 call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, &
-                               sample_times(case%t_end, plan%samples), writer, outcome, watch)
+                               times, writer, outcome, watch)
+                if (allocated(watch)) then
+                    if (watch%ended_by > 0 .and. plan%is_adaptive()) call compute_again(job, head, times, writer, outcome)
+                end if
             end if
+            call check_values(writer, outcome)
             elapsed = seconds() - began
             call writer%progress%finish()
             status = outcome%status
@@ -130,6 +145,63 @@ contains
             if (job%scene%stop_at /= '' .and. status == status_ok) call summary%add('end', what_ended(job, watch))
         end associate
     end subroutine run_trajectory
+
+    !> The instants of the rows; none where the exact motion is sampled, which takes them as they come.
+    subroutine take_times(job, times, error)
+        type(job_t), intent(in) :: job
+        real(dp), allocatable, intent(out) :: times(:)
+        type(error_t), allocatable, intent(out) :: error
+        integer :: i, status
+
+        allocate (times(merge(0, job%plan%samples, job%plan%exact)), stat=status)
+        if (status /= 0) then
+            error = error_t(exit_internal, job%input // ': there is no memory for the instants of ' &
+                            // to_text(job%plan%samples) // ' rows; take fewer span.samples')
+            return
+        end if
+        do i = 1, size(times)
+            times(i) = sample_time(job%case%t_end, size(times), i)
+        end do
+    end subroutine take_times
+
+    !> Computes a motion that an event ended once more, in the same steps, up to there: its rows are spread
+    !> over what was run, and the last is the motion at the event.
+    subroutine compute_again(job, head, times, writer, outcome)
+        type(job_t), intent(inout) :: job
+        character(*), intent(in) :: head
+        real(dp), intent(inout) :: times(:) !! instants of the rows
+        type(writer_t), intent(inout) :: writer
+        type(outcome_t), intent(inout) :: outcome
+        type(outcome_t) :: first
+        integer :: i
+
+        if (writer%has_enough) return
+        first = outcome
+        call writer%file%discard()
+        call writer%file%create(job%output, head, writer%error)
+        if (allocated(writer%error)) return
+        writer%rows = 0
+        call writer%columns%set(job%columns, job%case)
+        do i = 1, size(times)
+            times(i) = sample_time(first%t, size(times), i)
+        end do
+        associate (case => job%case, plan => job%plan)
+            writer%t_stop = first%t
+            call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, &
+                           times, writer, outcome)
+        end associate
+        if (outcome%status == status_ok) outcome%t = first%t
+        call outcome%counts%add(first%counts)
+    end subroutine compute_again
+
+    !> A motion is not well that has values which are none.
+    subroutine check_values(writer, outcome)
+        type(writer_t), intent(in) :: writer
+        type(outcome_t), intent(inout) :: outcome
+        if (.not. writer%is_wild) return
+        outcome%status = status_non_finite
+        outcome%t = writer%t_wild
+    end subroutine check_values
 
     !> The head of a table with these columns, made from this resolved input.
     subroutine describe_table(job, input, columns, header)
@@ -177,33 +249,38 @@ contains
     end function what_ended
 
     !> The exact motion at equally spaced times, up to the event that ends it.
-    subroutine sample_exactly(case, samples, writer, outcome, watch)
+    subroutine sample_exactly(case, plan, writer, outcome, watch)
         type(case_t), intent(in) :: case
-        integer, intent(in) :: samples
+        type(plan_t), intent(in) :: plan
         type(writer_t), intent(inout) :: writer
         type(outcome_t), intent(out) :: outcome
         type(event_recorder_t), intent(inout), optional :: watch
         type(exact_path_t) :: path
-        real(dp) :: t
+        real(dp) :: t_end, t
         integer :: i
 
         associate (exact => path%exact)
             call prepare_exact_motion(case%body, case%start, exact, outcome%status)
             if (outcome%status /= status_ok) return
-            if (present(watch)) call watch%begin(case%body, exact%at(0.0_dp))
-            do i = 1, samples
-                t = sample_time(case%t_end, samples, i)
-                if (present(watch)) then
-                    call watch%look(path, t)
-                    if (watch%has_enough) t = watch%t
+            t_end = case%t_end
+            if (present(watch)) then
+                path%most_looks = looks_per_step * plan%max_steps
+                call watch%begin(case%body, exact%at(0.0_dp))
+                call watch%look(path, t_end)
+                if (watch%has_enough) then
+                    t_end = watch%t
+                else if (watch%t < t_end) then
+                    outcome%status = status_step_limit
                 end if
+            end if
+            do i = 1, plan%samples
+                t = sample_time(t_end, plan%samples, i)
+                if (outcome%status == status_step_limit .and. t > watch%t) exit
                 call writer%write_row(exact%at(t))
-                outcome%t = t
                 if (writer%has_enough) exit
-                if (present(watch)) then
-                    if (watch%has_enough) exit
-                end if
+                outcome%t = t
             end do
+            if (outcome%status == status_step_limit) outcome%t = watch%t
         end associate
     end subroutine sample_exactly
 
@@ -228,9 +305,15 @@ contains
         class(writer_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion
         if (self%has_enough) return
-        self%rows = self%rows + 1
-        call self%file%add_row(self%columns%row(motion), self%error)
-        self%has_enough = allocated(self%error)
+        associate (values => self%columns%row(motion, is_start=self%rows == 0))
+            self%is_wild = .not. self%columns%is_defined(values)
+            self%t_wild = motion%t
+            self%has_enough = self%is_wild
+            if (self%is_wild) return
+            self%rows = self%rows + 1
+            call self%file%add_row(values, self%error)
+        end associate
+        self%has_enough = allocated(self%error) .or. motion%t >= self%t_stop
         call self%progress%update(int(motion%t / self%t_end * self%total, int64))
     end subroutine write_row
 

@@ -1,0 +1,36 @@
+!> A motion that can be had at any time within a stretch, for those who look for something on it.
+module spintop_path
+    use spintop_kinds, only: dp
+    use spintop_motion, only: motion_t
+    implicit none
+    private
+    public :: path_t
+
+    !> What extends it says what the motion is, and how often it may be looked at.
+    type, abstract :: path_t
+    contains
+        procedure(at), deferred :: at
+        procedure :: is_spent
+    end type path_t
+
+    abstract interface
+        !> The motion at a time.
+        subroutine at(self, t, motion)
+            import :: path_t, motion_t, dp
+            class(path_t), intent(inout) :: self
+            real(dp), intent(in) :: t
+            type(motion_t), intent(out) :: motion
+        end subroutine at
+    end interface
+
+contains
+
+    !> Whether it was looked at as often as is allowed: never, unless what extends it says so.
+    logical function is_spent(self)
+        class(path_t), intent(in) :: self
+        associate (unused => self)
+        end associate
+        is_spent = .false.
+    end function is_spent
+
+end module spintop_path

@@ -1,0 +1,156 @@
+!> The equations of an implicit step where Newton's method with one Jacobian gives up: Newton's method
+!> with the Jacobian of every stage at every iteration, and continuation in the step size.
+!>
+!> The solution wanted is the one that grows out of the state as the step does (Deuflhard, Newton
+!> Methods for Nonlinear Problems, 2004, 5.1). So it is followed from a step of size zero, in stretches
+!> short enough that Newton's method contracts at once and goes less far than the prediction.
+module spintop_stage_continuation
+    use spintop_kinds, only: dp
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_states
+    use spintop_implicit_tables, only: implicit_table_t, max_implicit_stages
+    use spintop_lapack, only: dgetrf, dgetrs
+    use spintop_stage_equations, only: acceptable, find_jacobian, find_residual, largest, negligible, sure, &
+        units_of_stages
+    use spintop_status, only: status_ok, status_not_converged
+    use spintop_stepper, only: workspace_t
+    implicit none
+    private
+    public :: follow_stages, solve_from_near
+
+    !> Largest number of unknowns.
+    integer, parameter :: max_unknowns = max_states * max_implicit_stages
+    !> Iterations after which a stretch counts as too long: the digits double.
+    integer, parameter :: most_iterations = 10
+    !> Increments of stages, in their units, that approximate a motion: an inclination has a range of pi
+    !> in all, a component of a quaternion of 4, a rate of 2.
+    real(dp), parameter :: farthest = 2
+    !> The shortest stretch, and the largest number of them tried, in a step.
+    real(dp), parameter :: shortest = 2.0_dp**(-12)
+    integer, parameter :: most_stretches = 200
+
+contains
+
+    !> Follows the solution of the equations of the stages from a step of size zero. The status is
+    !> `status_not_converged` where it ends, or turns back, before the step has its size.
+    subroutine follow_stages(table, formulation, work, h, z, status)
+        type(implicit_table_t), intent(in) :: table !! the method
+        class(formulation_t), intent(in) :: formulation !! the equations of motion
+        class(workspace_t), intent(inout) :: work !! state and slope at the beginning of the step
+        real(dp), intent(in) :: h !! step size, s
+        real(dp), intent(out) :: z(max_states, max_implicit_stages) !! increments of the stages
+        integer, intent(out) :: status !! `status_ok`, or `status_not_converged`
+        real(dp), dimension(max_states, max_implicit_stages) :: here, tangent
+        real(dp) :: share, stretch
+        integer :: attempt, i
+
+        here = 0
+        do i = 1, max_implicit_stages
+            tangent(:, i) = table%node(i) * h * work%slope
+        end do
+        share = 0
+        stretch = 1
+        do attempt = 1, most_stretches
+            stretch = min(stretch, 1 - share)
+            z = here + stretch * tangent
+            call iterate(table, formulation, work, (share + stretch) * h, stretch * tangent, z, status)
+            if (status == status_ok) then
+                if (largest(z, formulation%scale, .not. formulation%cyclic) > farthest) exit
+                if (.not. share + stretch < 1) return
+                here = z
+                share = share + stretch
+                stretch = 2 * stretch
+                ! The equations z = share h (first f(y) + ...), derived by the share.
+                tangent = here / share
+                call find_correction(table, formulation, work, share * h, here, tangent, status)
+                if (status /= status_ok) exit
+            else
+                stretch = stretch / 4
+                if (stretch < shortest) exit
+            end if
+        end do
+        status = status_not_converged
+    end subroutine follow_stages
+
+    !> Solves the equations of the stages to rounding from increments that satisfy them but for the
+    !> last digits.
+    subroutine solve_from_near(table, formulation, work, h, z, status)
+        type(implicit_table_t), intent(in) :: table !! the method
+        class(formulation_t), intent(in) :: formulation !! the equations of motion
+        class(workspace_t), intent(inout) :: work !! state and slope at the beginning of the step
+        real(dp), intent(in) :: h !! step size, s
+        real(dp), intent(inout) :: z(max_states, max_implicit_stages) !! increments of the stages
+        integer, intent(out) :: status !! `status_ok`, or `status_not_converged`
+        call iterate(table, formulation, work, h, z, z, status)
+    end subroutine solve_from_near
+
+    !> Newton's method from the guess in z. The first correction may not be larger than a share of
+    !> `reach`, each further one not larger than that share of the one before, until rounding alone is
+    !> left. Cyclic variables follow from the others and have no say in this.
+    subroutine iterate(table, formulation, work, h, reach, z, status)
+        type(implicit_table_t), intent(in) :: table
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: h, reach(max_states, max_implicit_stages)
+        real(dp), intent(inout) :: z(max_states, max_implicit_stages)
+        integer, intent(out) :: status
+        real(dp) :: correction(max_states, max_implicit_stages), units(max_states)
+        real(dp) :: core, core_previous, magnitude, previous
+        integer :: iteration
+
+        units = units_of_stages(formulation, work%y, z)
+        previous = huge(1.0_dp)
+        core_previous = largest(reach, units, .not. formulation%cyclic)
+        do iteration = 1, most_iterations
+            call find_residual(table, formulation, work, h, z, correction, status)
+            if (status == status_ok) call find_correction(table, formulation, work, h, z, correction, status)
+            if (status /= status_ok) exit
+            magnitude = largest(correction, units)
+            core = largest(correction, units, .not. formulation%cyclic)
+            if (.not. core <= max(sure * core_previous, acceptable)) exit
+            z = z + correction
+            if (magnitude <= negligible .or. magnitude >= previous .and. magnitude <= acceptable) return
+            if (iteration > 1 .and. magnitude * (magnitude / previous) <= negligible) return
+            previous = magnitude
+            core_previous = core
+        end do
+        status = status_not_converged
+    end subroutine iterate
+
+    !> Turns the residual into Newton's correction, with the Jacobian of each stage: the equations
+    !> correction_i - h sum_j a_ij J_j correction_j = residual_i.
+    subroutine find_correction(table, formulation, work, h, z, correction, status)
+        type(implicit_table_t), intent(in) :: table
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: h, z(max_states, max_implicit_stages)
+        real(dp), intent(inout) :: correction(max_states, max_implicit_stages)
+        integer, intent(out) :: status
+        real(dp) :: matrix(max_unknowns, max_unknowns), unknown(max_unknowns, 1)
+        real(dp) :: jacobian(max_states, max_states)
+        type(formulation_info_t) :: info
+        integer :: pivots(max_unknowns), i, j, n, all_unknowns, failure
+
+        info = formulation%info()
+        n = info%states
+        all_unknowns = n * table%stages
+        do j = 1, table%stages
+            call find_jacobian(formulation, work, work%y + z(:, j), jacobian, status)
+            if (status /= status_ok) return
+            do i = 1, table%stages
+                matrix((i - 1) * n + 1:i * n, (j - 1) * n + 1:j * n) = -h * table%a(i, j) * jacobian(:n, :n)
+            end do
+            unknown((j - 1) * n + 1:j * n, 1) = correction(:n, j)
+        end do
+        do i = 1, all_unknowns
+            matrix(i, i) = matrix(i, i) + 1
+        end do
+        status = status_not_converged
+        call dgetrf(all_unknowns, all_unknowns, matrix, max_unknowns, pivots, failure)
+        if (failure /= 0) return
+        call dgetrs('N', all_unknowns, 1, matrix, max_unknowns, pivots, unknown, max_unknowns, failure)
+        if (failure /= 0) return
+        correction(:n, :table%stages) = reshape(unknown(:all_unknowns, 1), [n, table%stages])
+        status = status_ok
+    end subroutine find_correction
+
+end module spintop_stage_continuation

@@ -1,0 +1,101 @@
+!> The equations of the stages of an implicit Runge-Kutta step, their derivatives, and the units in
+!> which their unknowns are measured.
+!>
+!> The unknowns are the increments z of the stages over the state, so that small steps lose no digits.
+module spintop_stage_equations
+    use spintop_kinds, only: dp, epsilon_dp
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_states
+    use spintop_implicit_tables, only: implicit_table_t, max_implicit_stages
+    use spintop_status, only: status_ok
+    use spintop_stepper, only: workspace_t
+    implicit none
+    private
+    public :: find_residual, find_jacobian, units_of_stages, largest
+    public :: negligible, acceptable, sure
+
+    !> An iteration is at rounding when its correction, relative to the units of the stages, is below
+    !> the first, or when it does not shrink any more and is below the second.
+    real(dp), parameter :: negligible = epsilon_dp / 128, acceptable = 1.0e-10_dp
+    !> Contraction that shows the solution to be the one nearby.
+    real(dp), parameter :: sure = 0.5_dp
+
+contains
+
+    !> What is missing to the equations of the stages.
+    subroutine find_residual(table, formulation, work, h, z, residual, status)
+        type(implicit_table_t), intent(in) :: table !! the method
+        class(formulation_t), intent(in) :: formulation !! the equations of motion
+        class(workspace_t), intent(inout) :: work !! state and slope at the beginning of the step
+        real(dp), intent(in) :: h !! step size, s
+        real(dp), intent(in) :: z(max_states, max_implicit_stages) !! increments of the stages
+        real(dp), intent(out) :: residual(max_states, max_implicit_stages) !! in units of the state
+        integer, intent(out) :: status !! that of the right-hand side
+        real(dp) :: slope(max_states)
+        integer :: i, j
+
+        residual = 0
+        status = status_ok
+        do j = 1, table%stages
+            call work%evaluate(formulation, work%y + z(:, j), slope, status)
+            if (status /= status_ok) return
+            do i = 1, table%stages
+                residual(:, i) = residual(:, i) + table%a(i, j) * slope
+            end do
+        end do
+        do i = 1, table%stages
+            residual(:, i) = h * (residual(:, i) + table%first * work%slope) - z(:, i)
+        end do
+    end subroutine find_residual
+
+    !> The Jacobian df/dy by forward differences, good to some digits also where a component is zero.
+    !> On cyclic variables nothing depends.
+    subroutine find_jacobian(formulation, work, y, jacobian, status)
+        class(formulation_t), intent(in) :: formulation !! the equations of motion
+        class(workspace_t), intent(inout) :: work !! counts the evaluations
+        real(dp), intent(in) :: y(max_states) !! where
+        real(dp), intent(out) :: jacobian(max_states, max_states) !! column j is df/dy_j
+        integer, intent(out) :: status !! that of the right-hand side
+        !> Shift of a component relative to its magnitude, and the least magnitude that is taken for it,
+        !> relative to its scale.
+        real(dp), parameter :: share = sqrt(epsilon_dp), least = sqrt(sqrt(epsilon_dp))
+        real(dp) :: moved(max_states), slope(max_states), slope_moved(max_states)
+        type(formulation_info_t) :: info
+        integer :: j
+
+        info = formulation%info()
+        work%counts%jacobians = work%counts%jacobians + 1
+        jacobian = 0
+        call work%evaluate(formulation, y, slope, status)
+        do j = 1, info%states
+            if (status /= status_ok) return
+            if (formulation%cyclic(j)) cycle
+            moved = y
+            moved(j) = y(j) + share * max(abs(y(j)), least * formulation%scale(j))
+            call work%evaluate(formulation, moved, slope_moved, status)
+            jacobian(:, j) = (slope_moved - slope) / (moved(j) - y(j))
+        end do
+    end subroutine find_jacobian
+
+    !> The unit in which each variable's increments are measured: the scale of the motion or, where
+    !> they are larger, the increments or the variable itself. The magnitude of a cyclic one tells nothing.
+    pure function units_of_stages(formulation, y, z) result(units)
+        class(formulation_t), intent(in) :: formulation !! the equations of motion
+        real(dp), intent(in) :: y(max_states) !! state at the beginning of the step
+        real(dp), intent(in) :: z(max_states, max_implicit_stages) !! increments of the stages
+        real(dp) :: units(max_states)
+        units = max(formulation%scale, maxval(abs(z), dim=2), merge(0.0_dp, abs(y), formulation%cyclic))
+    end function units_of_stages
+
+    !> Largest of the components of all stages, each in its unit; of those in a selection if there is one.
+    pure real(dp) function largest(z, units, selection)
+        real(dp), intent(in) :: z(max_states, max_implicit_stages) !! increments
+        real(dp), intent(in) :: units(max_states) !! their units
+        logical, intent(in), optional :: selection(max_states) !! the variables that count
+        if (present(selection)) then
+            largest = maxval(maxval(abs(z), dim=2) / units, mask=selection)
+        else
+            largest = maxval(maxval(abs(z), dim=2) / units)
+        end if
+    end function largest
+
+end module spintop_stage_equations

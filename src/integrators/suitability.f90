@@ -1,0 +1,156 @@
+!> What suits what: which stepper carries which formulation of which body, and why not.
+!>
+!> `can_run` is the one place that decides it, for the library's `integrate`, for the program's plans
+!> and for tests. It is made of the single conditions, for messages that go into detail.
+module spintop_suitability
+    use spintop_kinds, only: dp
+    use spintop_arkode_tables, only: arkode_table_t, find_arkode_table
+    use spintop_body, only: body_t
+    use spintop_compare, only: is_zero
+    use spintop_formulation, only: formulation_t, formulation_info_t, structure_none
+    use spintop_motion, only: motion_t
+    use spintop_projection, only: project_nothing, project_unit, project_invariants
+    use spintop_status, only: status_ok, status_bad_controls, status_bad_projection, status_bad_samples, &
+        status_bad_span, status_no_steps, status_no_structure, status_stuck_at_turn, status_unsuitable
+    use spintop_stepper, only: controls_t, method_info_t, stepper_t
+    use spintop_validity, only: body_status, start_status
+    implicit none
+    private
+    public :: can_run, holds_for, has_structure, passes_turns, projection_status, controls_status, call_status
+
+contains
+
+    !> Whether a stepper, as it is set, carries a formulation of a body to the right motion:
+    !> `status_ok`, or the first of
+    !>
+    !> * `status_unsuitable`: the equations do not hold for the body;
+    !> * `status_no_structure`: the method needs more of them than y' = f(y), and they do not offer it;
+    !> * `status_stuck_at_turn`: the method would be caught at the first turning point of theta;
+    !> * `status_bad_projection`: there is nothing to project on;
+    !> * `status_no_steps`, `status_bad_controls`: the method's settings.
+    integer function can_run(stepper, formulation, body) result(status)
+        class(stepper_t), intent(in) :: stepper
+        class(formulation_t), intent(in) :: formulation
+        type(body_t), intent(in) :: body
+        type(formulation_info_t) :: form
+        form = formulation%info()
+        if (.not. holds_for(form, body)) then
+            status = status_unsuitable
+        else if (.not. has_structure(form, stepper%info)) then
+            status = status_no_structure
+        else if (.not. passes_turns(form, stepper%info)) then
+            status = status_stuck_at_turn
+        else
+            status = projection_status(stepper%controls%project, form, body)
+            if (status == status_ok) status = controls_status(stepper%info, stepper%controls)
+        end if
+    end function can_run
+
+    !> Whether the equations hold for a body.
+    pure logical function holds_for(form, body)
+        type(formulation_info_t), intent(in) :: form
+        type(body_t), intent(in) :: body
+        if (form%symmetric_only) then
+            holds_for = body%is_lagrange() .and. body%inertia(1) > 0
+        else
+            holds_for = all(body%inertia > 0)
+        end if
+    end function holds_for
+
+    !> Whether the equations offer what a method needs.
+    pure logical function has_structure(form, method)
+        type(formulation_info_t), intent(in) :: form
+        type(method_info_t), intent(in) :: method
+        has_structure = method%needs == structure_none
+        if (.not. has_structure) has_structure = form%offers(method%needs)
+    end function has_structure
+
+    !> Whether a method passes the turning points of theta under these equations.
+    !>
+    !> With theta' = v reset from the energy after each step, v^2 = 2 a d at a distance d from a turning
+    !> point where theta'' = -a, a step of size h of a method with sum b_i c_i = c takes x = v/(a h) to
+    !> sqrt((x - 1)^2 + 2 c - 1), with the sign of x - 1. For c = 1/2, every method of order 2 and more,
+    !> this is |x - 1|: the turning point is passed. For c = 0 (explicit Euler) the root vanishes at once,
+    !> and v = 0 moves theta no more. For c = 1 (implicit Euler) x tends to 1 from above, where theta
+    !> rests, and but rounding takes it from there. In between (c = 2/3, `galerkin`) it is passed.
+    pure logical function passes_turns(form, method)
+        type(formulation_info_t), intent(in) :: form
+        type(method_info_t), intent(in) :: method
+        passes_turns = .not. (form%resets_speed .and. method%caught_by_reset)
+    end function passes_turns
+
+    !> `status_ok`, or `status_bad_projection` where there is nothing to project on: no quaternion, or
+    !> no invariants. A damped body conserves none but the length of the quaternion.
+    pure integer function projection_status(kind, form, body) result(status)
+        integer, intent(in) :: kind !! as in `spintop_projection`
+        type(formulation_info_t), intent(in) :: form
+        type(body_t), intent(in) :: body
+        logical :: possible
+        select case (kind)
+        case (project_nothing)
+            possible = .true.
+        case (project_unit)
+            possible = form%quaternion > 0
+        case (project_invariants)
+            possible = form%invariants > 0 .and. all(is_zero(body%damping))
+        case default
+            possible = .false.
+        end select
+        status = merge(status_ok, status_bad_projection, possible)
+    end function projection_status
+
+    !> `status_ok`, or what is wrong with the settings of a method: `status_no_steps` or
+    !> `status_bad_controls`.
+    pure integer function controls_status(method, controls) result(status)
+        type(method_info_t), intent(in) :: method
+        type(controls_t), intent(in) :: controls
+        logical :: valid
+        associate (relative => controls%relative_tolerance, absolute => controls%absolute_tolerance)
+            valid = relative > 0 .and. relative <= huge(relative) .and. absolute > 0 .and. absolute <= huge(absolute) &
+                .and. controls%steps >= 0 .and. controls%max_steps > 0
+            if (controls%steps > 0) then
+                valid = valid .and. method%fixed_step
+            else if (method%adaptive) then
+                valid = valid .and. relative >= method%finest_tolerance
+            end if
+        end associate
+        if (valid .and. len_trim(controls%table) > 0) valid = has_table(method, controls%table)
+        status = merge(status_ok, status_bad_controls, valid)
+        if (valid .and. controls%steps == 0 .and. .not. method%adaptive) status = status_no_steps
+    end function controls_status
+
+    !> Whether a method takes a Butcher table of that name.
+    pure logical function has_table(method, name)
+        type(method_info_t), intent(in) :: method
+        character(*), intent(in) :: name
+        type(arkode_table_t) :: table
+        has_table = method%takes_table
+        if (has_table) call find_arkode_table(name, method%implicit, table, has_table)
+    end function has_table
+
+    !> Whether a motion may be followed as it is asked for: what `can_run` says, and that of the body,
+    !> the start, the end of the span and the sample times, which rise from 0 to that end at most.
+    integer function call_status(stepper, formulation, body, start, t_end, samples) result(status)
+        class(stepper_t), intent(in) :: stepper
+        class(formulation_t), intent(in) :: formulation
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        real(dp), intent(in) :: t_end, samples(:) !! s
+        status = body_status(body)
+        if (status == status_ok) status = start_status(start)
+        if (status == status_ok .and. .not. (t_end >= 0 .and. t_end <= huge(t_end))) status = status_bad_span
+        if (status == status_ok .and. .not. rise_within(samples, t_end)) status = status_bad_samples
+        if (status == status_ok) status = can_run(stepper, formulation, body)
+    end function call_status
+
+    !> Whether times lie from 0 to `t_end`, none before the last.
+    pure logical function rise_within(times, t_end)
+        real(dp), intent(in) :: times(:), t_end
+        integer :: n
+        n = size(times)
+        rise_within = .true.
+        if (n == 0) return
+        rise_within = times(1) >= 0 .and. times(n) <= t_end .and. all(times(2:) >= times(:n - 1))
+    end function rise_within
+
+end module spintop_suitability

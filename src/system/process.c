@@ -1,0 +1,167 @@
+// The process itself: its standard streams, its signals, its limits, and how it ends.
+
+#define _DEFAULT_SOURCE
+#define _POSIX_C_SOURCE 200809L
+
+#include <ctype.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+enum { standard_input, standard_output, standard_error };
+
+// Exit code of an end that nobody planned, as in errors.f90.
+enum { exit_internal = 5 };
+
+static atomic_int is_planned;
+
+// What a signal that ends the process has to say: `before`, a number of rows, `after`. All of it is
+// made beforehand, for little may be done in a handler.
+static char before[8192], after[16384];
+static atomic_int is_watching;
+static atomic_llong rows_kept;
+
+// Signals that end a process from outside and leave it time for a word.
+static const int ending_signals[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
+
+static void complain(const char *text, size_t length) {
+    while (length > 0) {
+        const ssize_t written = write(standard_error, text, length);
+        if (written <= 0) return;
+        text += written;
+        length -= (size_t)written;
+    }
+}
+
+// The run-time libraries end the process when memory runs out or a check fails. They have said why;
+// their exit codes mean something else here.
+static void end_unplanned(void) {
+    static const char text[] =
+        "spintop: stopped by the error above: there is no more memory, or the program has a fault\n";
+    if (is_planned) return;
+    complain(text, sizeof text - 1);
+    _exit(exit_internal);
+}
+
+static void tell_and_end(int number) {
+    if (atomic_exchange(&is_watching, 0)) {
+        char digits[24];
+        char *first = digits + sizeof digits;
+        long long rows = rows_kept;
+        if (rows >= 0) {
+            do {
+                *--first = (char)('0' + rows % 10);
+                rows /= 10;
+            } while (rows > 0);
+        }
+        complain(before, strlen(before));
+        complain(first, (size_t)(digits + sizeof digits - first));
+        complain(after, strlen(after));
+    }
+    // The handler is gone (SA_RESETHAND): this ends the process when the handler returns.
+    raise(number);
+}
+
+// Without this a file opened later could take the number of a closed stream, and what is said to the
+// stream would go into the file. Such a stream refuses what is written to it.
+static void occupy(int stream) {
+    int file;
+    if (fcntl(stream, F_GETFD) >= 0 || errno != EBADF) return;
+    file = open("/dev/null", O_RDONLY);
+    if (file < 0 || file == stream) return;
+    dup2(file, stream);
+    close(file);
+}
+
+// To be called once, before anything else is opened.
+void spintop_begin_process(void) {
+    struct sigaction ending, ignored, old;
+    size_t i;
+
+    for (int stream = standard_input; stream <= standard_error; ++stream) occupy(stream);
+    atexit(end_unplanned);
+
+    // A file that may not grow is an error of write.
+    memset(&ignored, 0, sizeof ignored);
+    ignored.sa_handler = SIG_IGN;
+    sigaction(SIGXFSZ, &ignored, NULL);
+
+    memset(&ending, 0, sizeof ending);
+    ending.sa_handler = tell_and_end;
+    ending.sa_flags = (int)(SA_RESETHAND | SA_RESTART);
+    for (i = 0; i < sizeof ending_signals / sizeof *ending_signals; ++i) {
+        // What the parent has had ignored (nohup) stays so.
+        if (sigaction(ending_signals[i], NULL, &old) == 0 && old.sa_handler == SIG_DFL) {
+            sigaction(ending_signals[i], &ending, NULL);
+        }
+    }
+}
+
+void spintop_end_process(int code) {
+    is_planned = 1;
+    exit(code);
+}
+
+// From now on a signal tells `head`, the number of rows, `tail`; the tail only if `rows` < 0.
+void spintop_watch(const char *head, const char *tail, long long rows) {
+    is_watching = 0;
+    snprintf(before, sizeof before, "%s%s", isatty(standard_error) ? "\n" : "", rows < 0 ? "" : head);
+    snprintf(after, sizeof after, "%s", tail);
+    rows_kept = rows;
+    is_watching = 1;
+}
+
+// The number of rows is another one.
+void spintop_keep(long long rows) {
+    rows_kept = rows;
+}
+
+void spintop_watch_no_more(void) {
+    is_watching = 0;
+}
+
+// Bytes that the stack of the first thread may take; -1 for no limit.
+long long spintop_stack_limit(void) {
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_STACK, &limit) < 0 || limit.rlim_cur == RLIM_INFINITY) return -1;
+    return (long long)limit.rlim_cur;
+}
+
+// Reads a size as OpenMP does: a whole number, and B, K (the default), M or G. -1 if it is none.
+static long long read_size(const char *text) {
+    long long size, unit = 1024;
+    char *rest;
+    errno = 0;
+    size = strtoll(text, &rest, 10);
+    if (rest == text || errno != 0 || size < 0) return -1;
+    while (isspace((unsigned char)*rest)) ++rest;
+    switch (tolower((unsigned char)*rest)) {
+    case 'b': unit = 1; break;
+    case 'm': unit = 1024 * 1024; break;
+    case 'g': unit = 1024 * 1024 * 1024; break;
+    case 'k':
+    case '\0': break;
+    default: return -1;
+    }
+    if (*rest != '\0') ++rest;
+    while (isspace((unsigned char)*rest)) ++rest;
+    if (*rest != '\0' || size > 0x7fffffffffffffffLL / unit) return -1;
+    return size * unit;
+}
+
+// Bytes that the environment gives the stacks of the other threads; -1 if it leaves them as they are.
+long long spintop_thread_stack(void) {
+    static const char *const names[] = {"OMP_STACKSIZE", "GOMP_STACKSIZE"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        const char *text = getenv(names[i]);
+        const long long size = text == NULL ? -1 : read_size(text);
+        if (size >= 0) return size;
+    }
+    return -1;
+}

@@ -1,0 +1,121 @@
+!> The process itself: its standard streams, what a signal has it say, its limits, and how it ends.
+module spintop_process
+    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long_long, c_null_char
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_errors, only: error_t, input_error
+    use spintop_system, only: close_stream, standard_error, standard_output, write_stream
+    use spintop_text, only: to_text
+    implicit none
+    private
+    public :: begin_process, end_process, check_stacks, show_text, complain_of, end_output
+    public :: watch_signals, keep_rows, watch_no_more
+
+    !> Least stack of a thread, bytes: twice the 224 kB that the costliest sweep was seen to take.
+    integer(int64), parameter :: least_stack = 448 * 1024
+
+    interface
+        !> Sees that files do not take the place of closed standard streams, that a file that may not grow is an
+        !> error of writing, and that signals and errors of the run-time libraries end the process as is
+        !> documented. To be called once, before anything is opened.
+        subroutine begin_process() bind(C, name='spintop_begin_process')
+        end subroutine begin_process
+
+        subroutine c_end_process(code) bind(C, name='spintop_end_process')
+            import :: c_int
+            integer(c_int), value :: code
+        end subroutine c_end_process
+
+        subroutine c_watch(head, tail, rows) bind(C, name='spintop_watch')
+            import :: c_char, c_long_long
+            character(c_char), intent(in) :: head(*), tail(*)
+            integer(c_long_long), value :: rows
+        end subroutine c_watch
+
+        subroutine c_keep(rows) bind(C, name='spintop_keep')
+            import :: c_long_long
+            integer(c_long_long), value :: rows
+        end subroutine c_keep
+
+        !> Signals have nothing more to say.
+        subroutine watch_no_more() bind(C, name='spintop_watch_no_more')
+        end subroutine watch_no_more
+
+        integer(c_long_long) function c_stack_limit() bind(C, name='spintop_stack_limit')
+            import :: c_long_long
+        end function c_stack_limit
+
+        integer(c_long_long) function c_thread_stack() bind(C, name='spintop_thread_stack')
+            import :: c_long_long
+        end function c_thread_stack
+    end interface
+
+contains
+
+    !> Ends the process with an exit code.
+    subroutine end_process(code)
+        integer, intent(in) :: code
+        call c_end_process(int(code, c_int))
+    end subroutine end_process
+
+    !> Whether the stacks of all threads are large enough.
+    subroutine check_stacks(error)
+        type(error_t), allocatable, intent(out) :: error
+        integer(int64) :: limit
+
+        limit = c_stack_limit()
+        if (limit >= 0 .and. limit < least_stack) then
+            error = input_error('spintop: the stack may take ' // kilobytes(limit) // ', and takes up to ' // &
+                                kilobytes(least_stack) // '; `ulimit -s 8192` gives it more')
+            return
+        end if
+        limit = c_thread_stack()
+        if (limit >= 0 .and. limit < least_stack) then
+            error = input_error('spintop: OMP_STACKSIZE gives each thread a stack of ' // kilobytes(limit) // &
+                                ', and it takes up to ' // kilobytes(least_stack) // '; unset OMP_STACKSIZE')
+        end if
+
+    contains
+
+        function kilobytes(bytes) result(text)
+            integer(int64), intent(in) :: bytes
+            character(:), allocatable :: text
+            text = to_text(bytes / 1024) // ' kB'
+        end function kilobytes
+
+    end subroutine check_stacks
+
+    !> Writes a text to standard output.
+    subroutine show_text(text, error)
+        character(*), intent(in) :: text
+        type(error_t), allocatable, intent(out) :: error
+        call write_stream(standard_output, text, 'standard output', error)
+    end subroutine show_text
+
+    !> Writes a text to standard error; there is nobody to tell if that cannot be.
+    subroutine complain_of(text)
+        character(*), intent(in) :: text
+        type(error_t), allocatable :: ignored
+        call write_stream(standard_error, text, 'standard error', ignored)
+    end subroutine complain_of
+
+    !> Ends standard output: errors that the system kept back show here.
+    subroutine end_output(error)
+        type(error_t), allocatable, intent(out) :: error
+        call close_stream(standard_output, 'standard output', error)
+    end subroutine end_output
+
+    !> From now on a signal that ends the process tells how many rows are kept, `head ROWS tail`; where
+    !> `rows` is negative, the tail only. The texts are of one process: one table at a time.
+    subroutine watch_signals(head, tail, rows)
+        character(*), intent(in) :: head, tail
+        integer(int64), intent(in) :: rows
+        call c_watch(head // c_null_char, tail // c_null_char, int(rows, c_long_long))
+    end subroutine watch_signals
+
+    !> So many rows are kept now. Any thread may call it.
+    subroutine keep_rows(rows)
+        integer(int64), intent(in) :: rows
+        call c_keep(int(rows, c_long_long))
+    end subroutine keep_rows
+
+end module spintop_process

@@ -1,0 +1,218 @@
+"""Random inputs of all kinds of study: each ends within its budget, with a status that is true."""
+
+import csv
+import math
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+TESTS = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(TESTS))
+
+from random_inputs import NEED_EXACT, PAPER, plausible_input  # noqa: E402
+
+PROGRAM = os.environ.get("SPINTOP_EXE", str(TESTS.parent / "build/release/spintop"))
+INPUTS = int(os.environ.get("SPINTOP_LONG_CASES", "10000"))
+FIRST = int(os.environ.get("SPINTOP_FIRST_SEED", "1"))
+KEPT = os.environ.get("SPINTOP_KEEP", "")
+"""A folder for a list of what is wrong that grows as it is found."""
+BATCH = 40
+PATIENCE = 900
+"""Seconds after which a batch hangs; it takes one or two."""
+
+ALLOWED = 100.0
+"""So many times tolerance and conditioning a row that is `ok` may be off."""
+EPSILON = 2.0**-53
+CHANGE = 1e-7
+"""A change of an angle, rad, or a rate, rad/s, that shows how errors grow."""
+POLE = 1e-7
+"""Closer to a pole than this, rad, angles and their rates need not exist."""
+AT_POLE = re.compile(r"(phi|psi|theta)(_rate)?|R[12]|force_[rn]|axis_z_rate")
+"""Columns that need not be numbers at a pole."""
+
+TOLERANCES = {"ode45": (1e-3, 1e-6), "taylor_quadruple": (1e-26, 1e-29)}
+"""Relative and absolute tolerances of methods whose defaults are their own."""
+
+
+class Outcome:
+    """A table that was written for an input."""
+
+    def __init__(self, path: Path) -> None:
+        lines = path.read_text(encoding="utf-8").splitlines()
+        self.head = "\n".join(line for line in lines if line.startswith("#"))
+        texts = csv.DictReader(line for line in lines if not line.startswith("#"))
+        self.rows = list(texts)
+        status = re.findall(r"^# status: (\w+)", self.head, re.M)
+        self.status = status[-1] if status else ""
+
+    def setting(self, name: str) -> str:
+        """A setting of the resolved input."""
+        match = re.search(rf"^#\s+{name} = (.*)$", self.head, re.M)
+        return match[1].strip("' ") if match else ""
+
+
+def tolerance_of(table: Outcome) -> float:
+    """The tolerance of a table's computation; infinite where it has none."""
+    method = re.search(r"^# method: (\w+)", table.head, re.M)
+    name = method[1] if method else table.setting("method")
+    if name == "exact":
+        return EPSILON
+    if table.setting("steps") or table.setting("step"):
+        return math.inf
+    relative, absolute = TOLERANCES.get(name, (1e-9, 1e-12))
+    relative = float(table.setting("relative_tolerance") or relative)
+    absolute = float(table.setting("absolute_tolerance") or absolute)
+    if not re.search(r"relative tolerance", table.head) and name not in TOLERANCES:
+        return math.inf
+    return max(relative, absolute, EPSILON)
+
+
+def closeness_of(table: Outcome) -> float:
+    """How near the pole a motion comes whose angles are stepped; 1 for other formulations.
+
+    An error of such an angle is the larger the nearer the axis is to the vertical.
+    """
+    model = re.search(r"^# model: (\w+)", table.head, re.M)
+    if model is None or model[1] not in PAPER:
+        return 1.0
+    start = table.setting("theta")
+    thetas = [*(row.get("theta") for row in table.rows), start]
+    return max(min((abs(math.sin(float(text))) for text in thetas if text), default=1.0), 1e-16)
+
+
+def growth_of(folder: Path, name: str) -> float:
+    """How far a change of the start turns a motion, per part of the change, by exact motions.
+
+    `double_floor` leaves a rate that is 0 as it is; the error of a step does not.
+    """
+    text = (folder / name).read_text(encoding="utf-8")
+    for group in ("integration", "output"):
+        text = re.sub(rf"^&{group}\n.*?^/\n", "", text, flags=re.M | re.S)
+    text += "&integration method = 'exact' /\n&output columns = 'q0', 'q1', 'q2', 'q3' /\n"
+    (folder / "changed.nml").write_text(text, encoding="utf-8")
+    runs = []
+    for key in ("", "theta", "theta_rate", "phi_rate"):
+        old = re.search(rf"^ +{key} = (.*)$", text, re.M) if key else None
+        value = float(old[1]) if old else 0.0
+        options = ["--set", f"initial.{key}={value + CHANGE!r}"] if key else []
+        command = [PROGRAM, "--quiet", "-o", ".", *options, "changed.nml"]
+        subprocess.run(command, cwd=folder, capture_output=True, check=False)
+        path = folder / "changed.csv"
+        if not path.exists():
+            if not key:
+                return 1.0
+            continue
+        runs.append([[float(row[f"q{n}"]) for n in range(4)] for row in Outcome(path).rows])
+        path.unlink()
+    farthest = 0.0
+    for changed in runs[1:]:
+        for one, other in zip(runs[0], changed, strict=False):
+            cosine = abs(sum(p * q for p, q in zip(one, other, strict=True)))
+            farthest = max(farthest, 2 * math.sqrt(max(2 - 2 * cosine, 0.0)))
+    return farthest / CHANGE
+
+
+def faults_of(table: Outcome, growth: float = 1.0) -> list[str]:
+    """What is not true of the rows of a table that are said to be good."""
+    faults = []
+    tolerance = tolerance_of(table) / closeness_of(table)
+    for number, row in enumerate(table.rows):
+        if (row.get("status") or table.status or "ok") != "ok":
+            continue
+        theta = float(row.get("theta") or "nan")
+        at_pole = min(abs(theta), abs(math.pi - theta)) < POLE
+        for name, text in row.items():
+            if text.lstrip("-") not in ("nan", "inf") or row.get("notes"):
+                continue
+            if name in NEED_EXACT and row.get("double_floor", "nan") == "nan":
+                continue  # a body without an exact motion
+            if not (at_pole and AT_POLE.fullmatch(name)):
+                faults.append(f"{name} is {text} in row {number}")
+        error, floor = (row.get(name, "nan") for name in ("orientation_error", "double_floor"))
+        if row.get("reference") or "nan" in (error, floor):
+            continue
+        conditioning = max(float(floor) / EPSILON, growth)
+        bound = ALLOWED * (tolerance * conditioning + 1e-15)
+        if float(error) > bound and bound < 1:
+            faults.append(f"orientation_error is {error} in row {number}, beyond {bound:.2g}")
+    return list(dict.fromkeys(faults))[:3]
+
+
+class CampaignTest(unittest.TestCase):
+    """Inputs that are accepted come to a good end."""
+
+    def test_inputs(self) -> None:
+        """Exit codes, statuses, numbers, and errors where there is an exact motion."""
+        faults: list[str] = []
+        accepted, seed = 0, FIRST
+        while accepted < INPUTS:
+            with tempfile.TemporaryDirectory() as name:
+                folder = Path(name)
+                for number in range(seed, seed + BATCH):
+                    text = plausible_input(PROGRAM, number)
+                    (folder / f"{number}.nml").write_text(text, encoding="utf-8")
+                good, problems = self.run_batch(folder, range(seed, seed + BATCH))
+                faults += problems
+                if KEPT and problems:
+                    Path(KEPT).mkdir(parents=True, exist_ok=True)
+                    with (Path(KEPT) / "faults").open("a", encoding="utf-8") as file:
+                        file.writelines(f"{problem}\n" for problem in problems)
+            accepted += good
+            seed += BATCH
+        if faults:
+            self.fail(f"{len(faults)} of {accepted} are wrong:\n" + "\n".join(faults[:200]))
+
+    def run_batch(self, folder: Path, numbers: range) -> tuple[int, list[str]]:
+        """Run some inputs; give how many were accepted, and what is wrong."""
+        refused = self.refused(folder, [f"{number}.nml" for number in numbers])
+        names = [f"{number}.nml" for number in numbers if f"{number}.nml" not in refused]
+        run = self.call(folder, "--quiet", "-o", ".", *names)
+        faults = []
+        if run.returncode not in (0, 3) or "rror:" in run.stderr:
+            faults = [
+                f"{names[0]} ... {names[-1]}: exit code {run.returncode}: {run.stderr[-600:]}"
+            ]
+        for name in names:
+            path = folder / name.replace(".nml", ".csv")
+            if not path.exists():
+                faults.append(f"{name}: no table")
+                continue
+            table = Outcome(path)
+            wrong = faults_of(table)
+            if wrong and table.status:
+                wrong = faults_of(table, growth_of(folder, name))
+            faults += [f"{name}: {fault}" for fault in wrong]
+        return len(names), faults
+
+    def refused(self, folder: Path, names: list[str]) -> set[str]:
+        """The inputs that are refused."""
+        found: set[str] = set()
+        while True:
+            rest = [name for name in names if name not in found]
+            run = self.call(folder, "--check", *rest)
+            if run.returncode == 0:
+                return found
+            self.assertEqual(run.returncode, 2, run.stderr)
+            more = set(re.findall(r"^(\d+\.nml)[:\d]*: error:", run.stderr, re.M))
+            self.assertTrue(more, run.stderr)
+            found |= more
+
+    def call(self, folder: Path, *arguments: str) -> subprocess.CompletedProcess:
+        """Run the program."""
+        return subprocess.run(
+            [PROGRAM, *arguments],
+            cwd=folder,
+            capture_output=True,
+            check=False,
+            text=True,
+            timeout=PATIENCE,
+        )
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,287 @@
+"""Damaged files: a message that says where, no traceback, and no byte that a terminal obeys."""
+
+import os
+import subprocess
+import sys
+import unittest
+import unittest.mock
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+TESTS = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts")]
+
+from figures.characters import printable  # noqa: E402
+from figures.table import TableError, read_table  # noqa: E402
+from plot_case import (  # noqa: E402
+    SCRIPTS,
+    TableCase,
+    a_stability,
+    a_sweep,
+    a_trajectory,
+    some_events,
+)
+from reporting.body import read_body  # noqa: E402
+from reporting.pictures import pictures_of  # noqa: E402
+from reporting.study import read_study  # noqa: E402
+
+PROGRAM = os.environ.get("SPINTOP_EXE", str(TESTS.parent / "build/release/spintop"))
+RED = "\x1b[31m"
+"""What turns a terminal red, for all bytes that should not reach one."""
+
+MOTION = """\
+&study  kind = 'sweep' /
+&top  mass = 1.0  inertia = 0.9, 0.9, 0.3  length = 0.5 /
+&initial  theta = 0.5 /
+&span  t_end = 0.1 /
+&sweep  table = 'cases.csv' /
+"""
+
+
+class DamagedCase(TableCase):
+    """Looks at what is said."""
+
+    def put_bytes(self, name: str, data: bytes) -> Path:
+        """Write a file."""
+        path = self.folder / name
+        path.write_bytes(data)
+        return path
+
+    def check_words(self, words: str) -> None:
+        """Nothing in these words is for a terminal to obey, and nothing is a traceback."""
+        self.assertNotIn("Traceback", words)
+        self.assertTrue(words.replace("\n", "").isprintable(), repr(words[:500]))
+
+    def run_program(self, *arguments: str | Path) -> subprocess.CompletedProcess:
+        """Run spintop in the folder."""
+        return subprocess.run(
+            [PROGRAM, *arguments],
+            cwd=self.folder,
+            capture_output=True,
+            check=False,
+            text=True,
+            errors="surrogateescape",
+        )
+
+
+class TableTest(DamagedCase):
+    """What is wrong with a table is told with its line."""
+
+    def test_cells(self) -> None:
+        """Cells that are no numbers, also where all of a column are none."""
+        lines = a_trajectory(["t", "theta"], count=2).splitlines()
+        first = next(i for i, line in enumerate(lines) if not line.startswith("#"))
+        for cell in ("", "x", "True", "1_0", '"1"', "0x1p3", RED, "\u0663", "1e", "--1"):
+            for rows in ((1,), (1, 2)):
+                damaged = list(lines)
+                for row in rows:
+                    damaged[first + row] = damaged[first + row].split(",")[0] + f",{cell}"
+                text = "\n".join(damaged) + "\n"
+                with self.subTest(cell=cell, rows=rows), self.assertRaises(TableError) as caught:
+                    read_table(self.put("a.csv", text))
+                message = str(caught.exception)
+                self.assertIn(f"line {first + 2}: ", message)
+                self.assertIn("in theta is no number", message)
+                self.check_words(message)
+
+    def test_comments_count(self) -> None:
+        """A line has its number in the file, whatever stands between the rows."""
+        text = a_trajectory(["t", "theta"], count=3)
+        lines = text.splitlines()
+        lines[-2:-2] = ["# a remark", "", "0.5,bad"]
+        with self.assertRaisesRegex(TableError, f"line {len(lines) - 2}: 'bad' in theta"):
+            read_table(self.put("a.csv", "\n".join(lines) + "\n"))
+
+    def test_names(self) -> None:
+        """A column that is there twice, and one without a name."""
+        good = a_trajectory(["t", "theta", "psi"], count=2)
+        with self.assertRaisesRegex(TableError, r"line \d+: there are two columns theta"):
+            read_table(self.put("a.csv", good.replace("theta,psi", "theta,theta")))
+        with self.assertRaisesRegex(TableError, r"line \d+: column 2 has no name"):
+            read_table(self.put("a.csv", good.replace("theta,psi", ",psi")))
+
+    def test_numbers_of_any_length(self) -> None:
+        """An integer that fits no machine word is a number."""
+        text = a_trajectory(["t", "theta"], count=2, theta=10**30)
+        self.assertEqual(read_table(self.put("a.csv", text)).rows["theta"][1], 1e30)
+
+    def test_bytes(self) -> None:
+        """A byte of value 0 is told with its line; other bytes become words that can be shown."""
+        good = a_trajectory(["t", "theta"], count=2)
+        with self.assertRaisesRegex(TableError, r"line \d+ has a byte of value 0"):
+            read_table(self.put("a.csv", good.replace("theta\n", "the\0ta\n")))
+        table = read_table(self.put("a.csv", good.replace("title: A top", f"title: {RED}A top")))
+        self.assertTrue(table.title.isprintable())
+        self.assertTrue(table.title.startswith(r"\x1b[31mA top"))
+        table = read_table(self.put("a.csv", a_stability().replace("t: a pole", f"{RED}pole")))
+        self.assertIn(r"\x1b[31mpole", list(table.rows["reason"]))
+
+    def test_netcdf(self) -> None:
+        """Files that are no NetCDF, or are cut anywhere."""
+        start = b"CDF\x02" + bytes(4)
+        for data in (b"", b"CDF", b"CDF\x01" + bytes(20), start, start + b"\xff" * 60, bytes(100)):
+            with self.subTest(data), self.assertRaises(TableError) as caught:
+                read_table(self.put_bytes("a.nc", data))
+            self.check_words(str(caught.exception))
+        with self.assertRaisesRegex(TableError, "no table of spintop"):
+            read_table(self.put_bytes("a.nc", start + bytes(24)))
+
+    def test_every_cut(self) -> None:
+        """A table that is cut anywhere is refused, or is a table still."""
+        for text in (a_trajectory(count=2), a_sweep(cases=2), a_stability(), some_events(2)):
+            data = text.encode()
+            for end in range(0, len(data), 31):
+                path = self.put_bytes("a.csv", data[:end] + b"\n")
+                try:
+                    read_table(path)
+                except TableError as error:
+                    self.check_words(str(error))
+
+
+class ScriptTest(DamagedCase):
+    """scripts/plot and scripts/report end with a message and an exit code."""
+
+    def test_plot(self) -> None:
+        """What a table holds does not reach the terminal as it is."""
+        cases = {
+            a_trajectory().replace("9.0,", f"{RED},", 1): "is no number",
+            a_trajectory(phi=1e308): "has numbers beyond 1e+150 in column phi: no angles figure",
+            a_trajectory().replace("# status: ok", f"# status: {RED}"): "",
+            f"# program: {RED}": "no table of spintop",
+        }
+        for text, message in cases.items():
+            with self.subTest(message):
+                path = self.put(f"{RED}.csv", text)
+                code, words = self.call("--figure", "angles", path)
+                self.check_words(words)
+                self.assertIn(message, words)
+                self.assertEqual(code, 2 if message else 0)
+
+    def test_undrawable(self) -> None:
+        """What a figure stumbles over is a message."""
+        path = self.put("a.csv", a_trajectory())
+        with unittest.mock.patch("figures.drawing.save_as", side_effect=ValueError(f"{RED}no\nx")):
+            code, words = self.call("--figure", "angles", path)
+        self.assertEqual(code, 2)
+        self.check_words(words)
+        self.assertIn("a.csv: the angles figure cannot be drawn: ", words)
+
+    def test_names_of_files(self) -> None:
+        """A name that is none in the encoding of the locale."""
+        name = os.fsdecode(b"caf\xe9.csv")
+        path = self.put(name, a_trajectory(["t", "R1", "R2", "R3", "R4"]))
+        run = subprocess.run(
+            [sys.executable, SCRIPTS / "plot", path, self.folder / "no\udcff.csv"],
+            capture_output=True,
+            check=False,
+            encoding="ascii",
+            env=os.environ | {"LC_ALL": "C", "PYTHONIOENCODING": "ascii"},
+            errors="surrogateescape",
+        )
+        self.check_words(run.stderr)
+        self.assertIn(r"no\xff.csv: no such file", run.stderr)
+        self.assertEqual(run.returncode, 2)
+        made = {entry for entry in os.listdir(os.fsencode(self.folder)) if entry.endswith(b".svg")}
+        self.assertEqual(made, {b"caf\xe9_residuals.svg"})
+
+    def test_report(self) -> None:
+        """Problems of a study and names of its tables can be shown."""
+        self.put(os.fsdecode(b"caf\xe9.csv"), a_sweep())
+        self.put("huge.csv", a_trajectory(phi=1e308))
+        self.put(f"{RED}.csv", "nothing")
+        with unittest.mock.patch("reporting.study.pictures_of", side_effect=self.no_pictures):
+            sections, problems = read_study(self.folder, [])
+        self.assertEqual([section.name for section in sections], [r"caf\xe9.csv", "huge.csv"])
+        self.assertTrue(any("cannot be drawn" in problem for problem in problems), problems)
+        for problem in problems:
+            self.check_words(problem)
+
+    def no_pictures(self, table: object, problems: list[str]) -> list:
+        """No picture of a table."""
+        problems.append("it cannot be drawn")
+        return []
+
+    def test_damaged_pictures(self) -> None:
+        """Pictures beside a table that are none are drawn anew."""
+        table = read_table(self.put("a.csv", a_trajectory(["t", "R1", "R2", "R3", "R4"])))
+        self.put_bytes("a_residuals.png", b"\x89PNG\r\n\x1a\n and no more")
+        self.put_bytes("a_residuals.svg", b"")
+        pictures = pictures_of(table)
+        self.assertGreater(len(pictures[0].forms[".png"]), 10_000)
+
+    def test_damaged_bodies(self) -> None:
+        """A body that cannot be drawn is none."""
+        line = "# body: mass {} kg; inertia {} kg m^2 about the pivot; centre of mass 0, 0, 2 m\n"
+        for mass, inertia in (
+            ("x", "1, 1, 1"),
+            ("nan", "1, 1, 1"),
+            ("1", "1, 1"),
+            ("1", "1, inf, 1"),
+            ("1e308", "1, 1, 1"),
+        ):
+            text = line.format(mass, inertia) + a_trajectory()
+            self.assertIsNone(read_body(read_table(self.put("a.csv", text))))
+
+    def test_printable(self) -> None:
+        """Whatever a terminal obeys is shown by its number."""
+        self.assertEqual(printable("a\x1b\x9b\u202eé\udcff\n"), r"a\x1b\x9b\u202eé\xff\n")
+
+    def test_console_is_used(self) -> None:
+        """Both scripts complain through it."""
+        for script in ("plot", "reporting/__main__.py"):
+            self.assertIn("printable(message)", (SCRIPTS / script).read_text(encoding="utf-8"))
+
+
+class ProgramTest(DamagedCase):
+    """The program shows no byte of a file as it is."""
+
+    def check_run(self, code: int, *arguments: str | Path) -> str:
+        """What it says, and that it ends with this code."""
+        run = self.run_program(*arguments)
+        self.check_words(run.stdout)
+        self.check_words(run.stderr)
+        self.assertEqual(run.returncode, code, run.stderr)
+        return run.stderr
+
+    def test_merge(self) -> None:
+        """Heads of parts are quoted; a line of any length is not quoted whole."""
+        for number, title in ((1, "a"), (2, RED + "b" * 100_000)):
+            head = f"# part {number} of 2: cases {number} to {number} of 2\n# title: {title}\n"
+            self.put(f"p{number}.csv", f"{head}case,status\n{number},ok\n")
+        words = self.check_run(2, "merge", "all.csv", "p1.csv", "p2.csv")
+        self.assertIn("p2.csv", words)
+        self.assertLess(len(words), 1000)
+        self.put("p3.csv", f"{RED}\n")
+        self.check_run(2, "merge", "all.csv", "p3.csv")
+
+    def test_names(self) -> None:
+        """Nor one of a name, of a word of the command line or of an input."""
+        self.check_run(2, f"{RED}.nml")
+        self.check_run(2, f"--{RED}")
+        self.check_run(2, "list", RED)
+        path = self.put(f"{RED}.nml", f"&top {RED} = 1 /\n")
+        self.assertIn(":1:6: error:", self.check_run(2, path.name))
+        self.check_run(2, "--set", f"top.mass={RED}", path.name)
+
+    def test_tables_of_cases(self) -> None:
+        """Nor one of a table of cases."""
+        self.put("a.nml", MOTION)
+        for text in (
+            f"{RED}\n1\n",
+            f"top.mass\n{RED}\n",
+            "top.mass\n1\0\n",
+            "\0",
+            "top.mass\n\xff\n",
+        ):
+            self.put("cases.csv", text)
+            self.assertIn("cases.csv:", self.check_run(2, "a.nml"))
+
+    def test_names_are_shown(self) -> None:
+        """A good run says what it made without obeying its name."""
+        self.put("cases.csv", "top.mass\n1\n")
+        self.put(f"{RED}.nml", MOTION)
+        self.check_run(0, f"{RED}.nml")
+
+
+if __name__ == "__main__":
+    unittest.main()

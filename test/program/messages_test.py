@@ -1,0 +1,334 @@
+"""What the program says of values that cannot be and of names that others use, and how wide."""
+
+import fcntl
+import os
+import pty
+import struct
+import termios
+import time
+
+from program_test import GOOD, PROGRAM, ProgramCase
+
+SWEEP = GOOD[: GOOD.index("&output")].replace("&top", "&study kind = 'sweep' /\n&top")
+CLOSED = GOOD[: GOOD.index("&integration")]
+DAMPED = GOOD.replace("&top", "&top damping = 0.1, 0.1, 0.1").replace("'lagrange'", "'auto'")
+
+
+class OverrideTest(ProgramCase):
+    """Nothing of an override is passed over."""
+
+    def test_what_follows_a_value(self) -> None:
+        """A slash, a group, another key: refused, not dropped."""
+        scene = self.write()
+        for setting, rest in (
+            ("top.length=1 / &x", "/ &x"),
+            ("top.length=1/", "/"),
+            ("top.length=1 &span", "&span"),
+            ("top.length=1 mass=2", "mass=2"),
+            ("top.inertia=1,1,1 / 3", "/ 3"),
+            ("study.title='a' / b", "/ b"),
+            ("output.columns='t' / 'theta'", "/ 'theta'"),
+        ):
+            with self.subTest(setting):
+                error = self.refuse(scene, "--set", setting)
+                column = setting.index(rest) + 1
+                self.assertIn(
+                    f"--set:1:{column}: error: what follows the value has no place", error
+                )
+        # Without quotes a text goes to the end.
+        result = self.run_program("--check", scene, "--set", "study.title=a / b &c")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("title = 'a / b &c'", result.stdout)
+
+    def test_control_characters(self) -> None:
+        """Anything that would end a line of the table for some reader is refused, in every text."""
+        characters = ("\n", "\r", "\t", "\x0b", "\x0c", "\x1b", "\x1c", "\x7f", "\x85", "\u2028")
+        for key in ("study.title", "output.file", "sweep.table", "span.stop_at"):
+            for character in (*characters, "\u2029"):
+                for text in (
+                    f"a{character}b",
+                    f"'a{character}b'",
+                    f"{character}b",
+                    f"a{character}",
+                ):
+                    with self.subTest(key=key, text=text):
+                        self.refuse(self.write(), "--set", f"{key}={text}")
+        for character in characters:
+            with self.subTest(character=character):
+                text = GOOD + f"&study title = 'a{character}b' /\n"
+                self.refuse(self.write(text))
+        # Letters of any language are text.
+        table = self.compute(self.write(), "study.title=Kreisel \u00e4\u00df \u03b8")
+        self.assertIn("Kreisel \u00e4\u00df \u03b8", "\n".join(table.header))
+
+
+class HintTest(ProgramCase):
+    """The hint is what is meant."""
+
+    def hint(self, text: str, *settings: str) -> str:
+        """What the program says, its lines joined."""
+        overrides = [part for setting in settings for part in ("--set", setting)]
+        return " ".join(self.refuse(self.write(text), *overrides).split())
+
+    def test_units(self) -> None:
+        """Degrees where radians belong."""
+        said = self.hint(GOOD, "initial.theta=20")
+        self.assertIn("theta is out of range", said)
+        self.assertIn("must be in [0, pi] rad; theta_deg takes degrees", said)
+        said = self.hint(GOOD, "initial.phi_rate_deg=3")
+        self.assertIn("'phi_rate' is in rad/s: 1 rad/s = 57.29577951308232 deg/s", said)
+        said = self.hint(GOOD.replace("psi_rate", "psi_rate_deg"))
+        self.assertIn("'psi_rate' is in rad/s: 1 rad/s = 57.29577951308232 deg/s", said)
+        said = self.hint(SWEEP + "&sweep parameter(1) = 'initial.omega3_deg', values(1,:) = 1 /\n")
+        self.assertIn("'omega3' is in rad/s", said)
+        said = self.hint(SWEEP + "&sweep parameter(1) = 'initial.theta', values(1,:) = 1, 20 /\n")
+        self.assertIn("theta_deg takes degrees", said)
+        said = self.hint(GOOD, "output.columns=t,theta_deg")
+        self.assertIn("'theta' is in rad: 1 rad = 57.29577951308232 deg", said)
+
+    def test_names_that_others_use(self) -> None:
+        """What SciPy, MATLAB and textbooks call the methods."""
+        for name, own in (
+            ("rk45", "ode45"),
+            ("RK45", "ode45"),
+            ("dopri5", "ode45"),
+            ("verlet", "splitting_2"),
+            ("implicit_midpoint", "crank_nicolson_2"),
+            ("rk44", "rk4"),
+        ):
+            self.assertIn(f"did you mean '{own}'?", self.hint(GOOD, f"integration.method={name}"))
+            study = "study.kind=work_precision", "integration.method=auto"
+            kept = GOOD[: GOOD.index("&integration")]
+            said = self.hint(kept, *study, f"work_precision.methods=rk4,{name}")
+            self.assertIn(f"did you mean '{own}'?", said)
+
+    def test_columns_of_other_studies(self) -> None:
+        """A column is known by the study that has it."""
+        said = self.hint(GOOD, "output.columns=t,lyapunov_exponent")
+        self.assertIn("a trajectory has no column 'lyapunov_exponent': sweeps have it", said)
+        sweep = SWEEP + "&sweep parameter(1) = 'initial.theta', values(1,:) = 1 /\n"
+        said = self.hint(sweep, "output.columns=theta_min,gamma1")
+        self.assertIn("a sweep has no column 'gamma1': trajectories have it", said)
+        said = self.hint(GOOD, "output.columns=t,time_s")
+        self.assertIn("work-precision studies have it", said)
+
+    def test_the_length_of_a_quaternion(self) -> None:
+        """It is told."""
+        text = GOOD.replace("theta = 0.19634954084936207", "quaternion = 1, 0, 0.1, 0")
+        text = text.replace("psi_rate = 1.0", "omega = 0, 0, 1").replace("'lagrange'", "'auto'")
+        self.assertIn("has the length 1.004987562112089, not 1", self.hint(text))
+
+    def test_carets_point_at_elements(self) -> None:
+        """At the element of a list that is meant, not at its first."""
+        for settings, element in (
+            (["top.inertia=0.5,0.5,2.5"], "2.5"),
+            (["top.inertia=0.5,-1,0.5"], "-1"),
+            (["output.columns=t,theta,thetta"], "thetta"),
+            (["output.columns=t,theta,t"], ",t"),
+            (["output.events=maximum theta,nonsense"], "nonsense"),
+            (["study.kind=stability", "stability.cases=thousand_nutations,nonsense"], "nonsense"),
+            (["study.kind=stability", "stability.methods=rk4,ode45,nonsense"], "nonsense"),
+            (["study.kind=stability", "stability.methods=rk4,ode45/nonsense"], "ode45/nonsense"),
+        ):
+            with self.subTest(settings):
+                overrides = [part for setting in settings for part in ("--set", setting)]
+                error = self.refuse(self.write(), *overrides)
+                column = settings[-1].rindex(element) + 1 + element.startswith(",")
+                self.assertIn(f"--set:1:{column}: error: ", error)
+        text = SWEEP + "&sweep parameter(1) = 'top.mass'\nvalues(1,:) = 1, 2, -3, 4 /\n"
+        error = self.refuse(self.write(text))
+        line = text[: text.index("values(1")].count("\n") + 1
+        self.assertIn(f"scene.nml:{line}:21: error: top.mass must be > 0", error)
+
+    def test_a_tolerance_that_is_not_used(self) -> None:
+        """The motion is known in closed form: it is said, and computed all the same."""
+        scene = self.write(CLOSED)
+        for key, value in (("relative_tolerance", "1e-3"), ("absolute_tolerance", "1e-3")):
+            result = self.run_program(scene, "--set", f"integration.{key}={value}")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertIn(f"warning: integration.{key} is not used", result.stderr)
+            result = self.run_program("--check", scene, "--set", f"integration.{key}={value}")
+            said = " ".join(result.stdout.replace("\n! ", " ").split())
+            self.assertIn(f"integration.{key} is not used.", said)
+        self.assertEqual(self.run_program(scene).stderr, "")
+        result = self.run_program(self.write(), "--set", "integration.method=ode45")
+        self.assertNotIn("not used", result.stderr)
+
+    def test_every_case_of_a_sweep_is_looked_at(self) -> None:
+        """An inertia that no body has, in a case that is not the first."""
+        text = SWEEP + "&sweep parameter(1) = 'top.length', values(1,:) = 0.1, 0.2, 3, 4 /\n"
+        result = self.run_program(self.write(text))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stderr.count("no mass distribution has this inertia"), 1)
+        self.assertIn("warning: case 3: no mass distribution has this inertia", result.stderr)
+        text = text.replace("0.1, 0.2, 3, 4", "3, 0.1, 4")
+        result = self.run_program(self.write(text))
+        self.assertEqual(result.stderr.count("no mass distribution has this inertia"), 1)
+        self.assertNotIn("case 1", result.stderr)
+        text = text.replace("3, 0.1, 4", "0.1, 0.2")
+        self.assertEqual(self.run_program(self.write(text)).stderr, "")
+
+    def test_what_damping_changes_is_not_constant(self) -> None:
+        """Momentum and energy of the start."""
+        result = self.run_program("--check", self.write(DAMPED))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertNotIn("constants", result.stdout)
+        self.assertRegex(result.stdout, r"start +Lz = .* J s, E = .* J; the damping changes both")
+        self.assertIn("constants c1 = Lz", self.run_program("--check", self.write()).stdout)
+
+
+class WidthTest(ProgramCase):
+    """Messages on a terminal are as wide as it is."""
+
+    def on_terminal(self, columns: int, *arguments: object) -> list[str]:
+        """The lines that the program shows on a terminal of so many columns."""
+        child, terminal = pty.fork()
+        if child == 0:
+            os.chdir(self.folder)
+            os.read(0, 1)  # until the terminal has its size
+            os.execv(PROGRAM, [str(PROGRAM), *map(str, arguments)])
+        fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+        os.write(terminal, b"\n")
+        shown, deadline = b"", time.monotonic() + 30
+        while time.monotonic() < deadline:
+            try:
+                piece = os.read(terminal, 65536)
+            except OSError:  # the program ended
+                break
+            if not piece:
+                break
+            shown += piece
+        os.close(terminal)
+        os.waitpid(child, 0)
+        return shown.decode().replace("\r", "").strip("\n").split("\n")
+
+    def test_width_of_messages(self) -> None:
+        """Words are wrapped; the line with the place stays one, for tools."""
+        scene = self.write(GOOD.replace("mass", "masss").replace("'rk4'", "'nonsensical'"))
+        wide = self.refuse(scene)
+        for columns in (50, 72, 120):
+            lines = self.on_terminal(columns, scene)
+            places = [line for line in lines if line.startswith(str(scene))]
+            self.assertEqual(len(places), wide.count("error: "))
+            for line in lines:
+                if not line.startswith(str(scene)):
+                    self.assertLessEqual(len(line), columns)
+            self.assertEqual("".join("".join(lines).split()), "".join(wide.split()))
+        for line in wide.splitlines():
+            if not line.startswith(str(scene)):
+                self.assertLessEqual(len(line), 100)
+
+    def test_width_of_lists(self) -> None:
+        """What others read is not wrapped."""
+        for topic in ("columns", "methods", "parameters", "events"):
+            whole = self.run_program("list", topic).stdout
+            lines = self.on_terminal(70, "list", topic)
+            self.assertEqual("".join("".join(lines).split()), "".join(whole.split()))
+            self.assertLessEqual(max(map(len, lines)), 70)
+
+
+class StartTest(ProgramCase):
+    """The first row is the start as it was given."""
+
+    COLUMNS = (
+        "'t', 'phi', 'theta', 'psi', 'phi_rate', 'theta_rate', 'psi_rate', 'omega1',"
+        " 'omega2', 'omega3', 'q0', 'q1', 'q2', 'q3', 'energy_error', 'R3', 'R4'"
+    )
+    HEAD = """\
+&top mass = 1, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387 /
+&span t_end = 0.1 samples = 2 /
+"""
+
+    def first_row(self, text: str, *settings: str) -> dict[str, str]:
+        """The first row of a trajectory, as it stands there."""
+        scene = self.write(self.HEAD + f"&output columns = {self.COLUMNS} /\n" + text)
+        table = self.compute(scene, *settings)
+        return dict(zip(table.names, table.rows[0], strict=True))
+
+    def test_every_way_to_give_it(self) -> None:
+        """Under every formulation: each number given stands there, to its last digit."""
+        ways = (
+            {
+                "phi": 0.1,
+                "theta": 0.3,
+                "psi": -0.7,
+                "phi_rate": 0,
+                "theta_rate": 0,
+                "psi_rate": 1.1,
+            },
+            {"phi": 0, "theta": 1.7, "psi": 0, "phi_rate": 0.9, "theta_rate": -0.3, "omega3": 4.7},
+            {"theta": 2.9, "phi_rate": 1.3, "theta_rate": 0.1, "omega3": -0.7},
+            {"phi": 1, "theta": 1.1, "psi": 2, "omega": [0.1, 0.2, 0.7]},
+            {"quaternion": [0.5, -0.5, 0.5, 0.5], "omega": [0.3, 0, 0.7]},
+            {"quaternion": [-0.48, 0.64, 0.36, 0.48], "omega": [0.3, 0.1, -7]},
+        )
+        forms = (
+            "auto",
+            "euler",
+            "lagrange",
+            "lagrange_energy",
+            "rigid_body",
+            "space_frame",
+            "cayley_klein",
+        )
+        for way in ways:
+            start = ", ".join(f"{k} = {str(v).strip('[]')}" for k, v in way.items())
+            numbers = {k: v for k, v in way.items() if not isinstance(v, list)}
+            for prefix, name, count in (("q", "quaternion", 4), ("omega", "omega", 3)):
+                for i in range(count if name in way else 0):
+                    numbers[f"{prefix}{i + (name == 'omega')}"] = way[name][i]
+            for form in forms:
+                settings = [] if form == "auto" else [f"integration.formulation={form}"]
+                settings += (
+                    [] if form == "auto" else ["integration.method=rk4", "integration.steps=8"]
+                )
+                with self.subTest(form=form, start=start):
+                    row = self.first_row(f"&initial {start} /\n", *settings)
+                    for name, number in numbers.items():
+                        self.assertEqual(float(row[name]), number, name)
+                    for name in ("t", "energy_error", "R3", "R4"):
+                        self.assertEqual(float(row[name]), 0, name)
+                    self.assertNotIn("-0", row.values())
+
+    def test_the_next_row_is_close(self) -> None:
+        """No angle and no sign of the quaternion jumps after the start."""
+        for start in (
+            "quaternion = -0.48, 0.64, 0.36, 0.48",
+            "quaternion = 0.48, -0.64, -0.36, -0.48",
+        ):
+            for method in ("exact", "taylor"):
+                scene = self.write(
+                    self.HEAD + f"&output columns = {self.COLUMNS} /\n"
+                    f"&initial {start}, omega = 0.3, 0.1, -2 /\n"
+                )
+                table = self.compute(scene, f"integration.method={method}", "span.t_end=1e-3")
+                first, second = ([float(x) for x in row[1:4] + row[10:14]] for row in table.rows)
+                for a, b in zip(first, second, strict=True):
+                    self.assertAlmostEqual(a, b, delta=0.01)
+
+
+class EvaluationsTest(ProgramCase):
+    """Work and time of a work-precision row are of the same computation."""
+
+    def test_evaluations_do_not_count_comparisons(self) -> None:
+        """How often errors are looked at changes nothing."""
+        text = GOOD[: GOOD.index("&integration")].replace(
+            "&top", "&study kind = 'work_precision' /\n&top"
+        )
+        scene = self.write(
+            text
+            + "&work_precision methods = 'dop853', 'ode45', 'arkode_erk', 'taylor', 'gauss_4'\n"
+            "tolerances = 1e-9, steps = 200, repeats = 1 /\n"
+        )
+        counts = []
+        for samples in (2, 101):
+            table = self.compute(scene, f"span.samples={samples}")
+            rows = zip(table.texts("method"), table.texts("evaluations"), strict=True)
+            counts.append(dict(rows))
+        self.assertEqual(counts[0], counts[1])
+
+
+if __name__ == "__main__":
+    import unittest
+
+    unittest.main()

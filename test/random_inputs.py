@@ -1,0 +1,404 @@
+"""Random inputs of the program, drawn with fixed seeds from what `spintop list` knows.
+
+`plausible_input` writes inputs most of which the program accepts, with little work in each;
+`wild_input` writes any key with any value; `damaged` changes bytes of an input.
+"""
+
+import math
+import random
+import re
+import subprocess
+from dataclasses import dataclass
+from functools import cache
+
+SYMMETRIC_ONLY = (
+    "euler",
+    "lagrange",
+    "energy_rate",
+    "lagrange_energy",
+    "space_frame",
+    "cayley_klein",
+)
+PAPER = SYMMETRIC_ONLY[:4]
+NEEDS = {
+    "taylor": ("rigid_body", "space_frame", "cayley_klein"),
+    "taylor_quadruple": ("rigid_body", "space_frame"),
+    "rkmk_4": ("rigid_body", "space_frame"),
+    "commutator_free_4": ("rigid_body", "space_frame"),
+    "splitting_2": ("rigid_body", "space_frame", "cayley_klein"),
+    "splitting_4": ("rigid_body", "space_frame", "cayley_klein"),
+    "splitting_6": ("rigid_body", "space_frame", "cayley_klein"),
+    "splitting_8": ("rigid_body", "space_frame", "cayley_klein"),
+}
+"""Formulations that a method runs under, where those are not all."""
+SHAPES = {
+    "spinning_wheel": "radius thickness rod_length",
+    "ring": "radius inner_radius thickness rod_length",
+    "sphere": "radius rod_length",
+    "cylinder": "radius thickness",
+    "cone": "radius thickness",
+}
+EVENTS = (
+    "turning_points", "upper_turning_points", "lower_turning_points", "azimuth_turns",
+    "theta = 0.6", "phi_rate = 1.0 rising", "omega3 = 0", "psi_deg = 45 every turn",
+    "axis_z_rate = 0",
+)  # fmt: skip
+CASES = ("slow_top", "pole_upright", "through_hanging", "sleeping_below", "near_steady")
+WORDS = (
+    "", "''", "'x'", "1", "-1", "0", "1e308", "-1e-320", "nan", "inf", "1d0", "1.5.2", "2*3", ",",
+    "'a", "\"b\"",
+    "'rk4'", "'all'", "9" * 30, "1:3", "(1,2)", "&top", "/", "!", "'\u00e9'", ".true.", "t",
+    "*", "=", "0x10",
+    "1e-310", "2147483648", "-0", "+5", "1,2,3,4,5,6,7", "'t', 't'", "3*'t'", "'theta = 0.5'",
+    "1 2",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Vocabulary:
+    """What the program knows: parameters with sizes, methods, formulations, tables, columns."""
+
+    parameters: dict[str, int]
+    choices: dict[str, list[str]]
+    fixed: list[str]
+    adaptive: list[str]
+    tables: dict[str, list[str]]
+    columns: list[str]
+    quantities: list[str]
+
+
+@cache
+def vocabulary(program: str) -> Vocabulary:
+    """The lists of the program."""
+
+    def listed(topic: str) -> str:
+        run = subprocess.run([program, "list", topic], capture_output=True, check=True, text=True)
+        return run.stdout
+
+    parameters, choices, key = {}, {}, ""
+    for line in listed("parameters").splitlines():
+        if match := re.match(r"(\w+\.\w+)(?:\((\d+)[\d,]*\))?\s", line):
+            key = match[1]
+            parameters[key] = int(match[2] or 1)
+        elif line.startswith("    "):
+            words = line.replace("one of:", "").replace(",", " ").split()
+            choices.setdefault(key, []).extend(words)
+    fixed, adaptive, tables = [], [], {}
+    for line in listed("methods").splitlines():
+        if match := re.match(r"tables of (\w+):\s*(.*)", line):
+            tables[match[1]] = match[2].split(", ")
+        elif match := re.match(r"  (\w+)\s+(.*)", line):
+            kinds = match[2].split("  ")[0]
+            fixed += [match[1]] if "fixed" in kinds else []
+            adaptive += [match[1]] if "adaptive" in kinds else []
+    sections = [section.splitlines() for section in listed("columns").split("\n\n")]
+    columns, quantities = (
+        [line.split()[0] for line in section if line.startswith("  ")] for section in sections[:2]
+    )
+    return Vocabulary(parameters, choices, fixed, adaptive, tables, columns, quantities)
+
+
+Groups = dict[str, dict[str, str]]
+
+
+class Writer:
+    """Draws one input."""
+
+    def __init__(self, program: str, seed: int) -> None:
+        self.random = random.Random(seed)
+        self.words = vocabulary(program)
+        self.groups: Groups = {}
+
+    def chance(self, probability: float) -> bool:
+        """Whether something of this probability happens."""
+        return self.random.random() < probability
+
+    def pick(self, choices: list[str] | tuple[str, ...]) -> str:
+        """One of these."""
+        return self.random.choice(list(choices))
+
+    def number(self, low: float, high: float) -> float:
+        """A number of few digits."""
+        return float(f"{self.random.uniform(low, high):.4g}")
+
+    def power(self, low: float, high: float) -> float:
+        """Ten to a power, of few digits."""
+        return float(f"{10 ** self.random.uniform(low, high):.3g}")
+
+    def put(self, group: str, **values: object) -> None:
+        """Set keys; texts in quotes, lists by commas."""
+        for key, value in values.items():
+            many = value if isinstance(value, list | tuple) else [value]
+            self.groups.setdefault(group, {})[key] = ", ".join(
+                f"'{one}'" if isinstance(one, str) else repr(one) for one in many
+            )
+
+    def text(self) -> str:
+        """The input as it stands in a file."""
+        lines = []
+        for group, values in self.groups.items():
+            lines += [f"&{group}", *(f"    {key} = {value}" for key, value in values.items()), "/"]
+        return "\n".join(lines) + "\n"
+
+    def plausible(self) -> str:
+        """An input that the program is likely to accept, with little work."""
+        kind = self.random.choices(
+            ("trajectory", "sweep", "work_precision", "stability"), (55, 35, 8, 2)
+        )[0]
+        self.put("study", kind=kind)
+        if self.chance(0.2):
+            self.put("study", title=self.pick(("A top", "It''s a top", "\u00e9t\u00e9: 1, 2")))
+        self.symmetric = self.chance(0.75)
+        self.damped = self.chance(0.1)
+        self.general = not self.symmetric or self.damped
+        self.scale = 10.0 ** self.random.choice((0, 0, 0, 0, -9, 9))
+        self.body()
+        self.start()
+        getattr(self, kind)()
+        return self.text()
+
+    def body(self) -> None:
+        """The body."""
+        if self.symmetric and self.chance(0.25):
+            shape = self.pick(tuple(SHAPES))
+            self.put("top", shape=shape)
+            self.put("top", **{self.pick(("mass", "density")): self.number(1, 10)})
+            for key in SHAPES[shape].split():
+                small = key in ("thickness", "inner_radius")
+                self.put("top", **{key: self.number(0.01, 0.09) if small else self.number(0.1, 1)})
+        else:
+            one, three = self.number(0.5, 1.0), self.number(0.05, 0.9)
+            two = one if self.symmetric else self.number(max(one - three, 0) + 0.02, one)
+            inertia = [value * self.scale for value in (one, two, three)]
+            self.put("top", mass=self.number(0.5, 3) * self.scale, inertia=inertia)
+            if self.symmetric or self.chance(0.3):
+                self.put("top", length=-0.3 if self.chance(0.3) else self.number(0, 0.8))
+            else:
+                self.put("top", centre_of_mass=[self.number(-0.3, 0.3) for _ in range(3)])
+            if self.chance(0.1):
+                self.put("top", inertia_about="centre_of_mass")
+        if self.damped:
+            self.put("top", damping=[self.power(-4, -1) * self.scale for _ in range(3)])
+        if self.chance(0.15):
+            self.put("top", gravity=self.random.choice([0.0, 1.62, 9.81e-6, 24.8]))
+
+    def start(self) -> None:
+        """The start."""
+        put, number = self.put, self.number
+        if self.chance(0.15):
+            turn = [number(-1, 1) for _ in range(4)]
+            put("initial", quaternion=[part / math.hypot(*turn) for part in turn])
+            put("initial", omega=[number(-3, 3), number(-3, 3), number(-20, 20)])
+            return
+        angle = self.random.choice(
+            [number(0.05, 3.0), self.power(-9, -1), 3.14159265 - self.power(-8, -1), 0.0]
+        )
+        put("initial", theta=angle)
+        for key in ("phi", "psi", "phi_rate", "theta_rate"):
+            if self.chance(0.4):
+                put("initial", **{key: number(-4, 4)})
+        key = self.pick(("psi_rate", "omega3", "spin_ratio", "none"))
+        if key != "none" and not (key == "spin_ratio" and not self.symmetric):
+            put("initial", **{key: number(-3, 3) * self.random.choice([1, 1, 10])})
+
+    def span(self) -> None:
+        """The time span, and what ends it."""
+        if not self.general and self.chance(0.3):
+            self.put("span", nutations=self.number(0.1, 3))
+        else:
+            self.put("span", t_end=self.number(0.05, 3))
+        if self.chance(0.2):
+            self.put("span", stop_at=self.pick(EVENTS), stop_after=self.random.randint(1, 3))
+
+    def method(self) -> tuple[str, str]:
+        """A method, and a formulation that it runs under."""
+        method = self.pick((*self.words.fixed, *self.words.adaptive, "auto", "exact"))
+        allowed = NEEDS.get(method, ("rigid_body", *SYMMETRIC_ONLY))
+        if self.general:
+            allowed = ("rigid_body",)
+        if self.general and method == "exact":
+            method = "auto"
+        formulation = self.pick((*allowed, "auto"))
+        if method in ("auto", "exact"):
+            formulation = "auto"
+        return method, formulation
+
+    def integration(self) -> None:
+        """How it is computed."""
+        method, formulation = self.method()
+        self.put("integration", method=method, formulation=formulation)
+        if formulation == "auto" and method != "auto":
+            del self.groups["integration"]["formulation"]
+        if method in self.words.tables and self.chance(0.7):
+            self.put("integration", table=self.pick(self.words.tables[method]))
+        fixed = method in self.words.fixed and (
+            method not in self.words.adaptive or self.chance(0.4)
+        )
+        if fixed:
+            self.put("integration", steps=self.random.choice([1, 7, 40, 200]))
+        elif method in self.words.adaptive:
+            low = -26 if method == "taylor_quadruple" else -12
+            if self.chance(0.7):
+                self.put("integration", relative_tolerance=self.power(low, -3))
+            if self.chance(0.2):
+                self.put("integration", absolute_tolerance=self.power(low - 2, -6))
+        self.fixed = fixed
+        self.put(
+            "integration", max_steps=self.random.choice([200, 3000] if fixed else [5, 300, 3000])
+        )
+        if method in ("crank_nicolson_1", "gauss_4", "euler_backward") and self.chance(0.3):
+            self.put("integration", solver="fixed_point")
+        if formulation not in PAPER and method not in ("auto", "exact") and self.chance(0.15):
+            self.put("integration", project=self.pick(("none", "unit", "invariants")))
+
+    def trajectory(self) -> None:
+        """A trajectory."""
+        self.span()
+        self.integration()
+        if not self.fixed:
+            self.put("span", samples=self.random.choice([2, 3, 20, 101]))
+        columns = [
+            name for name in self.words.columns if name not in NEED_EXACT or not self.general
+        ]
+        if self.chance(0.7):
+            chosen = self.random.sample(columns, self.random.randint(1, 8))
+            kept = ["t", *(name for name in ("theta", *chosen) if name != "t")]
+            if not self.general:
+                kept += ["orientation_error", "double_floor"]
+            self.put("output", columns=list(dict.fromkeys(kept)))
+        elif not self.general:
+            self.put("output", columns="all")
+        if self.chance(0.3):
+            self.put("output", events=self.random.sample(EVENTS, self.random.randint(1, 3)))
+
+    def sweep(self) -> None:
+        """A sweep."""
+        self.span()
+        self.integration()
+        keys = [
+            "top.mass",
+            "top.gravity",
+            "span.t_end" if "t_end" in self.groups["span"] else "top.gravity",
+        ]
+        keys += [
+            f"initial.{key}" for key in self.groups["initial"] if key not in ("quaternion", "omega")
+        ]
+        if "inertia" in self.groups["top"]:
+            keys.append("top.inertia(3)")
+        keys = [
+            key for key in dict.fromkeys(keys) if key != "top.mass" or "mass" in self.groups["top"]
+        ]
+        chosen = self.random.sample(keys, min(len(keys), self.random.randint(1, 3)))
+        combine = self.pick(("grid", "zip", "random", "latin_hypercube"))
+        drawn = combine in ("random", "latin_hypercube")
+        count = self.random.randint(1, 3)
+        for place, key in enumerate(chosen, start=1):
+            low, high = self.range_of(key)
+            self.put(
+                "sweep", **{f"parameter({place})": key, f"from({place})": low, f"to({place})": high}
+            )
+            if not drawn:
+                self.put("sweep", **{f"count({place})": count if high != low else 1})
+        self.put("sweep", combine=combine)
+        if drawn:
+            self.put("sweep", cases=count, seed=self.random.randint(1, 99))
+        quantities = [
+            name for name in self.words.quantities if name not in LONG or self.chance(0.3)
+        ]
+        if self.chance(0.7):
+            chosen = self.random.sample(quantities, min(len(quantities), self.random.randint(1, 6)))
+            extra = ["theta_end", "orientation_error", "double_floor"]
+            self.put("output", columns=list(dict.fromkeys([*chosen, *extra])))
+
+    def range_of(self, key: str) -> tuple[float, float]:
+        """Values that a key may have, around that of the input."""
+        group, _, name = key.partition(".")
+        if key == "top.inertia(3)":
+            middle = float(self.groups["top"]["inertia"].split(", ")[2])
+        else:
+            middle = float(self.groups[group].get(name, "9.81"))
+        low, high = sorted((middle * 0.9, middle * 1.05))
+        return (low, high) if name not in ("theta",) else (max(low, 0.0), min(high, 3.14159))
+
+    def work_precision(self) -> None:
+        """A study of work and precision."""
+        self.put("span", t_end=self.number(0.05, 1))
+        self.put("integration", max_steps=3000)
+        methods = self.random.sample([*self.words.fixed, *self.words.adaptive], 3)
+        methods = [name for name in methods if name not in self.words.tables]
+        allowed = "rigid_body" if self.general else "space_frame"
+        self.put("work_precision", methods=[f"{name}/{allowed}" for name in methods] or "rk4")
+        self.put("work_precision", tolerances=[1e-5, 1e-9], steps=[20, 80], repeats=1)
+
+    def stability(self) -> None:
+        """A study of stability."""
+        self.put("span", t_end=self.number(0.05, 1))
+        self.put("integration", max_steps=3000, steps=200)
+        self.put("stability", cases=self.random.sample([*CASES, "input"], 1))
+        self.put("stability", methods=self.random.sample(["rk4", "dop853", "taylor", "ode45"], 2))
+
+    def wild(self) -> str:
+        """A plausible input with keys and values of any kind put in or taken out."""
+        self.plausible()
+        for _ in range(self.random.choice((1, 1, 2, 5))):
+            key = self.pick(tuple(self.words.parameters))
+            group, _, name = key.partition(".")
+            size = self.words.parameters[key]
+            if size > 1 and self.chance(0.4):
+                name += f"({self.random.choice([1, 2, size, size + 1, 0, -1])})"
+            choices = [f"'{word}'" for word in self.words.choices.get(key, ["x"])]
+            value = self.pick(
+                (*WORDS, *choices, repr(self.power(-320, 308)), repr(self.number(-9, 9)))
+            )
+            change = self.random.randrange(4)
+            values = self.groups.setdefault(group, {})
+            if change == 0 and values:
+                values.pop(self.pick(tuple(values)))
+            elif change == 1 and values:
+                values[self.pick(tuple(values))] = value
+            else:
+                values[name] = value
+        return self.text()
+
+
+NEED_EXACT = ("orientation_error", "tip_error", "double_floor")
+LONG = ("lyapunov_exponent", "orientation_error")
+
+
+def plausible_input(program: str, seed: int) -> str:
+    """An input that is likely to be accepted."""
+    return Writer(program, seed).plausible()
+
+
+def wild_input(program: str, seed: int) -> bytes:
+    """An input with any keys and values; in one of two its bytes are changed, too."""
+    writer = Writer(program, seed)
+    data = writer.wild().encode()
+    return damaged(data, writer.random) if writer.chance(0.5) else data
+
+
+def damaged(data: bytes, draw: random.Random) -> bytes:
+    """The bytes with some changed, left out, repeated or put in."""
+    for _ in range(draw.choice((1, 1, 2, 4, 16))):
+        place, length = draw.randrange(len(data) + 1), draw.choice((1, 1, 2, 10, 100))
+        piece = data[place : place + length]
+        change = draw.randrange(5)
+        if change == 0:
+            piece = bytes(draw.randrange(256) for _ in piece)
+        elif change == 1:
+            piece = b""
+        elif change == 2:
+            piece += piece
+        elif change == 3:
+            piece = draw.choice(WORDS).encode() + piece
+        else:
+            piece = (
+                draw.choice(
+                    (b"\n", b"\r\n", b"\t", b"\0", b"\xff", b"'", b'"', b"&", b"/", b"=", b"!")
+                )
+                + piece
+            )
+        data = data[:place] + piece + data[place + length :]
+        if not data:
+            return b"&"
+    return data

@@ -1,0 +1,90 @@
+!> Tops drawn at random, and the same tops in other units.
+module drawn_tops
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_body, only: body_t
+    use spintop_kinds, only: dp, pi
+    use spintop_motion, only: motion_t, motion_from_angles
+    use spintop_random, only: uniform
+    implicit none
+    private
+    public :: units_t, draw_symmetric, draw_general, body_in_units, start_in_units, reversed
+
+    !> How many of the new units are one of the old.
+    type :: units_t
+        real(dp) :: mass = 1, length = 1, time = 1
+    end type units_t
+
+contains
+
+    !> Number `place` of the draw `number`, between two bounds.
+    real(dp) function drawn(number, place, low, high)
+        integer, intent(in) :: number, place
+        real(dp), intent(in) :: low, high
+        integer(int64), parameter :: seed = 20120071
+        drawn = low + (high - low) * uniform(seed, int(number, int64), int(place, int64))
+    end function drawn
+
+    !> A symmetric top that stays away from the poles: its axis rises and falls about the horizontal.
+    !> Every third is free of gravity torque.
+    subroutine draw_symmetric(number, body, start)
+        integer, intent(in) :: number
+        type(body_t), intent(out) :: body
+        type(motion_t), intent(out) :: start
+        body%mass = drawn(number, 1, 0.5_dp, 2.0_dp)
+        body%inertia(1:2) = drawn(number, 2, 0.5_dp, 1.5_dp)
+        body%inertia(3) = body%inertia(1) * drawn(number, 3, 0.3_dp, 1.7_dp)
+        body%centre_of_mass = [0.0_dp, 0.0_dp, drawn(number, 4, 0.02_dp, 0.1_dp)]
+        if (mod(number, 3) == 0) body%centre_of_mass = 0
+        start = motion_from_angles(0.0_dp, [drawn(number, 5, -3.0_dp, 3.0_dp), drawn(number, 6, 1.0_dp, 1.8_dp), &
+            drawn(number, 7, -3.0_dp, 3.0_dp)], [drawn(number, 8, -0.6_dp, 0.6_dp), &
+            drawn(number, 9, 0.1_dp, 0.3_dp), drawn(number, 10, 1.5_dp, 4.0_dp)])
+    end subroutine draw_symmetric
+
+    !> A body without symmetry, of any attitude, damped or not. Every third is free of gravity torque.
+    subroutine draw_general(number, damped, body, start)
+        integer, intent(in) :: number
+        logical, intent(in) :: damped
+        type(body_t), intent(out) :: body
+        type(motion_t), intent(out) :: start
+        integer :: i
+        body%mass = drawn(number, 1, 0.5_dp, 2.0_dp)
+        body%inertia = [(drawn(number, 1 + i, 0.7_dp, 1.3_dp), i=1, 3)]
+        body%centre_of_mass = [(drawn(number, 4 + i, -0.1_dp, 0.1_dp), i=1, 3)]
+        if (mod(number, 3) == 0) body%centre_of_mass = 0
+        if (damped) body%damping = [(drawn(number, 7 + i, 0.0_dp, 0.2_dp), i=1, 3)]
+        start = motion_from_angles(0.0_dp, [drawn(number, 11, -pi, pi), drawn(number, 12, 0.1_dp, 3.0_dp), &
+            drawn(number, 13, -pi, pi)], [(drawn(number, 13 + i, -2.0_dp, 2.0_dp), i=1, 3)])
+    end subroutine draw_general
+
+    !> A body in other units.
+    pure type(body_t) function body_in_units(body, units) result(other)
+        type(body_t), intent(in) :: body
+        type(units_t), intent(in) :: units
+        other%mass = body%mass * units%mass
+        other%inertia = body%inertia * (units%mass * units%length**2)
+        other%centre_of_mass = body%centre_of_mass * units%length
+        other%gravity = body%gravity * (units%length / units%time**2)
+        other%damping = body%damping * (units%mass * units%length**2 / units%time)
+    end function body_in_units
+
+    !> A start in other units; its quaternion stays as it is to the last bit.
+    pure type(motion_t) function start_in_units(start, units) result(other)
+        type(motion_t), intent(in) :: start
+        type(units_t), intent(in) :: units
+        other = start
+        other%t = start%t * units%time
+        other%rate = start%rate / units%time
+        other%omega = start%omega / units%time
+        other%omega_rate = start%omega_rate / units%time**2
+    end function start_in_units
+
+    !> The motion as it would go back.
+    elemental type(motion_t) function reversed(motion) result(back)
+        type(motion_t), intent(in) :: motion
+        back = motion
+        back%t = 0
+        back%rate = -motion%rate
+        back%omega = -motion%omega
+    end function reversed
+
+end module drawn_tops

@@ -4,8 +4,8 @@ module spintop_assignment
     use spintop_kinds, only: dp
     use spintop_literals, only: read_integer, read_logical, read_real
     use spintop_parameter, only: all_elements, kind_integer, kind_real, kind_text, &
-    use spintop_plain_text, only: is_plain
         leading_elements, parameter_t, quoted
+    use spintop_plain_text, only: is_plain
     use spintop_scanner, only: scanner_t, token_close, token_colon, token_comma, token_open, &
         token_string, token_t, token_word
     use spintop_suggestions, only: suggest_word

@@ -267,12 +267,4 @@ contains
         end if
     end subroutine cut_to_window
 
-    !> Whether the character of bytes 226, `second` and `third` changes the direction of writing, so that
-    !> a line would show another order than it has (U+200E, 200F, 202A to 202E, 2066 to 2069).
-    pure logical function turns_writing(second, third)
-        integer, intent(in) :: second, third
-        turns_writing = (second == 128 .and. (third == 142 .or. third == 143 .or. &
-            (third >= 170 .and. third <= 174))) .or. (second == 129 .and. third >= 166 .and. third <= 169)
-    end function turns_writing
-
 end module spintop_diagnostics

@@ -22,7 +22,7 @@ module spintop
         axial_momentum, euler_residuals, support_force, axis_tip, axis_height_rate, &
         euler_poisson_state, critical_omega3, fast_top
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
-    use spintop_conditioning, only: conditioning_t, prepare_conditioning, double_floor
+    use spintop_conditioning, only: conditioning_t, prepare_conditioning, inherent_error
     use spintop_force_extremes, only: force_extremes_t, find_force_extremes
     use spintop_exact_block, only: exact_block_t, block_size
     use spintop_nutation, only: nutation_t, find_nutation, class_name

@@ -264,7 +264,7 @@ class Writer:
             chosen = self.random.sample(columns, self.random.randint(1, 8))
             kept = ["t", *(name for name in ("theta", *chosen) if name != "t")]
             if not self.general:
-                kept += ["orientation_error", "double_floor"]
+                kept += ["orientation_error", "inherent_error"]
             self.put("output", columns=list(dict.fromkeys(kept)))
         elif not self.general:
             self.put("output", columns="all")
@@ -307,7 +307,7 @@ class Writer:
         ]
         if self.chance(0.7):
             chosen = self.random.sample(quantities, min(len(quantities), self.random.randint(1, 6)))
-            extra = ["theta_end", "orientation_error", "double_floor"]
+            extra = ["theta_end", "orientation_error", "inherent_error"]
             self.put("output", columns=list(dict.fromkeys([*chosen, *extra])))
 
     def range_of(self, key: str) -> tuple[float, float]:
@@ -361,7 +361,7 @@ class Writer:
         return self.text()
 
 
-NEED_EXACT = ("orientation_error", "tip_error", "double_floor")
+NEED_EXACT = ("orientation_error", "tip_error", "inherent_error")
 LONG = ("lyapunov_exponent", "orientation_error")
 
 

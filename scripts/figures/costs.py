@@ -67,12 +67,12 @@ def draw_costs(table: Table) -> Figure:
 
 def draw_case(axes: Axes, rows: pd.DataFrame) -> None:
     """The trials of a case, over what rounding of the data does to its motion."""
-    floor = max(rows["double_floor"].max(), LEAST_ERROR)
+    floor = max(rows["inherent_error"].max(), LEAST_ERROR)
     axes.axhspan(1e-30, floor, color=FAINT, linewidth=0, zorder=0)
     for family in FAMILIES:
         for verdict, fullness in FACES.items():
             chosen = rows[(rows["family"] == family.name) & (rows["verdict"] == verdict)]
-            errors = np.maximum(chosen["error_orientation"], LEAST_ERROR)
+            errors = np.maximum(chosen["orientation_error"], LEAST_ERROR)
             axes.plot(chosen["evaluations"], errors, **marker(family, fullness))
 
 
@@ -90,7 +90,7 @@ def marker(family: Family, fullness: float) -> dict[str, object]:
 
 def set_scales(axes: Axes, rows: pd.DataFrame) -> None:
     """Log axes, from the least to the largest of all cases."""
-    costs, errors = rows["evaluations"], rows["error_orientation"]
+    costs, errors = rows["evaluations"], rows["orientation_error"]
     axes.set(xscale="log", yscale="log")
     axes.set_xlim(costs.min() / 2, costs.max() * 2)
     axes.set_ylim(max(errors.min(), LEAST_ERROR) / 10, errors.max() * 10)

@@ -3,6 +3,7 @@
 import sys
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,21 +14,35 @@ from figures.style import save_as
 from figures.table import Table, TableError
 
 LARGEST = 1e150
-"""Numbers beyond have squares and sums that overflow; a figure of them shows nothing."""
+"""Numbers beyond have squares and sums that overflow; a figure of them shows nothing. Of a run that
+overflowed, as its status says, they are left out."""
 
 
 def draw_to(kind: FigureKind, tables: Table | Sequence[Table], stem: Path) -> list[Path]:
     """Draw a figure to PNG and SVG, or raise a TableError that says why that cannot be."""
-    for table in [tables] if isinstance(tables, Table) else tables:
+    alone = isinstance(tables, Table)
+    known = [without_overflow(table) for table in ([tables] if alone else tables)]
+    for table in known:
         if wide := too_large(table, kind.columns):
             raise TableError(f"{wide}: no {kind.name} figure")
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
-            return save_as(kind.draw(tables), stem)
+            return save_as(kind.draw(known[0] if alone else known), stem)
     except (ArithmeticError, LookupError, TypeError, ValueError) as error:
         first = printable((str(error).splitlines() or [""])[0]) or type(error).__name__
         raise TableError(f"the {kind.name} figure cannot be drawn: {first}") from error
+
+
+def without_overflow(table: Table) -> Table:
+    """The table of a run that overflowed without the numbers that are too large; any other as it is."""
+    if not (table.status or "").startswith("non_finite"):
+        return table
+    rows = table.rows.copy()
+    for name in rows.columns:
+        if table.numeric(name):
+            rows[name] = rows[name].where(~(rows[name].abs() > LARGEST))
+    return replace(table, rows=rows)
 
 
 def too_large(table: Table, columns: Sequence[str]) -> str:

@@ -31,7 +31,7 @@ CONSTANTS = (
     Constant("energy_error", "energy, relative", False),
     Constant("lz", "vertical momentum (J s)", True),
     Constant("l3", "momentum about the axis (J s)", True),
-    Constant("quaternion_drift", "length of the quaternion", False),
+    Constant("norm_error", "length of the quaternion", False),
 )
 """Those that are drawn where all tables have them."""
 

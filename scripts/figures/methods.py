@@ -25,7 +25,7 @@ VERDICTS = {
         Verdict("accurate", "#d3e8f0", "black", "{digits}"),
         Verdict("drifts", "#e39b35", "black", "~{digits}"),
         Verdict("wrong", FAULT, "white", "\N{MULTIPLICATION SIGN}"),
-        Verdict("gave_up", "#1c1c1c", "white", "{why}"),
+        Verdict("failed", "#1c1c1c", "white", "{why}"),
         Verdict("unsuitable", "white", "0.55", "\N{EN DASH}"),
     )
 }

@@ -67,7 +67,7 @@ def draw_problem(axes: Axes, rows: pd.DataFrame, across: int) -> dict[str, objec
     """One problem, in a row of so many panels; gives what the legend shows, by name."""
     handles: dict[str, object] = {}
     axes.set(xscale="log", yscale="log", ylim=(LEAST_ERROR, 10))
-    floor = rows["double_floor"].max()
+    floor = rows["inherent_error"].max()
     if math.isfinite(floor):
         handles["floor"] = axes.axhspan(
             LEAST_ERROR / 10, floor, color=FAINT, linewidth=0, label="rounding of the data"
@@ -94,8 +94,8 @@ def draw_front(
     axes: Axes, rows: pd.DataFrame, name: str, style: dict, handles: dict[str, object]
 ) -> None:
     """The rows than which no other of these is both cheaper and more exact."""
-    rows = rows.sort_values(["time_s", "error_orientation"])
-    errors = rows["error_orientation"].to_numpy(float)
+    rows = rows.sort_values(["time_s", "orientation_error"])
+    errors = rows["orientation_error"].to_numpy(float)
     best = np.minimum.accumulate(errors) if errors.size else errors
     chosen = np.append(True, best[1:] < best[:-1])[: errors.size] & (errors <= LARGEST_ERROR)
     if not chosen.any():

@@ -108,7 +108,7 @@ def mark_exact(axes: Axes, cost: np.ndarray, error: np.ndarray) -> None:
 
 def draw_floor(axes: Axes, rows: pd.DataFrame) -> None:
     """The band of errors that rounding of the data makes by itself, where it is known."""
-    if "double_floor" in rows and np.isfinite(floor := rows["double_floor"].max()):
+    if "inherent_error" in rows and np.isfinite(floor := rows["inherent_error"].max()):
         axes.axhspan(1e-30, max(floor, LEAST_ERROR), color=FAINT, linewidth=0, zorder=0)
 
 
@@ -189,7 +189,7 @@ def draw_precision_over(table: Table, cost: str, title: str, label: str) -> tupl
         draw_precision_curves(axes, rows[rows["problem"] == problem], cost)
         axes.set_ylabel(ERROR_LABEL)
     axes.set_xlabel(label)
-    if "double_floor" in rows:
+    if "inherent_error" in rows:
         handles.append(FLOOR_HANDLE)
     figure.legend(handles=handles, loc="outside right upper", handlelength=3.2, labelspacing=0.55)
     return figure, list(panels.values())

@@ -109,7 +109,7 @@ def lay_out(rows: pd.DataFrame) -> Layout:
 def letters_of(rows: pd.DataFrame) -> dict[str, str]:
     """A letter for each status of those that gave up: its first that is not taken."""
     letters: dict[str, str] = {}
-    for status in rows.loc[rows["verdict"] == "gave_up", "status"].value_counts().index:
+    for status in rows.loc[rows["verdict"] == "failed", "status"].value_counts().index:
         free = (letter for letter in status.upper() + string.ascii_uppercase if letter.isalpha())
         letters[status] = next(letter for letter in free if letter not in letters.values())
     return letters
@@ -118,7 +118,7 @@ def letters_of(rows: pd.DataFrame) -> dict[str, str]:
 def mark_of(row: object, letters: dict[str, str]) -> str:
     """What stands in the cell of a trial."""
     return VERDICTS[row.verdict].mark.format(
-        digits=digits_of(row.error_orientation), why=letters.get(row.status, "")
+        digits=digits_of(row.orientation_error), why=letters.get(row.status, "")
     )
 
 
@@ -204,12 +204,12 @@ def legend_lines(
         number = int((rows["verdict"] == verdict.name).sum())
         meaning = table.header.get(f"verdict {verdict.name}", "")
         text = f"{verdict.name.replace('_', ' ')} ({number})" + (f": {meaning}" if meaning else "")
-        if verdict.name != "gave_up":
+        if verdict.name != "failed":
             lines.append((verdict, verdict.mark.format(digits="n", why=""), text))
             continue
         lines.append((verdict, "", text))
         for status, letter in letters.items():
-            chosen = rows[(rows["verdict"] == "gave_up") & (rows["status"] == status)]
+            chosen = rows[(rows["verdict"] == "failed") & (rows["status"] == status)]
             reason = chosen["reason"].iloc[0].rpartition(": ")[2]
             lines.append(
                 (verdict, letter, f"{len(chosen)} by {status.replace('_', ' ')}: {reason}")
@@ -226,7 +226,7 @@ def draw_legend(
     """What the cells mean."""
     for number, (verdict, mark, text) in enumerate(lines):
         place = y + LINE * number
-        indent = 1.4 if mark.isalpha() and verdict and verdict.name == "gave_up" else 0
+        indent = 1.4 if mark.isalpha() and verdict and verdict.name == "failed" else 0
         if verdict:
             draw_cell(axes, x + indent, place, verdict, mark)
         axes.text(x + indent + 1.4, place + 0.5, text, va="center", fontsize=9)

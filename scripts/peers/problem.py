@@ -37,11 +37,11 @@ class Problem:
             and not any(self.damping)
         )
 
-    def error_orientation(self, q: Sequence[float]) -> float:
+    def orientation_error(self, q: Sequence[float]) -> float:
         """Angle of the turn from the attitude at the end, rad."""
         return angle_between(q, self.reference)
 
-    def error_tip(self, q: Sequence[float]) -> float:
+    def tip_error(self, q: Sequence[float]) -> float:
         """Distance of the axis tip from that at the end: the centre of mass at unit distance."""
         length = math.hypot(*self.weight)
         axis = [part / length for part in self.weight] if length else [0.0, 0.0, 1.0]

@@ -14,7 +14,7 @@ from peers.problem import Problem
 OWN = "spintop"
 """What the column `program` calls itself."""
 PROGRAM = "the program that was measured"
-SHARED = ("double_floor", "reference", "reference_error", "reference_check")
+SHARED = ("inherent_error", "reference", "reference_error", "reference_check")
 """Columns that are the same in all rows of a problem."""
 
 
@@ -38,8 +38,8 @@ def row_of(trial: Trial, problem: Problem, own: pd.DataFrame) -> dict:
     if trial.answer:
         q = trial.answer["quaternion"]
         row |= {name: value for name, value in trial.answer.items() if name in row}
-        row["error_orientation"] = problem.error_orientation(q)
-        row["error_tip"] = problem.error_tip(q)
+        row["orientation_error"] = problem.orientation_error(q)
+        row["tip_error"] = problem.tip_error(q)
     return row
 
 
@@ -68,9 +68,9 @@ def join(parts: list[pd.DataFrame]) -> pd.DataFrame:
 def front(rows: pd.DataFrame) -> pd.DataFrame:
     """Those that step and are both cheaper and more exact than no other, by time."""
     good = rows[(rows["status"] == "ok") & (rows["method"] != "exact")]
-    good = good.sort_values(["time_s", "error_orientation"])
-    best = good["error_orientation"].cummin().shift(fill_value=math.inf)
-    return good[good["error_orientation"] < best]
+    good = good.sort_values(["time_s", "orientation_error"])
+    best = good["orientation_error"].cummin().shift(fill_value=math.inf)
+    return good[good["orientation_error"] < best]
 
 
 def processor() -> str:

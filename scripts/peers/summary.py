@@ -10,7 +10,7 @@ NONE = "\N{EN DASH}"
 
 def cheapest(rows: pd.DataFrame, error: float) -> pd.Series | None:
     """The fastest row whose attitude at the end is good enough."""
-    good = rows[(rows["status"] == "ok") & (rows["error_orientation"] <= error)]
+    good = rows[(rows["status"] == "ok") & (rows["orientation_error"] <= error)]
     return None if good.empty else good.loc[good["time_s"].idxmin()]
 
 

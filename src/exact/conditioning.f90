@@ -15,7 +15,7 @@ module spintop_conditioning
     use spintop_validity, only: no_number
     implicit none
     private
-    public :: conditioning_t, prepare_conditioning, double_floor
+    public :: conditioning_t, prepare_conditioning, inherent_error
 
     !> Relative displacement of each datum: large enough that the rounding of the attitude does not
     !> matter, small enough for floors up to `hopeless`, rad (beyond, displaced motions have no
@@ -152,7 +152,7 @@ contains
 
     !> How far rounding of the data turns the attitude at time t (s), rad; NaN for data without an
     !> exact motion (`prepare_conditioning` says why). For many times, prepare once.
-    pure real(dp) function double_floor(body, start, t) result(angle)
+    pure real(dp) function inherent_error(body, start, t) result(angle)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
         real(dp), intent(in) :: t
@@ -161,6 +161,6 @@ contains
         call prepare_conditioning(body, start, conditioning, status)
         angle = no_number
         if (status == status_ok) angle = conditioning%floor_at(t)
-    end function double_floor
+    end function inherent_error
 
 end module spintop_conditioning

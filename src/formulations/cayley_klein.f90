@@ -171,7 +171,7 @@ contains
             + (self%sigma / 2)**2 * q
         omega = twice_vector(q, rate)
         motion = motion_from_quaternion(t, q, omega, near)
-        motion%quaternion_drift = norm2(y(1:4)) - 1
+        motion%norm_error = norm2(y(1:4)) - 1
         motion%omega_rate = twice_vector(q, acceleration)
     end function motion
 

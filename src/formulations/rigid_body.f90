@@ -11,7 +11,7 @@
 !> the rest vanishes, and the drift is exact.
 module spintop_rigid_body
     use spintop_kinds, only: dp, qp
-    use spintop_attitude, only: follow_angles, quaternion_product, turn_less_one, &
+    use spintop_attitude, only: follow_angles, quaternion_product, rotation_minus_one, &
         vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_compare, only: is_zero
@@ -262,7 +262,7 @@ contains
         real(dp) :: dy(max_states)
         integer :: status
         motion = motion_from_quaternion(t, y(1:4) / norm2(y(1:4)), y(5:7) / self%body%inertia, near)
-        motion%quaternion_drift = norm2(y(1:4)) - 1
+        motion%norm_error = norm2(y(1:4)) - 1
         call self%derivative(y, dy, status)
         motion%omega_rate = dy(5:7) / self%body%inertia
     end function motion
@@ -339,7 +339,7 @@ contains
         real(dp), intent(out) :: change(max_states)
         associate (unused => self)
         end associate
-        change(1:4) = quaternion_product(y(1:4), turn_less_one(xi(1:3)))
+        change(1:4) = quaternion_product(y(1:4), rotation_minus_one(xi(1:3)))
         change(5:7) = xi(4:6)
         change(8) = 0
     end subroutine group_move

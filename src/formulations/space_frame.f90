@@ -11,7 +11,7 @@
 module spintop_space_frame
     use spintop_kinds, only: dp, qp, xp
     use spintop_attitude, only: follow_angles, conjugate_quaternion, quaternion_product, to_space, &
-        turn_less_one
+        rotation_minus_one
     use spintop_body, only: body_t
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_series_order, &
         max_states, structure_group, structure_quadruple, structure_series, structure_split
@@ -160,7 +160,7 @@ contains
         q = with_spin(self, t, y)
         omega = body_omega(self, t, y)
         motion = motion_from_quaternion(t, q, omega, near)
-        motion%quaternion_drift = norm2(y(3:6)) - 1
+        motion%norm_error = norm2(y(3:6)) - 1
         call self%derivative(y, dy, status)
         momentum = [y(1:2), self%vertical]
         axis = to_space(q, [0.0_dp, 0.0_dp, 1.0_dp])
@@ -333,7 +333,7 @@ contains
         associate (unused => self)
         end associate
         change(1:2) = xi(4:5)
-        change(3:6) = quaternion_product(turn_less_one(xi(1:3)), y(3:6))
+        change(3:6) = quaternion_product(rotation_minus_one(xi(1:3)), y(3:6))
         change(7:8) = 0
     end subroutine group_move
 

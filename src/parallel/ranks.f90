@@ -28,14 +28,14 @@ module spintop_ranks
     contains
         procedure :: is_writer
         procedure :: agree
-        generic :: tell => tell_numbers, tell_text
-        procedure :: add_up
+        generic :: broadcast => broadcast_numbers, broadcast_text
+        procedure :: reduce
         procedure :: exchange
         procedure :: sign_off
         procedure :: receive
         procedure :: answer
-        procedure, private :: tell_numbers
-        procedure, private :: tell_text
+        procedure, private :: broadcast_numbers
+        procedure, private :: broadcast_text
     end type ranks_t
 
     interface
@@ -58,23 +58,23 @@ module spintop_ranks
         end subroutine agree
 
         !> Gives all ranks the numbers of the writer. All ranks call it.
-        module subroutine tell_numbers(self, numbers)
+        module subroutine broadcast_numbers(self, numbers)
             class(ranks_t), intent(in) :: self
             integer(int64), intent(inout) :: numbers(:)
-        end subroutine tell_numbers
+        end subroutine broadcast_numbers
 
         !> Gives all ranks the text of the writer. All ranks call it.
-        module subroutine tell_text(self, text)
+        module subroutine broadcast_text(self, text)
             class(ranks_t), intent(in) :: self
             character(:), allocatable, intent(inout) :: text
-        end subroutine tell_text
+        end subroutine broadcast_text
 
         !> Gives the writer the sums over all ranks, and leaves the others what they have. All ranks
         !> call it.
-        module subroutine add_up(self, values)
+        module subroutine reduce(self, values)
             class(ranks_t), intent(in) :: self
             real(dp), intent(inout) :: values(:)
-        end subroutine add_up
+        end subroutine reduce
 
         !> Hands the rows of a block to the writer (`number` > 0), and takes what it answers. Threads
         !> may call it at will: they take turns.

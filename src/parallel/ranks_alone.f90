@@ -1,5 +1,5 @@
 #ifndef SPINTOP_MPI
-!> Ranks in a build without MPI: a process is alone, and has nobody to tell or to hear.
+!> Ranks in a build without MPI: a process is alone, and has nobody to broadcast to or to hear.
 submodule(spintop_ranks) ranks_alone
     implicit none
 
@@ -15,14 +15,14 @@ contains
     module procedure agree
     end procedure agree
 
-    module procedure tell_numbers
-    end procedure tell_numbers
+    module procedure broadcast_numbers
+    end procedure broadcast_numbers
 
-    module procedure tell_text
-    end procedure tell_text
+    module procedure broadcast_text
+    end procedure broadcast_text
 
-    module procedure add_up
-    end procedure add_up
+    module procedure reduce
+    end procedure reduce
 
     module procedure exchange
     end procedure exchange

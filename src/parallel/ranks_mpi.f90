@@ -53,20 +53,20 @@ contains
         error = error_t(code, message)
     end procedure agree
 
-    module procedure tell_numbers
+    module procedure broadcast_numbers
         if (self%count == 1) return
         call MPI_Bcast(numbers, size(numbers), MPI_INTEGER8, writer, MPI_COMM_WORLD)
-    end procedure tell_numbers
+    end procedure broadcast_numbers
 
-    module procedure tell_text
+    module procedure broadcast_text
         if (self%count > 1) call broadcast(text, writer)
-    end procedure tell_text
+    end procedure broadcast_text
 
-    module procedure add_up
+    module procedure reduce
         real(dp) :: sums(size(values))
         call MPI_Reduce(values, sums, size(values), MPI_DOUBLE_PRECISION, MPI_SUM, writer, MPI_COMM_WORLD)
         if (self%is_writer()) values = sums
-    end procedure add_up
+    end procedure reduce
 
     module procedure exchange
         integer(int64) :: numbers(numbers_before + size(rows%counts))

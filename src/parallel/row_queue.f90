@@ -3,7 +3,7 @@
 !> writes it, while others go on computing, taking and handing in.
 !>
 !>     call queue%start(room=8, blocks=100)     ! these by one thread at a time
-!>     call queue%take(number)                  ! a block to compute, or come_again, or none_left
+!>     call queue%take(number)                  ! a block to compute, or retry_later, or none_left
 !>     call queue%hand_in(number, block)
 !>     call queue%begin_write(is_due)           ! whether a block is to be written by the caller
 !>     call queue%write_next(table, error)      ! if so this, without holding up the others, and
@@ -15,11 +15,11 @@ module spintop_row_queue
     use spintop_row_table, only: row_table_t
     implicit none
     private
-    public :: row_queue_t, come_again, none_left
+    public :: row_queue_t, retry_later, none_left
 
     !> What is taken in place of a number: those who compute are too far ahead of a slow one, or there
     !> is nothing more to do.
-    integer(int64), parameter :: come_again = 0, none_left = -1
+    integer(int64), parameter :: retry_later = 0, none_left = -1
 
     !> Blocks to compute, and those that wait until the ones before them are written.
     type :: row_queue_t
@@ -62,7 +62,7 @@ contains
         if (allocated(self%error) .or. self%taken == self%blocks) then
             number = none_left
         else if (self%taken - self%written == size(self%waiting)) then
-            number = come_again
+            number = retry_later
         else
             self%taken = self%taken + 1
             number = self%taken

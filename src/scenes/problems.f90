@@ -24,7 +24,7 @@ module spintop_problems
         procedure :: any => has_errors
         procedure :: any_warning
         procedure :: first
-        procedure :: tell
+        procedure :: report_to
         procedure :: take_warnings
         procedure, private :: append
     end type problems_t
@@ -104,7 +104,7 @@ contains
     !> Shows the problems at the places where the input gave their parameters. Where the input could
     !> not be read in full, those are left out that may follow from it: what is said to be missing
     !> (the name is that of a group), and what is said of a value that could not be read.
-    subroutine tell(self, table, diagnostics)
+    subroutine report_to(self, table, diagnostics)
         class(problems_t), intent(in) :: self
         type(parameter_table_t), intent(in) :: table
         type(diagnostics_t), intent(inout) :: diagnostics
@@ -122,7 +122,7 @@ contains
                 end if
             end associate
         end do
-    end subroutine tell
+    end subroutine report_to
 
     !> Whether a parameter was given and read.
     logical function is_certain(table, name)

@@ -27,7 +27,7 @@ module spintop_columns
 
     integer, parameter :: group_angles = 1, group_omega = 2, group_quaternion = 3, &
         group_vertical = 4, group_axis = 5, group_centre = 6, group_energy = 7, group_momenta = 8, &
-        group_residuals = 9, group_force = 10, group_oracle = 11, group_floor = 12, &
+        group_residuals = 9, group_force = 10, group_oracle = 11, group_inherent = 12, &
         group_drift = 13, group_turning = 14, groups = group_turning
 
     !> All columns, in the order of the table's documentation.
@@ -74,9 +74,9 @@ module spintop_columns
         column_t('force_n', 'N', 'support force along the line of nodes', group_force), &
         column_t('orientation_error', 'rad', 'angle of the turn from the exact attitude', group_oracle), &
         column_t('tip_error', '', 'distance of the axis tip from the exact one', group_oracle), &
-        column_t('double_floor', 'rad', 'how far rounding of the data alone turns the attitude', &
-                 group_floor), &
-        column_t('quaternion_drift', '', 'length less 1 of the quaternion as it was computed', &
+        column_t('inherent_error', 'rad', 'how far rounding of the data alone turns the attitude', &
+                 group_inherent), &
+        column_t('norm_error', '', 'length less 1 of the quaternion as it was computed', &
                  group_drift), &
         column_t('axis_z_rate', '1/s', 'rate of axis_z, zero where theta turns', group_turning)]
 
@@ -84,7 +84,7 @@ module spintop_columns
     character(*), parameter :: default_trajectory_columns(*) = [character(20) :: &
         't', 'phi', 'theta', 'psi', 'phi_rate', 'theta_rate', 'psi_rate', 'com_x', 'com_y', 'com_z', &
         'kinetic', 'potential', 'energy', 'R1', 'R2', 'R3', 'R4', 'force_x', 'force_y', 'force_z', &
-        'orientation_error', 'double_floor']
+        'orientation_error', 'inherent_error']
 
     !> Computes the chosen columns of a motion.
     type :: column_computer_t
@@ -136,7 +136,7 @@ contains
         if (self%wanted(group_oracle)) then
             call prepare_exact_motion(case%body, case%start, self%oracle, status)
         end if
-        if (self%wanted(group_floor)) then
+        if (self%wanted(group_inherent)) then
             call prepare_conditioning(case%body, case%start, self%conditioning, status)
         end if
     end subroutine set
@@ -152,7 +152,7 @@ contains
     !> Whether a column compares with the exact motion.
     elemental logical function needs_exact_motion(column)
         type(column_t), intent(in) :: column
-        needs_exact_motion = column%group == group_oracle .or. column%group == group_floor
+        needs_exact_motion = column%group == group_oracle .or. column%group == group_inherent
     end function needs_exact_motion
 
     !> Whether a column may vary much faster near a pole than the attitude turns: it depends on phi or psi.
@@ -193,7 +193,7 @@ contains
                 case (group_quaternion)
                     slice = motion%quaternion
                 case (group_drift)
-                    slice = motion%quaternion_drift
+                    slice = motion%norm_error
                 case (group_turning)
                     slice = axis_height_rate(motion)
                 case (group_vertical)
@@ -213,7 +213,7 @@ contains
                     slice = with_cylindrical(support_force(body, motion), motion%angle(1))
                 case (group_oracle)
                     slice = errors_against(self%oracle%at(computed%t), computed, self%case%body)
-                case (group_floor)
+                case (group_inherent)
                     slice = self%conditioning%floor_at(motion%t)
                 end select
             end associate

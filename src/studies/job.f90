@@ -98,7 +98,7 @@ contains
         call choose_columns(job%scene, job%case, job%plan%exact, job%columns, problems)
         call choose_events(job%scene, job%case, job%events, problems)
         if (job%scene%stop_after /= unset_integer) job%stop_after = job%scene%stop_after
-        call problems%tell(job%table, diagnostics)
+        call problems%report_to(job%table, diagnostics)
         call diagnostics%raise(error, message_width())
         if (allocated(error)) return
         job%warnings = ''

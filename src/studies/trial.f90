@@ -148,7 +148,7 @@ contains
                                          - vertical_momentum(body, truth)) / self%momentum_scale)
             call enlarge(last%axial, (axial_momentum(body, motion) - axial_momentum(body, truth)) &
                                      / self%momentum_scale)
-            call enlarge(last%quaternion, motion%quaternion_drift)
+            call enlarge(last%quaternion, motion%norm_error)
             call compare_angles(self%case, motion, truth, last)
         end associate
         associate (errors => self%errors, last => self%last)

@@ -11,7 +11,7 @@ module spintop_attitude
     public :: quaternion_from_angles, angles_from_quaternion
     public :: omega_from_rates, rates_from_omega, omega_rate_from_accelerations
     public :: quaternion_product, conjugate_quaternion, to_space, vertical_from_quaternion
-    public :: rotation_angle, nearest_turn, follow_angles, turn_less_one
+    public :: rotation_angle, nearest_turn, follow_angles, rotation_minus_one
 
     !> pi in extended precision.
     real(xp), parameter :: half_of_turn = acos(-1.0_xp)
@@ -133,17 +133,17 @@ contains
     pure function turn_by(vector) result(q)
         real(dp), intent(in) :: vector(3)
         real(dp) :: q(4)
-        q = turn_less_one(vector)
+        q = rotation_minus_one(vector)
         q(1) = q(1) + 1
     end function turn_by
 
     !> The same less the quaternion 1: its products are the changes of an attitude by the turn.
-    pure function turn_less_one(vector) result(q)
+    pure function rotation_minus_one(vector) result(q)
         real(dp), intent(in) :: vector(3)
         real(dp) :: q(4), sinc, drop
         call half_turn(sum((vector / 2)**2), sinc, drop)
         q = [drop, vector * (sinc / 2)]
-    end function turn_less_one
+    end function rotation_minus_one
 
     !> The value next to `near` among `angle` + 2 pi n, rad.
     elemental real(dp) function nearest_turn(angle, near)

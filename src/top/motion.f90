@@ -22,7 +22,7 @@ module spintop_motion
         !> Unit quaternion, scalar first, body to space.
         real(dp) :: quaternion(4) = [1, 0, 0, 0]
         !> Length less 1 of the quaternion that the motion was computed as; 0 if by other means.
-        real(dp) :: quaternion_drift = 0
+        real(dp) :: norm_error = 0
         !> Of a start, what was given and is exact, where the rest was computed from it and is rounded: the
         !> quaternion, not the angles; omega, or omega3 alone, not the rates.
         logical :: gives_quaternion = .false., gives_omega = .false., gives_omega3 = .false.

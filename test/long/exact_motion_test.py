@@ -46,7 +46,7 @@ SWEEP = """\
     table = 'tops.csv'
 /
 &output
-    columns = 'theta_end', 'phi_end', 'psi_end', 'double_floor'
+    columns = 'theta_end', 'phi_end', 'psi_end', 'inherent_error'
 /
 """
 SWEPT = (
@@ -86,7 +86,7 @@ INPUT = """\
     method = 'exact'
 /
 &output
-    columns = 't', 'theta', 'phi', 'psi', 'q0', 'q1', 'q2', 'q3', 'double_floor'
+    columns = 't', 'theta', 'phi', 'psi', 'q0', 'q1', 'q2', 'q3', 'inherent_error'
 /
 """
 
@@ -116,7 +116,7 @@ def turn_between(row: dict[str, float], answer: Answer) -> float:
 
 def faults_of(row: dict[str, float], answer: Answer, is_decided: bool) -> list[str]:
     """What of a row is further from the motion than its data allow, as so many times the bound."""
-    bound = ALLOWED * row["double_floor"] + 1e-14
+    bound = ALLOWED * row["inherent_error"] + 1e-14
     errors = {"attitude": turn_between(row, answer) / bound}
     errors["theta"] = above(ball(row["theta"]) - answer.theta) / (bound + math.ulp(row["theta"]))
     if answer.phi is not None:
@@ -139,7 +139,7 @@ def faults_of(row: dict[str, float], answer: Answer, is_decided: bool) -> list[s
 def faults_of_end(row: dict[str, str], answer: Answer, is_decided: bool) -> list[str]:
     """The same for the row of a sweep, which has the angles alone."""
     theta, phi, psi, floor = (
-        float(row[name]) for name in ("theta_end", "phi_end", "psi_end", "double_floor")
+        float(row[name]) for name in ("theta_end", "phi_end", "psi_end", "inherent_error")
     )
     bound = ALLOWED * floor + BLOCK * max(1.0, abs(phi) + abs(psi))
     errors = {"theta": above(ball(theta) - answer.theta) / bound}

@@ -88,7 +88,7 @@ def closeness_of(table: Outcome) -> float:
 def growth_of(folder: Path, name: str) -> float:
     """How far a change of the start turns a motion, per part of the change, by exact motions.
 
-    `double_floor` leaves a rate that is 0 as it is; the error of a step does not.
+    `inherent_error` leaves a rate that is 0 as it is; the error of a step does not.
     """
     text = (folder / name).read_text(encoding="utf-8")
     for group in ("integration", "output"):
@@ -129,11 +129,11 @@ def faults_of(table: Outcome, growth: float = 1.0) -> list[str]:
         for name, text in row.items():
             if text.lstrip("-") not in ("nan", "inf") or row.get("notes"):
                 continue
-            if name in NEED_EXACT and row.get("double_floor", "nan") == "nan":
+            if name in NEED_EXACT and row.get("inherent_error", "nan") == "nan":
                 continue  # a body without an exact motion
             if not (at_pole and AT_POLE.fullmatch(name)):
                 faults.append(f"{name} is {text} in row {number}")
-        error, floor = (row.get(name, "nan") for name in ("orientation_error", "double_floor"))
+        error, floor = (row.get(name, "nan") for name in ("orientation_error", "inherent_error"))
         if row.get("reference") or "nan" in (error, floor):
             continue
         conditioning = max(float(floor) / EPSILON, growth)

@@ -99,8 +99,8 @@ class EquationsTest(PeersCase):
             with self.subTest(form.name):
                 constants, start = form.start(problem)
                 y = extrapolate(python_rates(form, constants), start, problem.t_end, steps)
-                self.assertLess(problem.error_orientation(form.attitude(problem, y)), 1e-12)
-                self.assertLess(problem.error_tip(form.attitude(problem, y)), 1e-12)
+                self.assertLess(problem.orientation_error(form.attitude(problem, y)), 1e-12)
+                self.assertLess(problem.tip_error(form.attitude(problem, y)), 1e-12)
 
     def test_symmetric(self) -> None:
         """A symmetric top, of which spintop is asked the body."""
@@ -150,7 +150,7 @@ class CrewTest(PeersCase):
                 with self.subTest(f"{method}/{form}"):
                     trial = crew.try_one(worker, problem, method, form, setting, 60)
                     self.assertEqual(trial.status, "ok", trial.remark)
-                    error = problem.error_orientation(trial.answer["quaternion"])
+                    error = problem.orientation_error(trial.answer["quaternion"])
                     self.assertLess(error, limit)
                     self.assertGreater(trial.answer["time_s"], 0)
 
@@ -219,12 +219,12 @@ class ScriptTest(PeersCase):
         for program in ("spintop", "SUNDIALS"):
             mine = rows[(rows["program"] == program) & (rows["status"] == "ok")]
             self.assertGreater(len(mine), 5)
-            self.assertLess(mine["error_orientation"].min(), 1e-6)
+            self.assertLess(mine["orientation_error"].min(), 1e-6)
             self.assertTrue((mine["time_s"] > 0).all())
         exact = rows[rows["method"] == "exact"].iloc[0]
-        self.assertLess(exact["error_orientation"], 1e-14)
+        self.assertLess(exact["orientation_error"], 1e-14)
         front = rows[(rows["front"] == "yes") & (rows["method"] != "exact")]
-        self.assertTrue(front["error_orientation"].is_monotonic_decreasing)
+        self.assertTrue(front["orientation_error"].is_monotonic_decreasing)
         self.assertTrue(front["time_s"].is_monotonic_increasing)
         (kind,) = (kind for kind in FIGURES if kind.name == "peers")
         self.assertEqual(kind.refusal(table), "")
@@ -233,7 +233,7 @@ class ScriptTest(PeersCase):
         self.assertIn("| SUNDIALS |", result.stdout)
         self.assertEqual(summarise(rows).count("\n| 1e-"), 10)
         good = cheapest(rows[rows["program"] == "SUNDIALS"], 1e-3)
-        self.assertLessEqual(good["error_orientation"], 1e-3)
+        self.assertLessEqual(good["orientation_error"], 1e-3)
         self.assertIsNone(cheapest(rows, 0.0))
 
     def test_nothing_is_there(self) -> None:

@@ -91,7 +91,7 @@ class StabilityTest(TableCase):
     def test_letters(self) -> None:
         """Reasons to give up that begin alike have letters of their own."""
         status = ["pole", "pole", "parted", "step_limit"]
-        rows = pd.DataFrame({"verdict": "gave_up", "status": status})
+        rows = pd.DataFrame({"verdict": "failed", "status": status})
         letters = letters_of(rows)
         self.assertEqual((letters["pole"], letters["step_limit"]), ("P", "S"))
         self.assertEqual(letters["parted"], "A")

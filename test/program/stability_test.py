@@ -9,7 +9,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 EXE = os.environ["SPINTOP_EXE"]
-VERDICTS = {"accurate", "drifts", "wrong", "gave_up", "unsuitable"}
+VERDICTS = {"accurate", "drifts", "wrong", "failed", "unsuitable"}
 
 
 class StabilityTest(unittest.TestCase):
@@ -50,14 +50,14 @@ class StabilityTest(unittest.TestCase):
         good = rows["slow_top", "taylor", "space_frame"]
         self.assertEqual(good["verdict"], "accurate")
         self.assertEqual(good["reference"], "exact motion")
-        self.assertLess(float(good["error_orientation"]), 1e-9)
+        self.assertLess(float(good["orientation_error"]), 1e-9)
         self.assertEqual(good["reason"], "")
         poor = rows["slow_top", "euler_forward", "space_frame"]
         self.assertEqual(poor["verdict"], "wrong")
-        self.assertGreater(float(poor["error_orientation"]), 0.1)
+        self.assertGreater(float(poor["orientation_error"]), 0.1)
         self.assertIn("attitude off by", poor["reason"])
         stuck = rows["through_upright", "dop853", "lagrange"]
-        self.assertEqual((stuck["verdict"], stuck["status"]), ("gave_up", "pole"))
+        self.assertEqual((stuck["verdict"], stuck["status"]), ("failed", "pole"))
         self.assertIn("pole", stuck["reason"])
         free = rows["middle_axis", "taylor", "rigid_body"]
         self.assertEqual(free["verdict"], "accurate")

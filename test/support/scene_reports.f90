@@ -42,7 +42,7 @@ contains
         call describe_scene(own, table)
         call make_case(own, own_case, problems)
         if (.not. problems%any()) call make_plan(own, own_case, own_plan, problems)
-        call problems%tell(table, diagnostics)
+        call problems%report_to(table, diagnostics)
         report = ''
         if (diagnostics%has_errors() .or. diagnostics%has_warnings()) report = diagnostics%report()
         if (present(case)) case = own_case

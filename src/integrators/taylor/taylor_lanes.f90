@@ -32,7 +32,7 @@ module spintop_taylor_lanes
     real(dp), parameter :: shortest_pace = 1.0e-12_dp
 
     !> Why a lane takes no step: too small a step or no more allowed; numbers that are not finite.
-    real(dp), parameter :: is_stuck = 1, is_wild = 2
+    real(dp), parameter :: step_underflow = 1, non_finite = 2
     !> Why a lane is looked at after a step: it changes its side; it turned too far to be followed.
     real(dp), parameter :: changes_side = 1, turns_far = 2
 
@@ -155,7 +155,7 @@ contains
             do lane = 1, lanes
                 if (.not. (trouble(lane) > 0 .and. self%t(lane) < self%t_end(lane))) cycle
                 self%status(lane) = status_non_finite
-                if (trouble(lane) < is_wild) self%status(lane) = status_step_too_small
+                if (trouble(lane) < non_finite) self%status(lane) = status_step_too_small
                 if (self%steps(lane) >= self%controls%max_steps) self%status(lane) = status_step_limit
                 self%t_end(lane) = self%t(lane)
                 duration(lane) = 0
@@ -273,9 +273,9 @@ contains
             h(i) = min(largest_growth * h(i), safety * power_of_two( &
                 -max(binary_logarithm(last) / order, binary_logarithm(before) / (order - 1))))
             duration(i) = merge(t_end(i) - t(i), h(i), stretch * h(i) >= t_end(i) - t(i))
-            trouble(i) = merge(0.0_dp, is_stuck, h(i) > smallest_spacings * epsilon(t) * t(i) &
+            trouble(i) = merge(0.0_dp, step_underflow, h(i) > smallest_spacings * epsilon(t) * t(i) &
                                .and. steps(i) < max_steps)
-            trouble(i) = merge(trouble(i), is_wild, last + before <= huge(t))
+            trouble(i) = merge(trouble(i), non_finite, last + before <= huge(t))
         end do
     end subroutine choose_durations
 

@@ -17,33 +17,33 @@ module spintop_precision_table
         study_column_t('method', '', 'method'), &
         study_column_t('formulation', '', 'form of the equations'), &
         study_column_t('setting', '', 'relative tolerance, or number of equal steps'), &
-        study_column_t('error_orientation', 'rad', 'angle of the turn from the reference attitude at the end'), &
-        study_column_t('error_tip', '', 'distance of the axis tip from that of the reference at the end'), &
+        study_column_t('orientation_error', 'rad', 'angle of the turn from the reference attitude at the end'), &
+        study_column_t('tip_error', '', 'distance of the axis tip from that of the reference at the end'), &
         study_column_t('error_max', 'rad', 'largest angle of the turn from the reference attitude'), &
         study_column_t('steps', '', 'steps'), &
         study_column_t('rejected', '', 'steps rejected'), &
         study_column_t('evaluations', '', 'right-hand sides of what time_s times; a Taylor series of order p counts as p'), &
         study_column_t('time_s', 's', 'least time of the repeats, for the state at the end'), &
-        study_column_t('energy_drift', '', 'largest energy error over (kinetic at start + m g |r|)'), &
+        study_column_t('energy_error', '', 'largest energy error over (kinetic at start + m g |r|)'), &
         study_column_t('status', '', 'how it ended'), &
-        study_column_t('error_tip_max', '', 'largest distance of the axis tip from that of the reference'), &
+        study_column_t('tip_error_max', '', 'largest distance of the axis tip from that of the reference'), &
         study_column_t('jacobians', '', 'Jacobians'), &
-        study_column_t('lz_drift', '', 'largest error of the vertical momentum, over its scale'), &
-        study_column_t('l3_drift', '', 'largest error of the momentum about body z, over the same scale'), &
-        study_column_t('quaternion_drift', '', 'largest change of the length of the quaternion'), &
-        study_column_t('error_phi', 'rad', 'error of phi at the end, within half a turn'), &
-        study_column_t('error_theta', 'rad', 'error of theta at the end'), &
-        study_column_t('error_psi', 'rad', 'error of psi at the end, within half a turn'), &
-        study_column_t('error_phi_rate', 'rad/s', 'error of the precession rate at the end'), &
-        study_column_t('error_theta_rate', 'rad/s', 'error of the nutation rate at the end'), &
-        study_column_t('error_psi_rate', 'rad/s', 'error of the spin rate at the end'), &
-        study_column_t('error_phi_max', 'rad', 'largest error of phi'), &
-        study_column_t('error_theta_max', 'rad', 'largest error of theta'), &
-        study_column_t('error_psi_max', 'rad', 'largest error of psi'), &
-        study_column_t('error_phi_rate_max', 'rad/s', 'largest error of the precession rate'), &
-        study_column_t('error_theta_rate_max', 'rad/s', 'largest error of the nutation rate'), &
-        study_column_t('error_psi_rate_max', 'rad/s', 'largest error of the spin rate'), &
-        study_column_t('double_floor', 'rad', 'how far rounding of the data alone turns the attitude'), &
+        study_column_t('lz_error', '', 'largest error of the vertical momentum, over its scale'), &
+        study_column_t('l3_error', '', 'largest error of the momentum about body z, over the same scale'), &
+        study_column_t('norm_error', '', 'largest change of the length of the quaternion'), &
+        study_column_t('phi_error', 'rad', 'error of phi at the end, within half a turn'), &
+        study_column_t('theta_error', 'rad', 'error of theta at the end'), &
+        study_column_t('psi_error', 'rad', 'error of psi at the end, within half a turn'), &
+        study_column_t('phi_rate_error', 'rad/s', 'error of the precession rate at the end'), &
+        study_column_t('theta_rate_error', 'rad/s', 'error of the nutation rate at the end'), &
+        study_column_t('psi_rate_error', 'rad/s', 'error of the spin rate at the end'), &
+        study_column_t('phi_error_max', 'rad', 'largest error of phi'), &
+        study_column_t('theta_error_max', 'rad', 'largest error of theta'), &
+        study_column_t('psi_error_max', 'rad', 'largest error of psi'), &
+        study_column_t('phi_rate_error_max', 'rad/s', 'largest error of the precession rate'), &
+        study_column_t('theta_rate_error_max', 'rad/s', 'largest error of the nutation rate'), &
+        study_column_t('psi_rate_error_max', 'rad/s', 'largest error of the spin rate'), &
+        study_column_t('inherent_error', 'rad', 'how far rounding of the data alone turns the attitude'), &
         study_column_t('reference', '', 'what it was compared with'), &
         study_column_t('reference_error', 'rad', 'how far apart two computations of the reference are'), &
         study_column_t('reference_check', 'rad', 'how far the reference is from a motion by other means'), &

@@ -44,13 +44,13 @@ module spintop_stability
         study_column_t('method', '', 'method'), &
         study_column_t('formulation', '', 'form of the equations'), &
         study_column_t('verdict', '', 'what the motion computed is worth'), &
-        study_column_t('error_orientation', 'rad', 'largest angle of the turn from the reference attitude'), &
-        study_column_t('error_tip', '', 'largest distance of the axis tip from that of the reference'), &
-        study_column_t('energy_drift', '', 'largest energy error over (kinetic at start + m g |r|)'), &
-        study_column_t('lz_drift', '', 'largest error of the vertical momentum, over its scale'), &
-        study_column_t('l3_drift', '', 'largest error of the momentum about body z, over the same scale'), &
-        study_column_t('quaternion_drift', '', 'largest change of the length of the quaternion'), &
-        study_column_t('double_floor', 'rad', 'how far rounding of the data alone turns the attitude'), &
+        study_column_t('orientation_error', 'rad', 'largest angle of the turn from the reference attitude'), &
+        study_column_t('tip_error', '', 'largest distance of the axis tip from that of the reference'), &
+        study_column_t('energy_error', '', 'largest energy error over (kinetic at start + m g |r|)'), &
+        study_column_t('lz_error', '', 'largest error of the vertical momentum, over its scale'), &
+        study_column_t('l3_error', '', 'largest error of the momentum about body z, over the same scale'), &
+        study_column_t('norm_error', '', 'largest change of the length of the quaternion'), &
+        study_column_t('inherent_error', 'rad', 'how far rounding of the data alone turns the attitude'), &
         study_column_t('steps', '', 'steps'), &
         study_column_t('rejected', '', 'steps rejected'), &
         study_column_t('evaluations', '', 'right-hand sides'), &

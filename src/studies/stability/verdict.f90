@@ -8,13 +8,13 @@ module spintop_verdict
     implicit none
     private
     public :: verdict_names, verdict_meaning, judge_trial, explain_trial
-    public :: verdict_accurate, verdict_drifts, verdict_wrong, verdict_gave_up, verdict_unsuitable
+    public :: verdict_accurate, verdict_drifts, verdict_wrong, verdict_failed, verdict_unsuitable
 
     !> The verdicts, from best to worst, and one for methods that are not for such a body.
     integer, parameter :: verdict_accurate = 1, verdict_drifts = 2, verdict_wrong = 3, &
-        verdict_gave_up = 4, verdict_unsuitable = 5
+        verdict_failed = 4, verdict_unsuitable = 5
     character(*), parameter :: verdict_names(*) = [character(10) :: &
-        'accurate', 'drifts', 'wrong', 'gave_up', 'unsuitable']
+        'accurate', 'drifts', 'wrong', 'failed', 'unsuitable']
 
     !> Orientation errors, rad: accurate up to the first, which grows with what rounding of the data
     !> does; wrong beyond the second.
@@ -34,7 +34,7 @@ contains
             meaning = 'attitude within ' // to_text(wrong_above) // ' rad'
         case (verdict_wrong)
             meaning = 'attitude off by more than ' // to_text(wrong_above) // ' rad'
-        case (verdict_gave_up)
+        case (verdict_failed)
             meaning = 'the method stopped before the end, and said why'
         case default
             meaning = 'the method or its equations are not for such a body'
@@ -46,7 +46,7 @@ contains
         type(trial_t), intent(in) :: trial
         real(dp), intent(in) :: floor
         if (trial%status /= status_ok) then
-            verdict = verdict_gave_up
+            verdict = verdict_failed
         else if (trial%errors%orientation <= accurate_below + floors * floor) then
             verdict = verdict_accurate
         else if (trial%errors%orientation <= wrong_above) then
@@ -67,7 +67,7 @@ contains
 
         reason = ''
         select case (verdict)
-        case (verdict_gave_up)
+        case (verdict_failed)
             reason = 'at t = ' // rounded(trial%t) // ' s: ' // trim(status_meanings(trial%status))
         case (verdict_drifts, verdict_wrong)
             associate (errors => trial%errors)

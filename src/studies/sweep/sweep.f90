@@ -11,7 +11,7 @@ module spintop_sweep
     use spintop_progress, only: progress_t
     use spintop_ranks, only: ranks_t, signed_off
     use spintop_row_block, only: row_block_t
-    use spintop_row_queue, only: come_again, none_left, row_queue_t
+    use spintop_row_queue, only: retry_later, none_left, row_queue_t
     use spintop_row_table, only: row_table_t
     use spintop_shard, only: shard_t
     use spintop_status, only: status_ok, status_name, status_meaning, last_status
@@ -73,7 +73,7 @@ contains
             span = [options%shard%first(job%axes%cases) + table%rows(), options%shard%last(job%axes%cases)]
             if (allocated(error) .or. table%is_complete) span = no_cases
         end if
-        call options%ranks%tell(span)
+        call options%ranks%broadcast(span)
         ! The others take part where there is something to compute.
         ranks = options%ranks
         if (span(1) > span(2)) then
@@ -90,7 +90,7 @@ contains
         threads = 1
         !$ threads = omp_get_max_threads()
         team = threads
-        call ranks%add_up(team)
+        call ranks%reduce(team)
         began = seconds()
         servers = 0
         if (ranks%is_writer()) then
@@ -109,7 +109,7 @@ contains
         end if
         !$omp end parallel
         if (.not. ranks%is_writer()) call ranks%sign_off()
-        call add_up_costs()
+        call reduce_costs()
         if (.not. ranks%is_writer()) return
         call progress%finish()
         moment = seconds()
@@ -146,7 +146,7 @@ contains
             call worker%prepare(job)
             !$omp end critical (preparation)
             formatting = 0
-            number = come_again
+            number = retry_later
             do
                 if (ranks%is_writer()) then
                     call exchange(number, rows)
@@ -154,7 +154,7 @@ contains
                     call ranks%exchange(number, rows)
                 end if
                 if (number == none_left) exit
-                if (number == come_again) then
+                if (number == retry_later) then
                     call pause_for(pause_when_ahead)
                     cycle
                 end if
@@ -245,12 +245,12 @@ contains
         end subroutine write_next
 
         !> Adds the costs of the other ranks to those of the writer.
-        subroutine add_up_costs()
+        subroutine reduce_costs()
             real(dp) :: parts(5)
             parts = [costs%making, costs%computing, costs%formatting, costs%writing, real(peak_memory(), dp)]
-            call ranks%add_up(parts)
+            call ranks%reduce(parts)
             costs = costs_t(parts(1), parts(2), parts(3), parts(4), parts(5))
-        end subroutine add_up_costs
+        end subroutine reduce_costs
 
     end subroutine run_sweep
 
@@ -303,7 +303,7 @@ contains
         type(error_t), allocatable, intent(out) :: error
         character(:), allocatable :: head_of_writer, problem
         head_of_writer = head
-        call ranks%tell(head_of_writer)
+        call ranks%broadcast(head_of_writer)
         problem = compare_heads(head_of_writer, 'rank 0', head, 'rank ' // to_text(ranks%number))
         if (problem /= '') error = input_error('the ranks are not of one build and input' // problem)
         call ranks%agree(error)

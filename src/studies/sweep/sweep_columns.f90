@@ -5,7 +5,7 @@ module spintop_sweep_columns
     private
     public :: sweep_column_t, sweep_columns
     public :: group_nutation, group_fast_top, group_period, group_end, group_energy, group_oracle, &
-        group_cost, group_floor, group_details, group_growth, group_lyapunov, group_singular, &
+        group_cost, group_inherent, group_details, group_growth, group_lyapunov, group_singular, &
         sweep_groups, costly_groups
 
     public :: quantities
@@ -15,7 +15,7 @@ module spintop_sweep_columns
     public :: q_nutations_per_turn_fast_top, q_precession_period, q_azimuth_after_period_deg
     public :: q_nutations_in_period, q_phi_rate_max, q_fast_top_ratio, q_com_z_min, q_theta_end
     public :: q_phi_end, q_psi_end, q_theta_rate_end, q_energy_error_max, q_orientation_error
-    public :: q_double_floor, q_evaluations, q_motion_class, q_spin_per_nutation
+    public :: q_inherent_error, q_evaluations, q_motion_class, q_spin_per_nutation
     public :: q_theta_rate_max, q_force_max, q_force_z_min, q_force_z_max, q_t_end, q_growth_rate
     public :: q_lyapunov_exponent, q_largest_singular_value
 
@@ -33,11 +33,11 @@ module spintop_sweep_columns
     !> accuracy that the data allow; more of the whole nutation; stability of the start and of the
     !> motion.
     integer, parameter :: group_nutation = 1, group_fast_top = 2, group_period = 3, group_end = 4, &
-        group_energy = 5, group_oracle = 6, group_cost = 7, group_floor = 8, &
+        group_energy = 5, group_oracle = 6, group_cost = 7, group_inherent = 8, &
         group_details = 9, group_growth = 10, group_lyapunov = 11, group_singular = 12, &
         sweep_groups = group_singular
     !> What costs much more than the rest is for those who name it.
-    integer, parameter :: costly_groups(*) = [group_floor, group_details, group_growth, group_lyapunov, &
+    integer, parameter :: costly_groups(*) = [group_inherent, group_details, group_growth, group_lyapunov, &
                                                 group_singular]
 
     !> Places of the quantities in the table below, which has them in this order.
@@ -49,7 +49,7 @@ module spintop_sweep_columns
         enumerator :: q_nutations_per_turn_fast_top, q_precession_period
         enumerator :: q_azimuth_after_period_deg, q_nutations_in_period, q_phi_rate_max
         enumerator :: q_fast_top_ratio, q_com_z_min, q_theta_end, q_phi_end, q_psi_end
-        enumerator :: q_theta_rate_end, q_energy_error_max, q_orientation_error, q_double_floor
+        enumerator :: q_theta_rate_end, q_energy_error_max, q_orientation_error, q_inherent_error
         enumerator :: q_evaluations, q_motion_class, q_spin_per_nutation, q_theta_rate_max
         enumerator :: q_force_max, q_force_z_min, q_force_z_max, q_t_end, q_growth_rate, q_lyapunov_exponent
         enumerator :: q_largest_singular_value
@@ -83,7 +83,7 @@ module spintop_sweep_columns
         sweep_column_t('theta_rate_end', 'rad/s', 'nutation rate at the end of the span', group_end), &
         sweep_column_t('energy_error_max', '', 'largest relative energy error in the span', group_energy), &
         sweep_column_t('orientation_error', 'rad', 'angle from the exact attitude at the end', group_oracle), &
-        sweep_column_t('double_floor', 'rad', 'how far rounding of the data alone turns that attitude', group_floor), &
+        sweep_column_t('inherent_error', 'rad', 'how far rounding of the data alone turns that attitude', group_inherent), &
         sweep_column_t('evaluations', '', 'right-hand sides evaluated', group_cost), &
         sweep_column_t('motion_class', '', 'loop, cusp, wave, steady, ... (a word)', group_details), &
         sweep_column_t('spin_per_nutation', 'rad', &

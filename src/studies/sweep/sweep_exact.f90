@@ -3,7 +3,7 @@ module spintop_sweep_exact
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
-    use spintop_conditioning, only: double_floor
+    use spintop_conditioning, only: inherent_error
     use spintop_event_recorder, only: event_recorder_t, exact_path_t
     use spintop_event_text, only: column_event_t
     use spintop_exact_block, only: exact_block_t
@@ -13,7 +13,7 @@ module spintop_sweep_exact
     use spintop_status, only: status_ok, status_step_limit, status_meanings
     use spintop_stepper, only: looks_per_step
     use spintop_sweep_columns, only: quantities, group_nutation, group_fast_top, group_period, &
-        group_end, group_energy, group_floor, group_details, sweep_groups, q_orientation_error, q_double_floor, &
+        group_end, group_energy, group_inherent, group_details, sweep_groups, q_orientation_error, q_inherent_error, &
         q_evaluations
     use spintop_sweep_notes, only: note_t
     use spintop_sweep_quantities, only: no_values, put_nutation, put_fast_top, put_azimuth, put_end, put_details, &
@@ -121,8 +121,8 @@ contains
         values(q_orientation_error) = 0
         if (wanted(group_details)) call put_details(case, values, note)
         call put_stability(case, wanted, max_steps, values, status, note)
-        if (wanted(group_floor)) then
-            values(q_double_floor) = double_floor(case%body, case%start, case%t_end)
+        if (wanted(group_inherent)) then
+            values(q_inherent_error) = inherent_error(case%body, case%start, case%t_end)
         end if
     end subroutine unload_lane
 

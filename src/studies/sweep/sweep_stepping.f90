@@ -5,7 +5,7 @@ module spintop_sweep_stepping
     use spintop_compare, only: is_finite
     use spintop_attitude, only: rotation_angle
     use spintop_case, only: case_t
-    use spintop_conditioning, only: double_floor
+    use spintop_conditioning, only: inherent_error
     use spintop_event_text, only: column_event_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_formulation, only: formulation_t, max_states
@@ -17,8 +17,8 @@ module spintop_sweep_stepping
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
     use spintop_status, only: status_ok, status_meanings
     use spintop_sweep_columns, only: quantities, group_nutation, group_fast_top, group_period, &
-        group_end, group_energy, group_oracle, group_cost, group_floor, group_details, sweep_groups, &
-        q_orientation_error, q_double_floor, q_evaluations
+        group_end, group_energy, group_oracle, group_cost, group_inherent, group_details, sweep_groups, &
+        q_orientation_error, q_inherent_error, q_evaluations
     use spintop_sweep_notes, only: note_t, note_no_extremes, note_no_stop
     use spintop_sweep_quantities, only: no_values, put_nutation, put_measured, put_fast_top, put_azimuth, put_end, &
         put_details, precession_period
@@ -147,8 +147,8 @@ contains
                 values(q_orientation_error) = rotation_angle(exact%quaternion_at(last%t), last%quaternion)
             end if
         end if
-        if (wanted(group_floor)) then
-            values(q_double_floor) = double_floor(case%body, case%start, last%t)
+        if (wanted(group_inherent)) then
+            values(q_inherent_error) = inherent_error(case%body, case%start, last%t)
         end if
     end subroutine compare_with_exact
 

@@ -40,8 +40,8 @@ module spintop_trajectory
         integer(int64) :: total = 0
         integer :: rows = 0
         !> A motion had a value that overflowed or is not a number, and when, s.
-        logical :: is_wild = .false.
-        real(dp) :: t_wild = 0
+        logical :: is_undefined = .false.
+        real(dp) :: t_undefined = 0
         type(error_t), allocatable :: error
     contains
         procedure :: observe
@@ -198,9 +198,9 @@ contains
     subroutine check_values(writer, outcome)
         type(writer_t), intent(in) :: writer
         type(outcome_t), intent(inout) :: outcome
-        if (.not. writer%is_wild) return
+        if (.not. writer%is_undefined) return
         outcome%status = status_non_finite
-        outcome%t = writer%t_wild
+        outcome%t = writer%t_undefined
     end subroutine check_values
 
     !> The head of a table with these columns, made from this resolved input.
@@ -306,10 +306,10 @@ contains
         type(motion_t), intent(in) :: motion
         if (self%has_enough) return
         associate (values => self%columns%row(motion, is_start=self%rows == 0))
-            self%is_wild = .not. self%columns%is_defined(values)
-            self%t_wild = motion%t
-            self%has_enough = self%is_wild
-            if (self%is_wild) return
+            self%is_undefined = .not. self%columns%is_defined(values)
+            self%t_undefined = motion%t
+            self%has_enough = self%is_undefined
+            if (self%is_undefined) return
             self%rows = self%rows + 1
             call self%file%add_row(values, self%error)
         end associate

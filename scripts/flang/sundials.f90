@@ -19,8 +19,9 @@ module sundials_core_declared
     end type SUNNonlinearSolver
 
     integer(c_int), parameter :: SUN_COMM_NULL = 0
+    integer(c_int), parameter :: SUN_SUCCESS = 0, SUN_NLS_CONTINUE = 901, SUN_NLS_CONV_RECVR = 902
     integer(c_int), external :: FSUNContext_Create, FSUNContext_Free, FSUNContext_ClearErrHandlers, &
-        FSUNContext_SetLogger, FSUNLinSolFree, FSUNNonlinSolFree
+        FSUNContext_SetLogger, FSUNLinSolFree, FSUNNonlinSolFree, FSUNNonlinSolGetCurIter, FSUNNonlinSolSetConvTestFn
     external :: FSUNMatDestroy, FN_VDestroy
 
     interface
@@ -56,6 +57,12 @@ module sundials_core_declared
             type(c_ptr) :: context
             type(SUNNonlinearSolver), pointer :: solver
         end function FSUNNonlinSol_FixedPoint
+        function FSUNNonlinSol_Newton(vector, context) result(solver)
+            import :: N_Vector, SUNNonlinearSolver, c_ptr
+            type(N_Vector), intent(inout) :: vector
+            type(c_ptr) :: context
+            type(SUNNonlinearSolver), pointer :: solver
+        end function FSUNNonlinSol_Newton
     end interface
 end module sundials_core_declared
 
@@ -78,3 +85,7 @@ end module fsunlinsol_dense_mod
 module fsunnonlinsol_fixedpoint_mod
     use sundials_core_declared, only: FSUNNonlinSol_FixedPoint
 end module fsunnonlinsol_fixedpoint_mod
+
+module fsunnonlinsol_newton_mod
+    use sundials_core_declared, only: FSUNNonlinSol_Newton
+end module fsunnonlinsol_newton_mod

@@ -166,7 +166,9 @@ contains
         end subroutine show_until
 
         subroutine begin_watch()
-            path = step_path_t(formulation, stepper, work)
+            path%formulation => formulation
+            path%stepper => stepper
+            path%work => work
             call watch%begin(body, formulation%motion(work%t, work%y, follower%angle))
         end subroutine begin_watch
 

@@ -203,6 +203,17 @@ class PagesTest(unittest.TestCase):
                     if anchor:
                         self.assertIn(anchor, anchors_of(file))
 
+    def test_paths_that_are_named_are_there(self) -> None:
+        """Files and folders of the project, named in code; a pattern stands for at least one."""
+        seen = 0
+        for page in PAGES:
+            for number, line in enumerate(prose_of(page), 1):
+                for path in re.findall(r"`((?:app|doc|input|scripts|src|test)/[^\s`]+)`", line):
+                    seen += 1
+                    with self.subTest(f"{page.name}:{number}", path=path):
+                        self.assertTrue(any(ROOT.glob(path.rstrip("/"))))
+        self.assertGreater(seen, 20)
+
     def test_every_page_is_in_the_contents(self) -> None:
         """The contents link to all pages but themselves."""
         contents = ROOT / "doc/index.md"

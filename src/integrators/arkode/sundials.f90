@@ -15,8 +15,8 @@ module spintop_sundials
     use fsundials_core_mod, only: &
         FN_VDestroy, FN_VGetArrayPointer, FSUNContext_ClearErrHandlers, FSUNContext_Create, FSUNContext_Free, &
         FSUNContext_SetLogger, FSUNLinSolFree, FSUNMatDestroy, FSUNNonlinSolFree, FSUNNonlinSolGetCurIter, &
-        FSUNNonlinSolSetConvTestFn, N_Vector, SUN_NLS_CONTINUE, SUN_NLS_CONV_RECVR, SUN_NLS_SUCCESS, &
-        SUNLinearSolver, SUNMatrix, SUNNonlinearSolver
+        FSUNNonlinSolSetConvTestFn, N_Vector, SUN_NLS_CONTINUE, SUN_NLS_CONV_RECVR, &
+        SUN_NLS_SUCCESS => SUN_SUCCESS, SUNLinearSolver, SUNMatrix, SUNNonlinearSolver
 #else
     use farkode_arkstep_mod, only: FARKStepSetErrHandlerFn
     use fsundials_context_mod, only: FSUNContext_Create, FSUNContext_Free

@@ -52,10 +52,11 @@ contains
 
         if (first <= 1 .or. first > self%n) return
         if (self%t(first) >= self%t(first - 1)) return
-        events = self%event(first:self%n)
-        times = self%t(first:self%n)
+        k = self%n - first + 1
+        allocate (events(k), times(k))
+        events(:) = self%event(first:self%n)
+        times(:) = self%t(first:self%n)
         last = first - 1
-        k = size(times)
         do i = self%n, 1, -1
             if (k == 0) exit
             if (last > 0) then

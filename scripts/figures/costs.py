@@ -1,4 +1,4 @@
-"""Error against cost of the methods of a stability study, a panel a case."""
+"""Error of the methods of a stability study against evaluations, one panel per case."""
 
 import numpy as np
 import pandas as pd
@@ -39,13 +39,13 @@ def judged(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def draw_costs(table: Table) -> Figure:
-    """Error against evaluations, a panel a case, a marker a method."""
+    """Error against evaluations, one panel per case, one marker per method."""
     rows = judged(trials(table))
     cases = list(rows["case"].unique())
     across = min(ACROSS, len(cases))
     down = -(-len(cases) // across)
     height = max(PANEL_HEIGHT, LEAST_HEIGHT / down)
-    figure = new_figure(table, "Error of the methods against their cost", 2.4 + height * down)
+    figure = new_figure(table, "Error of the methods against evaluations", 2.4 + height * down)
     grid = figure.add_gridspec(down + 1, across, height_ratios=[height] * down + [1.1])
     first = figure.add_subplot(grid[0, 0])
     set_scales(first, rows)
@@ -66,7 +66,7 @@ def draw_costs(table: Table) -> Figure:
 
 
 def draw_case(axes: Axes, rows: pd.DataFrame) -> None:
-    """The trials of a case, over what rounding of the data does to its motion."""
+    """The trials of a case, above the inherent error of its motion."""
     floor = max(rows["inherent_error"].max(), LEAST_ERROR)
     axes.axhspan(1e-30, floor, color=FAINT, linewidth=0, zorder=0)
     for family in FAMILIES:
@@ -106,7 +106,7 @@ def add_legend(axes: Axes, rows: pd.DataFrame) -> None:
     grey = Family("", (), "o", GREY)
     for verdict, fullness in FACES.items():
         handles.append(Line2D([], [], label=NAMES[verdict], **marker(grey, fullness)))
-    handles.append(Line2D([], [], color=FAINT, linewidth=6, label="rounding of the data"))
+    handles.append(Line2D([], [], color=FAINT, linewidth=6, label="inherent error"))
     axes.axis("off")
     legend = axes.legend(
         handles=handles,
@@ -114,7 +114,7 @@ def add_legend(axes: Axes, rows: pd.DataFrame) -> None:
         ncols=3,
         columnspacing=1.2,
         handletextpad=0.4,
-        title="right-hand sides evaluated (a Taylor series of order p counts as p)",
+        title="function evaluations (a Taylor series of order p counts as p)",
         title_fontsize=10,
     )
     legend.set_in_layout(False)  # it may be wider than the panels

@@ -28,10 +28,10 @@ class Constant(NamedTuple):
 
 
 CONSTANTS = (
-    Constant("energy_error", "energy, relative", False),
-    Constant("lz", "vertical momentum (J s)", True),
-    Constant("l3", "momentum about the axis (J s)", True),
-    Constant("norm_error", "length of the quaternion", False),
+    Constant("energy_error", "relative energy error", False),
+    Constant("lz", "change of Lz (J s)", True),
+    Constant("l3", "change of L3 (J s)", True),
+    Constant("norm_error", "norm error abs(q) - 1", False),
 )
 """Those that are drawn where all tables have them."""
 
@@ -73,7 +73,7 @@ def draw_drift(tables: Sequence[Table]) -> Figure:
     ]
     down = (len(there) + 1) // 2
     across = min(2, len(there))
-    figure = new_figure(tables, "Drift of what the motion keeps", 1.7 + 2.6 * down)
+    figure = new_figure(tables, "Drift of the first integrals", 1.7 + 2.6 * down)
     panels = list(figure.subplots(down, across, squeeze=False, sharex=True).flat)
     for axes in panels:
         axes.axis("off")

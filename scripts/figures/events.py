@@ -40,7 +40,7 @@ def object_to_sections(table: Table) -> str:
 
 
 def draw_events(table: Table) -> Figure:
-    """When the events of each kind happen, a row a kind."""
+    """The instants of the events, one row per kind."""
     names = list(table.rows["event"].unique())
     figure = new_figure(table, "Events", 1.7 + ROW_HEIGHT * len(names))
     axes = figure.add_subplot()

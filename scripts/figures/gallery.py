@@ -1,4 +1,4 @@
-"""The gallery: which figures are drawn of which inputs, and what they show."""
+"""The gallery: figures, their inputs and their captions."""
 
 from typing import NamedTuple
 
@@ -26,7 +26,7 @@ class Run(NamedTuple):
 
 
 class Exhibit(NamedTuple):
-    """Figures of the gallery: what they are drawn of, and what they show."""
+    """Figures of the gallery, with their runs and caption."""
 
     name: str
     runs: tuple[Run, ...]
@@ -51,8 +51,8 @@ GALLERY = (
         "figure2",
         one("slow_top_euler_ode45"),
         ("residuals",),
-        "Figure 2 of the paper: residuals of Euler's equations under ode45, Example 1. They tell"
-        " nothing of the azimuth.",
+        "Figure 2 of the paper: residuals of Euler's equations under ode45, Example 1. They do"
+        " not measure the error of the azimuth.",
     ),
     Exhibit(
         "figure3",
@@ -82,8 +82,8 @@ GALLERY = (
         "figure7",
         one("slow_top_scenario2_rk4"),
         ("residuals", "error"),
-        "Figure 7: scenario 2 under RK4. The energy residual is rounding, while the orientation"
-        " is up to 4.4 degrees off.",
+        "Figure 7: scenario 2 under RK4. The energy residual stays at rounding, while the"
+        " orientation error reaches 4.4 degrees.",
         documented=("error",),
     ),
     Exhibit(
@@ -96,57 +96,57 @@ GALLERY = (
         "figure9",
         one("slow_top_lagrange_ode45"),
         ("forces",),
-        "Figure 9: support force and energies. The vertical force is upward again at the bottom.",
+        "Figure 9: support force and energies. The vertical force is upward at the lowest point.",
     ),
     Exhibit(
         "figure11",
         one("spinning_wheel_figure11"),
         ("path",),
-        "Figure 11: path of the centre of mass of the spinning wheel, with the inertia that its"
+        "Figure 11: path of the centre of mass of the spinning wheel, with the inertia that the"
         " author used.",
     ),
     Exhibit(
         "table1",
         one("spinning_wheel_sweep"),
         ("table1", "sweep"),
-        "Table 1 with the inertia about the pivot: formulas for a fast top beside the exact"
-        " motion.",
+        "Table 1 with the inertia about the pivot: fast-top formulas and the exact solution.",
     ),
     Exhibit(
         "table1_paper",
         one("spinning_wheel_paper"),
         ("table1",),
-        "Table 1 with the inertia that its author used.",
+        "Table 1 with the inertia that the author used.",
     ),
     Exhibit(
         "tips",
         tuple(Run(f"tip_{name}") for name in ("loop", "cusp", "wave")),
         ("traces",),
-        "The axis of a symmetric top makes loops, cusps or waves as it is let go backward, at rest"
-        " or forward. Dashed: the circles of its least and its largest inclination.",
+        "The axis of a symmetric top makes loops, cusps or waves if it is released with backward"
+        " precession, at rest or with forward precession. Dashed: minimum and maximum nutation"
+        " angle.",
         documented=("traces",),
     ),
     Exhibit(
         "slow_top",
         one("slow_top"),
         ("trace", "potential", "portrait"),
-        "Example 1, exact: its path on the sphere, the effective potential of its inclination"
-        " with the turning points, and its phase portrait.",
+        "Exact solution of Example 1: path of the axis tip, effective potential with the turning"
+        " points, and phase portrait of the inclination.",
     ),
     Exhibit(
         "separatrix",
         one("separatrix"),
         ("portrait", "potential", "support", "cones"),
-        "At half the spin that a sleeping top needs, with equal momenta about the vertical and the"
-        " axis, the motion from 120 degrees rises to the upright for ever. The separatrix parts"
-        " the motions that turn back below the upright from those that pass through it.",
+        "The separatrix: half the threshold spin of the sleeping top, equal momenta about the"
+        " vertical and the axis. The axis approaches the upright position and never reaches it. The"
+        " separatrix divides motions that turn back from motions that pass the upright.",
     ),
     Exhibit(
         "cones",
         one("regular_precession"),
         ("cones", "trace"),
-        "Steady precession: the angular velocity draws a circle in the body and a circle in space;"
-        " the body rolls, a cone on a cone.",
+        "Steady precession: the path of the angular velocity is a circle in the body and a circle"
+        " in space; a cone rolls on a cone.",
     ),
     Exhibit(
         "events",
@@ -158,48 +158,48 @@ GALLERY = (
         "maps",
         one("map_spin_tilt"),
         ("maps",),
-        "Where tops that are let go turning backward make loops and where waves, over spin and"
-        " inclination.",
+        "Class of the motion (loops or waves) of tops released with backward precession, over spin"
+        " and inclination.",
     ),
     Exhibit(
         "scatter",
         one("random_tops"),
         ("scatter",),
-        "Four thousand spinning wheels drawn at random: swing and precession against spin,"
-        " inclination and nutation rate at the start.",
+        "A random sample of four thousand spinning wheels: range of nutation and precession against"
+        " spin, inclination and nutation rate at the start.",
     ),
     Exhibit(
         "precision",
         one("work_precision_slow_top"),
         ("precision_time", "precision_work"),
-        "What each accuracy costs on Example 1. The exact motion takes less time than any method"
-        " and is exact to rounding at any instant.",
+        "Work-precision diagram of Example 1. The exact solution takes less time than any method,"
+        " and is accurate to rounding at any instant.",
         documented=("precision_time",),
     ),
     Exhibit(
         "precision_wheel",
         one("work_precision_wheel"),
         ("precision_time", "precision_work"),
-        "What each accuracy costs on the spinning wheel of Example 2.",
+        "Work-precision diagram of the spinning wheel of Example 2.",
     ),
     Exhibit(
         "precision_map",
         one("work_precision_map"),
         ("tolerance_map",),
-        "The cheapest of the methods that take steps to an error of 1e-9 rad over spin and"
-        " inclination, and by how much.",
+        "The cheapest numerical method for an error of 1e-9 rad over spin and inclination, and the"
+        " ratio to the next one.",
     ),
     Exhibit(
         "orders",
         one("convergence"),
         ("orders",),
-        "Error against step: each method of equal steps has the order that theory gives it.",
+        "Error against step size: each method with a fixed step size has its theoretical order.",
     ),
     Exhibit(
         "stability",
         one("stability"),
         ("verdicts", "costs"),
-        "What each method is worth on hard motions: digits reached, and error against cost.",
+        "Stability study: verdicts and digits on hard motions, and error against evaluations.",
         documented=("verdicts",),
     ),
     Exhibit(
@@ -213,8 +213,8 @@ GALLERY = (
             Run("long_drift", (LONG_STEPS, "integration.method=splitting_6")),
         ),
         ("drift",),
-        "Drift over a million nutations of Example 1. Under splitting methods the error of the"
-        " energy stays where it is after the first nutation; under the others it grows with time.",
+        "Drift over a million nutations of Example 1. Under splitting methods the energy"
+        " error remains constant after the first nutation; under the others it grows with time.",
         documented=("drift",),
         is_long=True,
     ),

@@ -45,28 +45,33 @@ class Family(NamedTuple):
 
 
 FAMILIES = (
-    Family("explicit, equal steps", ("rk4", "rk2", "euler_forward"), "s", "#d1641b"),
+    Family("explicit, fixed step size", ("rk4", "rk2", "euler_forward"), "s", "#d1641b"),
     Family(
-        "implicit, equal steps",
+        "implicit, fixed step size",
         ("crank_nicolson_2", "crank_nicolson_1", "galerkin", "euler_backward"),
         "v",
         "#8a6fae",
     ),
-    Family("Gauss, equal steps", ("gauss_8", "gauss_6", "gauss_4", "gauss_"), "^", "#7a2048"),
-    Family("on the rotation group, equal steps", ("rkmk_", "commutator_free_"), "P", "#5aa9a3"),
     Family(
-        "splitting, equal steps",
+        "Gauss-Legendre, fixed step size",
+        ("gauss_8", "gauss_6", "gauss_4", "gauss_"),
+        "^",
+        "#7a2048",
+    ),
+    Family("Lie group, fixed step size", ("rkmk_", "commutator_free_"), "P", "#5aa9a3"),
+    Family(
+        "splitting, fixed step size",
         ("splitting_8", "splitting_6", "splitting_4", "splitting_2", "splitting_"),
         "X",
         "#b08b00",
     ),
     Family(
-        "Runge-Kutta, step control",
+        "Runge-Kutta, adaptive",
         ("dop853", "ode45", "arkode_erk", "arkode_dirk", "arkode_"),
         "o",
         "#12355b",
     ),
-    Family("Taylor series, step control", ("taylor", "taylor_quadruple"), "*", "#2f7d32"),
+    Family("Taylor series, adaptive", ("taylor", "taylor_quadruple"), "*", "#2f7d32"),
     Family("closed form", ("exact",), "p", "black"),
     Family("other programs", ("heyoka", "odeint", "scipy", "sundials", "octave"), "D", "0.5"),
     Family("other methods", ("",), "d", "0.35"),
@@ -108,7 +113,7 @@ ORDERS = {
     "splitting_6": 6,
     "splitting_8": 8,
 }
-"""Orders of the methods of equal steps, as `spintop list methods` has them."""
+"""Orders of the methods with a fixed step size, as `spintop list methods` has them."""
 
 
 def family_of(method: str) -> Family:

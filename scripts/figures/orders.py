@@ -1,4 +1,4 @@
-"""Convergence of the methods of equal steps: error against step, with the orders measured."""
+"""Convergence of the fixed-step methods: error against step size, with measured orders."""
 
 import itertools
 
@@ -18,7 +18,7 @@ from figures.precision import (
 from figures.table import Table
 
 STEP = "step"
-"""The column with the size of a step over the time span."""
+"""The column with the step size over the time span."""
 
 ALIKE = 0.1
 """Slopes that differ by less, over their size, are those of a power: the steps are small enough
@@ -29,19 +29,19 @@ LEAST_SLOPE = 0.5
 
 
 def equal_steps(table: Table) -> pd.DataFrame:
-    """The rows of equal steps, with the size of a step over the time span."""
+    """The rows with a fixed step size, with the step size over the time span."""
     rows = table.rows[table.rows["setting"].str.startswith("steps ")].copy()
     rows[STEP] = 1 / rows["setting"].str.split().str[1].astype(float)
     return rows
 
 
 def object_to_orders(table: Table) -> str:
-    """A method of equal steps has to be there under several numbers of steps."""
+    """A method needs rows with several fixed step sizes."""
     if objection := object_to_precision(table):
         return objection
     curves = curves_of(equal_steps(table), (STEP, "error_max"))
     if all(len(curve.rows) < 2 for curve in curves):
-        return "has no method under several numbers of equal steps"
+        return "has no method with several fixed step sizes"
     return ""
 
 
@@ -69,7 +69,7 @@ def draw_orders(table: Table) -> Figure:
     """Error against the size of the step, a panel a problem with a legend of its own."""
     rows = equal_steps(table)
     figure, panels, _ = problem_panels(
-        table, "Convergence of the methods of equal steps", rows, (STEP, "error_max")
+        table, "Convergence of the fixed-step methods", rows, (STEP, "error_max")
     )
     for problem, axes in panels.items():
         part = rows[rows["problem"] == problem]
@@ -83,9 +83,9 @@ def draw_orders(table: Table) -> Figure:
             loc="upper left",
             bbox_to_anchor=(1.02, 1.02),
             handlelength=3.2,
-            title="order measured / in theory",
+            title="measured / theoretical order",
             title_fontsize=9,
             alignment="left",
         )
-    axes.set_xlabel("step over the time span")
+    axes.set_xlabel("step size over the time span")
     return figure

@@ -70,7 +70,7 @@ def draw_problem(axes: Axes, rows: pd.DataFrame, across: int) -> dict[str, objec
     floor = rows["inherent_error"].max()
     if math.isfinite(floor):
         handles["floor"] = axes.axhspan(
-            LEAST_ERROR / 10, floor, color=FAINT, linewidth=0, label="rounding of the data"
+            LEAST_ERROR / 10, floor, color=FAINT, linewidth=0, label="inherent error"
         )
     for program, marker in PEER_MARKERS.items():
         style = {"color": PEER_GREY, "linewidth": 0.9, "marker": marker, "markersize": 4.5}

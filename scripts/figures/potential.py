@@ -10,7 +10,7 @@ from figures.table import Table
 from figures.trajectory import numbers
 
 ROOM = 0.35
-"""What is seen on either side of the motion, over its swing."""
+"""What is seen on either side of the motion, over its range."""
 
 LEAST_ROOM = 1e-9
 """In radians."""
@@ -61,7 +61,7 @@ def draw_potential(table: Table) -> Figure:
             textcoords="offset points",
             ha=side,
         )
-    axes.set(xlabel=INCLINATION, ylabel="energy less that of the spin (J)")
+    axes.set(xlabel=INCLINATION, ylabel="energy minus energy of the spin (J)")
     draw_legend(axes)
     return figure
 

@@ -103,7 +103,7 @@ def mark_exact(axes: Axes, cost: np.ndarray, error: np.ndarray) -> None:
     axes.plot(cost[there], error[there], **style_of(EXACT) | {"linestyle": "", "markersize": 8})
     for place in zip(cost[there][:1], error[there][:1], strict=True):
         style = {"ha": "left", "va": "top", "fontsize": 9}
-        axes.annotate("exact motion", place, (6, -1), textcoords="offset points", **style)
+        axes.annotate("exact solution", place, (6, -1), textcoords="offset points", **style)
 
 
 def draw_floor(axes: Axes, rows: pd.DataFrame) -> None:
@@ -148,7 +148,7 @@ def method_handles(parts: Iterable[pd.DataFrame], columns: Iterable[str]) -> lis
     return handles
 
 
-FLOOR_HANDLE = Patch(color=FAINT, linewidth=0, label="rounding of the data")
+FLOOR_HANDLE = Patch(color=FAINT, linewidth=0, label="inherent error")
 
 
 def object_to_precision(table: Table) -> str:
@@ -182,7 +182,7 @@ def problem_panels(
 
 
 def draw_precision_over(table: Table, cost: str, title: str, label: str) -> tuple[Figure, list]:
-    """Error against a cost, a panel a problem, the legend at the right."""
+    """Error against a cost, one panel per problem, the legend at the right."""
     rows = table.rows
     figure, panels, handles = problem_panels(table, title, rows, (cost, "error_max"))
     for problem, axes in panels.items():
@@ -197,15 +197,15 @@ def draw_precision_over(table: Table, cost: str, title: str, label: str) -> tupl
 
 def draw_precision_time(table: Table) -> Figure:
     """Error against time, the fastest of the repeats."""
-    title = "Work and precision: error against time"
-    figure, _ = draw_precision_over(table, "time_s", title, "time of the computation (s)")
+    title = "Work-precision diagram: error against time"
+    figure, _ = draw_precision_over(table, "time_s", title, "computing time (s)")
     return figure
 
 
 def draw_precision_work(table: Table) -> Figure:
     """Error against evaluations, with triangles whose slopes are orders."""
-    title = "Work and precision: error against evaluations"
-    label = "right-hand sides evaluated (a Taylor series of order p counts as p)"
+    title = "Work-precision diagram: error against function evaluations"
+    label = "function evaluations (a Taylor series of order p counts as p)"
     figure, panels = draw_precision_over(table, "evaluations", title, label)
     for (_, rows), axes in zip(table.rows.groupby("problem", sort=False), panels, strict=True):
         orders = {ORDERS[name] for name in rows.loc[stepping(rows), "method"] if name in ORDERS}

@@ -77,14 +77,14 @@ def in_degrees(name: str) -> Callable[[pd.DataFrame], pd.Series]:
     return lambda rows: np.degrees(rows[name])
 
 
-def swing(rows: pd.DataFrame) -> pd.Series:
-    """How far the inclination swings, in degrees."""
+def nutation_range(rows: pd.DataFrame) -> pd.Series:
+    """The range of the nutation angle, in degrees."""
     return np.degrees(rows["theta_max"] - rows["theta_min"])
 
 
 QUANTITIES = (
     Quantity(("motion_class",), "class of the motion", "", the_column("motion_class")),
-    Quantity(("theta_min", "theta_max"), "swing of the inclination", "degrees", swing),
+    Quantity(("theta_min", "theta_max"), "range of the nutation angle", "degrees", nutation_range),
     Quantity(
         ("precession_per_nutation",),
         "precession per nutation",
@@ -114,9 +114,7 @@ QUANTITIES = (
         the_column("energy_error_max"),
         WIDE_ERRORS,
     ),
-    Quantity(
-        ("evaluations",), "right-hand sides evaluated", "", the_column("evaluations"), WIDE_ERRORS
-    ),
+    Quantity(("evaluations",), "function evaluations", "", the_column("evaluations"), WIDE_ERRORS),
 )
 """Those that any table shows that has their columns."""
 

@@ -13,7 +13,7 @@ SAME = 1e-6
 """Deviations from the motion of a symmetric top, over the size, that an integrator may make."""
 
 STEADY = 1e-10
-"""A kinetic energy that changes by less, over its size, does not tell the moments of inertia."""
+"""A smaller relative change of the kinetic energy does not determine the moments of inertia."""
 
 HUGE, LEAST_ROWS = 1e100, 4
 """Numbers of this size are of a run that is lost; what is fitted to fewer rows is not checked."""
@@ -98,7 +98,7 @@ def find_reduced(table: Table) -> Reduced | str:
     kinetic, potential = rows["kinetic"].to_numpy(), rows["potential"].to_numpy()
     largest = kinetic.max(initial=0.0)
     if not np.ptp(kinetic) > STEADY * largest:
-        return "is too steady to tell the moments of inertia"
+        return "is too steady to determine the moments of inertia"
     inertia, spin_energy = np.polyfit(transverse, kinetic, 1)
     weight = float(potential @ cosine / (cosine @ cosine))
     deviations = [

@@ -36,7 +36,7 @@ from figures.trajectory import (
 from figures.verdicts import draw_verdicts
 
 TRIALS = ("case", "method", "formulation", "verdict", "status", "reference", "reason")
-"""The columns of words of a stability study."""
+"""The categorical columns of a stability study."""
 
 
 class FigureKind(NamedTuple):
@@ -53,7 +53,7 @@ class FigureKind(NamedTuple):
     sparse: bool = False
     """Whether some of the columns may have no numbers."""
     words: tuple[str, ...] = ()
-    """Columns of words that it is made of, too."""
+    """The categorical columns that it needs."""
 
     def refusal(self, table: Table) -> str:
         """Why the figure does not belong to a table; empty if it does."""
@@ -149,7 +149,7 @@ FIGURES = (
     ),
     FigureKind(
         "potential",
-        "effective potential of a symmetric top, with its turning points",
+        "effective potential of a symmetric top, with the turning points",
         "trajectory",
         REDUCED,
         draw_potential,
@@ -197,7 +197,7 @@ FIGURES = (
     ),
     FigureKind(
         "events",
-        "when the events of a trajectory happen",
+        "instants of the events of a trajectory",
         "events",
         ("t",),
         draw_events,
@@ -206,7 +206,7 @@ FIGURES = (
     ),
     FigureKind(
         "sections",
-        "inclination and its rate at the events that happen often (Poincare sections)",
+        "inclination and its rate at frequent events (Poincare sections)",
         "events",
         ("theta", "theta_rate"),
         draw_sections,
@@ -215,7 +215,7 @@ FIGURES = (
     ),
     FigureKind(
         "curves",
-        "the quantities of a sweep against its one parameter",
+        "quantities of a sweep over one parameter",
         "sweep",
         (),
         draw_curves,
@@ -231,7 +231,7 @@ FIGURES = (
     ),
     FigureKind(
         "scatter",
-        "points of a sweep over several parameters that is no grid of two",
+        "points of a sweep over several parameters that is not a grid of two",
         "sweep",
         (),
         draw_scatter,
@@ -239,7 +239,7 @@ FIGURES = (
     ),
     FigureKind(
         "verdicts",
-        "what each method is worth on each hard case",
+        "verdict and digits of each method on each hard case",
         "stability",
         ("orientation_error",),
         draw_verdicts,
@@ -248,7 +248,7 @@ FIGURES = (
     ),
     FigureKind(
         "costs",
-        "error against cost of the methods, a panel a hard case",
+        "error of the methods against function evaluations, one panel per hard case",
         "stability",
         ("orientation_error", "evaluations", "inherent_error"),
         draw_costs,
@@ -257,7 +257,7 @@ FIGURES = (
     ),
     FigureKind(
         "precision_time",
-        "error of the methods against time, a panel a problem",
+        "work-precision diagram: error against time, one panel per problem",
         "work_precision",
         ("error_max", "time_s"),
         draw_precision_time,
@@ -266,7 +266,7 @@ FIGURES = (
     ),
     FigureKind(
         "precision_work",
-        "error of the methods against right-hand sides, a panel a problem",
+        "work-precision diagram: error against evaluations, one panel per problem",
         "work_precision",
         ("error_max", "evaluations"),
         draw_precision_work,
@@ -275,7 +275,7 @@ FIGURES = (
     ),
     FigureKind(
         "orders",
-        "error against step of the methods of equal steps, with the orders measured",
+        "error against step size of the fixed-step methods, with measured orders",
         "work_precision",
         ("error_max",),
         draw_orders,
@@ -284,7 +284,7 @@ FIGURES = (
     ),
     FigureKind(
         "tolerance_map",
-        "the cheapest method to an error, over two swept parameters",
+        "the cheapest method for a given error, over two swept parameters",
         "work_precision",
         ("error_max", "time_s"),
         draw_tolerance_map,
@@ -314,7 +314,7 @@ COMPARISONS = (
     ),
     FigureKind(
         "drift",
-        "drift of energy, momenta and quaternion over long runs of several methods",
+        "drift of the first integrals and of the quaternion norm in long runs of several methods",
         "trajectory",
         ("t", "energy_error"),
         draw_drift,

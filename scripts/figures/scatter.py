@@ -32,7 +32,7 @@ MOST_PARAMETERS, MOST_QUANTITIES = 4, 6
 """The first of them are drawn."""
 
 MOST_CASES, LEAST_CASES = 10_000, 300
-"""Of more cases so many are drawn by lot, and of each class and of those that failed so many."""
+"""Size of the random sample of many cases, and of each class and of the failed cases."""
 
 LOOKS = (
     ("#12355b", "o"),
@@ -140,13 +140,13 @@ def object_to_scatter(table: Table) -> str:
 
 
 def draw_scatter(table: Table) -> Figure:
-    """A row of panels a quantity, one against each parameter; two parameters span a plane, too."""
+    """One row of panels per quantity, one panel per parameter; two parameters span a plane."""
     places, quantities = varying(table), telling(table)
     shown, told = places[:MOST_PARAMETERS], quantities[:MOST_QUANTITIES]
     has_plane = len(places) == 2
     across = len(shown) + has_plane
     cloud = make_cloud(table, len(told) * across)
-    counts = ((table.rows, cloud.count, "cases, drawn by lot"), (places, len(shown), "parameters"))
+    counts = ((table.rows, cloud.count, "random cases"), (places, len(shown), "parameters"))
     title = "Cases over " + ", ".join(table.axes()[place].partition(".")[2] for place in shown)
     title += tell_left_out((*counts, (quantities, len(told), "quantities")))
     figure = new_figure(table, title, 1.9 + max(ROW_HEIGHT * len(told), LEAST_HEIGHT))
@@ -198,7 +198,7 @@ def make_cloud(table: Table, panels: int) -> Cloud:
 
 
 def thin(groups: list[pd.DataFrame]) -> list[pd.DataFrame]:
-    """Of many cases some, drawn by lot, the same ones each time; rare groups keep theirs."""
+    """A random sample of many cases, the same one each time; rare groups are complete."""
     share = min(1.0, MOST_CASES / sum(map(len, groups)))
     thinned = []
     for group in groups:

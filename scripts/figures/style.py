@@ -137,13 +137,13 @@ def describe_run(table: Table) -> str:
     if "method" in table.rows:
         return ", ".join(["methods and formulations as named", *describe_tolerances(table)])
     if method == "exact":
-        return "exact motion"
+        return "exact solution"
     formulation = table.setting("integration.formulation")
     if "auto" in (method, formulation):
         formulation = table.header.get("model", "").split(":")[0]
         method = table.header.get("method", "").split(":")[0]
         if method == "exact":
-            return "exact motion"
+            return "exact solution"
     words = [f"formulation {formulation}", f"method {method}"]
     if butcher := table.setting("integration.table"):
         words.append(f"table {butcher}")

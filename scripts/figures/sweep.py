@@ -28,7 +28,7 @@ class Quantity(NamedTuple):
 
 
 QUANTITIES = (
-    Quantity("delta_u", r"swing $\Delta u$ of $\cos\theta$", "Eq 29"),
+    Quantity("delta_u", r"range $\Delta u$ of $\cos\theta$", "Eq 29"),
     Quantity("nutation_rate", "nutation rate", "Eq 30"),
     Quantity("precession_rate", "mean precession rate", "Eq 32"),
     Quantity("nutations_per_turn", "nutations per turn", "Eq 54"),
@@ -49,7 +49,7 @@ def good_rows(table: Table) -> pd.DataFrame:
 
 def draw_sweep(table: Table) -> Figure:
     """The paper's formulas and the exact values against the swept parameter."""
-    figure = new_figure(table, "Formulas for a fast top against the exact motion", height=7.4)
+    figure = new_figure(table, "Fast-top formulas and exact solution", height=7.4)
     panels = figure.subplots(3, 2, sharex=True)
     rows = good_rows(table)
     x = rows[table.axes()[0]].to_numpy(float)

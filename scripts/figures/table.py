@@ -1,4 +1,4 @@
-"""Reading a table of spintop: its head of `#` lines, its rows, its status."""
+"""Reading a table of spintop: its header of `#` lines, its rows, its status."""
 
 import csv
 import io
@@ -45,7 +45,7 @@ class TableError(Exception):
 class Table:
     """A table that was read.
 
-    `header` holds the `key: value` lines of its head, `settings` the resolved input by
+    `header` holds the `key: value` lines of its header, `settings` the resolved input by
     `group.key` and `input` as text, `units` and `meanings` those of the columns, `status` how a
     trajectory ended, `words` what a work-precision study says below its rows. Of a long sweep over
     one parameter only every `stride`-th row is kept, more than a figure can show.
@@ -169,7 +169,7 @@ def read_text_table(path: Path) -> Table:
         lines = [line if line.isprintable() else printable(line) for line in lines]
     header, settings, units, meanings = read_head([line[1:].strip() for line in lines[:first]])
     if not header.get("program", "").startswith("spintop"):
-        raise TableError("is no table of spintop: its head names no program")
+        raise TableError("is no table of spintop: its header names no program")
     if not text.endswith("\n"):
         raise TableError("is cut short: its last line has no end")
     if "\0" in text:
@@ -197,7 +197,7 @@ def read_text_table(path: Path) -> Table:
 
 
 def input_of(head: list[str]) -> str:
-    """The resolved input in the lines of a head, without what marks it as a comment."""
+    """The resolved input in the lines of a header, without what marks it as a comment."""
     lines = [line.removeprefix("# ") for line in head]
     if "input:" not in lines:
         return ""
@@ -209,7 +209,7 @@ def input_of(head: list[str]) -> str:
 def read_head(
     lines: list[str],
 ) -> tuple[dict[str, str], dict[str, list[str]], dict[str, str], dict[str, str]]:
-    """The `key: value` lines of a head, the resolved input, units and meanings of the columns."""
+    """The `key: value` lines of a header, the resolved input, units and meanings of the columns."""
     header: dict[str, str] = {}
     settings: dict[str, list[str]] = {}
     units: dict[str, str] = {}

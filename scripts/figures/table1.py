@@ -33,8 +33,8 @@ class Column(NamedTuple):
 
 COLUMNS = (
     Column(0.6, "initial.spin_ratio", "", r"$\lambda$"),
-    Column(1.2, "delta_u_fast_top", r"swing $\Delta u$ of $\cos\theta$", "paper, Eq 29"),
-    Column(0.98, "delta_u", r"swing $\Delta u$ of $\cos\theta$", "exact"),
+    Column(1.2, "delta_u_fast_top", r"range $\Delta u$ of $\cos\theta$", "paper, Eq 29"),
+    Column(0.98, "delta_u", r"range $\Delta u$ of $\cos\theta$", "exact"),
     Column(1.2, "nutation_rate_fast_top", "nutation rate (rad/s)", "paper, Eq 30"),
     Column(0.98, "nutation_rate", "nutation rate (rad/s)", "exact"),
     Column(1.2, "precession_rate_fast_top", "precession rate (rad/s)", "paper, Eq 32"),
@@ -66,7 +66,7 @@ def draw_table1(table: Table) -> Figure:
     lines = bottom + 0.5 + len(notes)
     figure = new_figure(
         table,
-        "Table 1: formulas for a fast top beside the exact motion",
+        "Table 1: fast-top formulas and exact solution",
         height=lines * ROW_HEIGHT + 1.2,
         width=PAGE_WIDTH,
     )

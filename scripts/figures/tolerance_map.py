@@ -17,10 +17,10 @@ TARGET, GOAL = 1e-9, "10\u207b\u2079 rad"
 """The error that the methods have to reach, rad, and how it is written."""
 
 QUANTITIES = (
-    Quantity(("time_s",), f"least time to {GOAL}", "s", the_column("time_s"), 3),
+    Quantity(("time_s",), f"shortest time for {GOAL}", "s", the_column("time_s"), 3),
     Quantity(("method",), "by", "", the_column("method")),
-    Quantity(("ratio",), "times more by the next method", "", the_column("ratio"), 10),
-    Quantity(("next",), "which is", "", the_column("next")),
+    Quantity(("ratio",), "time ratio of the next method", "", the_column("ratio"), 10),
+    Quantity(("next",), "next method", "", the_column("next")),
 )
 """The columns of the table of problems, as maps."""
 
@@ -53,7 +53,7 @@ def swept_parameters(table: Table) -> list[str]:
 
 
 def table_of_problems(table: Table) -> Table:
-    """The study as the table of a sweep: a row a problem, with the cheapest method and its time."""
+    """The study as the table of a sweep: per problem the cheapest method and its time."""
     axes = swept_parameters(table)
     rows = []
     for number, problem in enumerate(problems_of(table), start=1):
@@ -83,7 +83,7 @@ def draw_tolerance_map(table: Table) -> Figure:
     problems = table_of_problems(table)
     grid = make_grid(problems)
     failed = (problems.rows["status"] != "ok").to_numpy()
-    title = f"The cheapest method to an error of {GOAL} in attitude"
+    title = f"The cheapest method for an error of {GOAL} in attitude"
     figure = new_figure(table, title + tell_failed(problems), 1.2 + 2 * PANEL_HEIGHT)
     panels = add_panels(figure, len(QUANTITIES))
     for quantity, axes in zip(QUANTITIES, panels, strict=True):

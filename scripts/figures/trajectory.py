@@ -141,7 +141,7 @@ def draw_support(table: Table) -> Figure:
         draw_line(axes, t, force[name])
         axes.set_ylabel(label)
     draw_line(panels[3], t, np.sqrt(sum(part**2 for part in force.values())))
-    panels[3].set_ylabel("size of the force (N)")
+    panels[3].set_ylabel("magnitude of the force (N)")
     panels[3].set_ylim(bottom=0)
     figure.align_ylabels()
     return figure
@@ -223,7 +223,7 @@ def draw_error(table: Table) -> Figure:
     for axes in panels:
         axes.margins(x=0.01)
     draw_sizes(panels[0], t, numbers(table, "orientation_error"))
-    panels[0].set_ylabel("angle from the exact\norientation (rad)")
+    panels[0].set_ylabel("orientation error (rad)")
     if has_energy:
         draw_sizes(panels[1], t, numbers(table, "R4"))
         panels[1].set_ylabel(f"change of energy\n$|R_4|$ ({table.units.get('R4', 'J')})")

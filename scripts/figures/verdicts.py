@@ -60,7 +60,7 @@ def draw_verdicts(table: Table) -> Figure:
     end = bottom + LINE * (len(legend) + 0.5)
     width = max(WIDTH, CELL * (left + right) + 0.2)
     figure = new_figure(
-        table, "What methods are worth on hard cases", 1.25 + CELL * (top + end), width
+        table, "Verdicts on the methods in hard cases", 1.25 + CELL * (top + end), width
     )
     axes = figure.add_subplot()
     axes.set(xlim=(-left, max(right, width / CELL - left - 1)), ylim=(end, -top))
@@ -107,7 +107,7 @@ def lay_out(rows: pd.DataFrame) -> Layout:
 
 
 def letters_of(rows: pd.DataFrame) -> dict[str, str]:
-    """A letter for each status of those that gave up: its first that is not taken."""
+    """A letter for each status of the failed trials: its first letter that is not used."""
     letters: dict[str, str] = {}
     for status in rows.loc[rows["verdict"] == "failed", "status"].value_counts().index:
         free = (letter for letter in status.upper() + string.ascii_uppercase if letter.isalpha())
@@ -214,9 +214,7 @@ def legend_lines(
             lines.append(
                 (verdict, letter, f"{len(chosen)} by {status.replace('_', ' ')}: {reason}")
             )
-    lines.append(
-        (None, "", "n: digits reached, the largest error of the attitude being 10\u207b\u207f rad")
-    )
+    lines.append((None, "", "n: digits, for a largest error of the attitude of 10\u207b\u207f rad"))
     return lines
 
 

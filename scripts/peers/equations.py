@@ -1,6 +1,6 @@
 """The equations of motion that peers integrate, written once for all their languages.
 
-Sums and products look the same in Python, C, C++ and Octave, so the right-hand sides stand here as
+Sums and products look the same in Python, C, C++ and Octave, so the equations stand here as
 text. `python_rates` makes a Python function of them (of floats, or of heyoka's expressions),
 `c_header` a header for C and C++, `octave_rates` an Octave function.
 
@@ -47,7 +47,7 @@ def spin_split_off(problem: Problem) -> float:
 
 
 def with_spin(problem: Problem, p: Sequence[float]) -> Vector:
-    """The attitude at the end, the spin put back."""
+    """The attitude at the end, including the spin."""
     half = spin_split_off(problem) * problem.t_end / 2
     return product(p, [math.cos(half), 0.0, 0.0, math.sin(half)])
 

@@ -50,7 +50,7 @@ def integrator(formulation: str, constants: list[float], tolerance: float) -> ob
 
 
 def solve(problem: Problem, method: str, formulation: str, setting: float) -> Answer:
-    """Solve to a tolerance. A right-hand side is a coefficient of the series, as in spintop."""
+    """Solve to a tolerance. A function evaluation is a coefficient of the series, as in spintop."""
     form = EQUATIONS[formulation]
     constants, start = form.start(problem)
     solver = integrator(formulation, constants, setting)

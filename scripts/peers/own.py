@@ -1,4 +1,4 @@
-"""What spintop itself costs on the same problems: its own work-precision study."""
+"""spintop on the same problems: its own work-precision study."""
 
 from pathlib import Path
 

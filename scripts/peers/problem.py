@@ -38,7 +38,7 @@ class Problem:
         )
 
     def orientation_error(self, q: Sequence[float]) -> float:
-        """Angle of the turn from the attitude at the end, rad."""
+        """Rotation angle from the attitude at the end, rad."""
         return angle_between(q, self.reference)
 
     def tip_error(self, q: Sequence[float]) -> float:

@@ -27,6 +27,6 @@ def to_space(q: Sequence[float], vector: Sequence[float]) -> list[float]:
 
 
 def angle_between(a: Sequence[float], b: Sequence[float]) -> float:
-    """Angle of the turn from one attitude to another, rad; of quaternions of any length."""
+    """Rotation angle between two attitudes, rad; for quaternions of any norm."""
     turn = product(conjugate(a), b)
     return 2 * math.atan2(math.hypot(*turn[1:]), abs(turn[0]))

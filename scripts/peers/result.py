@@ -83,7 +83,7 @@ def processor() -> str:
 
 
 def write(path: Path, rows: pd.DataFrame, own: Table, versions: dict[str, str], title: str) -> None:
-    """Write the table under a head that scripts/plot reads; a complete one alone has its name."""
+    """Write the table with a header that scripts/plot reads; a complete one alone has its name."""
     header = {"title": title} | {
         key: own.header[key]
         for key in ("program", "revision", "compiler", "options", "date")

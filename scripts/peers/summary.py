@@ -22,7 +22,7 @@ def as_time(seconds: float) -> str:
     return f"{seconds / size:#.3g}".rstrip(".") + f" {unit}"
 
 
-def tell(row: pd.Series | None) -> str:
+def cell_of(row: pd.Series | None) -> str:
     """A time and the method that takes it."""
     return NONE if row is None else f"{as_time(row['time_s'])} {row['method']}/{row['formulation']}"
 
@@ -35,10 +35,10 @@ def ratio(other: pd.Series | None, own: pd.Series | None) -> str:
     return f"{factor:g}" if factor < 10 else f"{factor:.0f}"
 
 
-def as_table(head: list[str], lines: list[list[str]]) -> str:
+def as_table(header: list[str], lines: list[list[str]]) -> str:
     """A table in Markdown."""
-    rule = ["---"] * len(head)
-    return "\n".join("| " + " | ".join(cells) + " |" for cells in (head, rule, *lines))
+    rule = ["---"] * len(header)
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in (header, rule, *lines))
 
 
 def summarise(rows: pd.DataFrame) -> str:
@@ -56,20 +56,20 @@ def tell_problem(rows: pd.DataFrame) -> str:
     best = [
         [
             f"{error:.0e}",
-            tell(cheapest(exact, error)).split(" exact")[0],
-            tell(cheapest(stepping, error)),
-            tell(cheapest(others, error)),
+            cell_of(cheapest(exact, error)).split(" exact")[0],
+            cell_of(cheapest(stepping, error)),
+            cell_of(cheapest(others, error)),
             ratio(cheapest(others, error), cheapest(stepping, error)),
         ]
         for error in ERRORS
     ]
-    head = ["error, rad", "spintop, closed form", "spintop, by steps", "cheapest other", "ratio"]
+    header = ["error, rad", "spintop, closed form", "spintop, numerical", "cheapest other", "ratio"]
     factors = [
         [program, *(ratio(cheapest(group, error), cheapest(stepping, error)) for error in ERRORS)]
         for program, group in others.groupby("program", sort=False)
     ]
-    text = as_table(head, best)
+    text = as_table(header, best)
     if factors:
-        title = "times as long as spintop by steps"
+        title = "time relative to spintop, numerical"
         text += "\n\n" + as_table([title, *(f"{error:.0e}" for error in ERRORS)], factors)
     return text

@@ -36,7 +36,7 @@ class Body:
 
 
 def read_body(table: Table) -> Body | None:
-    """The body that the head of a table tells, None if it tells none that can be drawn."""
+    """The body in the header of a table; None if it cannot be drawn."""
     match = BODY.fullmatch(table.header.get("body", ""))
     if not match:
         return None

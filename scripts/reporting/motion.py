@@ -73,13 +73,13 @@ def lacking(table: Table, body: Body | None, omega: np.ndarray | None) -> list[s
             "quaternion, phi and psi within half a turn."
         )
     if body is None:
-        notes.append("The head of the table tells no body, so it is drawn as a plain disc.")
+        notes.append("The header of the table does not give the body, so a plain disc is shown.")
     else:
         kind = equivalent_solid(body)["kind"]
         if kind != "none":
             notes.append(
-                f"Drawn is the homogeneous {kind} of the same mass, centre of mass and moments of "
-                "inertia."
+                f"The animation shows the homogeneous {kind} with the same mass, centre of mass "
+                "and moments of inertia."
             )
         if not np.array_equal(body.axis(), BODY_Z):
             notes.append(

@@ -20,7 +20,7 @@ DIGITS = 10
 """Significant digits of numbers in the tables of the page."""
 
 FACTS = ("program", "revision", "compiler", "date", "model", "method", "body")
-"""What the head of a table says of its origin, in the order in which it is told."""
+"""The provenance in the header of a table, in the order of the report."""
 
 
 @dataclass
@@ -91,7 +91,7 @@ class Section:
 
     @property
     def input(self) -> str:
-        """The resolved namelist as it stands in the head."""
+        """The resolved namelist as it stands in the header."""
         return self.table.input
 
     def shown_rows(self) -> tuple[list[list[str]], str]:

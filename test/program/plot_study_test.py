@@ -76,7 +76,7 @@ class StabilityTest(TableCase):
         rows = trials(read_table(self.put("a.csv", a_stability())))
         expected = ["rk4", "rk4, lagrange", "new"]
         self.assertEqual(list(rows["entry"]), 2 * expected)
-        families = ["explicit, equal steps", "explicit, equal steps", "other methods"]
+        families = ["explicit, fixed step size", "explicit, fixed step size", "other methods"]
         self.assertEqual(list(rows["family"]), 2 * families)
         alone = read_table(self.put("b.csv", "\n".join(a_stability().splitlines()[:-3]) + "\n"))
         expected = ["rk4, space_frame", "rk4, lagrange", "new"]

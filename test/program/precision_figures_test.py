@@ -100,7 +100,7 @@ class ChoiceTest(TableCase):
         text = "\n".join(line for line in a_precision().split("\n") if ",steps " not in line)
         refusal = next(k for k in FIGURES if k.name == "orders").refusal
         table = read_table(self.put("c.csv", text))
-        self.assertIn("under several numbers of equal steps", refusal(table))
+        self.assertIn("with several fixed step sizes", refusal(table))
 
 
 class CurveTest(TableCase):
@@ -122,7 +122,7 @@ class CurveTest(TableCase):
             self.assertTrue((np.diff(curve.rows["time_s"]) > 0).all())
 
     def test_drawn(self) -> None:
-        """Lines have the times and errors of the table, and the exact motion is there."""
+        """Lines have the times and errors of the table, and the exact solution is there."""
         table = read_table(self.put("a.csv", a_precision()))
         axes = draw_precision_time(table).axes[0]
         lines = {line.get_label(): line for line in axes.lines}
@@ -131,7 +131,7 @@ class CurveTest(TableCase):
             lines["splitting_8"].get_data(), ("time_s", "error_max"), strict=True
         ):
             np.testing.assert_array_equal(data, rows[name])
-        self.assertEqual([text.get_text() for text in axes.texts], ["exact motion"])
+        self.assertEqual([text.get_text() for text in axes.texts], ["exact solution"])
         self.assertEqual(axes.texts[0].xy, (2e-6, 3e-15))
 
     def test_measured_orders(self) -> None:
@@ -161,7 +161,7 @@ class MapTest(TableCase):
     """The map over two parameters."""
 
     def test_cheapest(self) -> None:
-        """Each problem has the least time of its methods, and the exact motion has none."""
+        """Each problem has the shortest time of its methods; the exact solution is left out."""
         table = read_table(self.put("a.csv", a_map_of_problems()))
         problems = table_of_problems(table)
         self.assertEqual(problems.axes(), list(AXES))

@@ -77,10 +77,10 @@ class ReportCase(TableCase):
 
 
 class BodyTest(ReportCase):
-    """The body that a head tells, and the solid that is drawn for it."""
+    """The body in a header, and the solid that is drawn for it."""
 
     def test_read(self) -> None:
-        """Mass, inertia and centre of mass; a head without them tells no body."""
+        """Mass, inertia and centre of mass; a header without them gives no body."""
         body = read_body(self.table(BODY + a_trajectory()))
         self.assertEqual((body.mass, *body.inertia, *body.centre), (2, 8.25, 8.25, 0.5, 0, 0, 2))
         self.assertEqual(list(body.axis()), [0, 0, 1])
@@ -156,7 +156,7 @@ class MotionTest(ReportCase):
     def test_notes(self) -> None:
         """What is lacking is told."""
         notes = " ".join(motion_data(self.table(a_trajectory(ANGLES)), 99)["notes"])
-        for word in ("tells no body", "force_x, force_y, force_z", "omega1 to omega3"):
+        for word in ("does not give the body", "force_x, force_y, force_z", "omega1 to omega3"):
             self.assertIn(word, notes)
 
     def test_refusals(self) -> None:

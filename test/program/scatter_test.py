@@ -200,7 +200,7 @@ class ManyTest(ScatterCase):
         self.assertLessEqual(total, most + 3 * least)
         self.assertTrue(cloud.rows.equals(scatter.make_cloud(table, 1).rows))
         title = draw_scatter(table).get_suptitle().replace("\n", " ")
-        self.assertIn(f"{total:,} of {cases:,} cases, drawn by lot", title)
+        self.assertIn(f"{total:,} of {cases:,} random cases", title)
 
     def test_few(self) -> None:
         """All are drawn, and the title has nothing to say."""

@@ -1,0 +1,1 @@
+#define SPINTOP_REVISION "12beec9e9e9e"

@@ -92,11 +92,16 @@ contains
     end function argument
 
     !> The whole number next to x, by what adding a large number leaves of the fraction: several
-    !> times faster than `anint`, which is a library call in this kind.
+    !> times faster than `anint`, which is a library call in this kind. Beyond half of that number the sum
+    !> has lost the last whole digit.
     pure real(xp) function nearest_whole(x)
         real(xp), intent(in) :: x
-        real(xp), parameter :: large = 1.5_xp * 2.0_xp**(digits(1.0_xp) - 1)
-        nearest_whole = (x + large) - large
+        real(xp), parameter :: large = 1.5_xp * 2.0_xp**(digits(1.0_xp) - 1), too_large = large / 3
+        if (abs(x) < too_large) then
+            nearest_whole = (x + large) - large
+        else
+            nearest_whole = anint(x)
+        end if
     end function nearest_whole
 
 end module spintop_scalar_functions

@@ -8,13 +8,14 @@ module spintop_body_of_scene
     use spintop_parameters, only: unset
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
-    use spintop_text, only: to_text
     implicit none
     private
     public :: make_body, is_set
 
     !> Slack of the triangle inequality in units of rounding, for inertias that meet it exactly.
     real(dp), parameter :: triangle_slack = 8 * epsilon(1.0_dp)
+    !> What problems are told of; not made where they are found, for threads make bodies: see `status_names`.
+    character(*), parameter :: inertia_names(3) = 'top.inertia(' // ['1', '2', '3'] // ')'
 
 contains
 
@@ -68,7 +69,7 @@ contains
         body%mass = scene%mass
         body%inertia = scene%inertia
         if (breaks_triangle(scene%inertia)) then
-            call problems%add('top.inertia(' // to_text(maxloc(scene%inertia, dim=1)) // ')', &
+            call problems%add(inertia_names(maxloc(scene%inertia, dim=1)), &
                 'no body has these moments of inertia: the largest exceeds the sum of the others', &
                 'each moment is at most the sum of the other two')
         end if

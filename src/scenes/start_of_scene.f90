@@ -66,8 +66,11 @@ contains
             end if
             associate (length => norm2(scene%quaternion))
                 if (abs(length - 1) > unit_slack) then
+                    ! Threads make cases: see `status_names`.
+                    !$omp critical (texts)
                     call problems%add('initial.quaternion', 'the quaternion has the length ' // to_text(length) // ', not 1', &
                                       'an attitude is a unit quaternion: divide it by its length')
+                    !$omp end critical (texts)
                     return
                 end if
                 start%quaternion = scene%quaternion

@@ -54,15 +54,16 @@ module spintop_reference_motion
 contains
 
     !> The reference of a case at `samples` equally spaced times, both ends included.
-    subroutine find_reference(case, samples, kind, reference, status)
+    subroutine find_reference(case, samples, kind, max_steps, reference, status)
         type(case_t), intent(in) :: case
         integer, intent(in) :: samples, kind
+        integer(int64), intent(in) :: max_steps !! that each computation of it may take
         type(reference_t), intent(out) :: reference
         integer, intent(out) :: status
         if (kind == reference_exact .or. (kind == reference_auto .and. case%body%is_lagrange())) then
             call take_exact(case, sample_times(case%t_end, samples), reference, status)
         else
-            call compute_twice(case, sample_times(case%t_end, samples), reference, status)
+            call compute_twice(case, sample_times(case%t_end, samples), max_steps, reference, status)
         end if
     end subroutine find_reference
 
@@ -81,8 +82,8 @@ contains
         else
             reference%check = 'dop853'
             if (case%body%is_lagrange()) reference%check = 'taylor'
-            call compute(case, case%start, reference%motions%t, trim(reference%check), finest, other%motions, status, &
-                         max_steps)
+            call compute(case, case%start, reference%motions%t, trim(reference%check), finest, max_steps, &
+                         other%motions, status)
         end if
         if (status == status_ok) then
             reference%disagreement = maxval(apart(reference%motions, other%motions))
@@ -115,9 +116,10 @@ contains
 
     !> A motion in quadruple precision, the same with a coarser tolerance, and one from a start whose
     !> numbers are moved by one unit in the last place.
-    subroutine compute_twice(case, times, reference, status)
+    subroutine compute_twice(case, times, max_steps, reference, status)
         type(case_t), intent(in) :: case
         real(dp), intent(in) :: times(:)
+        integer(int64), intent(in) :: max_steps
         type(reference_t), intent(out) :: reference
         integer, intent(out) :: status
         type(motion_t), allocatable :: again(:), moved(:)
@@ -126,28 +128,28 @@ contains
 
         reference%source = 'quadruple precision'
         reference%is_computed = .true.
-        call compute(case, case%start, times, in_quadruple, fine, reference%motions, status)
+        call compute(case, case%start, times, in_quadruple, fine, max_steps, reference%motions, status)
         if (status /= status_ok) return
-        call compute(case, case%start, times, in_quadruple, coarse, again, status)
+        call compute(case, case%start, times, in_quadruple, coarse, max_steps, again, status)
         if (status /= status_ok) return
         reference%uncertainty = maxval(apart(reference%motions, again))
         start = case%start
         start%omega = start%omega * (1 + epsilon_dp * [1, -1, 1])
         start%quaternion = start%quaternion * (1 + epsilon_dp * [1, -1, -1, 1])
-        call compute(case, start, times, in_quadruple, coarse, moved, status)
+        call compute(case, start, times, in_quadruple, coarse, max_steps, moved, status)
         if (status /= status_ok) return
         reference%floor = apart(again, moved) / 2
     end subroutine compute_twice
 
     !> A motion by a method with step control.
-    subroutine compute(case, start, times, method, tolerance, motions, status, max_steps)
+    subroutine compute(case, start, times, method, tolerance, max_steps, motions, status)
         type(case_t), intent(in) :: case
         type(motion_t), intent(in) :: start
         real(dp), intent(in) :: times(:), tolerance
         character(*), intent(in) :: method
+        integer(int64), intent(in) :: max_steps
         type(motion_t), allocatable, intent(out) :: motions(:)
         integer, intent(out) :: status
-        integer(int64), intent(in), optional :: max_steps
         class(formulation_t), allocatable :: formulation
         class(stepper_t), allocatable :: stepper
         type(keeper_t) :: keeper
@@ -157,7 +159,7 @@ contains
         call create_stepper(method, stepper)
         stepper%controls%relative_tolerance = tolerance
         stepper%controls%absolute_tolerance = tolerance
-        if (present(max_steps)) stepper%controls%max_steps = max_steps
+        stepper%controls%max_steps = max_steps
         allocate (keeper%motions(size(times)))
         call integrate(formulation, stepper, case%body, start, case%t_end, times, keeper, outcome)
         status = outcome%status

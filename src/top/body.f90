@@ -22,6 +22,7 @@ module spintop_body
     contains
         procedure :: mgl
         procedure :: weight_moment
+        procedure :: is_symmetric
         procedure :: is_lagrange
         procedure :: symmetry_axis
         procedure :: torque
@@ -42,13 +43,17 @@ contains
         moment = self%mass * self%gravity * self%centre_of_mass
     end function weight_moment
 
+    !> Whether inertia and weight are symmetric about body z, whatever the damping.
+    pure logical function is_symmetric(self)
+        class(body_t), intent(in) :: self
+        is_symmetric = is_equal(self%inertia(1), self%inertia(2)) .and. all(is_zero(self%centre_of_mass(1:2)))
+    end function is_symmetric
+
     !> Whether this is a symmetric undamped top about body z with its centre of mass on or above O:
     !> the top of Lagrange, for which the motion is known in closed form.
     pure logical function is_lagrange(self)
         class(body_t), intent(in) :: self
-        is_lagrange = is_equal(self%inertia(1), self%inertia(2)) &
-            .and. all(is_zero(self%centre_of_mass(1:2))) .and. self%mgl() >= 0 &
-            .and. all(is_zero(self%damping))
+        is_lagrange = self%is_symmetric() .and. self%mgl() >= 0 .and. all(is_zero(self%damping))
     end function is_lagrange
 
     !> Unit vector of an axis about which the body may be turned without a difference to inertia,

@@ -867,6 +867,45 @@ class EventTest(ProgramCase):
         self.assertEqual(short.texts("theta_max")[1], "nan")
         self.assertIn("no full nutation in the span", short.texts("notes")[1])
 
+    def test_what_a_body_does_not_have_is_noted(self) -> None:
+        """A symmetric body, one that is not, and a damped one; computed alone and together."""
+        scene = self.write(
+            "&study kind = 'sweep' /\n"
+            "&top mass = 1, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387 /\n"
+            "&initial theta_deg = 40, omega3 = 25, phi_rate = -2 /\n"
+            "&span t_end = 1 /\n"
+            "&sweep combine = 'zip', parameter = 'top.inertia(2)', 'top.damping(3)',\n"
+            "    values(1,:) = 0.875, 0.8, 0.875, values(2,:) = 0, 0, 0.01 /\n"
+        )
+        compared = ("orientation_error", "inherent_error")
+        fast = [f"{name}_fast_top" for name in ("delta_u", "nutation_rate", "precession_rate")]
+        fast += ["nutations_per_turn_fast_top", "fast_top_ratio"]
+        no_motion, no_formulas = "no exact motion to compare with: ", "no fast-top formulas: "
+        for more in ([], ["theta_max"]):
+            for method in ("taylor", "dop853"):
+                table = self.compute(
+                    scene,
+                    f"integration.method={method}",
+                    "output.columns=" + ",".join([*compared, *fast, "precession_period", *more]),
+                )
+                notes = table.texts("notes")
+                self.assertNotIn("no ", notes[0])
+                self.assertIn(no_motion + "the body is not symmetric", notes[1])
+                self.assertIn(no_formulas + "they need a symmetric body", notes[1])
+                self.assertIn(no_motion + "the body is damped", notes[2])
+                self.assertNotIn(no_formulas, notes[2])
+                self.assertNotIn("nan", table.texts("precession_period"))
+                for name in compared:
+                    cells = [text == "nan" for text in table.texts(name)]
+                    self.assertEqual(cells, [False, True, True], name)
+                for name in fast:
+                    cells = [text == "nan" for text in table.texts(name)]
+                    self.assertEqual(cells, [False, True, False], name)
+        spinless = self.compute(
+            scene, "initial.omega3=0", "output.columns=nutations_in_period", code=0
+        )
+        self.assertIn("no precession period T_p", spinless.texts("notes")[0])
+
     def test_a_turned_body_has_the_events_of_the_body_as_given(self) -> None:
         """A top about body x, turned inside, and one a little asymmetric, which is not."""
         scene = self.write(

@@ -91,6 +91,22 @@ class StabilityTest(unittest.TestCase):
         self.assertEqual({row["verdict"] for row in rows}, {"accurate"})
         self.assertEqual(rows[1]["steps"], "8000")
 
+    def test_the_exponent_takes_no_more_than_the_work_allowed(self) -> None:
+        """Of a motion too long for it there is none; the exact motion needs no steps."""
+        scene = self.folder / "long.nml"
+        scene.write_text(
+            "&study kind = 'stability' /\n"
+            "&top mass = 1, inertia = 1, 1, 0.5, length = 0.5 /\n"
+            "&initial theta = 0.5, omega3 = 10 /\n&span t_end = 30 /\n"
+            "&stability cases = 'input', methods = 'taylor' /\n"
+        )
+        for steps, has_one in (("1000", True), ("15", False)):
+            result = self.run_program(str(scene), f"--set=integration.max_steps={steps}")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            with (self.folder / "long.csv").open() as file:
+                rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+            self.assertEqual(rows[0]["lyapunov_exponent"] != "nan", has_one)
+
     def test_unknown_names(self) -> None:
         """Names that are not there are refused, with the nearest."""
         for key, name, hint in (

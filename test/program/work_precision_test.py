@@ -259,6 +259,24 @@ class TableTest(WorkPrecisionCase):
         self.assertEqual(rows[0]["reference_check"], "nan")
         self.assertIn("could not be checked", self.summary)
 
+    def test_a_reference_beyond_the_work_allowed(self) -> None:
+        """The motion in quadruple precision takes no more steps than any other."""
+        scene = self.write(SKEW + "&integration max_steps = 3 /\n")
+        methods = "work_precision.methods=rk4"
+        command = [
+            EXE,
+            scene,
+            "--set",
+            methods,
+            "--set",
+            "work_precision.steps=2",
+            "-o",
+            self.folder,
+        ]
+        run = subprocess.run(command, capture_output=True, text=True, check=False)
+        self.assertEqual(run.returncode, 3, run.stderr)
+        self.assertIn("has no reference: the work allowed", run.stdout + run.stderr)
+
 
 class SummaryTest(WorkPrecisionCase):
     """What is said in words."""

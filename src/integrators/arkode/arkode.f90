@@ -4,6 +4,7 @@
 !> Reynolds, Gardner, Woodward and Chinomona, ACM TOMS 49 (2023).
 module spintop_arkode
     use, intrinsic :: iso_c_binding, only: c_int
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_arkode_memory, only: arkode_memory_t
     use spintop_arkode_tables, only: arkode_table_t, find_arkode_table
     use spintop_compare, only: is_equal
@@ -214,7 +215,7 @@ contains
         status = status_of(flag)
         if (status /= status_ok .and. work%memory%status /= status_ok) status = work%memory%status
         associate (now => work%memory%now)
-            work%counts = now%counts
+            call take_counts(work)
             if (status /= status_ok) return
             work%t_last = work%t
             work%y_last = work%y
@@ -223,6 +224,15 @@ contains
             work%slope = now%slope
         end associate
     end subroutine take_step
+
+    !> What the run has cost inside ARKODE; looks at it are counted outside.
+    subroutine take_counts(work)
+        class(arkode_workspace_t), intent(inout) :: work
+        integer(int64) :: looks
+        looks = work%counts%looks
+        work%counts = work%memory%now%counts
+        work%counts%looks = looks
+    end subroutine take_counts
 
     !> Gives a step's end the time it is meant to have: ARKODE sums its steps up, with rounding.
     subroutine set_time(work, t)
@@ -246,7 +256,7 @@ contains
         select type (work)
         class is (arkode_workspace_t)
             y = work%memory%interpolate((t - work%t_last) / (work%t - work%t_last))
-            work%counts = work%memory%now%counts
+            call take_counts(work)
         end select
     end function interpolate
 

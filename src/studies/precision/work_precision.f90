@@ -207,7 +207,8 @@ contains
             reference = job%precision%stored
             status = status_ok
         else
-            call find_reference(case, job%precision%samples, job%precision%reference, reference, status)
+            call find_reference(case, job%precision%samples, job%precision%reference, &
+                                int(scene%max_steps, int64), reference, status)
         end if
         if (status == status_ok) call check_reference(case, int(scene%max_steps, int64), reference)
     end subroutine take_reference

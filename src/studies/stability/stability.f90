@@ -180,7 +180,7 @@ contains
             return
         end if
         associate (case => facts%case)
-            call find_reference(case, samples, reference_auto, facts%reference, status)
+            call find_reference(case, samples, reference_auto, int(scene%max_steps, int64), facts%reference, status)
             if (status /= status_ok) then
                 error = error_t(exit_failed, 'stability: case ' // trim(facts%name) // ' has no reference: ' &
                                 // status_name(status))
@@ -194,7 +194,8 @@ contains
                 if (status == status_ok) facts%upright_growth = maxval(real(eigenvalues, dp))
             end if
             facts%lyapunov_exponent = ieee_value(0.0_dp, ieee_quiet_nan)
-            call find_lyapunov(case%body, case%start, case%t_end, exponents, status)
+            call find_lyapunov(case%body, case%start, case%t_end, exponents, status, &
+                               max_steps=min(scene%max_steps, huge(1) - 1))
             if (status == status_ok) facts%lyapunov_exponent = exponents(1)
         end associate
     end subroutine find_facts

@@ -142,9 +142,9 @@ contains
             allocate (worker)
             ! One thread at a time: gfortran keeps the length of a function's text in static memory where the
             ! function is called (seen in 12 and 14), and this makes many texts.
-            !$omp critical (preparation)
+            !$omp critical (texts)
             call worker%prepare(job)
-            !$omp end critical (preparation)
+            !$omp end critical (texts)
             formatting = 0
             number = retry_later
             do

@@ -4,22 +4,24 @@ module spintop_sweep_notes
     private
     public :: note_t, note_names
     public :: note_no_period, note_no_turns, note_no_nutation, note_no_class, note_no_fast_top, note_no_details, &
-        note_no_azimuth, note_no_stop, note_no_extremes, note_no_growth, note_no_lyapunov, note_no_singular
+        note_no_azimuth, note_no_stop, note_no_extremes, note_no_growth, note_no_lyapunov, note_no_singular, &
+        note_no_exact_motion, note_no_precession_period
 
     !> Places of the notes in the list below, which has them in this order.
     enum, bind(C)
         enumerator :: note_no_period = 1
         enumerator :: note_no_turns, note_no_nutation, note_no_class, note_no_fast_top, note_no_details
         enumerator :: note_no_azimuth, note_no_stop, note_no_extremes, note_no_growth, note_no_lyapunov
-        enumerator :: note_no_singular
+        enumerator :: note_no_singular, note_no_exact_motion, note_no_precession_period
     end enum
 
     !> What there is to note, apart from the reason in a case.
-    character(*), parameter :: note_names(note_no_singular) = [character(40) :: &
+    character(*), parameter :: note_names(note_no_precession_period) = [character(40) :: &
         'no nutation period', 'no nutations per turn', 'no full nutation in the span', 'no class', &
         'no fast-top formulas', 'no class and extremes', 'no azimuth after a period', &
         'stop_at did not come in the span', 'no extremes of theta_rate and force', 'no growth rate', &
-        'no Lyapunov exponent', 'no largest singular value']
+        'no Lyapunov exponent', 'no largest singular value', 'no exact motion to compare with', &
+        'no precession period T_p']
 
     !> The notes on a case.
     type :: note_t
@@ -31,6 +33,7 @@ module spintop_sweep_notes
         procedure :: clear
         procedure :: add
         procedure :: explain
+        procedure :: has
     end type note_t
 
 contains
@@ -54,6 +57,13 @@ contains
             call self%explain(trim(note_names(note)))
         end if
     end subroutine add
+
+    !> Whether one of the list is there.
+    pure logical function has(self, note)
+        class(note_t), intent(in) :: self
+        integer, intent(in) :: note
+        has = btest(self%flags, note - 1)
+    end function has
 
     !> Adds what is told of this case alone.
     subroutine explain(self, sentence)

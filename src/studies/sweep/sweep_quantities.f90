@@ -10,9 +10,9 @@ module spintop_sweep_quantities
     use spintop_force_extremes, only: force_extremes_t, find_force_extremes
     use spintop_nutation, only: nutation_t, find_nutation
     use spintop_nutation_watch, only: nutation_watch_t, no_class
-    use spintop_status, only: status_ok, status_meanings
+    use spintop_status, only: status_ok, status_non_finite, status_meanings
     use spintop_sweep_notes, only: note_t, note_no_period, note_no_turns, note_no_nutation, note_no_class, &
-        note_no_fast_top, note_no_details, note_no_azimuth
+        note_no_fast_top, note_no_details, note_no_azimuth, note_no_exact_motion, note_no_precession_period
     use spintop_sweep_columns, only: quantities, q_theta_min, q_theta_max, q_delta_u, &
         q_delta_u_fast_top, q_nutation_period, q_nutation_rate, q_nutation_rate_fast_top, &
         q_precession_per_nutation, q_precession_rate, q_precession_rate_fast_top, &
@@ -20,11 +20,14 @@ module spintop_sweep_quantities
         q_azimuth_after_period_deg, q_nutations_in_period, q_phi_rate_max, q_fast_top_ratio, &
         q_com_z_min, q_theta_end, q_phi_end, q_psi_end, q_theta_rate_end, q_energy_error_max, &
         q_motion_class, q_spin_per_nutation, q_theta_rate_max, q_force_max, q_force_z_min, &
-        q_force_z_max, q_t_end
+        q_force_z_max, q_t_end, q_orientation_error, q_inherent_error
     implicit none
     private
     public :: no_values, put_nutation, put_measured, put_fast_top, put_azimuth, put_end, put_details, &
-        precession_period
+        precession_period, note_missing, told_last
+
+    !> Quantities of which a note tells only where nothing else has.
+    integer, parameter :: told_last(*) = [q_nutations_in_period, q_orientation_error, q_inherent_error]
 
 contains
 
@@ -101,12 +104,16 @@ contains
             call note%add(note_no_fast_top, 'they need a spin and a weight')
             return
         end if
+        values(q_precession_period) = precession_period(case)
+        if (.not. case%body%is_symmetric()) then
+            call note%add(note_no_fast_top, 'they need a symmetric body')
+            return
+        end if
         motion = fast_top(case%body, case%start%angle(2), case%start%omega(3))
         values(q_delta_u_fast_top) = motion%delta_u
         values(q_nutation_rate_fast_top) = motion%nutation_rate
         values(q_precession_rate_fast_top) = motion%precession_rate
         values(q_nutations_per_turn_fast_top) = motion%nutations_per_turn
-        values(q_precession_period) = precession_period(case)
         values(q_fast_top_ratio) = motion%ratio
     end subroutine put_fast_top
 
@@ -171,6 +178,26 @@ contains
         end subroutine put_seen
 
     end subroutine put_end
+
+    !> Notes why a quantity is missing which none of the others that come with it tells about.
+    subroutine note_missing(case, quantity, note)
+        type(case_t), intent(in) :: case
+        integer, intent(in) :: quantity !! one of `told_last`
+        type(note_t), intent(inout) :: note
+        if (quantity == q_nutations_in_period) then
+            if (.not. (note%has(note_no_fast_top) .or. precession_period(case) > 0)) then
+                call note%add(note_no_precession_period, 'it needs a spin and a weight')
+            end if
+        else if (.not. note%has(note_no_exact_motion)) then
+            if (.not. case%body%is_symmetric()) then
+                call note%add(note_no_exact_motion, 'the body is not symmetric')
+            else if (.not. case%body%is_lagrange()) then
+                call note%add(note_no_exact_motion, 'the body is damped')
+            else
+                call note%add(note_no_exact_motion, trim(status_meanings(status_non_finite)))
+            end if
+        end if
+    end subroutine note_missing
 
     !> The paper's T_p, s; 0 without spin or weight, negative for no top.
     pure real(dp) function precession_period(case)

@@ -3,6 +3,7 @@ module spintop_sweep_worker
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_case, only: case_t, make_case
+    use spintop_compare, only: is_finite
     use spintop_exact_block, only: exact_block_t, block_size
     use spintop_job, only: job_t
     use spintop_number_slot, only: number_slot_t
@@ -19,7 +20,7 @@ module spintop_sweep_worker
         group_period
     use spintop_sweep_exact, only: load_lane, unload_lane, kernel_runs, stop_exactly
     use spintop_sweep_notes, only: note_t, note_no_stop
-    use spintop_sweep_quantities, only: no_values
+    use spintop_sweep_quantities, only: no_values, note_missing, told_last
     use spintop_sweep_stepping, only: compute_stepping
     use spintop_sweep_table, only: put_row, reserve_rows
     use spintop_system, only: seconds
@@ -42,6 +43,8 @@ module spintop_sweep_worker
         logical, private :: for_lagrange = .false.
         !> Which groups of quantities are wanted.
         logical, private :: wanted(sweep_groups) = .false.
+        !> Those of the table whose lack nothing else tells.
+        integer, allocatable, private :: told_last(:)
         !> The cases of a block, each made in the place of one of the last block, from which it keeps what is the
         !> same; status, note, quantities, and lane in the block of the exact motion (0 for
         !> cases without).
@@ -78,6 +81,7 @@ contains
         class(sweep_worker_t), target, intent(inout) :: worker
         type(job_t), intent(in) :: job
         type(parameter_table_t) :: table
+        integer :: i
         worker%scene = job%scene
         call describe_scene(worker%scene, table)
         allocate (worker%slots, source=job%axes%slots_in(table))
@@ -97,6 +101,7 @@ contains
         worker%same_plan = .not. job%axes%varies('integration')
         worker%for_lagrange = job%case%body%is_lagrange()
         worker%wanted(sweep_columns(job%columns)%group) = .true.
+        worker%told_last = pack(told_last, [(any(job%columns == told_last(i)), i=1, size(told_last))])
     end subroutine prepare
 
     !> Rows of the cases from `first` to `last`, at most `block_size`. Cases known in closed form are
@@ -164,12 +169,25 @@ contains
             moment = seconds()
             call reserve_rows(job, block_size, rows)
             do k = 1, n
+                if (worker%status(k) == status_ok) call complete_note(worker, k)
                 call put_row(job, first + k - 1, worker%parameters(:, k), worker%status(k), worker%values(:, k), &
                              worker%note(k), rows)
             end do
             worker%filling = worker%filling + (seconds() - moment)
         end associate
     end subroutine compute_rows
+
+    !> Notes what the k-th case of the block lacks and nothing has told yet.
+    subroutine complete_note(worker, k)
+        class(sweep_worker_t), intent(inout) :: worker
+        integer, intent(in) :: k
+        integer :: i
+        do i = 1, size(worker%told_last)
+            associate (quantity => worker%told_last(i))
+                if (.not. is_finite(worker%values(quantity, k))) call note_missing(worker%cases(k), quantity, worker%note(k))
+            end associate
+        end do
+    end subroutine complete_note
 
     !> Makes the case of the worker's scene, the k-th of the block, and a plan where the last one does not fit it.
     subroutine make_worker_case(worker, k)

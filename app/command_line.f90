@@ -44,7 +44,7 @@ module spintop_command_line
         option_t('--progress', '', '', 'progress even when standard error is no terminal'), &
         option_t('--help', '-h', '', 'this text'), &
         option_t('--version', '', '', 'version and revision of the program'), &
-        option_t('--', '', '', 'what follows are inputs')]
+        option_t('--', '', '', 'end of options: the other arguments are inputs')]
 
     character(*), parameter :: usage(*) = [character(96) :: &
         'spintop: the motion of a heavy spinning top, exact and by many integrators', &
@@ -90,9 +90,9 @@ contains
     subroutine read_command_line(request, error)
         type(request_t), intent(out) :: request
         type(error_t), allocatable, intent(out) :: error
-        character(:), allocatable :: argument, value
-        logical :: only_inputs, valid
-        integer :: first, i, place
+        character(:), allocatable :: argument
+        logical :: only_inputs
+        integer :: i
 
         request%options%output = 'output'
         request%options%command = shell_word(argument_at(0))
@@ -102,131 +102,154 @@ contains
         do while (i < command_argument_count())
             i = i + 1
             argument = argument_at(i)
-            if (only_inputs .or. index(argument, '-') /= 1) then
+            if (argument == '--' .and. .not. only_inputs) then
+                only_inputs = .true.
+            else if (only_inputs .or. index(argument, '-') /= 1) then
                 if (size(request%inputs) == 0 .and. .not. only_inputs) then
-                    select case (argument)
-                    case ('list')
-                        call take_topic()
-                        return
-                    case ('merge')
-                        call take_parts()
-                        return
-                    end select
+                    if (argument == 'list') call take_topic(i, request, error)
+                    if (argument == 'merge') call take_parts(i, request, error)
+                    if (argument == 'list' .or. argument == 'merge') return
                 end if
                 request%inputs = [request%inputs, string_t(argument)]
-                cycle
+            else
+                call take_option(i, request, error)
+                if (allocated(error) .or. any(request%action == [action_help, action_version])) return
             end if
-            place = place_of(option_name(argument))
-            if (place == 0) then
-                error = unknown_option(argument)
-                return
-            end if
-            value = ''
-            first = i
-            if (known_options(place)%value /= '') then
-                call take_value(value)
-            else if (option_name(argument) /= argument) then
-                error = wrong(argument // ': this option takes no value')
-            end if
-            if (allocated(error)) return
-            select case (known_options(place)%name)
-            case ('--help')
-                request%action = action_help
-                return
-            case ('--version')
-                request%action = action_version
-                return
-            case ('--output')
-                request%options%output = value
-                if (value == '') error = wrong('the name of the folder for results is empty')
-            case ('--set')
-                request%options%overrides = [request%options%overrides, string_t(value)]
-            case ('--threads')
-                call take_threads(value)
-            case ('--check')
-                request%action = action_check
-            case ('--resume')
-                request%options%resume = .true.
-            case ('--restart')
-                request%options%restart = .true.
-            case ('--shard')
-                call read_shard(value, request%options%shard, valid)
-                if (.not. valid) error = wrong("--shard takes I/N, part I of N, as in 2/3, not '" // value // "'")
-            case ('--quiet')
-                request%options%quiet = .true.
-            case ('--progress')
-                request%options%progress = .true.
-            case ('--')
-                only_inputs = .true.
-            end select
-            if (allocated(error)) return
-            if (all(known_options(place)%name /= [character(9) :: '--resume', '--restart', '--'])) call keep_options()
         end do
         if (request%options%resume .and. request%options%restart) then
             error = wrong('--resume and --restart exclude each other')
         else if (size(request%inputs) == 0) then
             error = wrong('no input is named')
         end if
-
-    contains
-
-        !> The option is one of those with which a run may be resumed.
-        subroutine keep_options()
-            integer :: k
-            do k = first, i
-                request%options%command = request%options%command // ' ' // shell_word(argument_at(k))
-            end do
-        end subroutine keep_options
-
-        !> The value of the option: behind its equals sign, or the next argument.
-        subroutine take_value(value)
-            character(:), allocatable, intent(inout) :: value
-            if (option_name(argument) /= argument) then
-                value = argument(index(argument, '=') + 1:)
-            else if (i < command_argument_count()) then
-                i = i + 1
-                value = argument_at(i)
-            else
-                error = wrong('option ' // argument // ' needs a value')
-            end if
-        end subroutine take_value
-
-        subroutine take_threads(text)
-            character(*), intent(in) :: text
-            integer :: status
-            integer, parameter :: most_threads = 4096
-            status = verify(text, '0123456789')
-            if (status == 0) read (text, *, iostat=status) request%options%threads
-            if (status /= 0 .or. request%options%threads < 1 .or. request%options%threads > most_threads) then
-                error = wrong("--threads takes a whole number from 1 to 4096, not '" // text // "'")
-            end if
-        end subroutine take_threads
-
-        subroutine take_topic()
-            request%action = action_list
-            if (command_argument_count() /= i + 1) then
-                error = wrong('list takes one word')
-            else
-                request%topic = argument_at(i + 1)
-            end if
-        end subroutine take_topic
-
-        !> The table to merge into and its parts: all that follows.
-        subroutine take_parts()
-            integer :: k
-            request%action = action_merge
-            if (command_argument_count() < i + 2) then
-                error = wrong('merge takes a table to write and the parts to join')
-                return
-            end if
-            request%merged = argument_at(i + 1)
-            do k = i + 2, command_argument_count()
-                argument = argument_at(k)
-                request%inputs = [request%inputs, string_t(argument)]
-            end do
-        end subroutine take_parts
-
     end subroutine read_command_line
+
+    !> Takes the option that argument `i` is, with its value. `i` is then the last argument of the option.
+    subroutine take_option(i, request, error)
+        integer, intent(inout) :: i
+        type(request_t), intent(inout) :: request
+        type(error_t), allocatable, intent(inout) :: error
+        character(:), allocatable :: argument, value
+        integer :: first, place
+        logical :: valid
+
+        argument = argument_at(i)
+        place = place_of(option_name(argument))
+        if (place == 0) then
+            error = unknown_option(argument)
+            return
+        end if
+        value = ''
+        first = i
+        if (known_options(place)%value /= '') then
+            call take_value(i, value, error)
+        else if (option_name(argument) /= argument) then
+            error = wrong(argument // ': this option takes no value')
+        end if
+        if (allocated(error)) return
+        select case (known_options(place)%name)
+        case ('--help')
+            request%action = action_help
+        case ('--version')
+            request%action = action_version
+        case ('--output')
+            request%options%output = value
+            if (value == '') error = wrong('the name of the folder for results is empty')
+        case ('--set')
+            request%options%overrides = [request%options%overrides, string_t(value)]
+        case ('--threads')
+            call take_threads(value, request, error)
+        case ('--check')
+            request%action = action_check
+        case ('--resume')
+            request%options%resume = .true.
+        case ('--restart')
+            request%options%restart = .true.
+        case ('--shard')
+            call read_shard(value, request%options%shard, valid)
+            if (.not. valid) error = wrong("--shard takes I/N, part I of N, as in 2/3, not '" // value // "'")
+        case ('--quiet')
+            request%options%quiet = .true.
+        case ('--progress')
+            request%options%progress = .true.
+        end select
+        if (allocated(error)) return
+        if (all(known_options(place)%name /= [character(9) :: '--resume', '--restart'])) then
+            call keep_options(first, i, request)
+        end if
+    end subroutine take_option
+
+    !> Keeps arguments `first` to `last` for the command with which a run may be resumed.
+    subroutine keep_options(first, last, request)
+        integer, intent(in) :: first, last
+        type(request_t), intent(inout) :: request
+        integer :: k
+        do k = first, last
+            request%options%command = request%options%command // ' ' // shell_word(argument_at(k))
+        end do
+    end subroutine keep_options
+
+    !> The value of the option: behind its equals sign, or the next argument.
+    subroutine take_value(i, value, error)
+        integer, intent(inout) :: i
+        character(:), allocatable, intent(inout) :: value
+        type(error_t), allocatable, intent(inout) :: error
+        character(:), allocatable :: argument
+        argument = argument_at(i)
+        if (option_name(argument) /= argument) then
+            value = argument(index(argument, '=') + 1:)
+        else if (i < command_argument_count()) then
+            i = i + 1
+            value = argument_at(i)
+        else
+            error = wrong('option ' // argument // ' needs a value')
+        end if
+    end subroutine take_value
+
+    !> Number of threads.
+    subroutine take_threads(text, request, error)
+        character(*), intent(in) :: text
+        type(request_t), intent(inout) :: request
+        type(error_t), allocatable, intent(inout) :: error
+        integer :: status
+        integer, parameter :: most_threads = 4096
+        status = verify(text, '0123456789')
+        if (status == 0) read (text, *, iostat=status) request%options%threads
+        if (status /= 0 .or. request%options%threads < 1 .or. request%options%threads > most_threads) then
+            error = wrong("--threads takes a whole number from 1 to 4096, not '" // text // "'")
+        end if
+    end subroutine take_threads
+
+    !> What to list: the only argument after `list`, which is argument `i`.
+    subroutine take_topic(i, request, error)
+        integer, intent(in) :: i
+        type(request_t), intent(inout) :: request
+        type(error_t), allocatable, intent(inout) :: error
+        request%action = action_list
+        if (command_argument_count() /= i + 1) then
+            error = wrong('list takes one word')
+        else
+            request%topic = argument_at(i + 1)
+        end if
+    end subroutine take_topic
+
+    !> The table to merge into and its parts: all arguments after `merge`, which is argument `i`.
+    subroutine take_parts(i, request, error)
+        integer, intent(in) :: i
+        type(request_t), intent(inout) :: request
+        type(error_t), allocatable, intent(inout) :: error
+        character(:), allocatable :: argument
+        integer :: k
+        request%action = action_merge
+        if (command_argument_count() < i + 2) then
+            error = wrong('merge takes a table to write and the parts to join')
+            return
+        end if
+        request%merged = argument_at(i + 1)
+        do k = i + 2, command_argument_count()
+            argument = argument_at(k)
+            request%inputs = [request%inputs, string_t(argument)]
+        end do
+    end subroutine take_parts
 
     !> An option without the value behind an equals sign.
     pure function option_name(argument) result(name)

@@ -12,7 +12,7 @@ module spintop_checked_functions
         unchecked_vertical => vertical_momentum, unchecked_axial => axial_momentum, &
         unchecked_residuals => euler_residuals, unchecked_force => support_force, &
         unchecked_tip => axis_tip, unchecked_height_rate => axis_height_rate
-    use spintop_sleeping_top, only: unchecked_critical => critical_omega3
+    use spintop_steady_motion, only: unchecked_critical => critical_omega3
     use spintop_status, only: status_ok
     use spintop_validity, only: body_status, motion_status, no_number
     implicit none

@@ -7,11 +7,10 @@
 !> Whittaker and Watson, A Course of Modern Analysis, chapter XXI; Klein and Sommerfeld, chapter VI.
 module spintop_circular_form
     use spintop_kinds, only: dp, xp, pi_xp
-    use spintop_elliptic_series, only: nome, theta3_constant, quotient
+    use spintop_theta_functions, only: nome, theta3_constant, quotient, theta_clock_t, theta_values_t
     use spintop_scalar_functions, only: find_sine_and_cosine
     use spintop_regular_start, only: regular_start_t
     use spintop_turning_points, only: turning_points_t
-    use spintop_theta_form, only: theta_clock_t, theta_values_t
     implicit none
     private
     public :: circular_form_t, prepare_circular_form, evaluate_circular_form

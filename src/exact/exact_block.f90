@@ -12,21 +12,15 @@
 module spintop_exact_block
     use spintop_kinds, only: dp, pi
     use spintop_array_functions, only: find_circular, find_inclinations
-    use spintop_body, only: body_t
-    use spintop_compare, only: is_finite
-    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
+    use spintop_exact_cases, only: exact_cases_t, compute_alone, block_size
     use spintop_exact_pole, only: lanes, largest_nome, place_pole
     use spintop_exact_strip, only: strip_t, find_roots, find_roots_of_moving, find_moduli, &
         find_nome, find_start_phases, find_phases
-    use spintop_motion, only: motion_t, motion_from_angles
-    use spintop_quantities, only: kinetic_energy, potential_energy
-    use spintop_status, only: status_ok, status_bad_input, status_non_finite
+    use spintop_status, only: status_ok, status_bad_input
     implicit none
     private
     public :: exact_block_t, block_size, block_accuracy
 
-    !> Most cases in a block.
-    integer, parameter :: block_size = 512
     !> Largest error of a quantity, relative or in radians, whichever is larger, besides what a
     !> change of all rates (or of the time) by four epsilons would do.
     real(dp), parameter :: block_accuracy = 5.0e-13_dp
@@ -34,37 +28,13 @@ module spintop_exact_block
     !> Least part that b - a (b + a), the closeness of the axis to a pole, may keep of the terms it
     !> is the difference of.
     real(dp), parameter :: least_difference = 1.0e-2_dp
-    !> Cases, one per element of each array, SI units and radians. A thread that has many cases
-    !> keeps one block, sets `n` and the data, and calls `compute`.
-    type :: exact_block_t
-        !> Number of cases, up to `block_size`.
-        integer :: n = 0
-        !> The data: moments of inertia about the pivot (kg m^2), m g l (N m), inclination (rad), rates
-        !> of phi and theta (rad/s), angular velocity about the body axis (rad/s), phi and psi
-        !> (rad), end of the span (s), and a time at which phi is wanted (s).
-        real(dp), dimension(block_size) :: inertia1, inertia3, mgl, theta, phi_rate, theta_rate, &
-            omega3, phi, psi, t_end, t_period
-        !> Turning angles (rad), cos(theta_max), and cos(theta_min) - cos(theta_max) without
-        !> cancellation.
-        real(dp), dimension(block_size) :: theta_min, theta_max, u_min, delta_u
-        !> Nutation period (s), what it adds to phi (rad), mean precession rate, and the value of
-        !> phi' largest in size (rad/s).
-        real(dp), dimension(block_size) :: period, precession, precession_rate, phi_rate_max
-        !> Angles (rad) and nutation rate (rad/s) at `t_end`, and by how much the energy of this
-        !> motion differs from that of the start, relative to the start's kinetic energy plus m g l.
-        real(dp), dimension(block_size) :: theta_end, phi_end, psi_end, theta_rate_end, energy_error
-        !> phi at `t_period` less phi at the start, rad.
-        real(dp), dimension(block_size) :: phi_at_period
-        !> How each case ended: `status_ok`, or why it has no results: what `prepare_exact_motion`
-        !> says of it, or `status_non_finite` for results that are no numbers. The period, and with
-        !> it what it adds to phi, may be infinite (on the separatrix, and for an axis that rests).
-        integer, dimension(block_size) :: status = status_ok
-        !> Cases that went to the scalar routine.
-        integer :: fallbacks = 0
+
+    !> Cases to compute together. A thread that has many cases keeps one block, sets `n` and the data,
+    !> and calls `compute`.
+    type, extends(exact_cases_t) :: exact_block_t
     contains
         procedure :: compute
         procedure, private :: fill_last_strip
-        procedure, private :: compute_alone
     end type exact_block_t
 
 contains
@@ -115,7 +85,7 @@ contains
             if (count(strip%doubt > 0) == 0) cycle
             do i = first, min(last, self%n)
                 if (strip%doubt(i - first + 1) > 0) then
-                    call self%compute_alone(i, wants_end, wants_period)
+                    call compute_alone(self, i, wants_end, wants_period)
                 end if
             end do
         end do
@@ -190,31 +160,24 @@ contains
         class(exact_block_t), intent(inout) :: block
         integer, intent(in) :: first
         type(strip_t), intent(inout) :: strip
-        real(dp) :: q, q2, q4, q6, q12, theta3, theta2, per_all, per_bottom, per_top, per_theta3
-        real(dp) :: per_theta2, per_passing, upper_speed, lower_speed, per_both
-        real(dp) :: top_turn, bottom_turn, top_rate, bottom_rate, root_mp
+        real(dp) :: q, theta3, theta2, per_all, per_bottom, per_top, per_theta3, per_theta2, per_passing
+        real(dp) :: upper_speed, lower_speed, per_both, top_turn, bottom_turn, top_rate, bottom_rate, root_mp
         logical :: fast
         integer :: i, j
 
-        !$omp simd private(q, q2, q4, q6, q12, theta3, theta2, per_all, per_bottom, per_top, &
-        !$omp per_theta3, per_theta2, per_passing, upper_speed, lower_speed, per_both, top_turn, &
-        !$omp bottom_turn, top_rate, bottom_rate, root_mp, fast, j)
+        !$omp simd private(q, theta3, theta2, per_all, per_bottom, per_top, per_theta3, per_theta2, &
+        !$omp per_passing, upper_speed, lower_speed, per_both, top_turn, bottom_turn, top_rate, &
+        !$omp bottom_rate, root_mp, fast, j)
         do i = 1, lanes
             j = first - 1 + i
-            associate (a => strip%a(i), turn => strip%turn(i), kc => strip%kc(i), &
-                       y1 => strip%y1(i), y2 => strip%y2(i), &
-                       m1 => strip%m1(i), d2 => strip%d2(i), p1 => strip%p1(i), &
+            associate (a => strip%a(i), turn => strip%turn(i), kc => strip%kc(i), y1 => strip%y1(i), &
+                       y2 => strip%y2(i), m1 => strip%m1(i), d2 => strip%d2(i), p1 => strip%p1(i), &
                        p2 => strip%p2(i), per_m1 => strip%per_m1(i), per_p2 => strip%per_p2(i), &
-                       b_minus_a => strip%b_minus_a(i), b_plus_a => strip%b_plus_a(i), &
-                       zeta => strip%zeta(i), phi_speed => strip%phi_speed(i), &
-                       bottom => strip%bottom, top => strip%top)
+                       b_minus_a => strip%b_minus_a(i), b_plus_a => strip%b_plus_a(i), zeta => strip%zeta(i), &
+                       phi_speed => strip%phi_speed(i), bottom => strip%bottom, top => strip%top)
                 q = strip%q(i)
-                q2 = q**2
-                q4 = q2**2
-                q6 = q2 * q4
-                q12 = q6**2
-                theta3 = 1 + 2 * (q + q4 + q4**2 * q + q4**4 + q12**2 * q)
-                theta2 = 1 + q2 + q6 + q12 + q12 * q6 * q2
+                theta3 = theta3_of(q)
+                theta2 = theta2_of(q)
                 ! A fast top precesses slowly, and its two speeds nearly cancel.
                 fast = d2 > m1 / 4
                 per_passing = merge(top%nearest(i), 1.0_dp, fast)
@@ -272,6 +235,25 @@ contains
             end associate
         end do
     end subroutine describe_nutation
+
+    !> The theta constant theta_3 of a nome, in double precision up to `largest_nome`.
+    pure real(dp) function theta3_of(q)
+        real(dp), value :: q
+        real(dp) :: q4, q12
+        q4 = (q**2)**2
+        q12 = (q**2 * q4)**2
+        theta3_of = 1 + 2 * (q + q4 + q4**2 * q + q4**4 + q12**2 * q)
+    end function theta3_of
+
+    !> The theta constant theta_2 of a nome over 2 q^(1/4), in double precision up to `largest_nome`.
+    pure real(dp) function theta2_of(q)
+        real(dp), value :: q
+        real(dp) :: q2, q6, q12
+        q2 = q**2
+        q6 = q2 * q2**2
+        q12 = q6**2
+        theta2_of = 1 + q2 + q6 + q12 + q12 * q6 * q2
+    end function theta2_of
 
     !> Turning angles. A start that is one of them leaves the other to be found.
     subroutine find_turning_angles(block, first, strip, moves)
@@ -369,60 +351,5 @@ contains
                                    abs(block%phi_at_period(j)) <= huge(0.0_dp))
         end do
     end subroutine describe_period
-
-    !> Computes case i by the scalar routine.
-    subroutine compute_alone(self, i, wants_end, wants_period)
-        class(exact_block_t), intent(inout) :: self
-        integer, intent(in) :: i
-        logical, intent(in) :: wants_end, wants_period
-        type(body_t) :: body
-        type(motion_t) :: start, motion
-        type(exact_motion_t) :: exact
-        real(dp) :: energy, total
-
-        self%fallbacks = self%fallbacks + 1
-        body%inertia = [self%inertia1(i), self%inertia1(i), self%inertia3(i)]
-        body%gravity = self%mgl(i)
-        body%centre_of_mass(3) = 1
-        start = motion_from_angles(0.0_dp, [self%phi(i), self%theta(i), self%psi(i)], &
-            [self%phi_rate(i), self%theta_rate(i), &
-             self%omega3(i) - self%phi_rate(i) * cos(self%theta(i))])
-        call prepare_exact_motion(body, start, exact, self%status(i))
-        if (self%status(i) /= status_ok) return
-
-        associate (nutation => exact%nutation)
-            self%theta_min(i) = nutation%theta_min
-            self%theta_max(i) = nutation%theta_max
-            self%u_min(i) = cos(nutation%theta_max)
-            self%delta_u(i) = nutation%delta_u
-            self%period(i) = nutation%period
-            self%precession(i) = nutation%precession
-            self%precession_rate(i) = nutation%precession_rate
-            self%phi_rate_max(i) = nutation%phi_rate_max
-        end associate
-        if (wants_end) then
-            motion = exact%at(self%t_end(i))
-            self%phi_end(i) = motion%angle(1)
-            self%theta_end(i) = motion%angle(2)
-            self%psi_end(i) = motion%angle(3)
-            self%theta_rate_end(i) = motion%rate(2)
-            energy = kinetic_energy(body, start) + potential_energy(body, start)
-            self%energy_error(i) = abs(kinetic_energy(body, motion) &
-                + potential_energy(body, motion) - energy)
-            if (self%energy_error(i) > 0) self%energy_error(i) = self%energy_error(i) &
-                / (kinetic_energy(body, start) + self%mgl(i))
-        end if
-        if (wants_period) then
-            motion = exact%at(self%t_period(i))
-            self%phi_at_period(i) = motion%angle(1) - self%phi(i)
-        end if
-        ! Only the period, and with it what it adds to phi, may be infinite.
-        total = self%theta_min(i) + self%theta_max(i) + self%precession_rate(i) &
-                + self%phi_rate_max(i)
-        if (wants_end) total = total + self%theta_end(i) + self%phi_end(i) + self%psi_end(i) &
-                               + self%theta_rate_end(i) + self%energy_error(i)
-        if (wants_period) total = total + self%phi_at_period(i)
-        if (.not. is_finite(total)) self%status(i) = status_non_finite
-    end subroutine compute_alone
 
 end module spintop_exact_block

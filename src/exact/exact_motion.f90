@@ -18,7 +18,7 @@ module spintop_exact_motion
     use spintop_scalar_functions, only: argument, unit
     use spintop_regular_start, only: regular_start_t, find_checked_start
     use spintop_turning_points, only: turning_points_t, find_turning_points
-    use spintop_theta_form, only: theta_values_t
+    use spintop_theta_functions, only: theta_values_t
     use spintop_theta_motion, only: theta_motion_t, prepare_theta_motion, regime_resting
     use spintop_nutation, only: nutation_t, describe_nutation, is_defined
     use spintop_validity, only: no_number

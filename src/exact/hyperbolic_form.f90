@@ -6,10 +6,9 @@
 !> Whittaker and Watson, A Course of Modern Analysis, sections 21.51 and 22.
 module spintop_hyperbolic_form
     use spintop_kinds, only: dp, xp
-    use spintop_elliptic_series, only: nome, theta3_constant
+    use spintop_theta_functions, only: nome, theta3_constant, theta_clock_t, theta_values_t
     use spintop_regular_start, only: regular_start_t
     use spintop_turning_points, only: turning_points_t
-    use spintop_theta_form, only: theta_clock_t, theta_values_t
     implicit none
     private
     public :: hyperbolic_form_t, prepare_hyperbolic_form, evaluate_hyperbolic_form

@@ -7,10 +7,9 @@ module spintop_nutation
     use spintop_status, only: status_ok, status_non_finite
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
-    use spintop_elliptic_series, only: quotient
+    use spintop_theta_functions, only: quotient, theta_clock_t
     use spintop_regular_start, only: regular_start_t, find_checked_start
     use spintop_turning_points, only: turning_points_t, find_turning_points
-    use spintop_theta_form, only: theta_clock_t
     use spintop_theta_motion, only: theta_motion_t, prepare_theta_motion, regime_resting
     implicit none
     private

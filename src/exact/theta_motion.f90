@@ -4,7 +4,7 @@ module spintop_theta_motion
     use spintop_scalar_functions, only: nearest_whole
     use spintop_regular_start, only: regular_start_t
     use spintop_turning_points, only: turning_points_t
-    use spintop_theta_form, only: theta_clock_t, theta_values_t
+    use spintop_theta_functions, only: theta_clock_t, theta_values_t
     use spintop_circular_form, only: circular_form_t, prepare_circular_form, &
         evaluate_circular_form
     use spintop_hyperbolic_form, only: hyperbolic_form_t, prepare_hyperbolic_form, &

@@ -6,7 +6,7 @@
 !> Symbols as in `regular_start`.
 module spintop_turning_points
     use spintop_kinds, only: xp
-    use spintop_elliptic_series, only: quotient
+    use spintop_theta_functions, only: quotient
     use spintop_regular_start, only: regular_start_t
     implicit none
     private

@@ -9,13 +9,13 @@ module spintop_namelist
     use spintop_assignment, only: assignment_t
     use spintop_diagnostics, only: diagnostics_t, place_t
     use spintop_errors, only: error_t
+    use spintop_files, only: read_file
     use spintop_overrides, only: read_override
     use spintop_parameter, only: all_elements, leading_elements, parameter_t, quoted
     use spintop_parameters, only: parameter_table_t
     use spintop_scanner, only: scanner_t, token_comma, token_end, token_equals, token_group, &
         token_slash, token_t, token_word
     use spintop_suggestions, only: homes_of, suggest_group, suggest_key
-    use spintop_system, only: read_file
     use spintop_text, only: abbreviate, lower_case, string_t, to_text
     use spintop_value_list, only: read_values, skip_values
     implicit none

@@ -57,6 +57,28 @@ module spintop_integration
         procedure :: is_spent => step_is_spent
     end type step_path_t
 
+    !> A run under way: what carries it, and which samples are still to be shown.
+    type :: run_t
+        class(formulation_t), pointer :: formulation => null()
+        class(stepper_t), pointer :: stepper => null()
+        class(workspace_t), pointer :: work => null()
+        class(observer_t), pointer :: observer => null()
+        real(dp), pointer :: samples(:) => null()
+        !> The first sample that was not shown.
+        integer :: next = 1
+        type(follower_t) :: follower
+    contains
+        procedure :: begin => begin_run
+        procedure :: look_for_events
+        procedure :: show_until
+        procedure :: show_end
+        procedure :: show_within
+        procedure :: show
+        procedure :: leave_rest
+        procedure :: show_departure
+        procedure :: check_arrival
+    end type run_t
+
     !> How a run ended.
     type :: outcome_t
         !> One of `spintop_status`: `status_ok`, or what ended the run before its time.
@@ -82,41 +104,36 @@ contains
     !> that are steps of a fixed-step one; and the turning point where the equations end at one.
     !> `watch` looks for events on the way; the motion at one that ends the run is shown last.
     !>
-    !> What is given is checked first (`call_status`, `event_watch_t%check`): a call that asks for what
-    !> cannot be ends with a status that says why, and the observer sees nothing.
+    !> The arguments are checked first (`call_status`, `event_watch_t%check`): an invalid call ends with a
+    !> status that says why, and the observer sees nothing.
     subroutine integrate(formulation, stepper, body, start, t_end, samples, observer, outcome, watch)
         class(formulation_t), target, intent(inout) :: formulation
         class(stepper_t), target, intent(in) :: stepper
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
-        real(dp), intent(in) :: t_end, samples(:) !! s, from the start on, whatever its `t`
-        class(observer_t), intent(inout) :: observer
+        real(dp), intent(in) :: t_end
+        real(dp), target, intent(in) :: samples(:) !! s, from the start on, whatever its `t`
+        class(observer_t), target, intent(inout) :: observer
         type(outcome_t), intent(out) :: outcome
         class(event_watch_t), intent(inout), optional :: watch
         class(workspace_t), allocatable, target :: work
-        type(follower_t) :: follower
+        type(run_t) :: run
         type(step_path_t) :: path
-        integer :: next, status
-        logical :: stopped
+        integer :: status
+        logical :: ends
 
         outcome%status = call_status(stepper, formulation, body, start, t_end, samples)
         if (outcome%status == status_ok .and. present(watch)) outcome%status = watch%check()
         if (outcome%status /= status_ok) return
-        stopped = .false.
+        ends = .false.
         call stepper%new_workspace(work)
         work%t_end = t_end
-        next = 1
-        call formulation%prepare(body, start, work%y, status)
-        if (status == status_ok) call check_start(formulation, work, status)
-        if (status == status_ok) then
-            call work%projection%begin(stepper%controls%project, formulation, work%y)
-            follower = follower_t(0.0_dp, work%y, start%angle, .not. (observer%counts_turns .or. present(watch)))
-            call show_until(0.0_dp)
-            call leave_rest(formulation, stepper, work, samples, next, follower, observer)
-            call stepper%begin(formulation, work, status)
-            call show_until(work%t)
-            if (present(watch)) call begin_watch()
-        end if
+        run%formulation => formulation
+        run%stepper => stepper
+        run%work => work
+        run%observer => observer
+        run%samples => samples
+        call run%begin(body, start, path, status, watch)
         do while (status == status_ok .and. work%t < t_end .and. .not. observer%has_enough)
             if (work%is_spent(stepper%controls%max_steps)) then
                 status = status_step_limit
@@ -124,73 +141,113 @@ contains
             end if
             call stepper%advance(formulation, work, status)
             if (status == status_ok .and. present(watch)) then
-                path%seen = follower
-                call watch%look(path, work%t)
-                stopped = watch%has_enough
-                if (stopped) call show_end(watch%t)
-                if (stopped) exit
-                if (path%is_spent() .and. watch%t < work%t) then
-                    status = status_step_limit
-                    call show_end(watch%t)
-                    outcome%t = watch%t
-                    exit
-                end if
+                call run%look_for_events(path, watch, status, ends)
+                if (ends) exit
             end if
-            if (status == status_ok) call show_until(work%t)
-            call check_arrival(formulation, work, follower, observer, status)
+            if (status == status_ok) call run%show_until(work%t)
+            call run%check_arrival(status)
         end do
         outcome%status = status
-        if (.not. outcome%t > 0) outcome%t = work%t
-        if (stopped) outcome%t = watch%t
+        outcome%t = work%t
+        if (ends) outcome%t = watch%t
         outcome%counts = work%counts
+    end subroutine integrate
 
-    contains
+    !> Begins the run: the state at the start, the samples there, the first look for events.
+    subroutine begin_run(self, body, start, path, status, watch)
+        class(run_t), intent(inout) :: self
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        type(step_path_t), intent(inout) :: path !! on which `watch` looks
+        integer, intent(out) :: status
+        class(event_watch_t), intent(inout), optional :: watch
+        logical :: is_idle
 
-        !> Shows the samples not yet shown up to a time within the last step.
-        subroutine show_until(t)
-            real(dp), intent(in) :: t
-            real(dp) :: slack
+        associate (formulation => self%formulation, stepper => self%stepper, work => self%work)
+            call formulation%prepare(body, start, work%y, status)
+            if (status == status_ok) call check_start(formulation, work, status)
+            if (status /= status_ok) return
+            call work%projection%begin(stepper%controls%project, formulation, work%y)
+            is_idle = .not. (self%observer%counts_turns .or. present(watch))
+            self%follower = follower_t(0.0_dp, work%y, start%angle, is_idle)
+            call self%show_until(0.0_dp)
+            call self%leave_rest()
+            call stepper%begin(formulation, work, status)
+            call self%show_until(work%t)
+            if (.not. present(watch)) return
+            path%formulation => self%formulation
+            path%stepper => self%stepper
+            path%work => self%work
+            call watch%begin(body, formulation%motion(work%t, work%y, self%follower%angle))
+        end associate
+    end subroutine begin_run
+
+    !> Looks for events in the last step. The run ends at one that ends the motion, or as far as the
+    !> steps that are allowed suffice for the search.
+    subroutine look_for_events(self, path, watch, status, ends)
+        class(run_t), intent(inout) :: self
+        type(step_path_t), intent(inout) :: path
+        class(event_watch_t), intent(inout) :: watch
+        integer, intent(inout) :: status
+        logical, intent(out) :: ends
+        path%seen = self%follower
+        call watch%look(path, self%work%t)
+        ends = watch%has_enough
+        if (.not. ends .and. path%is_spent() .and. watch%t < self%work%t) then
+            status = status_step_limit
+            ends = .true.
+        end if
+        if (ends) call self%show_end(watch%t)
+    end subroutine look_for_events
+
+    !> Shows the samples not yet shown up to a time within the last step.
+    subroutine show_until(self, t)
+        class(run_t), intent(inout) :: self
+        real(dp), intent(in) :: t
+        real(dp) :: slack
+        associate (samples => self%samples, next => self%next, work => self%work, steps => self%stepper%controls%steps)
             slack = 0
-            if (stepper%controls%steps > 0) slack = grid_slack * t_end / stepper%controls%steps
-            do while (next <= size(samples) .and. .not. observer%has_enough)
+            if (steps > 0) slack = grid_slack * work%t_end / steps
+            do while (next <= size(samples) .and. .not. self%observer%has_enough)
                 if (samples(next) > t + slack) exit
                 if (abs(samples(next) - t) <= slack) then
-                    call follower%walk_to(formulation, stepper, work, work%t, work%y)
-                    call show(follower, formulation, observer)
-                else if (stepper%controls%steps == 0) then
-                    call show_within(samples(next))
+                    call self%follower%walk_to(self%formulation, self%stepper, work, work%t, work%y)
+                    call self%show()
+                else if (steps == 0) then
+                    call self%show_within(samples(next))
                 end if
                 next = next + 1
             end do
-            call follower%walk_to(formulation, stepper, work, work%t, work%y)
-        end subroutine show_until
+            call self%follower%walk_to(self%formulation, self%stepper, work, work%t, work%y)
+        end associate
+    end subroutine show_until
 
-        subroutine begin_watch()
-            path%formulation => formulation
-            path%stepper => stepper
-            path%work => work
-            call watch%begin(body, formulation%motion(work%t, work%y, follower%angle))
-        end subroutine begin_watch
+    !> Shows the remaining samples, and the end, of a run that ends within the last step.
+    subroutine show_end(self, t)
+        class(run_t), intent(inout) :: self
+        real(dp), intent(in) :: t
+        do while (self%next <= size(self%samples) .and. .not. self%observer%has_enough)
+            if (self%samples(self%next) >= t) exit
+            if (self%stepper%controls%steps == 0) call self%show_within(self%samples(self%next))
+            self%next = self%next + 1
+        end do
+        call self%show_within(t)
+    end subroutine show_end
 
-        !> Shows what is left to be shown of a run that ends within the last step.
-        subroutine show_end(t)
-            real(dp), intent(in) :: t
-            do while (next <= size(samples) .and. .not. observer%has_enough)
-                if (samples(next) >= t) exit
-                if (stepper%controls%steps == 0) call show_within(samples(next))
-                next = next + 1
-            end do
-            call show_within(t)
-        end subroutine show_end
+    !> Shows the motion at a time within the last step.
+    subroutine show_within(self, t)
+        class(run_t), intent(inout) :: self
+        real(dp), intent(in) :: t
+        call self%follower%walk_to(self%formulation, self%stepper, self%work, t, &
+                                   self%stepper%interpolate(self%formulation, self%work, t))
+        call self%show()
+    end subroutine show_within
 
-        !> Shows the motion at a time within the last step.
-        subroutine show_within(t)
-            real(dp), intent(in) :: t
-            call follower%walk_to(formulation, stepper, work, t, stepper%interpolate(formulation, work, t))
-            call show(follower, formulation, observer)
-        end subroutine show_within
-
-    end subroutine integrate
+    !> Shows the motion that the follower has come to.
+    subroutine show(self)
+        class(run_t), intent(inout) :: self
+        call self%observer%observe(self%formulation, self%follower%t, self%follower%y, self%follower%angle)
+    end subroutine show
 
     !> The motion at a time within the last step.
     subroutine motion_in_step(self, t, motion)
@@ -252,15 +309,7 @@ contains
         end if
     end subroutine walk_to
 
-    !> Shows the motion that the follower has come to.
-    subroutine show(follower, formulation, observer)
-        type(follower_t), intent(in) :: follower
-        class(formulation_t), intent(in) :: formulation
-        class(observer_t), intent(inout) :: observer
-        call observer%observe(formulation, follower%t, follower%y, follower%angle)
-    end subroutine show
-
-    !> The right-hand side must exist at the start.
+    !> The derivative must exist at the start.
     subroutine check_start(formulation, work, status)
         class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(inout) :: work
@@ -271,80 +320,72 @@ contains
 
     !> Leaves a start on which the equations alone would rest: the first step of a fixed-step
     !> method, or a short time before an adaptive one begins.
-    subroutine leave_rest(formulation, stepper, work, samples, next, follower, observer)
-        class(formulation_t), intent(in) :: formulation
-        class(stepper_t), intent(in) :: stepper
-        class(workspace_t), intent(inout) :: work
-        real(dp), intent(in) :: samples(:)
-        integer, intent(inout) :: next
-        type(follower_t), intent(inout) :: follower
-        class(observer_t), intent(inout) :: observer
+    subroutine leave_rest(self)
+        class(run_t), intent(inout) :: self
         real(dp) :: h, y(max_states)
         logical :: departed
 
-        h = 0
-        if (stepper%controls%steps > 0) h = work%t_end / stepper%controls%steps
-        y = work%y
-        call formulation%depart(y, h, departed)
-        if (.not. departed) return
-        if (h > work%t_end) then
-            h = work%t_end
+        associate (work => self%work, steps => self%stepper%controls%steps)
+            h = 0
+            if (steps > 0) h = work%t_end / steps
             y = work%y
-            call formulation%depart(y, h, departed)
-        end if
-        if (stepper%controls%steps == 0) then
-            do while (next <= size(samples) .and. .not. observer%has_enough)
-                if (samples(next) >= h) exit
-                call observe_departure(samples(next))
-                next = next + 1
+            call self%formulation%depart(y, h, departed)
+            if (.not. departed) return
+            if (h > work%t_end) then
+                h = work%t_end
+                y = work%y
+                call self%formulation%depart(y, h, departed)
+            end if
+            do while (steps == 0 .and. self%next <= size(self%samples) .and. .not. self%observer%has_enough)
+                if (self%samples(self%next) >= h) exit
+                call self%show_departure(self%samples(self%next))
+                self%next = self%next + 1
             end do
-        end if
-        work%y = y
-        work%t = h
-        work%grid = 1
-        work%counts%steps = 1
-
-    contains
-
-        subroutine observe_departure(t)
-            real(dp), intent(in) :: t
-            real(dp) :: time, y_then(max_states)
-            logical :: unused
-            time = t
-            y_then = work%y
-            call formulation%depart(y_then, time, unused)
-            call follower%go_to(formulation, t, y_then)
-            call show(follower, formulation, observer)
-        end subroutine observe_departure
-
+            work%y = y
+            work%t = h
+            work%grid = 1
+            work%counts%steps = 1
+        end associate
     end subroutine leave_rest
 
+    !> Shows the motion at a time shortly after a start on which the equations alone would rest.
+    subroutine show_departure(self, t)
+        class(run_t), intent(inout) :: self
+        real(dp), intent(in) :: t
+        real(dp) :: time, y_then(max_states)
+        logical :: unused
+        time = t
+        y_then = self%work%y
+        call self%formulation%depart(y_then, time, unused)
+        call self%follower%go_to(self%formulation, t, y_then)
+        call self%show()
+    end subroutine show_departure
+
     !> Ends a run that has come to where its equations end: at the turning point, not beyond.
-    subroutine check_arrival(formulation, work, follower, observer, status)
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        type(follower_t), intent(inout) :: follower
-        class(observer_t), intent(inout) :: observer
+    subroutine check_arrival(self, status)
+        class(run_t), intent(inout) :: self
         integer, intent(inout) :: status
         real(dp) :: left, y(max_states)
 
-        left = formulation%time_left(work%y)
-        select case (status)
-        case (status_ok)
-            if (left > arrival * work%t) return
-        case (status_outside, status_step_too_small, status_not_converged)
-            if (left > close * work%t_end) return
-        case default
-            return
-        end select
-        y = work%y
-        call formulation%arrive(y, left)
-        if (work%t + left > work%t_end) return
-        work%y = y
-        work%t = work%t + left
-        status = status_turning_point
-        call follower%go_to(formulation, work%t, work%y)
-        call show(follower, formulation, observer)
+        associate (formulation => self%formulation, work => self%work)
+            left = formulation%time_left(work%y)
+            select case (status)
+            case (status_ok)
+                if (left > arrival * work%t) return
+            case (status_outside, status_step_too_small, status_not_converged)
+                if (left > close * work%t_end) return
+            case default
+                return
+            end select
+            y = work%y
+            call formulation%arrive(y, left)
+            if (work%t + left > work%t_end) return
+            work%y = y
+            work%t = work%t + left
+            status = status_turning_point
+            call self%follower%go_to(formulation, work%t, work%y)
+            call self%show()
+        end associate
     end subroutine check_arrival
 
 end module spintop_integration

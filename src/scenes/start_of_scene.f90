@@ -9,7 +9,7 @@ module spintop_start_of_scene
     use spintop_motion, only: motion_t
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
-    use spintop_steady_precession, only: steady_rates, steady_rates_at_spin
+    use spintop_steady_motion, only: steady_rates, steady_rates_at_spin
     use spintop_text, only: to_text
     implicit none
     private

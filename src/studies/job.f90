@@ -12,7 +12,7 @@ module spintop_job
     use spintop_event_choice, only: choose_events
     use spintop_event_text, only: column_event_t
     use spintop_namelist, only: read_namelist
-    use spintop_netcdf_axis, only: most_netcdf_rows
+    use spintop_netcdf_grid, only: most_netcdf_rows
     use spintop_netcdf_table, only: has_netcdf
     use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: parameter_table_t, unset_integer

@@ -2,6 +2,7 @@
 module spintop_studies
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, exit_ok, exit_failed, input_error
+    use spintop_files, only: make_folder
     use spintop_interrupted_run, only: refuse_to_discard_idle
     use spintop_job, only: job_t, options_t, prepare_job
     use spintop_line_list, only: line_list_t
@@ -11,7 +12,6 @@ module spintop_studies
     use spintop_summary, only: summary_t
     use spintop_sweep, only: run_sweep
     use spintop_sweep_columns, only: sweep_columns, group_nutation, group_fast_top
-    use spintop_system, only: make_folder
     use spintop_text, only: string_t, to_text
     use spintop_trajectory, only: run_trajectory
     use spintop_work_precision, only: run_work_precision

@@ -8,7 +8,7 @@ module spintop_summary
     use spintop_nutation, only: nutation_t, find_nutation, class_name, class_meaning
     use spintop_plan, only: plan_t
     use spintop_quantities, only: kinetic_energy, potential_energy, vertical_momentum
-    use spintop_sleeping_top, only: critical_omega3
+    use spintop_steady_motion, only: critical_omega3
     use spintop_status, only: status_ok
     use spintop_stepper, only: counts_t
     use spintop_sweep_axes, only: axes_t

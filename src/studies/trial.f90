@@ -1,5 +1,6 @@
 !> One motion computed by one method, measured against a reference.
 module spintop_trial
+    use spintop_clock, only: seconds
     use spintop_kinds, only: dp, pi
     use spintop_attitude, only: rotation_angle
     use spintop_body, only: body_t
@@ -15,7 +16,6 @@ module spintop_trial
     use spintop_reference_motion, only: reference_t
     use spintop_status, only: status_ok
     use spintop_stepper, only: counts_t
-    use spintop_system, only: seconds
     implicit none
     private
     public :: trial_t, errors_t, run_trial

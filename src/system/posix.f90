@@ -1,11 +1,12 @@
-!> The functions of posix.c. Those that can fail return 0, or a number that `c_reason` explains.
+!> The functions of posix.c. Those that can fail return 0, or a number of which `check_call` makes an error.
 module spintop_posix
-    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_long_long
+    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_long_long, c_null_char
+    use spintop_errors, only: error_t, exit_input, output_error
     implicit none
     private
     public :: c_open, c_open_locked, c_write, c_read, c_sync, c_sync_folder, c_truncate, c_close, c_rename, &
         c_remove, c_make_folder, c_inspect, c_is_terminal, c_seconds, c_pause, c_utc, &
-        c_host, c_peak_memory, c_reason
+        c_host, c_peak_memory, check_call, up_to_null
 
     interface
         !> Opens a file for reading.
@@ -134,5 +135,28 @@ module spintop_posix
             integer(c_int), value :: room
         end subroutine c_reason
     end interface
+
+contains
+
+    !> Makes an error of a returned number that is not 0: an output error unless it came in reading.
+    subroutine check_call(number, action, path, error, reading)
+        integer(c_int), intent(in) :: number         !! what a function of posix.c returned
+        character(*), intent(in) :: action, path     !! for the message: cannot ACTION PATH
+        type(error_t), allocatable, intent(out) :: error
+        logical, intent(in), optional :: reading
+        ! Threads write, too: see `status_names` in spintop_status.
+        character(256) :: reason
+        if (number == 0) return
+        call c_reason(number, reason, len(reason))
+        error = output_error('cannot ' // action // ' ' // path // ': ' // up_to_null(reason))
+        if (present(reading)) error%code = exit_input
+    end subroutine check_call
+
+    !> The text before the zero byte that ends it, or all of it.
+    pure function up_to_null(room) result(text)
+        character(*), intent(in) :: room
+        character(:), allocatable :: text
+        text = room(:index(room // c_null_char, c_null_char) - 1)
+    end function up_to_null
 
 end module spintop_posix

@@ -3,12 +3,16 @@ module spintop_process
     use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long_long, c_null_char
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, input_error
-    use spintop_system, only: close_stream, standard_error, standard_output, write_stream
+    use spintop_posix, only: c_close, c_host, c_peak_memory, c_write, check_call, up_to_null
     use spintop_text, only: to_text
     implicit none
     private
     public :: begin_process, end_process, check_stacks, show_text, complain_of, end_output
     public :: watch_signals, keep_rows, watch_no_more
+    public :: host_name, peak_memory
+
+    !> Numbers of the standard streams.
+    integer(c_int), parameter :: standard_output = 1, standard_error = 2
 
     !> Least stack of a thread, bytes: twice the 224 kB that the costliest sweep was seen to take.
     integer(int64), parameter :: least_stack = 448 * 1024
@@ -88,20 +92,20 @@ contains
     subroutine show_text(text, error)
         character(*), intent(in) :: text
         type(error_t), allocatable, intent(out) :: error
-        call write_stream(standard_output, text, 'standard output', error)
+        call check_call(c_write(standard_output, text, len(text, int64)), 'write to', 'standard output', error)
     end subroutine show_text
 
     !> Writes a text to standard error; there is nobody to tell if that cannot be.
     subroutine complain_of(text)
         character(*), intent(in) :: text
         type(error_t), allocatable :: ignored
-        call write_stream(standard_error, text, 'standard error', ignored)
+        call check_call(c_write(standard_error, text, len(text, int64)), 'write to', 'standard error', ignored)
     end subroutine complain_of
 
     !> Ends standard output: errors that the system kept back show here.
     subroutine end_output(error)
         type(error_t), allocatable, intent(out) :: error
-        call close_stream(standard_output, 'standard output', error)
+        call check_call(c_close(standard_output), 'write to', 'standard output', error)
     end subroutine end_output
 
     !> From now on a signal that ends the process tells how many rows are kept, `head ROWS tail`; where
@@ -117,5 +121,18 @@ contains
         integer(int64), intent(in) :: rows
         call c_keep(int(rows, c_long_long))
     end subroutine keep_rows
+
+    !> Name of the machine on which the process runs.
+    function host_name() result(text)
+        character(:), allocatable :: text
+        character(256) :: room
+        call c_host(room, len(room))
+        text = up_to_null(room)
+    end function host_name
+
+    !> Most memory that the process has held so far, bytes.
+    integer(int64) function peak_memory()
+        peak_memory = c_peak_memory()
+    end function peak_memory
 
 end module spintop_process

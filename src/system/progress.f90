@@ -2,10 +2,11 @@
 !> or plain lines every so often in a log.
 module spintop_progress
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_clock, only: seconds
     use spintop_plain_text, only: visible
     use spintop_kinds, only: dp
     use spintop_process, only: complain_of
-    use spintop_system, only: error_is_terminal, seconds
+    use spintop_terminal, only: error_is_terminal
     use spintop_text, only: to_text
     implicit none
     private

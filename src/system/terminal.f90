@@ -1,10 +1,11 @@
-!> How wide lines may be where they are read.
+!> The terminal: whether there is one, and how wide lines may be.
 module spintop_terminal
     use, intrinsic :: iso_c_binding, only: c_int
+    use spintop_posix, only: c_is_terminal
     use spintop_wrapping, only: default_width
     implicit none
     private
-    public :: message_width, output_width
+    public :: error_is_terminal, message_width, output_width
 
     !> Lines on a terminal that tells a width below this would be of single words.
     integer, parameter :: least_width = 40
@@ -31,5 +32,10 @@ contains
         if (output_width <= 0) output_width = huge(output_width)
         output_width = max(output_width, least_width)
     end function output_width
+
+    !> Whether standard error is a terminal.
+    logical function error_is_terminal()
+        error_is_terminal = c_is_terminal(2_c_int) /= 0
+    end function error_is_terminal
 
 end module spintop_terminal

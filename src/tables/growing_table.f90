@@ -6,15 +6,15 @@
 module spintop_growing_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_checksum, only: add_to_checksum, checksum_t, checksum_text
+    use spintop_clock, only: seconds
     use spintop_errors, only: error_t, input_error
+    use spintop_files, only: file_exists, input_file_t
     use spintop_interrupted_run, only: refuse_to_discard
     use spintop_journal, only: journal_entry_t, journal_of, read_journal, remove_journal, write_journal
     use spintop_kinds, only: dp
     use spintop_process, only: keep_rows
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
-    use spintop_row_text, only: format_rows
-    use spintop_system, only: file_exists, input_file_t, seconds
     use spintop_table_file, only: part_of, table_file_t
     use spintop_table_head, only: compare_heads
     use spintop_text, only: string_t, to_text
@@ -147,7 +147,7 @@ contains
     subroutine format_block(self, block)
         class(growing_table_t), intent(in) :: self
         type(row_block_t), intent(inout) :: block
-        call format_rows(self%columns, block)
+        call block%format(self%columns)
     end subroutine format_block
 
     !> Adds rows.

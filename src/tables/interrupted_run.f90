@@ -1,8 +1,8 @@
 !> What an interrupted run has left: rows that its journal says are on the disk. Nothing discards them unasked.
 module spintop_interrupted_run
     use spintop_errors, only: error_t, input_error
+    use spintop_files, only: file_exists, output_file_t
     use spintop_journal, only: journal_entry_t, journal_of, read_journal
-    use spintop_system, only: file_exists, output_file_t
     use spintop_table_file, only: part_of
     use spintop_text, only: to_text
     implicit none

@@ -11,8 +11,8 @@ module spintop_journal
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_checksum, only: add_to_checksum, checksum_t, checksum_text, checksum_width
     use spintop_errors, only: error_t
+    use spintop_files, only: file_exists, read_file, remove_file, replace_file, sync_folder_of
     use spintop_status, only: last_status
-    use spintop_system, only: file_exists, read_file, remove_file, replace_file, sync_folder_of
     implicit none
     private
     public :: journal_entry_t, journal_of, write_journal, read_journal, remove_journal

@@ -2,9 +2,9 @@
 module spintop_merge
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, input_error
+    use spintop_files, only: input_file_t
     use spintop_interrupted_run, only: refuse_to_discard_idle
     use spintop_shard, only: read_shard_line, shard_t
-    use spintop_system, only: input_file_t
     use spintop_table_file, only: table_file_t
     use spintop_table_head, only: compare_heads, first_line_of, read_head
     use spintop_text, only: string_t, to_text

@@ -9,7 +9,7 @@ module spintop_netcdf_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t
     use spintop_kinds, only: dp
-    use spintop_netcdf_axis, only: netcdf_axis_t
+    use spintop_netcdf_grid, only: netcdf_axis_t
     use spintop_provenance, only: fact_t
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t

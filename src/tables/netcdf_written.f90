@@ -7,8 +7,7 @@ submodule(spintop_netcdf_table) netcdf_written
         nf90_double, nf90_enddef, nf90_global, nf90_int, nf90_noerr, nf90_nofill, nf90_put_att, nf90_put_var, &
         nf90_set_fill, nf90_strerror
     use spintop_errors, only: output_error
-    use spintop_hyperslab, only: find_box
-    use spintop_netcdf_axis, only: netcdf_name, netcdf_unit, netcdf_word
+    use spintop_netcdf_grid, only: find_box, netcdf_name, netcdf_unit, netcdf_word
     use spintop_table_column, only: column_of_notes, column_of_reals, column_of_words, table_column_t
     use spintop_table_file, only: part_of
     use spintop_text, only: join
@@ -38,87 +37,90 @@ contains
         status = nf90_create(part_of(path), ior(nf90_clobber, nf90_64bit_offset), self%id, chunksize=chunk)
         ! Every value is written: to fill the file beforehand would write it twice.
         if (status == nf90_noerr) status = nf90_set_fill(self%id, nf90_nofill, old_mode)
-        call add_text(nf90_global, 'Conventions', 'CF-1.8')
+        call add_text(self%id, nf90_global, 'Conventions', 'CF-1.8', status)
         do i = 1, size(facts)
-            call add_text(nf90_global, facts(i)%key, facts(i)%value)
+            call add_text(self%id, nf90_global, facts(i)%key, facts(i)%value, status)
         end do
-        call add_text(nf90_global, 'input', join(input, new_line('a')))
+        call add_text(self%id, nf90_global, 'input', join(input, new_line('a')), status)
         do i = 1, size(axes)
             if (status /= nf90_noerr) exit
             ! In the order of Fortran, which is the reverse of that of the file.
             status = nf90_def_dim(self%id, netcdf_name(axes(i)%name), axes(i)%length, dimensions(size(axes) - i + 1))
         end do
         do i = 1, size(self%columns)
-            call define_variable(self%columns(i), self%variables(i))
+            call define_variable(self%id, self%columns(i), dimensions, self%variables(i), status)
             ! The number of the row is known beside its place on the grid.
             if (i > 1 .and. self%columns(i)%axis == 0 .and. all(axes%name /= self%columns(1)%name)) then
-                call add_text(self%variables(i), 'coordinates', netcdf_name(self%columns(1)%name))
+                call add_text(self%id, self%variables(i), 'coordinates', netcdf_name(self%columns(1)%name), status)
             end if
         end do
         if (status == nf90_noerr) status = nf90_enddef(self%id)
         call check(self, status, error)
         if (allocated(error)) call self%abandon(error)
-
-    contains
-
-        !> A variable over the whole grid, or along an axis of it.
-        subroutine define_variable(column, variable)
-            type(table_column_t), intent(in) :: column
-            integer, intent(out) :: variable
-            integer, parameter :: types(4) = [nf90_double, nf90_int, nf90_byte, nf90_int]
-            character(*), parameter :: flags(4) = [character(11) :: '', '', 'flag_values', 'flag_masks']
-
-            variable = -1
-            if (status /= nf90_noerr) return
-            if (column%axis > 0) then
-                status = nf90_def_var(self%id, netcdf_name(column%name), nf90_double, &
-                                      [dimensions(size(axes) - column%axis + 1)], variable)
-            else
-                status = nf90_def_var(self%id, netcdf_name(column%name), types(column%kind), dimensions, variable)
-            end if
-            call add_text(variable, 'column', trim(column%name))
-            call add_text(variable, 'long_name', trim(column%what))
-            select case (column%kind)
-            case (column_of_reals)
-                call add_text(variable, 'units', netcdf_unit(column%unit))
-                if (column%axis > 0 .or. status /= nf90_noerr) return
-                status = nf90_put_att(self%id, variable, '_FillValue', ieee_value(0.0_dp, ieee_quiet_nan))
-            case (column_of_words, column_of_notes)
-                call add_flags(variable, column, trim(flags(column%kind)))
-            end select
-        end subroutine define_variable
-
-        !> What the values of words, or the bits of notes, mean.
-        subroutine add_flags(variable, column, name)
-            integer, intent(in) :: variable
-            type(table_column_t), intent(in) :: column
-            character(*), intent(in) :: name
-            character(:), allocatable :: words
-            integer, allocatable :: values(:)
-            integer :: k
-
-            words = ''
-            do k = 1, size(column%words)
-                words = words // ' ' // netcdf_word(column%words(k)%text)
-            end do
-            call add_text(variable, 'flag_meanings', words(2:))
-            values = [(k, k=0, size(column%words) - 1)]
-            if (column%kind == column_of_notes) values = shiftl(1, values)
-            if (status /= nf90_noerr) return
-            if (column%kind == column_of_notes) then
-                status = nf90_put_att(self%id, variable, name, values)
-            else
-                status = nf90_put_att(self%id, variable, name, int(values, int8))
-            end if
-        end subroutine add_flags
-
-        subroutine add_text(variable, name, text)
-            integer, intent(in) :: variable
-            character(*), intent(in) :: name, text
-            if (status == nf90_noerr .and. text /= '') status = nf90_put_att(self%id, variable, name, text)
-        end subroutine add_text
-
     end procedure start
+
+    !> Defines a variable over the whole grid, or along an axis of it.
+    subroutine define_variable(id, column, dimensions, variable, status)
+        integer, intent(in) :: id            !! of the file
+        type(table_column_t), intent(in) :: column
+        integer, intent(in) :: dimensions(:) !! of the grid; the first varies fastest
+        integer, intent(out) :: variable
+        integer, intent(inout) :: status
+        integer, parameter :: types(4) = [nf90_double, nf90_int, nf90_byte, nf90_int]
+        character(*), parameter :: flags(4) = [character(11) :: '', '', 'flag_values', 'flag_masks']
+
+        variable = -1
+        if (status /= nf90_noerr) return
+        if (column%axis > 0) then
+            status = nf90_def_var(id, netcdf_name(column%name), nf90_double, &
+                                  [dimensions(size(dimensions) - column%axis + 1)], variable)
+        else
+            status = nf90_def_var(id, netcdf_name(column%name), types(column%kind), dimensions, variable)
+        end if
+        call add_text(id, variable, 'column', trim(column%name), status)
+        call add_text(id, variable, 'long_name', trim(column%what), status)
+        select case (column%kind)
+        case (column_of_reals)
+            call add_text(id, variable, 'units', netcdf_unit(column%unit), status)
+            if (column%axis > 0 .or. status /= nf90_noerr) return
+            status = nf90_put_att(id, variable, '_FillValue', ieee_value(0.0_dp, ieee_quiet_nan))
+        case (column_of_words, column_of_notes)
+            call add_flags(id, variable, column, trim(flags(column%kind)), status)
+        end select
+    end subroutine define_variable
+
+    !> Adds the meanings of the values of words, or of the bits of notes.
+    subroutine add_flags(id, variable, column, name, status)
+        integer, intent(in) :: id, variable
+        type(table_column_t), intent(in) :: column
+        character(*), intent(in) :: name
+        integer, intent(inout) :: status
+        character(:), allocatable :: words
+        integer, allocatable :: values(:)
+        integer :: k
+
+        words = ''
+        do k = 1, size(column%words)
+            words = words // ' ' // netcdf_word(column%words(k)%text)
+        end do
+        call add_text(id, variable, 'flag_meanings', words(2:), status)
+        values = [(k, k=0, size(column%words) - 1)]
+        if (column%kind == column_of_notes) values = shiftl(1, values)
+        if (status /= nf90_noerr) return
+        if (column%kind == column_of_notes) then
+            status = nf90_put_att(id, variable, name, values)
+        else
+            status = nf90_put_att(id, variable, name, int(values, int8))
+        end if
+    end subroutine add_flags
+
+    !> Adds an attribute to a variable, unless it is empty.
+    subroutine add_text(id, variable, name, text, status)
+        integer, intent(in) :: id, variable
+        character(*), intent(in) :: name, text
+        integer, intent(inout) :: status
+        if (status == nf90_noerr .and. text /= '') status = nf90_put_att(id, variable, name, text)
+    end subroutine add_text
 
     !> Adds rows.
     module procedure put

@@ -2,8 +2,8 @@
 module spintop_provenance
     use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_null_char, c_ptr
     use, intrinsic :: iso_fortran_env, only: compiler_options, compiler_version
+    use spintop_clock, only: utc_now
     use spintop_line_list, only: line_list_t
-    use spintop_system, only: utc_now
     use spintop_text, only: string_t
     implicit none
     private

@@ -3,6 +3,8 @@ module spintop_row_block
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_status, only: last_status
+    use spintop_table_column, only: column_of_integers, column_of_notes, column_of_reals, column_of_words, &
+        table_column_t
     use spintop_text, only: string_t
     use spintop_text_buffer, only: text_buffer_t
     implicit none
@@ -25,6 +27,7 @@ module spintop_row_block
         procedure :: reserve
         procedure :: clear
         procedure :: set_note
+        procedure :: format
         procedure :: swap
     end type row_block_t
 
@@ -63,6 +66,42 @@ contains
             end if
         end associate
     end subroutine set_note
+
+    !> Makes the text of the rows from their cells, which are then discarded.
+    subroutine format(self, columns)
+        class(row_block_t), intent(inout) :: self
+        type(table_column_t), intent(in) :: columns(:)
+        integer :: last(size(columns)), i, k
+
+        ! Reals are written fastest many at once: where the reals that begin with a column end.
+        do i = size(columns), 1, -1
+            last(i) = i
+            if (columns(i)%kind /= column_of_reals .or. i == size(columns)) cycle
+            if (columns(i + 1)%kind == column_of_reals) last(i) = last(i + 1)
+        end do
+        do k = 1, self%rows
+            i = 1
+            do while (i <= size(columns))
+                select case (columns(i)%kind)
+                case (column_of_reals)
+                    call self%text%put_reals(self%cells(i:last(i), k))
+                case (column_of_integers)
+                    call self%text%put_integer(nint(self%cells(i, k), int64))
+                case (column_of_words)
+                    call self%text%put_text(columns(i)%words(nint(self%cells(i, k)) + 1)%text)
+                case (column_of_notes)
+                    if (allocated(self%notes(k)%text)) then
+                        call self%text%put_text(self%notes(k)%text)
+                    else
+                        call self%text%put_text('')
+                    end if
+                end select
+                i = last(i) + 1
+            end do
+            call self%text%end_row()
+        end do
+        self%rows = 0
+    end subroutine format
 
     !> Exchanges the rows with another block.
     subroutine swap(self, other)

@@ -11,9 +11,9 @@ module spintop_table_file
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_checksum, only: add_to_checksum, checksum_t
     use spintop_errors, only: error_t, output_error
+    use spintop_files, only: is_folder, output_file_t, remove_file, rename_file, sync_folder_of
     use spintop_journal, only: remove_journal
     use spintop_kinds, only: dp
-    use spintop_system, only: is_folder, output_file_t, remove_file, rename_file, sync_folder_of
     use spintop_table_head, only: comment_lines
     use spintop_text, only: string_t
     use spintop_text_buffer, only: text_buffer_t

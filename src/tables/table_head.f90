@@ -2,7 +2,7 @@
 !> so tables with the same head are the same, as far as they go.
 module spintop_table_head
     use spintop_errors, only: error_t, input_error
-    use spintop_system, only: input_file_t
+    use spintop_files, only: input_file_t
     use spintop_text, only: join, string_t
     implicit none
     private

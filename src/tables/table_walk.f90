@@ -9,9 +9,9 @@
 module spintop_table_walk
     use spintop_diagnostics, only: diagnostics_t, place_t
     use spintop_errors, only: error_t
+    use spintop_files, only: read_file
     use spintop_kinds, only: dp
     use spintop_literals, only: read_real
-    use spintop_system, only: read_file
     implicit none
     private
     public :: table_walk_t, table_cursor_t

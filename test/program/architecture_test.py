@@ -2,6 +2,7 @@
 
 import re
 import unittest
+from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -25,8 +26,23 @@ PLAIN = ("foundation", "system", "input", "tables", "parallel")
 
 MODULE = re.compile(r"^\s*module\s+(?!procedure\b|subroutine\b|function\b)(\w+)\s*$", re.M | re.I)
 USE = re.compile(r"^\s*use\s+(\w+)", re.M | re.I)
+PREFIX = r"(?:(?:pure|elemental|impure|recursive|module|integer|logical|\w+\s*\([^)]*\))\s+)*"
+BEGIN = re.compile(rf"^\s*{PREFIX}(?:subroutine|function)\s+(\w+)", re.I)
+END = re.compile(r"^\s*end\s+(?:subroutine|function|procedure)\b", re.I)
+BODY = re.compile(r"^\s*module\s+procedure\s+(\w+)\s*$", re.I)
+INTERFACE = re.compile(r"^\s*(end\s+|abstract\s+)?interface\b", re.I)
 LONGEST_FILE = 400
+LONGEST_PROCEDURE = 80
 FULLEST_FOLDER = 20
+COEFFICIENTS = re.compile(r"(arkode|dop853|implicit|splitting)_tables?")
+# Procedures still to be divided.
+TOO_LONG = {
+    "axes_of_scene.f90 make_axes",
+    "plan.f90 take_controls",
+    "scene.f90 describe_scene",
+    "sweep.f90 run_sweep",
+    "trajectory.f90 run_trajectory",
+}
 
 
 def room_of(path: Path) -> str:
@@ -39,6 +55,22 @@ def room_of(path: Path) -> str:
 
 def floors(row: tuple[str, ...]) -> dict[str, int]:
     return {room: floor for floor, rooms in enumerate(row) for room in rooms.split()}
+
+
+def procedures(path: Path) -> Iterator[tuple[str, int]]:
+    """Each procedure of a source, with its lines: those of the procedures inside it, too."""
+    begun: list[tuple[str, int]] = []
+    in_interface = False
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+        if border := INTERFACE.match(line):
+            in_interface = not (border[1] or "").lower().startswith("end")
+        elif in_interface:
+            continue
+        elif END.match(line):
+            name, first = begun.pop()
+            yield name, number - first + 1
+        elif begin := BODY.match(line) or BEGIN.match(line):
+            begun.append((begin[1], number))
 
 
 class ArchitectureTest(unittest.TestCase):
@@ -102,3 +134,15 @@ class ArchitectureTest(unittest.TestCase):
         for folder in {path.parent for path in SOURCES}:
             files = [path for path in folder.iterdir() if path.suffix in (".f90", ".c", ".cpp")]
             self.assertLessEqual(len(files), FULLEST_FOLDER, str(folder))
+
+    def test_no_long_procedures(self) -> None:
+        """Tables of coefficients are exempt."""
+        found = [
+            (f"{path.name} {name}", lines)
+            for path in SOURCES
+            if not COEFFICIENTS.fullmatch(path.stem)
+            for name, lines in procedures(path)
+        ]
+        self.assertGreater(len(found), 1000)
+        too_long = {name: lines for name, lines in found if lines > LONGEST_PROCEDURE}
+        self.assertLessEqual(too_long.keys(), TOO_LONG, str(too_long))

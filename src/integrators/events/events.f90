@@ -1,9 +1,9 @@
 !> Events of a motion: the instants at which quantities of it pass levels.
 !>
 !> A watch looks along the motion at instants so close that between two of them the attitude turns by
-!> less than `largest_turn`, and the axis whose poles matter (`pole_axis`) goes less than that share of
-!> its distance from the vertical: Euler angles and their rates vary as fast as that ratio. Between two
-!> instants each quantity is halved in time until a parabola shows that it is monotone, or away from its
+!> less than `largest_turn` (`spintop_instants`), and the axis whose poles matter (`pole_axis`) goes less
+!> than that share of its distance from the vertical: Euler angles and their rates vary as fast as that
+!> ratio. Between two instants each quantity is halved in time until a parabola shows that it is monotone, or away from its
 !> level (`spintop_five_values`). So any number of passages between two instants is found. What is not: a
 !> level touched and not passed, to the rounding of the quantity, which is measured where it matters; a
 !> quantity that stands at its level but for rounding passes it never. The start itself is no event.
@@ -11,16 +11,15 @@
 !> Each look is work: the path says when no more is allowed, and the search ends there.
 module spintop_events
     use spintop_kinds, only: dp, pi
-    use spintop_attitude, only: vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_bracket, only: bracket_t
     use spintop_compare, only: is_equal, is_finite
     use spintop_five_values, only: passes_at_most_once, rounding_of
+    use spintop_instants, only: is_short, next_instant
     use spintop_motion, only: motion_t
     use spintop_status, only: status_ok, status_bad_events
     use spintop_passages, only: passages_t
     use spintop_path, only: path_t
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: event_t, event_watch_t, path_t
@@ -76,7 +75,6 @@ module spintop_events
         procedure :: check
         procedure :: begin
         procedure :: look
-        procedure, private :: next_instant
         procedure, private :: search
         procedure, private :: aim
         procedure, private :: refine
@@ -104,13 +102,6 @@ module spintop_events
         end subroutine meet
     end interface
 
-    !> Turn of the attitude between two instants at most, rad, and way of the axis at most, as a share of
-    !> its distance from the vertical.
-    real(dp), parameter :: largest_turn = 0.4_dp
-    !> A pole passed more closely than this is passed through, rad.
-    real(dp), parameter :: through_pole = 1.0e-12_dp
-    !> A piece of so many spacings of the time is not divided.
-    real(dp), parameter :: least_spacings = 8
     !> An event sooner after the start than this share of the time of a radian is the start, and a value this
     !> close to the level there, relatively, is at the level.
     real(dp), parameter :: start_share = 1.0e-9_dp, start_rounding = 16 * epsilon(1.0_dp)
@@ -168,36 +159,9 @@ contains
         pace = max(norm2(self%here%omega), norm2(there%omega)) + 2 * self%fall_rate
         do while (self%t < t .and. .not. self%has_enough)
             if (path%is_spent()) exit
-            call self%search(path, self%next_instant(t, pace))
+            call self%search(path, next_instant(self%here, self%pole_axis, self%t, t, pace))
         end do
     end subroutine look
-
-    !> The next instant to look at, at most a time `t`; the body turns no faster than `pace`.
-    pure real(dp) function next_instant(self, t, pace) result(next)
-        class(event_watch_t), intent(in) :: self
-        real(dp), intent(in) :: t, pace
-        real(dp) :: gap, near
-        next = t
-        gap = t - self%t
-        if (is_finite(pace) .and. pace * gap > largest_turn) gap = largest_turn / pace
-        near = time_near_pole(self%here, self%pole_axis)
-        if (near < gap) gap = near
-        gap = max(gap, 2 * least_spacings * spacing(max(abs(self%t), abs(t))))
-        if (t - self%t > gap) next = self%t + (t - self%t) / (aint((t - self%t) / gap) + 1)
-    end function next_instant
-
-    !> The time in which a body axis goes a share of its distance from the vertical, s: with that way s, its
-    !> speed v and its acceleration a in space, v t + a t^2/2 = s. Without an axis there is no end to it.
-    pure real(dp) function time_near_pole(motion, axis) result(time)
-        type(motion_t), intent(in) :: motion
-        real(dp), intent(in) :: axis(3)
-        real(dp) :: way, speed, acceleration
-        way = largest_turn * max(norm2(cross(vertical_from_quaternion(motion%quaternion), axis)), through_pole)
-        speed = norm2(cross(motion%omega, axis))
-        acceleration = norm2(cross(motion%omega_rate, axis) + cross(motion%omega, cross(motion%omega, axis)))
-        time = huge(1.0_dp)
-        if (speed + acceleration > 0) time = 2 * way / (speed + sqrt(speed**2 + 2 * acceleration * way))
-    end function time_near_pole
 
     !> Looks for passages from the instant looked at last to the next, `last` or sooner, and meets them
     !> in order. One so soon after the start is the start.
@@ -252,12 +216,6 @@ contains
         real(dp), intent(in) :: before, after
         turns_far = (event%every_turn .or. event%turn_by_turn) .and. abs(after - before) > farthest_turn
     end function turns_far
-
-    !> Whether a piece is too short to be divided.
-    pure logical function is_short(a, b)
-        real(dp), intent(in) :: a, b
-        is_short = b - a <= least_spacings * spacing(max(abs(a), abs(b)))
-    end function is_short
 
     !> Chooses the level of event `k` for the piece that ends at `b`: of many the one next to the
     !> quantity, whose five values are given.

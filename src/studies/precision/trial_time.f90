@@ -1,5 +1,6 @@
 !> How long a computation takes: to the end of the span, for the attitude and the rates there.
 module spintop_trial_time
+    use spintop_clock, only: seconds
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
@@ -8,7 +9,6 @@ module spintop_trial_time
     use spintop_motion, only: motion_t
     use spintop_plan, only: plan_t
     use spintop_stepper, only: counts_t
-    use spintop_system, only: seconds
     implicit none
     private
     public :: time_trial

@@ -6,6 +6,7 @@
 module spintop_work_precision
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t, make_case
+    use spintop_clock, only: seconds
     use spintop_errors, only: error_t
     use spintop_formulation, only: structure_quadruple
     use spintop_job, only: job_t, options_t
@@ -25,7 +26,6 @@ module spintop_work_precision
     use spintop_status, only: status_meaning, status_ok
     use spintop_summary, only: summary_t, rounded
     use spintop_sweep_axes, only: put_values
-    use spintop_system, only: seconds
     use spintop_table_file, only: table_file_t
     use spintop_table_head, only: table_head
     use spintop_text, only: string_t, to_text

@@ -7,6 +7,7 @@ module spintop_stability
     use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t, make_case
+    use spintop_clock, only: seconds
     use spintop_errors, only: error_t, exit_failed, internal_error
     use spintop_formulation, only: structure_quadruple
     use spintop_hard_cases, only: hard_cases
@@ -27,7 +28,6 @@ module spintop_stability
     use spintop_status, only: status_name, status_ok
     use spintop_study_column, only: study_column_t
     use spintop_summary, only: summary_t, rounded
-    use spintop_system, only: seconds
     use spintop_table_file, only: table_file_t
     use spintop_table_head, only: table_head
     use spintop_text, only: string_t, to_text

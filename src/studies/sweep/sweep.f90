@@ -3,11 +3,13 @@
 !> many (see `spintop_ranks`); a queue has their rows written in the order of the cases.
 module spintop_sweep
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_clock, only: pause_for, seconds, utc_now
+    use spintop_files, only: replace_file
     use spintop_kinds, only: dp
     use spintop_errors, only: error_t, input_error
     use spintop_job, only: job_t, options_t, shell_word
     use spintop_journal, only: journal_entry_t
-    use spintop_process, only: watch_no_more, watch_signals
+    use spintop_process, only: watch_no_more, watch_signals, host_name, peak_memory
     use spintop_progress, only: progress_t
     use spintop_ranks, only: ranks_t, signed_off
     use spintop_row_block, only: row_block_t
@@ -18,7 +20,6 @@ module spintop_sweep
     use spintop_summary, only: summary_t, rounded
     use spintop_sweep_table, only: describe_table, start_table
     use spintop_sweep_worker, only: sweep_worker_t, size_of_block
-    use spintop_system, only: host_name, peak_memory, pause_for, replace_file, seconds, utc_now
     use spintop_table_head, only: compare_heads
     use spintop_text, only: join, to_text
     !$ use omp_lib, only: omp_get_max_threads, omp_get_thread_num

@@ -7,7 +7,7 @@ module spintop_sweep_table
     use spintop_errors, only: error_t
     use spintop_growing_table, only: growing_table_t
     use spintop_job, only: job_t
-    use spintop_netcdf_axis, only: netcdf_axis_t
+    use spintop_netcdf_grid, only: netcdf_axis_t
     use spintop_netcdf_table, only: netcdf_table_t
     use spintop_nutation, only: class_names
     use spintop_parameter_print, only: print_namelist

@@ -1,6 +1,7 @@
 !> One thread's share of a sweep: makes cases, computes them, and fills their rows.
 module spintop_sweep_worker
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_clock, only: seconds
     use spintop_kinds, only: dp
     use spintop_case, only: case_t, make_case
     use spintop_compare, only: is_finite
@@ -23,7 +24,6 @@ module spintop_sweep_worker
     use spintop_sweep_quantities, only: no_values, note_missing, told_last
     use spintop_sweep_stepping, only: compute_stepping
     use spintop_sweep_table, only: put_row, reserve_rows
-    use spintop_system, only: seconds
     implicit none
     private
     public :: sweep_worker_t, size_of_block

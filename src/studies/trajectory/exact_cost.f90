@@ -1,10 +1,10 @@
 !> What the exact motion costs here and now: set-up and sample, measured in the process.
 module spintop_exact_cost
+    use spintop_clock, only: seconds
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t
-    use spintop_system, only: seconds
     implicit none
     private
     public :: measure_exact_cost

@@ -1,6 +1,7 @@
 !> The trajectory study: one motion, one table.
 module spintop_trajectory
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_clock, only: seconds
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_case, only: case_t
@@ -20,7 +21,6 @@ module spintop_trajectory
     use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_name, status_meaning
     use spintop_stepper, only: looks_per_step
     use spintop_summary, only: summary_t, decimal, rounded
-    use spintop_system, only: seconds
     use spintop_table_file, only: table_file_t
     use spintop_table_head, only: table_head
     use spintop_text, only: to_text, string_t

@@ -1,9 +1,9 @@
-!> The grid of a NetCDF table, and what its parts are called.
-module spintop_netcdf_axis
+!> The grid of a NetCDF table: its axes, its parts as boxes of an array, and the names of the CF conventions.
+module spintop_netcdf_grid
     use, intrinsic :: iso_fortran_env, only: int64
     implicit none
     private
-    public :: netcdf_axis_t, netcdf_name, netcdf_unit, netcdf_word, most_netcdf_rows
+    public :: netcdf_axis_t, netcdf_name, netcdf_unit, netcdf_word, most_netcdf_rows, find_box
 
     !> Rows that a column can have: in the format with 64-bit offsets a variable is below 4 GiB.
     integer(int64), parameter :: most_netcdf_rows = 2_int64**29 - 1
@@ -49,4 +49,30 @@ contains
         end do
     end function netcdf_word
 
-end module spintop_netcdf_axis
+    !> The largest box of an array that begins with an element and holds nothing but it and some of
+    !> the next `elements - 1`, in order: all along the first dimensions, a part of the next, one
+    !> index in the others.
+    pure subroutine find_box(extent, first, elements, start, count)
+        integer, intent(in) :: extent(:)           !! of the array; the first varies fastest
+        integer(int64), intent(in) :: first        !! number of the element, from 1
+        integer(int64), intent(in) :: elements     !! most of the box, within the array
+        integer, intent(out) :: start(size(extent)) !! where the box begins
+        integer, intent(out) :: count(size(extent)) !! what it has along each dimension
+        integer(int64) :: rest, below
+        integer :: i
+
+        rest = first - 1
+        do i = 1, size(extent)
+            start(i) = int(mod(rest, int(extent(i), int64))) + 1
+            rest = rest / extent(i)
+        end do
+        count = 1
+        below = 1
+        do i = 1, size(extent)
+            count(i) = int(min(int(extent(i) - start(i) + 1, int64), elements / below))
+            if (count(i) < extent(i)) exit
+            below = below * extent(i)
+        end do
+    end subroutine find_box
+
+end module spintop_netcdf_grid

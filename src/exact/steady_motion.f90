@@ -1,5 +1,6 @@
-!> Steady precession of a symmetric top: constant inclination, precession and spin.
-module spintop_steady_precession
+!> Steady motion of a symmetric top: precession at a constant inclination and spin, and the sleeping top,
+!> which is upright and spins about the vertical.
+module spintop_steady_motion
     use spintop_kinds, only: dp
     use spintop_compare, only: is_finite, is_zero
     use spintop_body, only: body_t
@@ -7,7 +8,7 @@ module spintop_steady_precession
     use spintop_validity, only: body_status, no_number
     implicit none
     private
-    public :: steady_rates, steady_rates_at_spin
+    public :: steady_rates, steady_rates_at_spin, critical_omega3
 
 contains
 
@@ -39,7 +40,7 @@ contains
         call check(body, [theta, spin_rate], rates, count, status)
     end subroutine steady_rates_at_spin
 
-    !> Takes back rates of what is no such top, of no finite data, or too large for a number.
+    !> Withdraws the rates where the body is not such a top, the data are not finite, or a rate overflows.
     pure subroutine check(body, data, rates, count, status)
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: data(2)
@@ -56,6 +57,13 @@ contains
         end if
         if (present(status)) status = found
     end subroutine check
+
+    !> Threshold spin of the sleeping top: the least omega3 at which an upright symmetric top is stable,
+    !> sqrt(4 mgl I1)/I3, rad/s.
+    pure real(dp) function critical_omega3(body)
+        type(body_t), intent(in) :: body
+        critical_omega3 = 2 * sqrt(body%mgl() * body%inertia(1)) / body%inertia(3)
+    end function critical_omega3
 
     !> Roots of a p^2 - b p + c = 0 with c >= 0, without cancellation; that which stays finite as
     !> a vanishes comes first.
@@ -78,4 +86,4 @@ contains
         count = 2
     end subroutine precession_roots
 
-end module spintop_steady_precession
+end module spintop_steady_motion

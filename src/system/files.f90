@@ -1,21 +1,15 @@
-!> The operating system: files that are surely written, folders, clocks, the terminal.
-module spintop_system
+!> Files and folders: reading, and writing that is known to be on the disk.
+module spintop_files
     use, intrinsic :: iso_c_binding, only: c_int, c_long_long, c_null_char
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_errors, only: error_t, exit_input, input_error, output_error
-    use spintop_kinds, only: dp
+    use spintop_errors, only: error_t, input_error
     use spintop_posix, only: c_open, c_open_locked, c_write, c_read, c_sync, c_sync_folder, c_truncate, c_close, c_rename, &
-        c_remove, c_make_folder, c_inspect, c_is_terminal, c_seconds, c_pause, c_utc, &
-        c_host, c_peak_memory, c_reason
+        c_remove, c_make_folder, c_inspect, check_call
     implicit none
     private
     public :: input_file_t, output_file_t, read_file, replace_file, file_exists, is_folder, file_size
     public :: make_folder, rename_file, remove_file, sync_folder_of
-    public :: error_is_terminal, seconds, pause_for, utc_now, host_name, peak_memory
-    public :: standard_output, standard_error, write_stream, close_stream
 
-    !> Numbers of the standard streams.
-    integer, parameter :: standard_output = 1, standard_error = 2
     integer, parameter :: no_file = -1
 
     !> A file open for reading, from its beginning.
@@ -45,14 +39,14 @@ module spintop_system
 
 contains
 
-    !> Opens a file to write at its end, and makes it where it is missing. To be refused it is
-    !> enough that another run has it open for writing.
+    !> Opens a file to write at its end, and makes it where it is missing. An error if another run has it
+    !> open for writing.
     subroutine open_output(self, path, error)
         class(output_file_t), intent(inout) :: self
         character(*), intent(in) :: path
         type(error_t), allocatable, intent(out) :: error
         self%path = path
-        call check(c_open_locked(path // c_null_char, self%descriptor), 'write', path, error)
+        call check_call(c_open_locked(path // c_null_char, self%descriptor), 'write', path, error)
     end subroutine open_output
 
     !> Makes an empty file, or empties the one that is there.
@@ -69,7 +63,7 @@ contains
         class(output_file_t), intent(in) :: self
         character(*), intent(in) :: text
         type(error_t), allocatable, intent(out) :: error
-        call check(c_write(self%descriptor, text, len(text, int64)), 'write', self%path, error)
+        call check_call(c_write(self%descriptor, text, len(text, int64)), 'write', self%path, error)
     end subroutine write_bytes
 
     !> Cuts the file to a size in bytes.
@@ -77,14 +71,14 @@ contains
         class(output_file_t), intent(in) :: self
         integer(int64), intent(in) :: size
         type(error_t), allocatable, intent(out) :: error
-        call check(c_truncate(self%descriptor, size), 'truncate', self%path, error)
+        call check_call(c_truncate(self%descriptor, size), 'truncate', self%path, error)
     end subroutine truncate
 
     !> Waits until what was written is on the disk.
     subroutine sync(self, error)
         class(output_file_t), intent(in) :: self
         type(error_t), allocatable, intent(out) :: error
-        call check(c_sync(self%descriptor), 'write', self%path, error)
+        call check_call(c_sync(self%descriptor), 'write', self%path, error)
     end subroutine sync
 
     !> Closes the file; errors in writing that the system kept back show here.
@@ -92,7 +86,7 @@ contains
         class(output_file_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error
         if (.not. self%is_open()) return
-        call check(c_close(self%descriptor), 'write', self%path, error)
+        call check_call(c_close(self%descriptor), 'write', self%path, error)
         self%descriptor = no_file
     end subroutine close_file
 
@@ -108,39 +102,22 @@ contains
         type(error_t), allocatable, intent(out) :: error
         character(:), allocatable :: folder
         folder = path(:index(path, '/', back=.true.)) // '.'
-        call check(c_sync_folder(folder // c_null_char), 'write to folder', folder, error)
+        call check_call(c_sync_folder(folder // c_null_char), 'write to folder', folder, error)
     end subroutine sync_folder_of
 
-    !> Renames a file; one that had the new name is gone.
+    !> Renames a file, and replaces one of the new name.
     subroutine rename_file(from, to, error)
         character(*), intent(in) :: from, to
         type(error_t), allocatable, intent(out) :: error
-        call check(c_rename(from // c_null_char, to // c_null_char), 'create', to, error)
+        call check_call(c_rename(from // c_null_char, to // c_null_char), 'create', to, error)
     end subroutine rename_file
 
     !> Removes a file.
     subroutine remove_file(path, error)
         character(*), intent(in) :: path
         type(error_t), allocatable, intent(out) :: error
-        call check(c_remove(path // c_null_char), 'remove', path, error)
+        call check_call(c_remove(path // c_null_char), 'remove', path, error)
     end subroutine remove_file
-
-    !> Writes all of a text to a standard stream.
-    subroutine write_stream(stream, text, name, error)
-        integer, intent(in) :: stream
-        character(*), intent(in) :: text
-        character(*), intent(in) :: name !! of the stream, for the error
-        type(error_t), allocatable, intent(out) :: error
-        call check(c_write(int(stream, c_int), text, len(text, int64)), 'write to', name, error)
-    end subroutine write_stream
-
-    !> Closes a standard stream.
-    subroutine close_stream(stream, name, error)
-        integer, intent(in) :: stream
-        character(*), intent(in) :: name !! of the stream, for the error
-        type(error_t), allocatable, intent(out) :: error
-        call check(c_close(int(stream, c_int)), 'write to', name, error)
-    end subroutine close_stream
 
     !> Makes a folder and those above it, where they are missing; what was made is on the disk then.
     subroutine make_folder(path, error)
@@ -162,7 +139,7 @@ contains
             call sync_folder_of(path(:i - 1), error)
             if (allocated(error)) return
         end do
-        call check(status, 'make folder', path, error)
+        call check_call(status, 'make folder', path, error)
     end subroutine make_folder
 
     !> Puts a text in the place of a file: whenever the machine stops, the file holds either what
@@ -192,7 +169,7 @@ contains
         if (is_folder(path)) then
             error = input_error('cannot read ' // path // ': it is a folder')
         else
-            call check(c_open(path // c_null_char, self%descriptor), 'read', path, error, reading=.true.)
+            call check_call(c_open(path // c_null_char, self%descriptor), 'read', path, error, reading=.true.)
         end if
     end subroutine open_input
 
@@ -203,8 +180,8 @@ contains
         integer, intent(out) :: length !! bytes read
         type(error_t), allocatable, intent(out) :: error
         integer(c_long_long) :: got
-        call check(c_read(self%descriptor, text, len(text, c_long_long), got), 'read', self%path, error, &
-                   reading=.true.)
+        call check_call(c_read(self%descriptor, text, len(text, c_long_long), got), 'read', self%path, error, &
+                        reading=.true.)
         length = int(got)
     end subroutine read_bytes
 
@@ -272,62 +249,4 @@ contains
         is_folder = folder /= 0
     end function is_folder
 
-    !> Whether standard error is a terminal.
-    logical function error_is_terminal()
-        error_is_terminal = c_is_terminal(int(standard_error, c_int)) /= 0
-    end function error_is_terminal
-
-    !> Seconds of a clock that never goes back.
-    real(dp) function seconds()
-        seconds = c_seconds()
-    end function seconds
-
-    !> Lets others have the processor for so many seconds.
-    subroutine pause_for(seconds)
-        real(dp), intent(in) :: seconds
-        call c_pause(seconds)
-    end subroutine pause_for
-
-    !> Date and time: `2024-05-31T12:34:56Z`.
-    function utc_now() result(text)
-        character(:), allocatable :: text
-        character(64) :: room
-        call c_utc(room, len(room))
-        text = up_to_null(room)
-    end function utc_now
-
-    !> Name of this machine.
-    function host_name() result(text)
-        character(:), allocatable :: text
-        character(256) :: room
-        call c_host(room, len(room))
-        text = up_to_null(room)
-    end function host_name
-
-    !> Most bytes of memory held so far.
-    integer(int64) function peak_memory()
-        peak_memory = c_peak_memory()
-    end function peak_memory
-
-    !> Makes an error of a status that is not 0: an output error unless it came in reading.
-    subroutine check(status, action, path, error, reading)
-        integer(c_int), intent(in) :: status
-        character(*), intent(in) :: action, path
-        type(error_t), allocatable, intent(out) :: error
-        logical, intent(in), optional :: reading
-        ! Threads write, too: see `status_names` in spintop_status.
-        character(256) :: reason
-        if (status == 0) return
-        call c_reason(status, reason, len(reason))
-        error = output_error('cannot ' // action // ' ' // path // ': ' // &
-            reason(:index(reason, c_null_char) - 1))
-        if (present(reading)) error%code = exit_input
-    end subroutine check
-
-    pure function up_to_null(room) result(text)
-        character(*), intent(in) :: room
-        character(:), allocatable :: text
-        text = room(:index(room // c_null_char, c_null_char) - 1)
-    end function up_to_null
-
-end module spintop_system
+end module spintop_files

@@ -1,0 +1,57 @@
+!> Instants at which a motion is looked at for events: so close that between two of them the attitude turns
+!> by less than `largest_turn`, and an axis goes less than that share of its distance from the vertical.
+module spintop_instants
+    use spintop_kinds, only: dp
+    use spintop_attitude, only: vertical_from_quaternion
+    use spintop_compare, only: is_finite
+    use spintop_motion, only: motion_t
+    use spintop_vectors, only: cross
+    implicit none
+    private
+    public :: next_instant, is_short
+
+    !> Turn of the attitude between two instants at most, rad, and way of the axis at most, as a share of
+    !> its distance from the vertical.
+    real(dp), parameter :: largest_turn = 0.4_dp
+    !> A pole passed more closely than this is passed through, rad.
+    real(dp), parameter :: through_pole = 1.0e-12_dp
+    !> A piece of so many spacings of the time is not divided.
+    real(dp), parameter :: least_spacings = 8
+
+contains
+
+    !> The next instant after time `now`, at most `last`; the body turns no faster than `pace`.
+    pure real(dp) function next_instant(motion, axis, now, last, pace) result(next)
+        type(motion_t), intent(in) :: motion     !! at time `now`
+        real(dp), intent(in) :: axis(3)          !! of the body; zero if no axis matters
+        real(dp), intent(in) :: now, last, pace  !! s, s, rad/s
+        real(dp) :: gap, near
+        next = last
+        gap = last - now
+        if (is_finite(pace) .and. pace * gap > largest_turn) gap = largest_turn / pace
+        near = time_near_pole(motion, axis)
+        if (near < gap) gap = near
+        gap = max(gap, 2 * least_spacings * spacing(max(abs(now), abs(last))))
+        if (last - now > gap) next = now + (last - now) / (aint((last - now) / gap) + 1)
+    end function next_instant
+
+    !> The time in which a body axis goes a share of its distance from the vertical, s: with that way s, its
+    !> speed v and its acceleration a in space, v t + a t^2/2 = s. Infinite in effect without an axis.
+    pure real(dp) function time_near_pole(motion, axis) result(time)
+        type(motion_t), intent(in) :: motion
+        real(dp), intent(in) :: axis(3)
+        real(dp) :: way, speed, acceleration
+        way = largest_turn * max(norm2(cross(vertical_from_quaternion(motion%quaternion), axis)), through_pole)
+        speed = norm2(cross(motion%omega, axis))
+        acceleration = norm2(cross(motion%omega_rate, axis) + cross(motion%omega, cross(motion%omega, axis)))
+        time = huge(1.0_dp)
+        if (speed + acceleration > 0) time = 2 * way / (speed + sqrt(speed**2 + 2 * acceleration * way))
+    end function time_near_pole
+
+    !> Whether a piece of time is too short to be divided.
+    pure logical function is_short(a, b)
+        real(dp), intent(in) :: a, b !! where it begins and ends, s
+        is_short = b - a <= least_spacings * spacing(max(abs(a), abs(b)))
+    end function is_short
+
+end module spintop_instants

@@ -1,0 +1,30 @@
+!> The clock: time that has passed, and the date.
+module spintop_clock
+    use spintop_kinds, only: dp
+    use spintop_posix, only: c_pause, c_seconds, c_utc, up_to_null
+    implicit none
+    private
+    public :: seconds, pause_for, utc_now
+
+contains
+
+    !> Seconds of a clock that never goes back.
+    real(dp) function seconds()
+        seconds = c_seconds()
+    end function seconds
+
+    !> Lets other threads and processes have the processor for a number of seconds.
+    subroutine pause_for(seconds)
+        real(dp), intent(in) :: seconds !! s
+        call c_pause(seconds)
+    end subroutine pause_for
+
+    !> Date and time: `2024-05-31T12:34:56Z`.
+    function utc_now() result(text)
+        character(:), allocatable :: text
+        character(64) :: room
+        call c_utc(room, len(room))
+        text = up_to_null(room)
+    end function utc_now
+
+end module spintop_clock

@@ -1,4 +1,4 @@
-!> How wide lines may be where they are read.
+!> Width of the lines of output.
 module spintop_terminal
     use, intrinsic :: iso_c_binding, only: c_int
     use spintop_wrapping, only: default_width
@@ -6,7 +6,7 @@ module spintop_terminal
     private
     public :: message_width, output_width
 
-    !> Lines on a terminal that tells a width below this would be of single words.
+    !> Smallest width used: on a narrower terminal every line would be a single word.
     integer, parameter :: least_width = 40
 
     interface

@@ -33,7 +33,7 @@ class OverrideTest(ProgramCase):
                 error = self.refuse(scene, "--set", setting)
                 column = setting.index(rest) + 1
                 self.assertIn(
-                    f"--set:1:{column}: error: what follows the value has no place", error
+                    f"--set:1:{column}: error: unexpected text after the value", error
                 )
         # Without quotes a text goes to the end.
         result = self.run_program("--check", scene, "--set", "study.title=a / b &c")

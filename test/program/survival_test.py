@@ -243,9 +243,7 @@ class InterruptionTest(SurvivalCase):
                 self.assertEqual(run.returncode, -number)
                 rows = self.journalled_rows("it's here/slow.csv")
                 first, second = said.splitlines()
-                pattern = (
-                    r"spintop: interrupted: (\d+) of 1000 rows of it's here/slow.csv are kept"
-                )
+                pattern = r"spintop: interrupted: (\d+) of 1000 rows of it's here/slow.csv are kept"
                 self.assertRegex(first, pattern)
                 kept = int(re.match(pattern, first)[1])
                 # The last entry may be on the disk, and its rows not yet counted.
@@ -283,7 +281,7 @@ class InterruptionTest(SurvivalCase):
         revision = part.index(b"# revision: ") + len(b"# revision: ")
         for new_part, new_journal, settings, reason in (
             (part[:middle], journal, [], "shorter than its journal says"),
-            (part[:middle] + b"~" + part[middle + 1 :], journal, [], "changed after it was written"),
+            (part[:middle] + b"~" + part[middle + 1 :], journal, [], "changed after it was"),
             (part[:revision] + b"~" + part[revision + 1 :], journal, [], "revision: ~"),
             (part, journal.replace(b"bytes: ", b"bytes: 1"), [], "journal is damaged"),
             (part, journal[:-5], [], "journal is damaged"),

@@ -1,5 +1,5 @@
-!> The batch program: reads inputs, has their studies carried out, and ends with an exit code. Of
-!> several ranks only the writer talks to the user, and it alone does what is no study.
+!> The batch program: reads inputs, runs their studies, and ends with an exit code. Of several ranks
+!> only the writer prints messages and answers requests other than studies.
 program spintop_main
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_command_line, only: request_t, read_command_line, describe_usage, action_run, action_check, &

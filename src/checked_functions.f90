@@ -1,5 +1,5 @@
 !> The functions of the library's face that return no status: they check what they are given and return
-!> NaN where that is no body, no motion or no number. Loops of the library itself take those of the same
+!> NaN where that is not a valid body, motion or number. Loops of the library itself take those of the same
 !> name that do not check.
 module spintop_checked_functions
     use spintop_kinds, only: dp
@@ -99,7 +99,7 @@ contains
         if (are_valid(body, motion)) x = unchecked_state(body, motion)
     end function euler_poisson_state
 
-    !> Least omega3 at which a symmetric top sleeps stably, rad/s: sqrt(4 mgl I1)/I3. NaN also for a
+    !> Threshold spin omega3 of the sleeping top, above which it is stable, rad/s: sqrt(4 mgl I1)/I3. NaN also for a
     !> body that is not an undamped symmetric top with its centre of mass on or above the pivot.
     pure real(dp) function critical_omega3(body)
         type(body_t), intent(in) :: body

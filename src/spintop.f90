@@ -1,4 +1,4 @@
-!> The library's face: what a program that uses spintop needs.
+!> The public interface of the library: what a program that uses spintop needs.
 !>
 !>     type(body_t) :: body
 !>     type(exact_motion_t) :: exact

@@ -11,7 +11,7 @@ module spintop_fast_top
 
     !> Approximate motion of a fast top; infinite or zero where a divisor vanishes.
     type :: fast_top_t
-        !> Swing of cos(theta), Eq 29.
+        !> Range of cos(theta), Eq 29.
         real(dp) :: delta_u
         !> Nutation frequency, rad/s, Eq 30.
         real(dp) :: nutation_rate

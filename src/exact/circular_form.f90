@@ -1,5 +1,5 @@
-!> The exact motion in circular functions, for k^2 <= 1/2: all but motions that linger near the
-!> upright.
+!> The exact solution in circular functions, for k^2 <= 1/2: all motions but those that stay near the
+!> upright for a long time.
 !>
 !> Jacobi's theta functions of nome q = exp(-pi K'/K) <= 0.0433. Where textbooks place the poles
 !> by incomplete elliptic integrals, here X = 2 q cosh(2 v) of their position i v follows from a

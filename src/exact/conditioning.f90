@@ -1,9 +1,9 @@
-!> How accurate an answer can be at all when its data are double precision numbers.
+!> Inherent error: the error of the attitude that is due to rounding of the data to double precision.
 !>
-!> Rounding the data to double moves the answer whatever the method: little for a steady
-!> precession, hopelessly far for a top that lingers near the upright. The floor at a time is how
-!> far the attitude turns when each datum moves by half a unit in the last place, combined as
-!> independent errors. It is found from exact motions of slightly displaced data.
+!> No method avoids it. It is small for a steady precession, and very large for a top that stays near
+!> the upright for a long time. The inherent error at a time is the rotation angle by which the attitude
+!> changes when each datum moves by half a unit in the last place, combined as independent errors. It is
+!> found from the exact solutions of slightly displaced data.
 module spintop_conditioning
     use spintop_kinds, only: dp, pi, epsilon_dp
     use spintop_status, only: status_ok
@@ -18,22 +18,22 @@ module spintop_conditioning
     public :: conditioning_t, prepare_conditioning, inherent_error
 
     !> Relative displacement of each datum: large enough that the rounding of the attitude does not
-    !> matter, small enough for floors up to `hopeless`, rad (beyond, displaced motions have no
-    !> relation to each other, and the value says no more than that).
+    !> matter, small enough for inherent errors up to `hopeless`, rad (beyond that, displaced motions
+    !> are unrelated).
     real(dp), parameter :: displacement = 8 * epsilon_dp, hopeless = 0.1_dp
     !> Relative error of a rounded datum.
     real(dp), parameter :: rounding = epsilon_dp / 2
-    !> Data of a start at most: four of the attitude, three rates.
+    !> Maximum number of data of a start: four of the attitude, three rates.
     integer, parameter :: most_data = 3 + 7
 
-    !> The exact motion of a start and those of its displaced data.
+    !> The exact solution of a start and those of its displaced data.
     type :: conditioning_t
         private
         type(exact_motion_t) :: exact
         integer :: count = 0
         type(exact_motion_t) :: displaced(most_data)
         real(dp) :: weight(most_data) = 0
-        !> Floor of what does not change in time: phi and psi at the start, rad.
+        !> Part of the inherent error that is constant in time: phi and psi at the start, rad.
         real(dp) :: constant = 0
         !> Time of the start, s, and its angular velocity, rad/s.
         real(dp) :: time = 0, rate = 0
@@ -113,7 +113,7 @@ contains
         end do
     end subroutine displace_quaternion
 
-    !> Adds the exact motion of displaced data.
+    !> Adds the exact solution of displaced data.
     pure subroutine add(conditioning, body, start, weight)
         type(conditioning_t), intent(inout) :: conditioning
         type(body_t), intent(in) :: body
@@ -132,7 +132,7 @@ contains
         displaced_value = x * (1 + displacement)
     end function displaced_value
 
-    !> How far rounding of the data turns the attitude at time t (s), rad; NaN at no finite time.
+    !> Inherent error of the attitude at time t (s), rad; NaN where the time is not finite.
     pure real(dp) function floor_at(self, t) result(angle)
         class(conditioning_t), intent(in) :: self
         real(dp), intent(in) :: t
@@ -150,8 +150,8 @@ contains
         if (angle > pi) angle = pi ! unlike min, keeps a NaN
     end function floor_at
 
-    !> How far rounding of the data turns the attitude at time t (s), rad; NaN for data without an
-    !> exact motion (`prepare_conditioning` says why). For many times, prepare once.
+    !> Inherent error of the attitude at time t (s), rad; NaN for data without an exact solution
+    !> (`prepare_conditioning` says why). For many times, prepare once.
     pure real(dp) function inherent_error(body, start, t) result(angle)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start

@@ -1,4 +1,4 @@
-!> The exact motion of a symmetric top without damping (Lagrange's top).
+!> The exact solution of a symmetric top without damping (Lagrange top).
 !>
 !> Set up once, it gives the motion at any time, forward or backward, at a cost and an accuracy
 !> that do not depend on the time span. The attitude is a product of theta functions (Jacobi 1850;
@@ -7,8 +7,8 @@
 !>     call prepare_exact_motion(body, start, exact, status)
 !>     motion = exact%at(t)
 !>
-!> What remains of rounding is rate times time. Therefore the constants and the phases are in
-!> extended precision, and only the reduced phases go on in double.
+!> The rounding error that remains is that of rate times time. Therefore the constants and the phases are in
+!> extended precision, and only the reduced phases are in double precision.
 module spintop_exact_motion
     use spintop_kinds, only: dp, xp, pi_xp
     use spintop_compare, only: is_finite
@@ -26,10 +26,10 @@ module spintop_exact_motion
     private
     public :: exact_motion_t, prepare_exact_motion
 
-    !> The motion of one top from one start. Immutable after its preparation, so threads may share.
+    !> The exact solution for one top and one start. Immutable after its preparation, so threads may share.
     type :: exact_motion_t
         private
-        !> What holds without any time.
+        !> Quantities that do not depend on time.
         type(nutation_t), public :: nutation
         type(theta_motion_t) :: theta
         !> Time of the start, s.
@@ -72,7 +72,7 @@ module spintop_exact_motion
 
 contains
 
-    !> Sets up the exact motion of `body` from `start`, of which either angles and rates or, close
+    !> Sets up the exact solution of `body` from `start`, of which either angles and rates or, close
     !> to a pole, quaternion and omega are used. `status` is `status_ok`, `status_unsuitable` (not
     !> a symmetric undamped top), `status_non_finite`, `status_bad_body` or `status_bad_start`.
     pure subroutine prepare_exact_motion(body, start, exact, status)

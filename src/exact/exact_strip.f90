@@ -1,4 +1,4 @@
-!> Many motions on their way from the start to the theta functions, in vector loops.
+!> The theta functions of many motions from their starts, in vector loops.
 !>
 !> The stages of `turning_points` and `circular_form` in double precision, each a loop over lanes
 !> with neither branches nor calls, few divisions and square roots: where several quotients are

@@ -1,6 +1,6 @@
-!> The largest support forces of a symmetric top without damping, without any time.
+!> The largest support forces of a symmetric top without damping over a nutation.
 !>
-!> The size of the force at O depends on the inclination alone. With the symmetry axis e the centre
+!> The magnitude of the force at O depends on the inclination alone. With the symmetry axis e the centre
 !> of mass has the acceleration l e'' (Newton and Euler's equations),
 !>
 !>     e'' = -K e + a e x e' - (beta/2) (z - u e),    K = |e'|^2 = K0 - beta (u-u0),
@@ -22,7 +22,7 @@ module spintop_force_extremes
     type :: force_extremes_t
         !> Smallest and largest upward force.
         real(dp) :: lowest_vertical = 0, highest_vertical = 0
-        !> Largest size of the force.
+        !> Largest magnitude of the force.
         real(dp) :: largest = 0
     end type force_extremes_t
 
@@ -74,7 +74,7 @@ contains
                              * (3 * start%beta * y**2 + 2 * g2(start) * y + g1) / 2)
     end function vertical_force
 
-    !> Size of the force at u = u0 + y, N: its part along the axis, m (g u - l K), and that across.
+    !> Magnitude of the force at u = u0 + y, N: its part along the axis, m (g u - l K), and that across.
     pure real(xp) function total_force(body, start, y) result(force)
         type(body_t), intent(in) :: body
         type(regular_start_t), intent(in) :: start

@@ -1,5 +1,5 @@
-!> The exact motion in hyperbolic functions, for k^2 > 1/2: motions that linger near the upright,
-!> up to and including the separatrix, which takes forever.
+!> The exact solution in hyperbolic functions, for k^2 > 1/2: motions that stay near the upright for a
+!> long time, up to and including the separatrix.
 !>
 !> Jacobi's imaginary transformation of the circular form: the nome q' = exp(-pi K/K') <= 0.0433
 !> belongs to the complementary modulus and is zero on the separatrix.
@@ -267,7 +267,7 @@ contains
         p = climb**2
 
         odd_z = sign(rise(abs(z), decay), z)
-        call add_up(form%by_z, e, p, values)
+        call sum_series(form%by_z, e, p, values)
         theta%divisor = values(divisor)
         theta%divisor_slope = odd_z * values(divisor_slope)
         theta%upper = cmplx(values(upper_even), odd_z * values(upper_odd), dp)
@@ -275,7 +275,7 @@ contains
         theta%sn = odd_z * values(sn) / theta%divisor
 
         odd_y = rise(from_top, climb)
-        call add_up(form%by_y, p, e, values)
+        call sum_series(form%by_y, p, e, values)
         lower = cmplx(values(lower_even), -odd_y * values(lower_odd), dp)
         lower_slope = lower + cmplx(-odd_y * values(lower_even_slope), values(lower_odd_slope), dp)
         theta%lower = decay * form%lower_turn * lower
@@ -288,7 +288,7 @@ contains
     end subroutine evaluate_hyperbolic_form
 
     !> All sums at once, at e and p.
-    pure subroutine add_up(sums, e, p, values)
+    pure subroutine sum_series(sums, e, p, values)
         type(sums_t), intent(in) :: sums
         real(dp), intent(in) :: e, p
         real(dp), intent(out) :: values(rows)
@@ -296,7 +296,7 @@ contains
             values = a(:, 0) + p * (a(:, 1) + p * (a(:, 2) + p * a(:, 3))) &
                 + e * (b(:, 0) + e * (b(:, 1) + e * (b(:, 2) + e * b(:, 3))))
         end associate
-    end subroutine add_up
+    end subroutine sum_series
 
     !> 1 - exp(-2x), x >= 0, from the decay exp(-x), to full relative precision.
     pure real(dp) function rise(x, decay)

@@ -1,5 +1,5 @@
-!> What can be said of a symmetric top's motion without any time: turning angles, period, what a
-!> nutation adds to precession and spin, the largest rates, and the class of the motion.
+!> Quantities of a symmetric top's motion that do not depend on time: range of the nutation angle, period,
+!> change of phi and psi per nutation, largest rates, and the class of the motion.
 module spintop_nutation
     use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_positive_inf
     use spintop_kinds, only: dp, xp, pi_xp, epsilon_dp
@@ -28,7 +28,7 @@ module spintop_nutation
     integer, parameter :: class_circulation = 9
     integer, parameter :: last_class = 9
 
-    !> Names of the classes as they stand in tables.
+    !> Names of the classes in tables.
     character(*), parameter :: class_names(last_class) = [character(16) :: 'loop', 'cusp', 'wave', &
         'steady', 'sleeping', 'hanging', 'separatrix', 'libration', 'circulation']
 
@@ -36,18 +36,18 @@ module spintop_nutation
         'the precession reverses in every nutation', &
         'the precession comes to rest at the upper turning angle', &
         'the precession keeps its direction', &
-        'steady precession: the inclination stays', &
+        'steady precession: the inclination is constant', &
         'the axis rests upright', &
         'the axis rests hanging', &
-        'the axis approaches the upright for ever', &
-        'plane pendulum swinging to and fro', &
-        'plane pendulum going over the top']
+        'separatrix: the axis approaches the upright asymptotically', &
+        'plane pendulum, oscillating', &
+        'plane pendulum, rotating over the top']
 
     !> The complete quantities of a motion, SI units and radians.
     type :: nutation_t
         !> One of the class constants.
         integer :: class = class_sleeping
-        !> Whether the axis passes exactly (to the rounding of the data) through theta = 0, pi.
+        !> Whether the axis passes exactly (within the rounding error of the data) through theta = 0, pi.
         logical :: passes_top = .false., passes_bottom = .false.
         !> Turning angles.
         real(dp) :: theta_min = 0, theta_max = 0
@@ -55,12 +55,12 @@ module spintop_nutation
         real(dp) :: delta_u = 0
         !> Nutation period, s; infinite on the separatrix and for an unstable upright.
         real(dp) :: period = 0
-        !> What one nutation adds to phi and psi, rad. Half turns at an exact passage of a pole,
+        !> Change of phi and psi per nutation, rad. Half turns at an exact passage of a pole,
         !> where phi and psi jump, are left out.
         real(dp) :: precession = 0, spin = 0
         !> Mean rates of phi and psi, rad/s.
         real(dp) :: precession_rate = 0, spin_rate = 0
-        !> The value of phi' largest in size, rad/s.
+        !> The value of phi' that is largest in magnitude, rad/s.
         real(dp) :: phi_rate_max = 0
         !> Largest theta', rad/s.
         real(dp) :: theta_rate_max = 0
@@ -68,7 +68,7 @@ module spintop_nutation
         real(dp) :: k_squared = 0, complement_squared = 1
     end type nutation_t
 
-    !> Rounding of the data, in units of their largest terms, that a class must survive.
+    !> Tolerance of the classification for rounding errors of the data, in units of their largest terms.
     real(xp), parameter :: data_rounding = 8 * epsilon_dp
 
 contains
@@ -95,7 +95,7 @@ contains
             is_finite(nutation%precession_rate) .and. is_finite(nutation%phi_rate_max)
     end function is_defined
 
-    !> Name of a class as it stands in tables; 'unknown' for a number that is no class.
+    !> Name of a class as it stands in tables; 'unknown' for a number that is not a class.
     pure function class_name(class) result(name)
         integer, intent(in) :: class
         character(:), allocatable :: name
@@ -132,7 +132,7 @@ contains
             nutation%delta_u = 0
             nutation%spin_rate = real(start%omega3, dp)
             nutation%period = ieee_value(1.0_dp, ieee_positive_inf)
-            ! Without swing the period is that of infinitely small nutations.
+            ! Without nutation the period is that of infinitely small nutations.
             if (points%frequency > 0) nutation%period = real(pi_xp / points%frequency, dp)
             nutation%spin = whole_turn(nutation%spin_rate, nutation%period)
             return
@@ -146,7 +146,7 @@ contains
         nutation%theta_rate_max = largest_theta_rate(points)
     end function describe_nutation
 
-    !> Period, and what it adds to phi and psi.
+    !> Period, and the change of phi and psi per period.
     pure subroutine add_precession(start, clock, nutation)
         type(regular_start_t), intent(in) :: start
         type(theta_clock_t), intent(in) :: clock
@@ -221,7 +221,7 @@ contains
         is_plane = .not. abs(start%b_minus_a) + abs(start%b_plus_a) > 0
     end function is_plane
 
-    !> Whether the two upper roots coincide (at u = 1), to the rounding of the data.
+    !> Whether the two upper roots coincide (at u = 1), within the rounding error of the data.
     elemental logical function is_separatrix(start, points)
         type(regular_start_t), intent(in) :: start
         type(turning_points_t), intent(in) :: points
@@ -232,7 +232,7 @@ contains
         end associate
     end function is_separatrix
 
-    !> Whether the inclination is constant to the rounding of the data: no moment about the line
+    !> Whether the inclination is constant within the rounding error of the data: no torque about the line
     !> of nodes, and no rate.
     elemental logical function is_steady(start, points)
         type(regular_start_t), intent(in) :: start
@@ -246,7 +246,7 @@ contains
         end associate
     end function is_steady
 
-    !> Whether the precession vanishes at the upper turning angle, to the rounding of the data.
+    !> Whether the precession vanishes at the upper turning angle, within the rounding error of the data.
     elemental logical function is_cusp(start, points)
         type(regular_start_t), intent(in) :: start
         type(turning_points_t), intent(in) :: points
@@ -254,7 +254,7 @@ contains
             <= data_rounding * (abs(start%turn) + abs(start%a) * start%sine_squared)
     end function is_cusp
 
-    !> Whether the axis passes through theta = 0: b = a to the rounding of the data, and u2 = 1
+    !> Whether the axis passes through theta = 0: b = a within the rounding error of the data, and u2 = 1
     !> (not u3 = 1, above a motion that turns earlier).
     elemental logical function reaches_top(start, points)
         type(regular_start_t), intent(in) :: start
@@ -264,7 +264,7 @@ contains
             .and. start%beta * points%one_minus_u2 <= points%beta_u3_minus_1
     end function reaches_top
 
-    !> Whether the axis passes through theta = pi: b = -a to the rounding of the data.
+    !> Whether the axis passes through theta = pi: b = -a within the rounding error of the data.
     elemental logical function reaches_bottom(start)
         type(regular_start_t), intent(in) :: start
         reaches_bottom = abs(start%b_plus_a) <= data_rounding &

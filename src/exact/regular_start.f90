@@ -6,7 +6,7 @@
 !>     upper = q0 + i q3 = cos(theta/2) exp(i (phi + psi)/2)
 !>     lower = q1 + i q2 = sin(theta/2) exp(i (phi - psi)/2)
 !>
-!> which vanish at theta = pi and at theta = 0. With the swing omega1 + i omega2 they obey
+!> which vanish at theta = pi and at theta = 0. With the transverse angular velocity swing = omega1 + i omega2 they obey
 !>
 !>     upper' = i omega3/2 upper - lower conj(swing)/2,   lower' = upper swing/2 - i omega3/2 lower
 module spintop_regular_start
@@ -184,7 +184,7 @@ contains
         regular%sine_squared = regular%one_minus_u * regular%one_plus_u
         regular%omega3 = start%omega(3)
         regular%swing_squared = squared(swing)
-        ! The swing relative to the vertical in body axes, Gamma1 + i Gamma2.
+        ! The transverse angular velocity relative to the vertical in body axes, Gamma1 + i Gamma2.
         along = conjg(2 * i * regular%lower * conjg(regular%upper)) * swing
         regular%turn = real(along, xp)
         regular%u_rate = aimag(along)

@@ -1,4 +1,4 @@
-!> Which form of the exact motion a case is evaluated in, and the choice made once.
+!> The form in which the exact solution of a case is evaluated, chosen once.
 module spintop_theta_motion
     use spintop_kinds, only: dp, xp
     use spintop_scalar_functions, only: nearest_whole
@@ -14,7 +14,7 @@ module spintop_theta_motion
     public :: theta_motion_t, prepare_theta_motion, choose_regime, regime_name
     public :: regime_resting, regime_circular, regime_hyperbolic
 
-    !> The axis rests: upright, hanging, or anywhere without weight and without swing.
+    !> The axis rests: upright, hanging, or anywhere without weight and at rest.
     integer, parameter :: regime_resting = 1
     !> k^2 <= 1/2: theta functions of the nome in circular functions of time.
     integer, parameter :: regime_circular = 2
@@ -53,7 +53,7 @@ contains
         end if
     end function choose_regime
 
-    !> Name of a regime as it stands in explanations.
+    !> Name of a regime in explanations.
     pure function regime_name(regime) result(name)
         integer, intent(in) :: regime
         character(:), allocatable :: name

@@ -4,7 +4,7 @@
 !> sigma = omega3 (I1 - I3)/I1, b = 2 m g l/I1, a = I3 omega3/I1, E = theta'^2 + sin^2(theta) phi'^2 +
 !> b cos(theta) and A+- = (E +- b + a^2)/4:
 !>     alpha'' = (b |alpha|^2 - b/2 - A+) alpha,  beta'' = (b/2 - b |beta|^2 - A-) beta.
-!> No attitude is singular. |alpha|^2 + |beta|^2 = 1 holds for the exact motion only.
+!> No attitude is singular. |alpha|^2 + |beta|^2 = 1 holds for the exact solution only.
 !>
 !> Drift and kick are those of any such pair of equations y'' = g(y): y moves at its rate, the rate
 !> changes by g at rest. Splitting methods are then symplectic Runge-Kutta-Nystrom methods.

@@ -1,4 +1,4 @@
-!> What every form of the equations of motion offers to every integrator: y' = f(y).
+!> The interface between formulations of the equations of motion, y' = f(y), and integrators.
 !>
 !> A formulation is set up once for a body and a start and is immutable afterwards, so that one
 !> serves all threads. States sit in arrays of fixed size; unused components stay zero.
@@ -18,14 +18,14 @@ module spintop_formulation
 
     !> Structures that a formulation may offer to integrators beside its right-hand side:
     !> drift and kick, the two parts of the motion with flows of their own;
-    !> motion along a Lie group; Taylor coefficients of the motion; the same in quadruple precision.
+    !> motion on a Lie group; Taylor coefficients of the motion; the same in quadruple precision.
     integer, parameter :: structure_none = 0, structure_split = 1, structure_group = 2, &
         structure_series = 3, structure_quadruple = 4
     character(*), parameter :: structure_names(structure_split:structure_quadruple) = &
-        [character(32) :: 'drift and kick', 'motion on a group', 'Taylor series', &
+        [character(32) :: 'drift and kick', 'Lie-group motion', 'Taylor series', &
          'quadruple Taylor series']
 
-    !> What the registry, the help and the checks know of a formulation.
+    !> Registry entry of a formulation.
     type :: formulation_info_t
         !> Name, as it stands in inputs.
         character(16) :: name = ''
@@ -59,7 +59,7 @@ module spintop_formulation
         !> State variables that may count any number of turns and on which nothing else depends: their
         !> magnitude says nothing of the motion.
         logical :: cyclic(max_states) = .false.
-        !> Drift and kick are flows, the kick changes rates by what the attitude alone tells, and the
+        !> Drift and kick are flows, the kick changes rates by a function of the attitude alone, and the
         !> drift turns by rates to which it is linear: the ground of Runge-Kutta-Nystrom tables.
         logical :: splits_as_nystrom = .true.
     contains
@@ -123,7 +123,7 @@ module spintop_formulation
 
 contains
 
-    !> What the exact motion keeps: the first `info%invariants` values (energy J, momenta J s, squared
+    !> Invariants (first integrals) of the motion: the first `info%invariants` values (energy J, momenta J s, squared
     !> length of a quaternion, ...), smooth functions of the state.
     pure subroutine no_invariants(self, y, values)
         class(formulation_t), intent(in) :: self
@@ -136,7 +136,7 @@ contains
 
     !> A drift (`drift`) or a kick (`kick`) over `h` seconds, of either sign, from the state y + change:
     !> adds to `change` what it does.
-    !> The two together are the motion: their right-hand sides add up to `derivative`. The kick is
+    !> The two together are the motion: the sum of their right-hand sides is `derivative`. The kick is
     !> an exact flow; the drift is one or, without `splits_as_nystrom`, may be an approximation that is
     !> symmetric in h and of order 2.
     pure subroutine no_flow(self, y, h, change)
@@ -150,8 +150,8 @@ contains
     !> How kicks over `kicks` h and drifts over `drifts` h seconds, in turn and beginning with a kick,
     !> change the state. Formulations whose flows cost less than their calls bring one of their own.
     !>
-    !> The change is summed from zero: so rounding cuts off shares of it, as the flows do that make
-    !> it up, and not shares of the state.
+    !> The change is summed from zero, so that rounding errors are relative to the change and not to the
+    !> state.
     pure subroutine compose_flows(self, y, h, kicks, drifts, change)
         class(formulation_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states), h, kicks(0:), drifts(:)
@@ -231,8 +231,8 @@ contains
         coefficient(:, 0) = y
     end subroutine no_series_quadruple
 
-    !> Called after each accepted step: may put the state back on what it must satisfy.
-    !> `changed` tells whether it did, `clipped` that it had to cut an inadmissible value.
+    !> Called after each accepted step: may project the state onto its constraints.
+    !> `changed` says whether it did, `clipped` that it clipped an inadmissible value.
     pure subroutine keep_state(self, y, changed, clipped)
         class(formulation_t), intent(in) :: self
         real(dp), intent(inout) :: y(max_states)
@@ -244,8 +244,8 @@ contains
     end subroutine keep_state
 
     !> Carries angles along the motion from one time and state to a later one, so that those that
-    !> the state holds only modulo a turn stay continuous; unless `sure`, more states between would
-    !> tell more. States that hold the angles themselves need none.
+    !> the state holds only modulo a turn stay continuous; unless `sure`, more states between are
+    !> needed. States that hold the angles themselves need none.
     pure subroutine keep_angles(self, t_last, y_last, t, y, angle, sure)
         class(formulation_t), intent(in) :: self
         real(dp), intent(in) :: t_last, y_last(max_states), t, y(max_states)

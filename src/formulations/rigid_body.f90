@@ -3,7 +3,7 @@
 !> No attitude is singular. The equations take the quaternion for the attitude that it points to,
 !> whatever its length: they keep the length constant, and integrators nearly so.
 !>
-!> The motion splits into the free turning of the body, the drift, and the moments of weight and
+!> The motion splits into the free turning of the body, the drift, and the torques of gravity and
 !> damping on it at rest, the kick. The kinetic energy is that of a symmetric body with the axis k and
 !> the moments I_i, I_i, I_k, which turns by h Pi/I_i and then by h (1/I_k - 1/I_i) Pi_k about k, and
 !> the rest (1/I_j - 1/I_i) Pi_j^2/2, a turn about j, of which one half comes before and one after
@@ -30,7 +30,7 @@ module spintop_rigid_body
     !> State y = (q0, q1, q2, q3, Pi1, Pi2, Pi3).
     type, extends(formulation_t) :: rigid_body_t
         private
-        !> Moment of the weight m g r, N m.
+        !> Gravitational torque m g r, N m.
         real(dp) :: moment(3) = 0
         !> What couples the momenta in Pi x omega: 1/I3 - 1/I2 and cyclic, exactly zero for equal
         !> moments, so that a symmetric body keeps its momentum about the axis to the last digit.
@@ -93,7 +93,7 @@ contains
         status = status_ok
     end subroutine prepare
 
-    !> q' = q (0, omega)/2, Pi' = Pi x omega + m g Gamma x r - damping (Euler and Poisson).
+    !> q' = q (0, omega)/2, Pi' = Pi x omega + m g Gamma x r - damping (Euler-Poisson equations).
     pure subroutine derivative(self, y, dy, status)
         class(rigid_body_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states)
@@ -157,8 +157,8 @@ contains
         change(4) = change(4) + (q0 * turn(4) + q1 * turn(3) - q2 * turn(2) + q3 * turn(1))
     end subroutine drift
 
-    !> Goes on turning about a body axis, by `h` times the momentum about it. `turn` is the quaternion
-    !> of all the turn less 1, `lag` what it changes of the momentum `p` in body axes.
+    !> Continues the rotation about a body axis, by `h` times the momentum about it. `turn` is the
+    !> quaternion of the whole rotation minus 1, `lag` its change of the momentum `p` in body axes.
     pure subroutine turn_about(axis, h, p, lag, turn)
         integer, intent(in) :: axis
         real(dp), intent(in) :: h, p(3)
@@ -188,7 +188,7 @@ contains
         turn(1 + j) = tj + (half_drop * tj - half_sine * ti)
     end subroutine turn_about
 
-    !> Goes on turning about the direction of the momentum, by 2 `scale` times its length.
+    !> Continues the rotation about the direction of the momentum, by 2 `scale` times its length.
     pure subroutine turn_along(scale, p, lag, turn)
         real(dp), intent(in) :: scale, p(3), lag(3)
         real(dp), intent(inout) :: turn(4)
@@ -211,7 +211,7 @@ contains
         turn(4) = t3 + (t3 * drop + (t0 * w3 + t1 * w2 - t2 * w1) + w3)
     end subroutine turn_along
 
-    !> The momentum changes by the moments of the weight, constant at rest, and of the damping:
+    !> The momentum changes by the torques of gravity, constant at rest, and of the damping:
     !> Pi' = m g Gamma x r - d Pi/I.
     pure subroutine kick(self, y, h, change)
         class(rigid_body_t), intent(in) :: self

@@ -5,8 +5,8 @@
 !> What is left is bilinear, has no trigonometric functions and no singular attitude. With the axis
 !> e, a quadratic form of p, L' = m g l (-e2, e1, 0) and e' = L x e/I1.
 !>
-!> In the drift, the top without weight, L is constant and p turns about it; the kick is the moment of
-!> the weight at rest. (The split of Dullweber, Leimkuhler and McLachlan, J. Chem. Phys. 107, 1997, in
+!> In the drift, the top without weight, L is constant and p turns about it; the kick is the gravitational
+!> torque at rest. (The split of Dullweber, Leimkuhler and McLachlan, J. Chem. Phys. 107, 1997, in
 !> the axes in which free symmetric tops turn uniformly.)
 module spintop_space_frame
     use spintop_kinds, only: dp, qp, xp
@@ -88,7 +88,7 @@ contains
         status = status_ok
     end subroutine prepare
 
-    !> p' = (0, L/(2 I1)) p, and the moment of the weight.
+    !> p' = (0, L/(2 I1)) p, and the gravitational torque.
     pure subroutine derivative(self, y, dy, status)
         class(space_frame_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states)
@@ -135,7 +135,7 @@ contains
         change(6) = change(6) + (drop * p3 + sinc * (w3 * p0 + w1 * p2 - w2 * p1))
     end subroutine drift
 
-    !> L changes by the moment of the weight.
+    !> L changes by the gravitational torque.
     pure subroutine kick(self, y, h, change)
         class(space_frame_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states), h

@@ -8,7 +8,7 @@ module spintop_symmetric_top
     private
     public :: symmetric_top_t, at_pole
 
-    !> Constants of the motion of a symmetric top, and what follows from them for given angles.
+    !> Constants of the motion of a symmetric top, and functions of them and of the angles.
     type :: symmetric_top_t
         !> I1 (= I2) and I3 about the pivot, kg m^2.
         real(dp) :: i1 = 1, i3 = 1

@@ -4,7 +4,7 @@
 !> Errors below 4e-16, relative or, where a result passes zero for no zero argument, absolute.
 !> Reduction by quadrants after W. J. Cody and W. Waite, Software Manual for the Elementary
 !> Functions, 1980; sine and cosine after S. L. Moshier, Cephes, 1984; inverse functions by
-!> polynomials that interpolate at Chebyshev's points, weighted for relative error.
+!> polynomials that interpolate at Chebyshev points, weighted for relative error.
 module spintop_array_functions
     use spintop_kinds, only: dp, pi
     implicit none

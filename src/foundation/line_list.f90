@@ -1,4 +1,4 @@
-!> Lines of text that grow in number.
+!> A list of lines of text.
 module spintop_line_list
     use spintop_text, only: string_t
     implicit none

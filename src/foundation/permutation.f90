@@ -1,4 +1,4 @@
-!> Random permutations of any length, of which each place is computed by itself, without a table.
+!> Random permutations of any length, computed place by place, without a table.
 !>
 !> A number below a*b is split into its two digits to the bases a and b; a Feistel network adds to
 !> each in turn what a keyed hash makes of the other, which can be undone and so permutes the

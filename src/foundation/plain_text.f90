@@ -1,4 +1,4 @@
-!> What of a text a terminal may show, and which texts stand on one line of a table.
+!> Texts that are safe on a terminal, and texts that fit on one line of a table.
 module spintop_plain_text
     implicit none
     private

@@ -1,5 +1,5 @@
-!> Random numbers by counting: each is a function of a seed, a number and a stream, so that whoever
-!> needs one computes it, in any order, on any thread or machine, without a state to carry along.
+!> Counter-based random numbers: each is a function of a seed, a number and a stream, so that it can be
+!> computed in any order, on any thread or machine, without a state.
 !>
 !> The arithmetic is that of unsigned words of 32 bits, held in 64-bit integers whose products never
 !> overflow.

@@ -1,5 +1,5 @@
 !> Circular functions of one angle that is already reduced, and the argument of a complex number:
-!> what the exact motion needs at every sample, several times faster than the general functions of
+!> what the exact solution needs at every sample, several times faster than the general functions of
 !> the compiler's library.
 !>
 !> Errors below 3e-16: relative of `find_sine_and_cosine` and `argument`, absolute of `unit`.
@@ -9,7 +9,7 @@ module spintop_scalar_functions
     private
     public :: find_sine_and_cosine, argument, unit, nearest_whole
 
-    !> (sin(x) - x)/x^3 and (cos(x) - 1 + x^2/2)/x^4 in powers of x^2: Taylor's series, complete to
+    !> (sin(x) - x)/x^3 and (cos(x) - 1 + x^2/2)/x^4 in powers of x^2: Taylor series, complete to
     !> 1e-18 for |x| <= pi/4.
     real(dp), parameter :: sine_series(0:7) = [real(dp) :: &
         -1 / 6.0_dp, 1 / 120.0_dp, -1 / 5040.0_dp, 1 / 362880.0_dp, -1 / 39916800.0_dp, &
@@ -18,7 +18,7 @@ module spintop_scalar_functions
         1 / 24.0_dp, -1 / 720.0_dp, 1 / 40320.0_dp, -1 / 3628800.0_dp, 1 / 479001600.0_dp, &
         -1 / 87178291200.0_dp, 1 / 20922789888000.0_dp]
 
-    !> (atan(x) - x)/x^3 in powers of x^2, interpolated at Chebyshev's points for |x| <= tan(pi/8).
+    !> (atan(x) - x)/x^3 in powers of x^2, interpolated at Chebyshev points for |x| <= tan(pi/8).
     real(dp), parameter :: arctangent_series(0:10) = [ &
         -3.3333333333333330156e-1_dp, 1.9999999999995516545e-1_dp, -1.4285714284665684761e-1_dp, &
         1.1111111015187018721e-1_dp, -9.0909045753064890845e-2_dp, 7.6921831253768920895e-2_dp, &

@@ -1,4 +1,4 @@
-!> Eigenvalues of a matrix of which some are known beforehand.
+!> Eigenvalues of a matrix of which some are known in advance.
 !>
 !> Invariants and symmetries of a motion give its linearisation eigenvalues that are all the same,
 !> with fewer eigenvectors than eigenvalues: left to LAPACK, rounding e would move them by its root
@@ -20,8 +20,8 @@ contains
 
     !> All eigenvalues of a square matrix A, those equal to `known` last. Candidates for their
     !> eigenvectors are the columns c of `forms`, c^T A = known c^T, and v of `directions`,
-    !> A v = known v with c^T v = 0 for every form; those that are none are passed over. `unit`
-    !> holds the size of each component, by which they become comparable.
+    !> A v = known v with c^T v = 0 for every form; candidates that are not eigenvectors are ignored. `unit`
+    !> holds the scale of each component, which makes them comparable.
     subroutine find_spectrum(matrix, unit, known, forms, directions, eigenvalues, status)
         real(dp), intent(in) :: matrix(:, :), unit(:), known, forms(:, :), directions(:, :)
         complex(dp), intent(out) :: eigenvalues(size(matrix, 1))

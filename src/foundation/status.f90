@@ -20,7 +20,7 @@ module spintop_status
     integer, parameter :: status_unsuitable = 8
     integer, parameter :: status_integrator = 9
     integer, parameter :: status_bad_input = 10
-    ! What a call is refused for, before anything is computed.
+    ! Reasons to refuse a call before anything is computed.
     integer, parameter :: status_bad_body = 11
     integer, parameter :: status_bad_start = 12
     integer, parameter :: status_bad_controls = 13
@@ -46,29 +46,29 @@ module spintop_status
         'completed', &
         'the axis is at a pole (sin theta = 0), where these equations are singular', &
         'a value overflowed or is not a number', &
-        'the work allowed (integration.max_steps) is used up', &
+        'the maximum number of steps (integration.max_steps) is reached', &
         'the equations of an implicit step could not be solved', &
-        'the step size fell to the rounding of the time', &
+        'step underflow: the step size fell to the rounding error of the time', &
         'reached a turning point of theta, where the energy-rate equations end', &
         'the state left the region where the equations hold (negative radicand)', &
         'the equations do not hold for this body or start', &
         'the integrator library reported a failure of its own', &
-        'the arguments, or the parameters of the case, describe no top or no motion', &
+        'the arguments, or the parameters of the case, do not describe a top and its motion', &
         'the mass of the body is not positive, or a moment of inertia or a damping coefficient is negative', &
         'the quaternion of the start is zero, or contradicts its angles, or its rates contradict omega', &
         'a tolerance, steps, max_steps, the projection or the Butcher table is not valid for the method', &
         'the end of the span is not a finite time at or after the start', &
         'the sample times are not in rising order within the span', &
         'an event has a level that is not finite, or no direction', &
-        'the formulation does not have, or the damped body does not conserve, what is to be projected on', &
-        'a method of fixed step size is given no number of steps', &
+        'the formulation lacks, or the damped body does not conserve, the invariants to project on', &
+        'a method with a fixed step size needs a number of steps', &
         'the method needs a structure that the formulation does not offer', &
-        'where theta_rate is reset from the energy, this method stays at the first turning point for ever', &
-        'there is nothing of this name']
+        'this method cannot leave a turning point of theta where theta_rate is reset from the energy', &
+        'the name is unknown']
 
 contains
 
-    !> Name of a status as it stands in tables; 'unknown' for a number that is no status.
+    !> Name of a status as it stands in tables; 'unknown' for a number that is not a status.
     pure function status_name(status) result(name)
         integer, intent(in) :: status
         character(:), allocatable :: name
@@ -80,7 +80,7 @@ contains
     pure function status_meaning(status) result(meaning)
         integer, intent(in) :: status
         character(:), allocatable :: meaning
-        meaning = 'this number is no status'
+        meaning = 'this number is not a status'
         if (status >= 0 .and. status <= last_status) meaning = trim(status_meanings(status))
     end function status_meaning
 

@@ -8,7 +8,7 @@ module spintop_text
     public :: string_t, lower_case, nearest_word, join, split, to_text, replace_all, abbreviate
     public :: write_reals, write_integer, real_width
 
-    !> Most characters that a real number takes.
+    !> Maximum number of characters of a real number.
     integer, parameter :: real_width = 24
 
     !> One text of any length, as an element of a list.

@@ -4,7 +4,7 @@ module spintop_wrapping
     private
     public :: wrapped, characters, default_width
 
-    !> Width of a text that goes to no terminal, in columns.
+    !> Width of a text that is not written to a terminal, in columns.
     integer, parameter :: default_width = 100
     !> Least room for words beside what stands to their left.
     integer, parameter :: least_room = 24

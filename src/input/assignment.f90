@@ -205,7 +205,7 @@ contains
         all_needed = parameter%elements == all_elements .or. .not. self%whole
         if (self%count == 0) then
             call self%refuse(parameter, diagnostics, self%place, &
-                'no value for ' // parameter%key, 'leave the key out to have the default')
+                'no value for ' // parameter%key, 'omit the key to use the default')
         else if (all_needed .and. self%first + self%count <= self%last) then
             call self%refuse(parameter, diagnostics, self%place, 'too few values for ' // &
                 parameter%key, 'it takes ' // to_text(self%last - self%first + 1) // &
@@ -238,8 +238,8 @@ contains
             return
         end if
         if (token%kind == token_string) then
-            problem = parameter%key // ' is no text'
-            hint = 'a value without quotes is expected'
+            problem = quoted(abbreviate(text)) // ' is not a valid value for ' // parameter%key
+            hint = 'expected a value without quotes'
         else
             select case (parameter%kind)
             case (kind_real)
@@ -292,7 +292,7 @@ contains
                 'the quote is not closed on its line', 'the closing quote is missing')
         else if (.not. is_plain(text)) then
             call self%refuse(parameter, diagnostics, token%place, &
-                'a tab, a control character or a byte that is not UTF-8', 'plain text is expected')
+                'a tab, a control character or a byte that is not UTF-8', 'expected plain text')
         else if (len_trim(text) > parameter%text_length()) then
             call self%refuse(parameter, diagnostics, token%place, 'the text is too long', &
                 'at most ' // to_text(parameter%text_length()) // ' bytes')
@@ -306,7 +306,8 @@ contains
                 word = parameter%choices(i)%text
             else
                 call self%fail(parameter, diagnostics, token%place, quoted(abbreviate(text)) // &
-                    ' is no choice for ' // parameter%key, suggest_word(text, parameter%choices, parameter%aliases))
+                    ' is not a valid value for ' // parameter%key, &
+                    suggest_word(text, parameter%choices, parameter%aliases))
             end if
         end if
         if (.not. parameter%faulty) call parameter%put_text(column, word)

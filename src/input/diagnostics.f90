@@ -1,4 +1,4 @@
-!> Everything that is wrong with an input, shown where it stands:
+!> The errors and warnings of an input, each shown with its source line:
 !>
 !>     scene.nml:12:5: error: unknown key 'mas' in group &top
 !>        |
@@ -15,7 +15,7 @@ module spintop_diagnostics
 
     !> More problems than this are counted, not shown.
     integer, parameter :: most_shown = 100
-    !> Longest stretch of a source line that is shown.
+    !> Longest part of a source line that is shown.
     integer, parameter :: widest_line = 100, least_window = 20
 
     !> Where something stands in a source. The default is nowhere.
@@ -144,7 +144,7 @@ contains
         if (number > 1) text = to_text(number) // ' ' // noun // 's'
     end function counted
 
-    !> Puts a problem behind the last one that does not stand after it.
+    !> Inserts a problem in the order of the places.
     subroutine add(self, place, severity, message, hint)
         class(diagnostics_t), intent(inout) :: self
         type(place_t), intent(in) :: place

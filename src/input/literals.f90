@@ -30,11 +30,11 @@ contains
             if (is_infinite_or_nan(lower)) then
                 hint = 'it must be finite'
             else if (index(lower, '_') > 0) then
-                hint = 'a kind suffix has no place here'
+                hint = 'a kind suffix is not allowed'
             else if (verify(lower, digits // '+-.*/^()epid') == 0) then
                 hint = 'a number, not an expression'
             else
-                hint = 'a number such as 1.5 or 2e-3 is expected'
+                hint = 'expected a number such as 1.5 or 2e-3'
             end if
             return
         end if
@@ -63,7 +63,7 @@ contains
         call read_real(text, number, real_problem, hint)
         if (verify(text, digits // '+-') > 0 .or. real_problem /= '') then
             problem = 'not an integer: ' // abbreviate(text)
-            hint = 'a whole number is expected'
+            hint = 'expected a whole number'
             if (real_problem == '' .and. is_equal(number, anint(number)) .and. &
                 abs(number) < huge(1)) hint = 'a whole number is written ' // to_text(nint(number))
         else if (abs(number) >= huge(1)) then
@@ -90,7 +90,7 @@ contains
             value = .false.
         case default
             problem = 'neither true nor false: ' // abbreviate(text)
-            hint = '.true. or .false. is expected'
+            hint = 'expected .true. or .false.'
         end select
     end subroutine read_logical
 

@@ -4,7 +4,7 @@
 !> group and key must be known and stand once; nothing but comments stands between groups; a
 !> text stands in quotes, on one line; no value is left empty; a list is either given by
 !> `key = a, b`, by elements `key(2) = a` and ranges `key(2:3) = a, b`, or, where it has rows,
-!> by `key(1,:) = a, b`. All errors are collected; what follows an error is read on.
+!> by `key(1,:) = a, b`. All errors are collected; reading continues after an error.
 module spintop_namelist
     use spintop_assignment, only: assignment_t
     use spintop_diagnostics, only: diagnostics_t, place_t
@@ -22,7 +22,7 @@ module spintop_namelist
     private
     public :: read_namelist
 
-    !> No honest input is larger (bytes).
+    !> Largest size of an input, bytes.
     integer, parameter :: largest_file = 1024 * 1024
 
 contains
@@ -77,7 +77,7 @@ contains
 
         if (index(text, char(0)) > 0) then
             call diagnostics%error(place_of_byte(text, index(text, char(0)), table%place%source), &
-                'not a text file: it has NUL bytes', 'a namelist in ASCII or UTF-8 is expected')
+                'not a text file: it has NUL bytes', 'expected a namelist in ASCII or UTF-8')
             return
         end if
         call scanner%start(text, table%place%source, comments=.true.)
@@ -200,7 +200,7 @@ contains
         has_equals = scanner%key_follows()
         call scanner%next(token)
         if (token%kind /= token_word) then
-            call diagnostics%error(token%place, 'a key is expected here', 'key = value, or / to end')
+            call diagnostics%error(token%place, 'expected a key here', 'key = value, or / to end')
             call skip_line(scanner, token_slash)
             return
         end if

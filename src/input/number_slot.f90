@@ -1,4 +1,4 @@
-!> One numeric element of an input, to be set again and again (by the axes of a sweep).
+!> One numeric element of an input, which the axes of a sweep set repeatedly.
 module spintop_number_slot
     use spintop_compare, only: is_equal, is_finite
     use spintop_kinds, only: dp

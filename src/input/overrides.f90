@@ -14,7 +14,7 @@ module spintop_overrides
 
 contains
 
-    !> Reads one override. Quotes around a word may be dropped, and a list is parted by commas.
+    !> Reads one override. Quotes around a word may be dropped, and the values of a list are separated by commas.
     !> It replaces what a file or an earlier override gave.
     subroutine read_override(text, table, diagnostics)
         character(*), intent(in) :: text
@@ -43,7 +43,7 @@ contains
             call scanner%next(token)
             if (token%kind /= token_equals) then
                 call assignment%refuse(parameter, diagnostics, token%place, &
-                    'an equals sign is expected', 'an override is GROUP.KEY=VALUE')
+                    'expected an equals sign', 'an override is GROUP.KEY=VALUE')
                 return
             end if
             call assignment%begin(parameter, diagnostics)
@@ -54,7 +54,7 @@ contains
                 call read_values(scanner, '', table, parameter, assignment, diagnostics)
                 call scanner%peek(token)
                 if (token%kind /= token_end) call assignment%refuse(parameter, diagnostics, token%place, &
-                    'what follows the value has no place in an override', 'one --set for each GROUP.KEY=VALUE')
+                    'unexpected text after the value', 'use one --set for each GROUP.KEY=VALUE')
             end if
             call assignment%finish(parameter, diagnostics)
         end associate

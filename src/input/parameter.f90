@@ -1,4 +1,4 @@
-!> One parameter of an input: what it is, and the variable of somebody else that holds it.
+!> One parameter of an input: what it is, and the variable outside this module that holds it.
 module spintop_parameter
     use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
     use spintop_compare, only: is_equal
@@ -12,9 +12,9 @@ module spintop_parameter
     public :: kind_real, kind_integer, kind_text, kind_logical
     public :: all_elements, leading_elements, any_elements
 
-    !> The value of a real that nobody gave.
+    !> The value of a real that was not given.
     real(dp), parameter :: unset = -huge(1.0_dp)
-    !> The value of an integer that nobody gave. (Of a text: blank.)
+    !> The value of an integer that was not given. (Of a text: blank.)
     integer, parameter :: unset_integer = -huge(1)
 
     integer, parameter :: kind_real = 1
@@ -40,7 +40,7 @@ module spintop_parameter
         character(:), allocatable :: default !! as in a namelist, '' for none
         type(range_t) :: range
         type(string_t), allocatable :: choices(:) !! words allowed; none means any
-        character(48), allocatable :: aliases(:)  !! `other=own`: what others call one of the choices
+        character(48), allocatable :: aliases(:)  !! `other=own`: another name of one of the choices
         character(:), allocatable :: key_in_degrees !! the key that takes the same angle in degrees
         integer :: kind = kind_real
         integer :: rank = 0

@@ -20,7 +20,7 @@ module spintop_parameters
     public :: parameter_table_t, unit_hint
     public :: unset, unset_integer, all_elements, leading_elements, any_elements
 
-    !> How the name of an angle ends that is in degrees.
+    !> Ending of the name of an angle in degrees.
     character(*), parameter :: degrees = '_deg'
 
     !> A group of the input, and where it was given.
@@ -67,7 +67,7 @@ contains
         call self%append(parameter, name, what, unit=unit, range=range)
     end subroutine add_real
 
-    !> Reals; `elements` tells which belong together (default: all_elements).
+    !> Reals; `elements` says which belong together (default: all_elements).
     subroutine add_reals(self, name, variable, unit, range, what, elements)
         class(parameter_table_t), intent(inout) :: self
         character(*), intent(in) :: name
@@ -103,7 +103,7 @@ contains
         call self%append(parameter, name, what, unit=unit, range=range)
     end subroutine add_integer
 
-    !> Integers; `elements` tells which belong together (default: all_elements).
+    !> Integers; `elements` says which belong together (default: all_elements).
     subroutine add_integers(self, name, variable, unit, range, what, elements)
         class(parameter_table_t), intent(inout) :: self
         character(*), intent(in) :: name
@@ -123,14 +123,14 @@ contains
         character(*), target, intent(inout) :: variable
         character(*), intent(in), optional :: choices
         character(*), intent(in) :: what
-        character(*), intent(in), optional :: aliases(:) !! `other=own`: what others call one of the choices
+        character(*), intent(in), optional :: aliases(:) !! `other=own`: another name of one of the choices
         type(parameter_t) :: parameter
         call parameter%bind_text(variable)
         if (present(aliases)) allocate (parameter%aliases, source=[character(len(parameter%aliases)) :: aliases])
         call self%append(parameter, name, what, choices=choices)
     end subroutine add_text
 
-    !> Texts; `elements` tells which belong together (default: leading_elements).
+    !> Texts; `elements` says which belong together (default: leading_elements).
     subroutine add_texts(self, name, variable, choices, what, elements)
         class(parameter_table_t), intent(inout) :: self
         character(*), intent(in) :: name
@@ -241,7 +241,7 @@ contains
         if (problem /= '') return
         associate (parameter => self%parameters(number))
             if (.not. parameter%is_number()) then
-                problem = quoted(name) // ' holds no number'
+                problem = quoted(name) // ' is not a number'
                 return
             end if
             if (parameter%kind == kind_real) then
@@ -270,7 +270,7 @@ contains
         if (is_given) is_given = self%parameters(number)%is_given(row, column)
     end function is_given
 
-    !> Where to point at when something is wrong with a parameter, an element or a group: where it
+    !> The place for a message about a parameter, an element or a group: where it
     !> was given, or else its group, or else the input as a whole.
     type(place_t) function place_of(self, name) result(place)
         class(parameter_table_t), intent(in) :: self
@@ -330,7 +330,7 @@ contains
             do i = 1, size(names)
                 names(i)%text = self%parameters(i)%name
             end do
-            problem = 'there is no parameter ' // quoted(name(:open - 1))
+            problem = 'unknown parameter ' // quoted(name(:open - 1))
             if (unit_hint(self, name(:open - 1)) /= '') then
                 problem = problem // '; ' // unit_hint(self, name(:open - 1))
                 return

@@ -12,7 +12,7 @@ module spintop_scanner
     !> `&name`
     integer, parameter :: token_group = 1
     integer, parameter :: token_slash = 2
-    !> A run of characters that mean nothing else: a name, a number, `3*0.0`, `.true.`
+    !> A run of any other characters: a name, a number, `3*0.0`, `.true.`
     integer, parameter :: token_word = 3
     !> A text in quotes.
     integer, parameter :: token_string = 4
@@ -21,7 +21,7 @@ module spintop_scanner
     integer, parameter :: token_open = 7
     integer, parameter :: token_close = 8
     integer, parameter :: token_colon = 9
-    !> A character that has no meaning here.
+    !> A character that is undefined in a namelist.
     integer, parameter :: token_other = 10
 
     character, parameter :: tab = achar(9), line_feed = achar(10), carriage_return = achar(13)
@@ -133,7 +133,7 @@ contains
         self%at%position = token%last + 1
     end subroutine next
 
-    !> The next token, without going on.
+    !> The next token, without moving past it.
     subroutine peek(self, token)
         class(scanner_t), intent(inout) :: self
         type(token_t), intent(out) :: token

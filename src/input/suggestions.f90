@@ -1,4 +1,4 @@
-!> What would be right where a group or a key is not known.
+!> Suggestions for an unknown group, key or value.
 module spintop_suggestions
     use spintop_parameter, only: quoted
     use spintop_parameters, only: parameter_table_t, unit_hint
@@ -54,8 +54,8 @@ contains
         end do
     end function homes_of
 
-    !> The candidate that is meant, or the list of all. Of names that others use each says, behind an equals
-    !> sign, which candidate it is.
+    !> The candidate that is meant, or the list of all. Each alias, `other=own`,
+    !> names its candidate behind the equals sign.
     function suggest_word(word, candidates, aliases) result(hint)
         character(*), intent(in) :: word
         type(string_t), intent(in) :: candidates(:)
@@ -67,11 +67,11 @@ contains
         if (hint /= '') then
             hint = 'did you mean ' // quoted(hint) // '?'
         else
-            hint = 'one of: ' // join(candidates, ', ')
+            hint = 'expected one of: ' // join(candidates, ', ')
         end if
     end function suggest_word
 
-    !> What a word of others is called here; '' for words that are no aliases.
+    !> The candidate that an alias stands for; '' for words that are not aliases.
     pure function own_name(word, aliases) result(name)
         character(*), intent(in) :: word
         character(*), intent(in) :: aliases(:) !! each `other=own`

@@ -80,7 +80,7 @@ contains
         end if
     end subroutine read_word
 
-    !> Passes over values that nobody can take.
+    !> Skips values of an unknown key.
     subroutine skip_values(scanner, group, table)
         type(scanner_t), intent(inout) :: scanner
         character(*), intent(in) :: group

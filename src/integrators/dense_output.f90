@@ -1,9 +1,9 @@
-!> Dense output for Runge-Kutta methods that bring none of their own.
+!> Dense output for Runge-Kutta methods without their own.
 !>
 !> A step's ends and slopes give the cubic Hermite polynomial, with an error of order h^4. Slopes
 !> taken on it raise the degree: level m puts m slopes between the ends, taken on the polynomial of
 !> level m-1, and has an error of order h^(m+4) (Enright, Jackson, Norsett and Thomsen, ACM TOMS 12,
-!> 1986). Up to level m that costs m(m+1)/2 right-hand sides a step, whatever the number of samples.
+!> 1986). Up to level m that costs m(m+1)/2 function evaluations per step, whatever the number of samples.
 module spintop_dense_output
     use spintop_kinds, only: dp
     use spintop_formulation, only: formulation_t, max_states

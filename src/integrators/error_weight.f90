@@ -1,9 +1,9 @@
-!> How large an error of a step may be: the one place where tolerances meet the state.
+!> Weights of step errors: the one place where tolerances are applied to the state.
 !>
 !> An absolute tolerance is in radians for the attitude, and in units of the motion's largest rate and
 !> largest momentum for those: `formulation_t%scale`. So step control does not depend on the units of
 !> mass, length and time. An angle that counts its turns and on which nothing depends, phi for one,
-!> counts as one radian, however often it has gone round, until it cannot be told any more for rounding.
+!> counts as one radian, however often it has gone round, until rounding leaves it no digit.
 module spintop_error_weight
     use spintop_kinds, only: dp, epsilon_dp
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states

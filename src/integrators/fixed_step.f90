@@ -1,4 +1,4 @@
-!> Methods that go through the span in equal steps.
+!> Methods with a fixed step size.
 module spintop_fixed_step
     use spintop_kinds, only: dp
     use spintop_compare, only: is_equal
@@ -11,7 +11,7 @@ module spintop_fixed_step
     public :: fixed_step_t, grid_workspace_t, begin_on_grid, advance_on_grid, grid_time, off_grid
     public :: share_of_time_left
 
-    !> Mark in `workspace_t%grid` of a run that has left the grid of equal steps.
+    !> Mark in `workspace_t%grid` of a run that has left the grid of fixed step size.
     integer, parameter :: off_grid = -1
     !> Near the end of its equations a run may take this share of the time left in one step.
     real(dp), parameter :: share_of_time_left = 0.25_dp
@@ -67,7 +67,7 @@ contains
         starts_from_slope = .true.
     end function starts_from_slope
 
-    !> Takes the first slope and, for equal steps, sets their size.
+    !> Takes the first slope and, for a fixed step size, sets it.
     subroutine begin_on_grid(self, formulation, work, status)
         class(fixed_step_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
@@ -120,7 +120,7 @@ contains
         work%slope = slope
     end subroutine advance_on_grid
 
-    !> Time of the grid point that a run in so many equal steps has reached, without summing steps.
+    !> Time of the grid point that a run in so many steps of fixed size has reached, without summing steps.
     pure real(dp) function grid_time(work, steps)
         class(workspace_t), intent(in) :: work
         integer, intent(in) :: steps

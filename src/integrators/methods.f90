@@ -23,9 +23,9 @@ module spintop_methods
     private
     public :: method_infos, create_stepper, exact_info
 
-    !> The exact motion, which takes no steps, where methods are named.
+    !> The exact solution, which takes no steps, in the list of methods.
     type(method_info_t), parameter :: exact_info = method_info_t( &
-        'exact', 'closed form of the undamped symmetric top: any instant, no steps')
+        'exact', 'closed-form solution of the undamped symmetric top: any time, no steps')
 
     type :: entry_t
         class(stepper_t), allocatable :: prototype
@@ -54,7 +54,7 @@ contains
             'crank_nicolson_1', 'trapezoidal rule (the paper, Appendix D)', &
             order=2, fixed_step=.true., implicit=.true., symmetric=.true.)))
         call known%add(implicit_runge_kutta_t(table=gauss_table(1), info=method_info_t( &
-            'crank_nicolson_2', 'implicit midpoint rule, the Gauss method of order 2 (Appendix D)', &
+            'crank_nicolson_2', 'implicit midpoint rule, the Gauss-Legendre method of order 2 (Appendix D)', &
             order=2, fixed_step=.true., implicit=.true., symmetric=.true.)))
         call known%add(implicit_runge_kutta_t(table=theta_table(2.0_dp / 3), info=method_info_t( &
             'galerkin', 'theta method with alpha = 2/3 (Appendix D)', &
@@ -96,7 +96,7 @@ contains
             'dop853', 'Dormand-Prince 8(5,3) of Hairer, Norsett and Wanner', order=8, &
             fixed_step=.true., adaptive=.true.)))
         call known%add(taylor_t(info=method_info_t( &
-            'taylor', 'Taylor series of order 8 to 30, as the tolerance asks for', adaptive=.true., &
+            'taylor', 'Taylor series of order 8 to 30, chosen by the tolerance', adaptive=.true., &
             needs=structure_series)))
         call known%add(taylor_quadruple_t(info=method_info_t( &
             'taylor_quadruple', 'Taylor series of order 30 in quadruple precision, for reference motions', &

@@ -1,7 +1,7 @@
-!> Puts a state back on what the exact motion keeps, where a user asks for it.
+!> Projection of a state onto the invariants of the motion, on request of the user.
 !>
-!> A drift away from an invariant tells how good a computation is; so nothing is put back unless
-!> asked for.
+!> The drift of an invariant measures the quality of a computation; so nothing is projected unless
+!> requested.
 module spintop_projection
     use spintop_kinds, only: dp, epsilon_dp
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states, max_invariants
@@ -11,12 +11,12 @@ module spintop_projection
     public :: projection_t, projection_names
     public :: project_nothing, project_unit, project_invariants
 
-    !> What is put back: nothing, the length of the quaternion, or all invariants.
+    !> What is projected: nothing, the length of the quaternion, or all invariants.
     integer, parameter :: project_nothing = 0, project_unit = 1, project_invariants = 2
     character(*), parameter :: projection_names(project_nothing:project_invariants) = &
         [character(10) :: 'none', 'unit', 'invariants']
 
-    !> Most corrections in one projection.
+    !> Maximum number of corrections in one projection.
     integer, parameter :: most_corrections = 3
 
     !> A projection of the states of one run.
@@ -41,7 +41,7 @@ contains
         if (kind == project_invariants) call formulation%invariants(y, self%target)
     end subroutine begin
 
-    !> Puts a state back; `changed` tells whether it did.
+    !> Projects a state; `changed` says whether it changed.
     subroutine apply(self, formulation, y, changed)
         class(projection_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation

@@ -1,4 +1,4 @@
-!> What every integrator offers: one step at a time through any formulation.
+!> The interface of integrators: one step at a time through any formulation.
 !>
 !> A stepper holds settings only and is immutable during a run; what changes sits in a workspace.
 !> So one stepper serves all threads, each with a workspace of its own.
@@ -13,10 +13,10 @@ module spintop_stepper
     private
     public :: stepper_t, method_info_t, controls_t, workspace_t, counts_t, looks_per_step
 
-    !> So many looks at a motion within steps count as one step of the work that a run may take.
+    !> This many evaluations of the motion within steps count as one step towards `max_steps`.
     integer, parameter :: looks_per_step = 16
 
-    !> What the registry, the help, the checks and the tests know of a method.
+    !> Registry entry of a method.
     type :: method_info_t
         !> Name, as it stands in inputs.
         character(20) :: name = ''
@@ -24,9 +24,9 @@ module spintop_stepper
         character(112) :: what = ''
         !> Order of convergence; 0 where it depends on the Butcher table chosen by name.
         integer :: order = 0
-        !> Can take equal steps.
+        !> Has a variant with a fixed step size.
         logical :: fixed_step = .false.
-        !> Can choose its steps by tolerances.
+        !> Has a variant with adaptive steps, chosen by tolerances.
         logical :: adaptive = .false.
         !> Has equations to solve in each step.
         logical :: implicit = .false.
@@ -38,17 +38,17 @@ module spintop_stepper
         logical :: takes_table = .false.
         !> Tolerances of its own where the user gives none (0: the program's).
         real(dp) :: relative_tolerance = 0, absolute_tolerance = 0
-        !> A smaller relative tolerance is below what its arithmetic can tell.
+        !> Smallest relative tolerance that its arithmetic resolves.
         real(dp) :: finest_tolerance = 1.0e-17_dp
         !> Caught at a turning point where the speed is reset after each step: see `passes_turns`.
         logical :: caught_by_reset = .false.
-        !> Output points a step by its own convention (ode45: 4); 0 without one.
+        !> Output points per step by its own convention (ode45: 4); 0 without one.
         integer :: refine = 0
     end type method_info_t
 
     !> What a user may set on a method.
     type :: controls_t
-        !> Number of equal steps; 0 lets an adaptive method choose its steps.
+        !> Number of steps of fixed size; 0 lets an adaptive method choose its steps.
         integer :: steps = 0
         !> Error that a step may make: as a share of each state variable (of a radian, for angles that
         !> count their turns and on which nothing depends), and beside that, in radians for the attitude
@@ -59,7 +59,7 @@ module spintop_stepper
         integer(int64) :: max_steps = 1000000
         !> Solve implicit steps by fixed-point iteration instead of Newton's.
         logical :: fixed_point = .false.
-        !> What is put back after each step: see `spintop_projection`.
+        !> What is projected after each step: see `spintop_projection`.
         integer :: project = project_nothing
         !> Name of a Butcher table; empty for the method's default.
         character(40) :: table = ''
@@ -67,11 +67,11 @@ module spintop_stepper
 
     !> What a run cost.
     type :: counts_t
-        !> Steps taken, and tried in vain.
+        !> Accepted and rejected steps.
         integer(int64) :: steps = 0, rejected = 0
-        !> Looks at the motion within steps, in search of events and of the turns of angles.
+        !> Evaluations of the motion within steps, to find events and the turns of angles.
         integer(int64) :: looks = 0
-        !> Right-hand sides and Jacobian matrices computed.
+        !> Evaluations of the right-hand side and of the Jacobian matrix.
         integer(int64) :: evaluations = 0, jacobians = 0
         !> Inadmissible values that `after_step` had to cut.
         integer(int64) :: clipped = 0
@@ -85,7 +85,7 @@ module spintop_stepper
         real(dp) :: t_begin = 0, t_end = 0
         !> Time and state reached, and the slope y' there.
         real(dp) :: t = 0, y(max_states) = 0, slope(max_states) = 0
-        !> What rounding has cut from the state so far: the state is y + rest.
+        !> Compensation term of the state (Kahan): the state is y + rest.
         real(dp) :: rest(max_states) = 0
         !> Time, state and slope before the last step.
         real(dp) :: t_last = 0, y_last(max_states) = 0, slope_last(max_states) = 0
@@ -93,9 +93,9 @@ module spintop_stepper
         real(dp) :: h = 0
         !> Steps done on the grid of a fixed-step method; -1 once it has left the grid.
         integer :: grid = 0
-        !> How large an error of a step may be, set as an adaptive method begins.
+        !> Weights of step errors, set as an adaptive method begins.
         type(error_weight_t) :: weight
-        !> Puts each new state back on what it must satisfy.
+        !> Projection of each new state.
         type(projection_t) :: projection
         !> What the run has cost so far.
         type(counts_t) :: counts
@@ -186,7 +186,7 @@ contains
         call work%weight%set(formulation, self%controls%relative_tolerance, self%controls%absolute_tolerance)
     end subroutine set_weight
 
-    !> Right-hand side, counted; an infinite or undefined slope is `status_non_finite`.
+    !> Evaluates the right-hand side and counts it; an infinite or undefined slope is `status_non_finite`.
     subroutine evaluate(self, formulation, y, dy, status)
         class(workspace_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
@@ -199,7 +199,7 @@ contains
         if (status == status_ok .and. .not. all(abs(dy) <= huge(1.0_dp))) status = status_non_finite
     end subroutine evaluate
 
-    !> Whether the work that a case may take is used up: steps, tried or taken, and looks.
+    !> Whether the maximum number of steps is reached: accepted, rejected, and evaluations within steps.
     pure logical function is_spent(self, max_steps)
         class(workspace_t), intent(in) :: self
         integer(int64), intent(in) :: max_steps
@@ -208,8 +208,8 @@ contains
         end associate
     end function is_spent
 
-    !> Accepts the state `y_new` at `t_new`, after formulation and projection have put it back on
-    !> what it must satisfy; `changed` tells whether they did. The slope is the caller's to renew.
+    !> Accepts the state `y_new` at `t_new`, after formulation and projection have projected it;
+    !> `changed` says whether they changed it. The slope is the caller's to renew.
     subroutine settle(self, formulation, t_new, y_new, changed)
         class(workspace_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
@@ -231,7 +231,7 @@ contains
     end subroutine settle
 
     !> Accepts the state reached by a change, summed with compensation (Kahan, Comm. ACM 8, 1965):
-    !> what rounding cuts off is kept for the next step.
+    !> the compensation term is kept for the next step.
     subroutine settle_change(self, formulation, t_new, change, changed)
         class(workspace_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation

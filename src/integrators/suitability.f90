@@ -1,4 +1,4 @@
-!> What suits what: which stepper carries which formulation of which body, and why not.
+!> Compatibility of steppers, formulations and bodies.
 !>
 !> `can_run` is the one place that decides it, for the library's `integrate`, for the program's plans
 !> and for tests. It is made of the single conditions, for messages that go into detail.
@@ -20,7 +20,7 @@ module spintop_suitability
 
 contains
 
-    !> Whether a stepper, as it is set, carries a formulation of a body to the right motion:
+    !> Whether a stepper, with its settings, can integrate a formulation for a body:
     !> `status_ok`, or the first of
     !>
     !> * `status_unsuitable`: the equations do not hold for the body;

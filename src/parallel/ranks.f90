@@ -1,5 +1,5 @@
 !> The processes that a run consists of, its ranks. There are several where an MPI launcher starts a
-!> program that was built for MPI. Rank 0 is the writer: it alone writes files and talks to the user,
+!> program that was built for MPI. Rank 0 is the writer: it alone writes files and messages,
 !> and it hands out the blocks of a sweep, which the others compute.
 !>
 !> The writer                                     The others, each of their threads
@@ -51,19 +51,19 @@ module spintop_ranks
         module subroutine end_ranks()
         end subroutine end_ranks
 
-        !> Gives all ranks the error of the first that has one. All ranks call it.
+        !> Broadcasts the error of the first rank that has one. All ranks call it.
         module subroutine agree(self, error)
             class(ranks_t), intent(in) :: self
             type(error_t), allocatable, intent(inout) :: error
         end subroutine agree
 
-        !> Gives all ranks the numbers of the writer. All ranks call it.
+        !> Broadcasts the numbers of the writer to all ranks. All ranks call it.
         module subroutine broadcast_numbers(self, numbers)
             class(ranks_t), intent(in) :: self
             integer(int64), intent(inout) :: numbers(:)
         end subroutine broadcast_numbers
 
-        !> Gives all ranks the text of the writer. All ranks call it.
+        !> Broadcasts the text of the writer to all ranks. All ranks call it.
         module subroutine broadcast_text(self, text)
             class(ranks_t), intent(in) :: self
             character(:), allocatable, intent(inout) :: text
@@ -77,14 +77,14 @@ module spintop_ranks
         end subroutine reduce
 
         !> Hands the rows of a block to the writer (`number` > 0), and takes what it answers. Threads
-        !> may call it at will: they take turns.
+        !> may call it at any time: they take turns.
         module subroutine exchange(self, number, rows)
             class(ranks_t), intent(in) :: self
             integer(int64), intent(inout) :: number
             type(row_block_t), intent(in) :: rows
         end subroutine exchange
 
-        !> Tells the writer that this rank has handed in all, and will ask no more.
+        !> Signs this rank off: it has handed in all its blocks.
         module subroutine sign_off(self)
             class(ranks_t), intent(in) :: self
         end subroutine sign_off
@@ -110,7 +110,7 @@ module spintop_ranks
 
 contains
 
-    !> Whether this is the one that writes files and talks to the user.
+    !> Whether this is the rank that writes files and messages.
     pure logical function is_writer(self)
         class(ranks_t), intent(in) :: self
         is_writer = self%number == 0

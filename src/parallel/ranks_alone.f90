@@ -1,5 +1,5 @@
 #ifndef SPINTOP_MPI
-!> Ranks in a build without MPI: a process is alone, and has nobody to broadcast to or to hear.
+!> Ranks in a build without MPI: there is one process only, and nothing to broadcast or receive.
 submodule(spintop_ranks) ranks_alone
     implicit none
 

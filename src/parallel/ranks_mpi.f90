@@ -128,7 +128,7 @@ contains
         call MPI_Send(number, 1, MPI_INTEGER8, rank, tag_answer, MPI_COMM_WORLD)
     end procedure answer
 
-    !> Gives all ranks the text of one.
+    !> Broadcasts a text of one rank to all.
     subroutine broadcast(text, from)
         character(:), allocatable, intent(inout) :: text
         integer, intent(in) :: from

@@ -1,6 +1,6 @@
 !> Blocks of rows that are computed in any order, written in the order of their cases. The queue gives
-!> out the numbers of the blocks, from 1 on, and keeps those that come early. Whoever finds a block due
-!> writes it, while others go on computing, taking and handing in.
+!> out the numbers of the blocks, from 1 on, and keeps those that come early. A thread that finds a block
+!> due writes it, while the others continue to compute, take and hand in blocks.
 !>
 !>     call queue%start(room=8, blocks=100)     ! these by one thread at a time
 !>     call queue%take(number)                  ! a block to compute, or retry_later, or none_left
@@ -17,8 +17,8 @@ module spintop_row_queue
     private
     public :: row_queue_t, retry_later, none_left
 
-    !> What is taken in place of a number: those who compute are too far ahead of a slow one, or there
-    !> is nothing more to do.
+    !> Returned in place of a number: the threads are too far ahead of the slowest block, or there is
+    !> nothing more to do.
     integer(int64), parameter :: retry_later = 0, none_left = -1
 
     !> Blocks to compute, and those that wait until the ones before them are written.

@@ -112,12 +112,12 @@ contains
 
         call table%add('top.shape', scene%shape, &
                        shape_by_inertia // '|' // join(shape_infos%name, '|'), &
-                       'how the body is given: by its mass properties or by a shape')
+                       'description of the body: by its mass properties or by a shape')
         call table%add('top.mass', scene%mass, 'kg', '> 0', 'mass of the body')
         call table%add('top.inertia', scene%inertia, 'kg m^2', '> 0', &
                        'principal moments of inertia about body x, y, z')
         call table%add('top.inertia_about', scene%inertia_about, 'pivot|centre_of_mass', &
-                       'the point that top.inertia is about')
+                       'reference point of top.inertia')
         call table%add('top.centre_of_mass', scene%centre_of_mass, 'm', '', &
                        'centre of mass from the pivot in body axes')
         call table%add('top.length', scene%length, 'm', '', &
@@ -127,10 +127,10 @@ contains
         call table%add('top.inner_radius', scene%inner_radius, 'm', '>= 0', 'inner radius of a ring')
         call table%add('top.thickness', scene%thickness, 'm', '>= 0', 'extent of a shape along its axis')
         call table%add('top.rod_length', scene%rod_length, 'm', '>= 0', &
-                       'from the pivot to the centre of a shape on a rod')
+                       'distance from the pivot to the centre of a shape on a rod')
         call table%add('top.gravity', scene%gravity, 'm/s^2', '>= 0', 'acceleration of gravity')
         call table%add('top.damping', scene%damping, 'N m s', '>= 0', &
-                       'viscous moments per angular velocity about body x, y, z')
+                       'viscous damping coefficients about body x, y, z')
 
         call add_each('initial.', ['phi  ', 'theta', 'psi  '], '', scene%angle, 'rad', &
                       ['            ', '[0, pi]     ', '            '], &
@@ -156,38 +156,38 @@ contains
         call table%add('span.precessions', scene%precessions, '', '> 0', &
                        'time span in periods 2 pi I3 omega3/(m g l)')
         call table%add('span.samples', scene%samples, '', '>= 2', &
-                       'rows, equally spaced in time, both ends included (1001; fixed steps: every step)')
+                       'number of rows, equally spaced in time, both ends included (1001; fixed step size: every step)')
 
         call table%add('span.stop_at', scene%stop_at, what='the event that ends the motion, as in output.events')
-        call table%add('span.stop_after', scene%stop_after, '', '>= 1', 'which of these events ends it (1)')
+        call table%add('span.stop_after', scene%stop_after, '', '>= 1', 'which of these events ends the motion (1)')
 
         associate (forms => formulation_infos(), methods => method_infos())
             call table%add('integration.formulation', scene%formulation, &
                            'auto|' // join(forms%name, '|'), 'form of the equations of motion')
             call table%add('integration.method', scene%method, &
-                           'auto|exact|' // join(methods%name, '|'), 'integrator, or the exact motion', &
+                           'auto|exact|' // join(methods%name, '|'), 'integrator, or the exact solution', &
                            aliases=method_aliases)
         end associate
         call table%add('integration.table', scene%table, what='Butcher table of an ARKODE method')
-        call table%add('integration.steps', scene%steps, '', '>= 1', 'number of equal steps')
+        call table%add('integration.steps', scene%steps, '', '>= 1', 'number of steps of fixed size')
         call table%add('integration.step', scene%step, 's', '> 0', &
-                       'largest size of equal steps, instead of steps')
+                       'largest fixed step size, instead of steps')
         call table%add('integration.relative_tolerance', scene%relative_tolerance, '', '[1e-31, 1]', &
-                       'relative error a step of adaptive methods (1e-9; ode45: 1e-3)')
+                       'relative error per step of adaptive methods (1e-9; ode45: 1e-3)')
         call table%add('integration.absolute_tolerance', scene%absolute_tolerance, '', '> 0', &
                        'absolute error per step, in radians and in units of the largest rate or momentum ' // &
                        '(1e-12, ode45 1e-6; at most a thousandth of a relative_tolerance given)')
         call table%add('integration.max_steps', scene%max_steps, '', '>= 1', &
-                       'maximum work per case, in steps')
+                       'maximum number of steps per case')
         call table%add('integration.solver', scene%solver, 'newton|fixed_point', &
-                       'how implicit steps are solved')
+                       'solver of the equations of implicit steps')
         call table%add('integration.project', scene%project, join(projection_names, '|'), &
-                       'what is put back after each step: the length of the quaternion, or all invariants')
+                       'projection after each step: of the length of the quaternion, or of all invariants')
 
         call table%add('output.file', scene%file, what='name of the table (default: that of the input)')
         call table%add('output.columns', scene%columns, what='columns of the table, or all')
         call table%add('output.format', scene%format, 'csv|netcdf', &
-                       'format of the table; netcdf is for sweeps, where the build has it')
+                       'format of the table; netcdf: sweeps only, in builds with NetCDF')
         call table%add('output.events', scene%events, &
                        what='events for a table of their own: `spintop list events` says which')
 
@@ -199,15 +199,15 @@ contains
         call table%add('sweep.count', scene%count, '', '>= 1', 'number of values of an axis', &
                        elements=any_elements)
         call table%add('sweep.spacing', scene%spacing, 'linear|log', &
-                       'spacing of the values, or of what values are drawn from', elements=any_elements)
+                       'spacing of the values, or of the range of random values', elements=any_elements)
         call table%add('sweep.combine', scene%combine, join(combination_names, '|'), &
-                       'how the axes make cases: all combinations, side by side, or drawn from the axes')
-        call table%add('sweep.cases', scene%cases, '', '>= 1', 'number of cases that are drawn')
-        call table%add('sweep.seed', scene%seed, '', '', 'another seed draws other values')
+                       'combination of the axes: all combinations, side by side, or a random sample')
+        call table%add('sweep.cases', scene%cases, '', '>= 1', 'number of random cases')
+        call table%add('sweep.seed', scene%seed, '', '', 'seed of the random values')
         call table%add('sweep.table', scene%sweep_table, &
-                       what='CSV file instead of axes: parameters as columns, a case each row (path from the input)')
+                       what='CSV file instead of axes: parameters as columns, one case per row (path from the input)')
         call table%add('sweep.table_checksum', scene%sweep_table_checksum, &
-                       what='of the bytes of the table: one with another is refused (computed)')
+                       what='checksum of the table; a table with another checksum is refused (computed)')
 
         call table%add('work_precision.methods', scene%precision_methods, &
                        what='methods, exact among them, alone or as method/formulation (all)')
@@ -216,11 +216,11 @@ contains
         call table%add('work_precision.tolerances', scene%precision_tolerances, '', '[1e-31, 1]', &
                        'relative tolerances of methods with step control (1e-3 to 1e-14)', elements=leading_elements)
         call table%add('work_precision.steps', scene%precision_steps, '', '>= 1', &
-                       'numbers of equal steps of the others, and without tolerances of all that can (100 to 25600)', &
+                       'numbers of fixed steps of the others, and without tolerances of all that can (100 to 25600)', &
                        elements=leading_elements)
         call table%add('work_precision.repeats', scene%precision_repeats, '', '>= 1', &
-                       'runs of which the fastest counts (5; fewer where they take seconds)')
-        call table%add('work_precision.reference', scene%precision_reference, what='what errors are measured against: ' &
+                       'number of runs, of which the fastest counts (5; fewer where they take seconds)')
+        call table%add('work_precision.reference', scene%precision_reference, what='reference of the errors: ' &
                        // join(reference_names, ', ') // ', or a table with t, q0 to q3, omega1 to omega3')
 
         call table%add('stability.cases', scene%stability_cases, &

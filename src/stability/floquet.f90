@@ -1,4 +1,4 @@
-!> Stability of periodic motions by Floquet's multipliers.
+!> Stability of periodic motions by Floquet multipliers.
 module spintop_floquet
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
@@ -15,13 +15,13 @@ module spintop_floquet
     private
     public :: find_multipliers, find_monodromy
 
-    !> How far a motion may be from its start after a period, relative to its size.
+    !> How far a motion may be from its start after a period, relative to its scale.
     real(dp), parameter :: slack = 1.0e-9_dp
 
 contains
 
-    !> Multipliers of the motion that returns to its start after `period` seconds, but for a turn of
-    !> the body about its axis of symmetry: each a factor by which a small deviation grows in a
+    !> Floquet multipliers of the motion that returns to its start after `period` seconds, but for a turn of
+    !> the body about its axis of symmetry: each a factor by which a perturbation grows per
     !> period. Those that belong to invariants, symmetries and the time of the start are 1 and come
     !> last. `status_unsuitable`: the motion does not return by then; `status_bad_input`: no positive
     !> period; `status_non_finite`, `status_bad_body`, `status_bad_start`: no body or no motion.
@@ -43,7 +43,7 @@ contains
         call find_spectrum(monodromy, state_units(body, x), 1.0_dp, forms, directions, multipliers, status)
     end subroutine find_multipliers
 
-    !> The matrix that takes a deviation (of Gamma and Pi) from the start to that after a period,
+    !> The monodromy matrix, which maps a perturbation (of Gamma and Pi) over a period,
     !> and the turn about the axis of symmetry that closes the motion, rad; it is part of the matrix.
     !> `status` as in `find_multipliers`.
     subroutine find_monodromy(body, start, period, monodromy, turn, status)

@@ -24,12 +24,12 @@ module spintop_lyapunov
 contains
 
     !> The `size(exponents)` largest exponents of the motion over `t_end` seconds, at most six, 1/s;
-    !> largest first in the limit of long times, to which they tend like log(t)/t. Deviations are
-    !> made orthonormal after every step (Benettin, Galgani, Giorgilli and Strelcyn, Meccanica 15,
+    !> largest first in the limit of long times, to which they tend like log(t)/t. Perturbations
+    !> are made orthonormal after every step (Benettin, Galgani, Giorgilli and Strelcyn, Meccanica 15,
     !> 1980); they are given by `directions`, a column each (Gamma, Pi; SI units), or else of no special
     !> direction. A single one then has equal components but for its part along Gamma, which is left out, so
-    !> that the vertical keeps its length; several tell also what becomes of that part. A motion of more
-    !> than `max_steps` steps is given up; `steps` are those taken.
+    !> that the vertical keeps its length; with several, that part is included. A motion of more than
+    !> `max_steps` steps is abandoned; `steps` are those taken.
     !> `status_bad_input`: no positive span, no or more than six exponents, or directions that are not six
     !> finite numbers for each; `status_non_finite`, `status_bad_body`, `status_bad_start`: no body or no motion.
     pure subroutine find_lyapunov(body, start, t_end, exponents, status, directions, max_steps, steps)
@@ -92,7 +92,7 @@ contains
 
     !> The largest singular value of the tangent map of the motion over `t_end` seconds, in the scales of
     !> its start: the largest factor by which a perturbation grows that keeps the length of the vertical.
-    !> A motion of more than `max_steps` steps is given up; `steps` are those taken.
+    !> A motion of more than `max_steps` steps is abandoned; `steps` are those taken.
     subroutine find_largest_singular_value(body, start, t_end, factor, status, max_steps, steps)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start

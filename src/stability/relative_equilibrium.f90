@@ -3,7 +3,7 @@
 !> 1894) or about a principal axis.
 !>
 !> In axes that follow the body, but for its turning about an axis of symmetry, vertical and momentum
-!> stand still. The eigenvalues are those of the equations of Euler and Poisson linearised there.
+!> stand still. The eigenvalues are those of the Euler-Poisson equations linearised there.
 module spintop_relative_equilibrium
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
@@ -19,13 +19,13 @@ module spintop_relative_equilibrium
     private
     public :: find_equilibrium_eigenvalues
 
-    !> What may be left of the terms that balance each other: data of ten digits do.
+    !> Tolerance of the equilibrium, relative to the terms that balance each other: ten digits suffice.
     real(dp), parameter :: slack = 1.0e-10_dp
 
 contains
 
     !> Eigenvalues of the motion linearised about a relative equilibrium, 1/s: the largest real part
-    !> is the rate at which small deviations grow. Those that belong to invariants and symmetries
+    !> is the growth rate of perturbations. Those that belong to invariants and symmetries
     !> are zero and come last. `status_unsuitable`: the motion is no relative equilibrium;
     !> `status_non_finite`, `status_bad_body`, `status_bad_start`: no body or no motion.
     subroutine find_equilibrium_eigenvalues(body, motion, eigenvalues, status)

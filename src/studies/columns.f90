@@ -64,21 +64,21 @@ module spintop_columns
         column_t('l3', 'J s', 'angular momentum about body z', group_momenta), &
         column_t('R1', 'N m', "residual of Euler's first equation (Eq 51)", group_residuals), &
         column_t('R2', 'N m', "residual of Euler's second equation (Eq 51)", group_residuals), &
-        column_t('R3', 'J s', 'lz less that of the start (Eq 51)', group_residuals), &
-        column_t('R4', 'J', 'energy less that of the start (Eq 51)', group_residuals), &
+        column_t('R3', 'J s', 'change of lz since the start (Eq 51)', group_residuals), &
+        column_t('R4', 'J', 'change of energy since the start (Eq 51)', group_residuals), &
         column_t('force_x', 'N', 'support force on the body, x', group_force), &
         column_t('force_y', 'N', 'support force on the body, y', group_force), &
         column_t('force_z', 'N', 'support force on the body, z', group_force), &
         column_t('force_r', 'N', 'support force away from the vertical, in the plane of the axis', &
                  group_force), &
         column_t('force_n', 'N', 'support force along the line of nodes', group_force), &
-        column_t('orientation_error', 'rad', 'angle of the turn from the exact attitude', group_oracle), &
+        column_t('orientation_error', 'rad', 'rotation angle from the exact attitude', group_oracle), &
         column_t('tip_error', '', 'distance of the axis tip from the exact one', group_oracle), &
-        column_t('inherent_error', 'rad', 'how far rounding of the data alone turns the attitude', &
+        column_t('inherent_error', 'rad', 'error of the attitude due to rounding of the data', &
                  group_inherent), &
-        column_t('norm_error', '', 'length less 1 of the quaternion as it was computed', &
+        column_t('norm_error', '', 'norm error abs(q) - 1 of the computed quaternion', &
                  group_drift), &
-        column_t('axis_z_rate', '1/s', 'rate of axis_z, zero where theta turns', group_turning)]
+        column_t('axis_z_rate', '1/s', 'rate of axis_z, zero at the turning points of theta', group_turning)]
 
     !> Columns of the table when none are named.
     character(*), parameter :: default_trajectory_columns(*) = [character(20) :: &

@@ -8,7 +8,7 @@ module spintop_checksum
     !> Characters of a checksum as text.
     integer, parameter :: checksum_width = 16
 
-    !> The state: a copy goes on as the original would.
+    !> The state: a copy continues as the original would.
     type, bind(C) :: checksum_t
         private
         integer(c_int64_t) :: lane(4) = [1_c_int64_t, 2_c_int64_t, 3_c_int64_t, 4_c_int64_t]

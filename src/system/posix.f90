@@ -97,7 +97,7 @@ module spintop_posix
             integer(c_int), value :: file
         end function c_is_terminal
 
-        !> A clock that never goes back, s.
+        !> A monotonic clock, s.
         real(c_double) function c_seconds() bind(C, name='spintop_seconds')
             import :: c_double
         end function c_seconds
@@ -122,7 +122,7 @@ module spintop_posix
             integer(c_int), value :: room
         end subroutine c_host
 
-        !> Most memory that the program has had, bytes.
+        !> Peak memory of the program, bytes.
         integer(c_long_long) function c_peak_memory() bind(C, name='spintop_peak_memory')
             import :: c_long_long
         end function c_peak_memory

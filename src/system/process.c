@@ -16,18 +16,18 @@
 
 enum { standard_input, standard_output, standard_error };
 
-// Exit code of an end that nobody planned, as in errors.f90.
+// Exit code of an unexpected end, as in errors.f90.
 enum { exit_internal = 5 };
 
 static atomic_int is_planned;
 
-// What a signal that ends the process has to say: `before`, a number of rows, `after`. All of it is
-// made beforehand, for little may be done in a handler.
+// The message of a signal that ends the process: `before`, a number of rows, `after`. It is prepared
+// in advance, as few functions are safe in a handler.
 static char before[8192], after[16384];
 static atomic_int is_watching;
 static atomic_llong rows_kept;
 
-// Signals that end a process from outside and leave it time for a word.
+// Signals that end a process from outside and leave it time for a message.
 static const int ending_signals[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
 
 static void complain(const char *text, size_t length) {
@@ -39,8 +39,8 @@ static void complain(const char *text, size_t length) {
     }
 }
 
-// The run-time libraries end the process when memory runs out or a check fails. They have said why;
-// their exit codes mean something else here.
+// The run-time libraries end the process when memory runs out or a check fails. They have printed
+// the reason; their exit codes are replaced.
 static void end_unplanned(void) {
     static const char text[] =
         "spintop: stopped by the error above: there is no more memory, or the program has a fault\n";
@@ -68,8 +68,8 @@ static void tell_and_end(int number) {
     raise(number);
 }
 
-// Without this a file opened later could take the number of a closed stream, and what is said to the
-// stream would go into the file. Such a stream refuses what is written to it.
+// Without this a file opened later could take the number of a closed stream, and output to the
+// stream would go into the file. Such a stream refuses output.
 static void occupy(int stream) {
     int file;
     if (fcntl(stream, F_GETFD) >= 0 || errno != EBADF) return;
@@ -108,7 +108,7 @@ void spintop_end_process(int code) {
     exit(code);
 }
 
-// From now on a signal tells `head`, the number of rows, `tail`; the tail only if `rows` < 0.
+// From now on a signal prints `head`, the number of rows, `tail`; the tail only if `rows` < 0.
 void spintop_watch(const char *head, const char *tail, long long rows) {
     is_watching = 0;
     snprintf(before, sizeof before, "%s%s", isatty(standard_error) ? "\n" : "", rows < 0 ? "" : head);
@@ -117,7 +117,7 @@ void spintop_watch(const char *head, const char *tail, long long rows) {
     is_watching = 1;
 }
 
-// The number of rows is another one.
+// Sets the number of rows.
 void spintop_keep(long long rows) {
     rows_kept = rows;
 }

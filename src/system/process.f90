@@ -1,4 +1,4 @@
-!> The process itself: its standard streams, what a signal has it say, its limits, and how it ends.
+!> The process itself: its standard streams, its message on a signal, its limits, and how it ends.
 module spintop_process
     use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long_long, c_null_char
     use, intrinsic :: iso_fortran_env, only: int64
@@ -18,7 +18,7 @@ module spintop_process
     integer(int64), parameter :: least_stack = 448 * 1024
 
     interface
-        !> Sees that files do not take the place of closed standard streams, that a file that may not grow is an
+        !> Makes sure that no file replaces a closed standard stream, that a file that may not grow is an
         !> error of writing, and that signals and errors of the run-time libraries end the process as is
         !> documented. To be called once, before anything is opened.
         subroutine begin_process() bind(C, name='spintop_begin_process')
@@ -40,7 +40,7 @@ module spintop_process
             integer(c_long_long), value :: rows
         end subroutine c_keep
 
-        !> Signals have nothing more to say.
+        !> Signals print no message any more.
         subroutine watch_no_more() bind(C, name='spintop_watch_no_more')
         end subroutine watch_no_more
 
@@ -68,14 +68,14 @@ contains
 
         limit = c_stack_limit()
         if (limit >= 0 .and. limit < least_stack) then
-            error = input_error('spintop: the stack may take ' // kilobytes(limit) // ', and takes up to ' // &
-                                kilobytes(least_stack) // '; `ulimit -s 8192` gives it more')
+            error = input_error('spintop: the stack limit is ' // kilobytes(limit) // ', but up to ' // &
+                                kilobytes(least_stack) // ' are needed; raise the limit with `ulimit -s 8192`')
             return
         end if
         limit = c_thread_stack()
         if (limit >= 0 .and. limit < least_stack) then
             error = input_error('spintop: OMP_STACKSIZE gives each thread a stack of ' // kilobytes(limit) // &
-                                ', and it takes up to ' // kilobytes(least_stack) // '; unset OMP_STACKSIZE')
+                                ', but up to ' // kilobytes(least_stack) // ' are needed; unset OMP_STACKSIZE')
         end if
 
     contains
@@ -95,20 +95,20 @@ contains
         call check_call(c_write(standard_output, text, len(text, int64)), 'write to', 'standard output', error)
     end subroutine show_text
 
-    !> Writes a text to standard error; there is nobody to tell if that cannot be.
+    !> Writes a text to standard error; a failure is ignored.
     subroutine complain_of(text)
         character(*), intent(in) :: text
         type(error_t), allocatable :: ignored
         call check_call(c_write(standard_error, text, len(text, int64)), 'write to', 'standard error', ignored)
     end subroutine complain_of
 
-    !> Ends standard output: errors that the system kept back show here.
+    !> Flushes standard output: delayed errors of the system appear here.
     subroutine end_output(error)
         type(error_t), allocatable, intent(out) :: error
         call check_call(c_close(standard_output), 'write to', 'standard output', error)
     end subroutine end_output
 
-    !> From now on a signal that ends the process tells how many rows are kept, `head ROWS tail`; where
+    !> From now on a signal that ends the process prints how many rows are kept, `head ROWS tail`; where
     !> `rows` is negative, the tail only. The texts are of one process: one table at a time.
     subroutine watch_signals(head, tail, rows)
         character(*), intent(in) :: head, tail

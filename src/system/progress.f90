@@ -1,4 +1,4 @@
-!> How far a long computation is, on standard error: one line that is written over on a terminal,
+!> Progress of a long computation, on standard error: one line that is overwritten on a terminal,
 !> or plain lines every so often in a log.
 module spintop_progress
     use, intrinsic :: iso_fortran_env, only: int64

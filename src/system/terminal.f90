@@ -7,7 +7,7 @@ module spintop_terminal
     private
     public :: error_is_terminal, message_width, output_width
 
-    !> Lines on a terminal that tells a width below this would be of single words.
+    !> Smallest width used: on a narrower terminal every line would be a single word.
     integer, parameter :: least_width = 40
 
     interface

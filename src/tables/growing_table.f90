@@ -1,6 +1,6 @@
-!> A table that grows for a long time and survives whatever ends the run: a signal, a full disk, a
-!> power cut. Beside its part lies a journal that tells how much of the part is surely on the disk;
-!> a later run cuts the part back to it and goes on there.
+!> A table that grows for a long time and survives an interrupted run: a signal, a full disk, a power
+!> cut. The journal beside its part says how much of the part is on the disk; a later run cuts the part
+!> back to that and resumes there.
 !>
 !>     call table%start(path, head, resume, restart, error)   ! and on as in spintop_row_table
 module spintop_growing_table
@@ -50,9 +50,9 @@ module spintop_growing_table
 
 contains
 
-    !> Starts a table, or goes on with one (`resume`): the head must then be that of the earlier run,
-    !> which says what program computes what from which input. What an interrupted run has left is
-    !> discarded only if that is asked for (`restart`).
+    !> Starts a table, or resumes one (`resume`): the header, which names program, build and input, must
+    !> then be that of the earlier run. The rows of an interrupted run are discarded on request only
+    !> (`restart`).
     subroutine start(self, path, head, resume, restart, error)
         class(growing_table_t), intent(inout) :: self
         character(*), intent(in) :: path, head
@@ -74,7 +74,7 @@ contains
                 return
             end if
             self%is_complete = .true.
-            self%remark = 'nothing was computed: the table is complete already'
+            self%remark = 'nothing was computed: the table is already complete'
             if (.not. file_exists(part_of(path))) call remove_journal(path, error)
         else
             call self%table%reserve(path, error)
@@ -87,7 +87,7 @@ contains
         self%due = seconds() + first_pause
     end subroutine start
 
-    !> Starts from the beginning, with an entry that says so. What an earlier run left is lost.
+    !> Starts from the beginning, with an entry that says so. The rows of an earlier run are discarded.
     subroutine start_anew(self, head, resume, error)
         class(growing_table_t), intent(inout) :: self
         character(*), intent(in) :: head
@@ -98,7 +98,7 @@ contains
 
         associate (path => self%table%path)
             if (resume) then
-                self%remark = 'nothing to go on with: starts from the beginning'
+                self%remark = 'nothing to resume: the run starts from the beginning'
             else if (file_exists(journal_of(path))) then
                 call read_journal(path, entry, problem)
                 self%remark = 'discards an interrupted run of ' // to_text(sum(entry%counts)) // ' rows'
@@ -115,7 +115,7 @@ contains
         end associate
     end subroutine start_anew
 
-    !> Goes on where the journal says, if the part holds what the journal says.
+    !> Resumes where the journal says, if the part holds the bytes that the journal says.
     subroutine resume(self, head, error)
         class(growing_table_t), intent(inout) :: self
         character(*), intent(in) :: head
@@ -140,7 +140,7 @@ contains
         end associate
         self%counts = entry%counts
         self%taken_over = entry%counts
-        self%remark = 'goes on after ' // to_text(sum(entry%counts)) // ' rows of an interrupted run'
+        self%remark = 'resumes after ' // to_text(sum(entry%counts)) // ' rows of an interrupted run'
     end subroutine resume
 
     !> Makes the text of a block.
@@ -195,7 +195,7 @@ contains
         self%due = seconds() + max(entry_pause, entry_times_pause * (seconds() - self%entry_began))
     end subroutine end_entry
 
-    !> Gives the table its name; then the journal has done its work.
+    !> Gives the table its name and removes the journal.
     subroutine finish(self, error)
         class(growing_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error
@@ -204,17 +204,17 @@ contains
         if (.not. allocated(error)) call remove_journal(self%table%path, error)
     end subroutine finish
 
-    !> Leaves part and journal to a later run; the error that made it necessary tells so.
+    !> Keeps part and journal for a later run, and adds that to the message of the error.
     subroutine abandon(self, error)
         class(growing_table_t), intent(inout) :: self
         type(error_t), intent(inout) :: error
         call self%table%abandon()
         if (.not. file_exists(journal_of(self%table%path))) return
-        error%message = error%message // new_line('a') // 'what is complete of ' // self%table%path // &
-                        ' is kept: --resume goes on from there'
+        error%message = error%message // new_line('a') // 'the complete rows of ' // self%table%path // &
+                        ' are kept; --resume resumes the run'
     end subroutine abandon
 
-    !> Whether a file begins with a head; `problem` tells where not, and is empty if it does.
+    !> Whether a file begins with a header; `problem` says where it differs, and is empty if it does not.
     subroutine compare_with_file(path, head, problem)
         character(*), intent(in) :: path, head
         character(:), allocatable, intent(out) :: problem
@@ -232,7 +232,7 @@ contains
             problem = error%message
         else
             problem = compare_heads(found(:length), 'there', head, 'here')
-            if (problem /= '') problem = path // ' is of another program, build or input' // problem
+            if (problem /= '') problem = path // ' was made by another program, build or input' // problem
         end if
     end subroutine compare_with_file
 
@@ -264,13 +264,13 @@ contains
         else if (left > 0) then
             problem = part // ' is shorter than its journal says'
         else if (checksum_text(checksum) /= entry%checksum) then
-            problem = part // ' is not what was written: its checksum is another than in its journal'
+            problem = part // ' was changed after it was written: its checksum differs from that in its journal'
         end if
     end subroutine check_part
 
     type(error_t) function refusal(path, problem) result(error)
         character(*), intent(in) :: path, problem
-        error = input_error('cannot go on with ' // path // ': ' // problem // new_line('a') // &
+        error = input_error('cannot resume ' // path // ': ' // problem // new_line('a') // &
                             '--restart discards it and computes all from the beginning')
     end function refusal
 

@@ -1,4 +1,4 @@
-!> What an interrupted run has left: rows that its journal says are on the disk. Nothing discards them unasked.
+!> The rows of an interrupted run that its journal says are on the disk. They are discarded on request only.
 module spintop_interrupted_run
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: file_exists, output_file_t

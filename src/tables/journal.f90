@@ -1,6 +1,6 @@
-!> The journal of a table that grows: how much of its part is surely there. It lies beside the part
-!> as `NAME.journal` and is replaced as a whole. What table that is stands in the head of the part
-!> itself: program, build, input and shard.
+!> The journal of a growing table: how much of its part is on the disk. It is the file `NAME.journal`
+!> beside the part and is replaced as a whole. The header of the part itself identifies the table:
+!> program, build, input and shard.
 !>
 !>     spintop journal 1
 !>     bytes: 1048701
@@ -19,7 +19,7 @@ module spintop_journal
 
     character(*), parameter :: first_line = 'spintop journal 1'
 
-    !> How much of a part is there.
+    !> How much of a part is on the disk.
     type :: journal_entry_t
         integer(int64) :: bytes = 0
         character(checksum_width) :: checksum = ''  !! of these bytes
@@ -45,7 +45,7 @@ contains
         call replace_file(journal_of(path), text, error)
     end subroutine write_journal
 
-    !> Reads the entry of a table; `problem` tells why there is none, and is empty if there is one.
+    !> Reads the entry of a table; `problem` says why there is none, and is empty if there is one.
     subroutine read_journal(path, entry, problem)
         character(*), intent(in) :: path !! of the table
         type(journal_entry_t), intent(out) :: entry

@@ -49,8 +49,8 @@ contains
         if (allocated(error)) call table%discard()
     end subroutine merge_tables
 
-    !> Finds which file is which part. `head` is that of the whole table: that of the parts without
-    !> the first line, which tells the part.
+    !> Finds which file is which part. `head` is the header of the whole table: the header of the parts
+    !> without the first line, which names the part.
     subroutine order_parts(path, parts, head, cases, part_at, error)
         character(*), intent(in) :: path
         type(string_t), intent(in) :: parts(:)
@@ -76,7 +76,7 @@ contains
                 line = first_line_of(this_head)
                 call read_shard_line(line, shard, cases_here, valid)
                 if (.not. valid) then
-                    error = input_error('cannot merge ' // part // ': it is no part of a sweep (it does not begin &
+                    error = input_error('cannot merge ' // part // ': it is not a part of a sweep (it does not begin &
                                         &with "# part I of N: ...")')
                     return
                 end if

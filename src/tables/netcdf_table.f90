@@ -64,7 +64,7 @@ module spintop_netcdf_table
             type(error_t), allocatable, intent(out) :: error
         end subroutine finish
 
-        !> Removes what was written: it has no journal with which a later run could go on.
+        !> Removes what was written: it has no journal with which a later run could resume.
         module subroutine abandon(self, error)
             class(netcdf_table_t), intent(inout) :: self
             type(error_t), intent(inout) :: error

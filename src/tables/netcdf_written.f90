@@ -135,7 +135,7 @@ contains
         self%counts = self%counts + block%counts
     end procedure put
 
-    !> Hands what was gathered to the library, a variable after the other.
+    !> Writes the gathered rows by the library, one variable after the other.
     subroutine write_pending(self, error)
         type(netcdf_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error
@@ -202,7 +202,7 @@ contains
         if (.not. allocated(error)) call self%file%finish(no_lines, error)
     end procedure finish
 
-    !> Removes what was written: it has no journal with which a later run could go on.
+    !> Removes what was written: it has no journal with which a later run could resume.
     module procedure abandon
         integer :: ignored
         if (self%id >= 0) ignored = nf90_close(self%id)

@@ -1,4 +1,4 @@
-!> Where a result comes from: program, build and input, as the head of every table.
+!> Provenance of a result: program, build and input, the metadata in the header of every table.
 module spintop_provenance
     use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_null_char, c_ptr
     use, intrinsic :: iso_fortran_env, only: compiler_options, compiler_version
@@ -9,10 +9,10 @@ module spintop_provenance
     private
     public :: fact_t, fact_count, program_version, program_revision, gather_facts, describe_provenance
 
-    !> Facts that a table tells of its origin.
+    !> One item of the metadata of a table.
     integer, parameter :: fact_count = 9
 
-    !> One of them: a key and its value.
+    !> A key and its value.
     type :: fact_t
         character(:), allocatable :: key, value
     end type fact_t
@@ -66,7 +66,7 @@ contains
         text = trim(adjustl(text))
     end function options_that_matter
 
-    !> What a table says of its origin, in this order; a value may be empty.
+    !> The metadata of a table, in this order; a value may be empty.
     subroutine gather_facts(title, model, method, dated, facts, body)
         character(*), intent(in) :: title
         character(*), intent(in) :: model, method !! what computed the table
@@ -99,7 +99,7 @@ contains
 
     end subroutine gather_facts
 
-    !> The comment lines at the head of a table: `key: value`, then the input, then the columns.
+    !> The comment lines in the header of a table: `key: value`, then the input, then the columns.
     subroutine describe_provenance(facts, input, names, units, meanings, lines)
         type(fact_t), intent(in) :: facts(fact_count)
         type(string_t), intent(in) :: input(:) !! the resolved namelist

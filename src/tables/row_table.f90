@@ -20,11 +20,11 @@ module spintop_row_table
     !> What tables of every format have in common.
     type, abstract :: row_table_t
         type(table_column_t), allocatable :: columns(:)
-        !> Rows of each status: put so far, and those of them taken over from an earlier run.
+        !> Rows of each status: written so far, and those of them kept from an earlier run.
         integer(int64) :: counts(0:last_status) = 0, taken_over(0:last_status) = 0
         !> Whether an interrupted run keeps its rows.
         logical :: is_resumable = .false.
-        !> The table was there already, complete.
+        !> The table already exists and is complete.
         logical :: is_complete = .false.
         !> What was found of earlier runs, ready to print; empty if nothing.
         character(:), allocatable :: remark
@@ -55,7 +55,7 @@ module spintop_row_table
             type(error_t), allocatable, intent(out) :: error
         end subroutine finish
 
-        !> Gives up after an error, which then tells what is left of the table.
+        !> Abandons the table after an error; the message then says what is kept of the table.
         subroutine abandon(self, error)
             import :: row_table_t, error_t
             class(row_table_t), intent(inout) :: self
@@ -71,7 +71,7 @@ contains
         rows = sum(self%counts)
     end function rows
 
-    !> Makes of the cells of a block what the table is made of: here they are that already.
+    !> Formats the cells of a block for the table; here nothing is to be done.
     subroutine leave_rows(self, block)
         class(row_table_t), intent(in) :: self
         type(row_block_t), intent(inout) :: block

@@ -1,4 +1,4 @@
-!> Part I of N of a sweep: which cases it has, and how its table tells.
+!> Part I of N of a sweep: its cases, and the first line of its table.
 module spintop_shard
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_text, only: to_text
@@ -57,7 +57,7 @@ contains
         if (self%is_part()) suffix = '.' // to_text(self%number) // '-of-' // to_text(self%count)
     end function suffix
 
-    !> What its table says in its first line.
+    !> The first line of its table.
     pure function line(self, cases)
         class(shard_t), intent(in) :: self
         integer(int64), intent(in) :: cases !! of the whole

@@ -27,7 +27,7 @@ module spintop_table_file
     !> A CSV table that is being written.
     type :: table_file_t
         character(:), allocatable :: path     !! of the complete table
-        integer(int64) :: bytes = 0           !! put so far, head included
+        integer(int64) :: bytes = 0           !! written so far, header included
         type(checksum_t) :: checksum          !! of the bytes written so far
         type(output_file_t), private :: file
         type(text_buffer_t), private :: pending
@@ -87,7 +87,7 @@ contains
         self%unfinished = .not. allocated(error)
     end subroutine reserve
 
-    !> Empties the part, and writes the head. An unwritable place shows now, not after the computation.
+    !> Empties the part, and writes the header. A place that is not writable is found now, not after the computation.
     subroutine begin(self, head, error)
         class(table_file_t), intent(inout) :: self
         character(*), intent(in) :: head
@@ -97,7 +97,7 @@ contains
         if (.not. allocated(error)) call self%write_pending(error)
     end subroutine begin
 
-    !> Cuts the part to its first `bytes`, of which the caller knows the checksum, and goes on there.
+    !> Cuts the part to its first `bytes`, of which the caller knows the checksum; writing continues there.
     subroutine go_on(self, bytes, checksum, error)
         class(table_file_t), intent(inout) :: self
         integer(int64), intent(in) :: bytes
@@ -143,7 +143,7 @@ contains
         call self%pending%clear()
     end subroutine write_pending
 
-    !> Waits until what the system has is on the disk. Other threads may go on putting rows.
+    !> Waits until all written bytes are on the disk. Other threads may continue to add rows.
     subroutine sync(self, error)
         class(table_file_t), intent(in) :: self
         type(error_t), allocatable, intent(out) :: error
@@ -167,7 +167,7 @@ contains
         if (.not. allocated(error)) call sync_folder_of(self%path, error)
     end subroutine finish
 
-    !> Gives the table up: what was written is removed, as far as that is possible.
+    !> Discards the table: what was written is removed, as far as that is possible.
     subroutine discard(self)
         class(table_file_t), intent(inout) :: self
         type(error_t), allocatable :: ignored
@@ -176,7 +176,7 @@ contains
         call self%abandon()
     end subroutine discard
 
-    !> Leaves the part to whoever wants to go on with it.
+    !> Keeps the part, so that a later run can resume it.
     subroutine abandon(self)
         class(table_file_t), intent(inout) :: self
         type(error_t), allocatable :: ignored

@@ -1,5 +1,5 @@
-!> The head of a table: `#` lines and the names of its columns. It tells where the rows come from;
-!> so tables with the same head are the same, as far as they go.
+!> The header of a table: `#` lines with metadata, and the names of the columns. Two tables with the
+!> same header come from the same program, build and input.
 module spintop_table_head
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: input_file_t
@@ -14,7 +14,7 @@ module spintop_table_head
 
 contains
 
-    !> What stands above the rows: comment lines and the names of the columns.
+    !> The header: comment lines and the names of the columns.
     function table_head(comments, columns) result(head)
         type(string_t), intent(in) :: comments(:) !! without the `#`
         character(*), intent(in) :: columns(:)
@@ -33,7 +33,7 @@ contains
         end do
     end function comment_lines
 
-    !> The head of a table in a file.
+    !> The header of a table in a file.
     subroutine read_head(path, head, error)
         character(*), intent(in) :: path
         character(:), allocatable, intent(out) :: head
@@ -64,19 +64,19 @@ contains
             end do
         end do
         call file%close()
-        if (.not. allocated(error)) error = input_error(path // ' is no table: it has no line with names of columns')
+        if (.not. allocated(error)) error = input_error(path // ' is not a table: it has no line with column names')
     end subroutine read_head
 
-    !> The first line of a head, without its `# `.
+    !> The first line of a header, without its `# `.
     pure function first_line_of(head) result(line)
         character(*), intent(in) :: head
         character(:), allocatable :: line
         line = head(3:index(head // nl, nl) - 1)
     end function first_line_of
 
-    !> The first line in which two heads differ, ready to print; '' where they are the same.
+    !> The first line in which two headers differ, ready to print; '' where they are the same.
     pure function compare_heads(first, first_name, second, second_name) result(difference)
-        character(*), intent(in) :: first, second           !! heads
+        character(*), intent(in) :: first, second           !! headers
         character(*), intent(in) :: first_name, second_name !! what they are called in print
         character(:), allocatable :: difference
         integer :: i, line

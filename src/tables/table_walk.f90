@@ -1,10 +1,10 @@
-!> A walk through the cells of a CSV table, which knows where it is when something is wrong.
+!> Reads the cells of a CSV table one by one, and knows the place of each for messages.
 !>
 !>     # drawn elsewhere
 !>     initial.spin_ratio, "top.inertia(2)"
 !>     0.5,                0.875
 !>
-!> Blank lines and lines that begin with `#` count for nothing, nor do blanks around a cell; double
+!> Blank lines and lines that begin with `#` are ignored, and so are blanks around a cell; double
 !> quotes may stand around a whole cell.
 module spintop_table_walk
     use spintop_diagnostics, only: diagnostics_t, place_t
@@ -67,7 +67,7 @@ contains
         if (allocated(error)) return
         if (index(self%text, byte_order_mark) == 1) self%at%last = len(byte_order_mark)
         if (index(self%text, achar(0)) > 0) then
-            call self%refuse(diagnostics, 'not a text file: it has NUL bytes', 'a CSV table is expected')
+            call self%refuse(diagnostics, 'not a text file: it has NUL bytes', 'expected a CSV table')
             return
         end if
         has_lines = self%next_line()

@@ -68,7 +68,7 @@ contains
     !> Carries angles over a time h from the attitude `q_last`, which has them, to the attitude `q`:
     !> phi and psi continuous, whatever the number of turns between, and to rounding; theta is kept.
     !> Both quaternions are of one continuous motion, of any length; `omega_last` and `omega` are the
-    !> angular velocities in body axes, rad/s. `sure` tells that the axis passed no pole so closely
+    !> angular velocities in body axes, rad/s. `sure` means that the axis passed no pole so closely
     !> that it is not clear on which side: phi and psi may then be a whole turn off, to and fro.
     !> Turns by thousands of radians at once are not followed.
     pure subroutine follow_angles(q_last, omega_last, q, omega, h, angle, sure)
@@ -80,8 +80,8 @@ contains
         real(dp), parameter :: largest_turn = pi / 2
         !> Change of a half angle by more than that shows a pole, rad.
         real(dp), parameter :: sharp = 2
-        !> A longer turn is followed no more: a computation that takes it in one step knows nothing
-        !> of the turns between.
+        !> A longer turn is not followed: a computation that takes it in one step does not resolve the
+        !> turns between.
         real(dp), parameter :: endless_turn = 1.0e4_dp
         real(dp) :: turn, half(2), change(2), here(4), there(4)
         integer :: pieces, i
@@ -227,7 +227,7 @@ contains
         gamma(3) = (q(1)**2 + q(4)**2) - (q(2)**2 + q(3)**2)
     end function vertical_from_quaternion
 
-    !> Angle of the turn between two attitudes, rad, in [0, pi]; exact to rounding for small turns.
+    !> Rotation angle between two attitudes, rad, in [0, pi]; exact to rounding for small turns.
     pure real(dp) function rotation_angle(p, q)
         real(dp), intent(in) :: p(4), q(4)
         real(dp) :: r(4)

@@ -17,7 +17,7 @@ module spintop_body
         real(dp) :: centre_of_mass(3) = 0
         !> m/s^2, downwards along space z.
         real(dp) :: gravity = 9.81_dp
-        !> Viscous moments -d_i omega_i in body axes, N m s.
+        !> Viscous damping coefficients d_i of the torque -d_i omega_i in body axes, N m s.
         real(dp) :: damping(3) = 0
     contains
         procedure :: mgl
@@ -50,7 +50,7 @@ contains
     end function is_symmetric
 
     !> Whether this is a symmetric undamped top about body z with its centre of mass on or above O:
-    !> the top of Lagrange, for which the motion is known in closed form.
+    !> the Lagrange top, whose motion has a closed-form solution.
     pure logical function is_lagrange(self)
         class(body_t), intent(in) :: self
         is_lagrange = self%is_symmetric() .and. self%mgl() >= 0 .and. all(is_zero(self%damping))
@@ -86,7 +86,7 @@ contains
 
     end function symmetry_axis
 
-    !> Moment of the weight about O in body axes, N m: m g Gamma x r (`gamma` is the upward
+    !> Gravitational torque about O in body axes, N m: m g Gamma x r (`gamma` is the upward
     !> vertical in body axes).
     pure function torque(self, gamma) result(moment)
         class(body_t), intent(in) :: self

@@ -1,5 +1,5 @@
-!> Turns of the body axes that make a top of Lagrange of a body whose axis of symmetry is body x or
-!> y, or whose centre of mass lies below the pivot on body z.
+!> Rotations of the body axes that turn a body into a Lagrange top: its axis of symmetry is body x or y,
+!> or its centre of mass lies below the pivot on body z.
 !>
 !> The turned axes have the symmetry along z and the centre of mass at or above the pivot; what is
 !> computed in them is turned back to the axes in which the body was given.
@@ -38,7 +38,7 @@ module spintop_body_turn
 
 contains
 
-    !> The turn that makes a top of Lagrange of the body; none if it is one, or cannot be.
+    !> The rotation that turns the body into a Lagrange top; none if it is one, or cannot be one.
     pure type(body_turn_t) function find_body_turn(body) result(turn)
         type(body_t), intent(in) :: body
         type(body_turn_t) :: trial

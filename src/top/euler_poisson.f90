@@ -1,4 +1,4 @@
-!> The equations of Euler and Poisson of any heavy body, damped or not, and their linearisation.
+!> The Euler-Poisson equations of any heavy body, damped or not, and their linearisation.
 !>
 !> The state x = (Gamma, Pi) holds the upward vertical and the angular momentum in body axes:
 !> Gamma' = Gamma x omega, Pi' = Pi x omega + m g Gamma x r - d omega, omega = Pi/I. It leaves out
@@ -53,7 +53,7 @@ contains
         matrix(4:6, 4:6) = matrix(4:6, 4:6) + matrix(1:3, 1:3)
     end function euler_poisson_matrix
 
-    !> Gradients of what a motion may keep: |Gamma|^2/2, Pi . Gamma, the energy and the momentum
+    !> Gradients of the possible invariants: |Gamma|^2/2, Pi . Gamma, the energy and the momentum
     !> about the axis of symmetry (zero without one).
     pure function invariant_gradients(body, x) result(gradients)
         type(body_t), intent(in) :: body
@@ -73,8 +73,8 @@ contains
         rate = [cross(axis, x(1:3)), cross(axis, x(4:6))]
     end function turning_about
 
-    !> Sizes that make the components of a state comparable: 1 for the vertical; for the momentum,
-    !> J s, that of the state, or of the body swinging by its weight.
+    !> Scales that make the components of a state comparable: 1 for the vertical; for the momentum,
+    !> J s, that of the state, or of the pendulum motion of the body.
     pure function state_units(body, x) result(unit)
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: x(6)

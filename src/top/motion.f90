@@ -21,7 +21,7 @@ module spintop_motion
         real(dp) :: omega_rate(3) = 0
         !> Unit quaternion, scalar first, body to space.
         real(dp) :: quaternion(4) = [1, 0, 0, 0]
-        !> Length less 1 of the quaternion that the motion was computed as; 0 if by other means.
+        !> Norm error abs(q) - 1 of the computed quaternion; 0 if the motion was computed by other means.
         real(dp) :: norm_error = 0
         !> Of a start, what was given and is exact, where the rest was computed from it and is rounded: the
         !> quaternion, not the angles; omega, or omega3 alone, not the rates.

@@ -27,7 +27,7 @@ contains
             * dot_product(body%centre_of_mass, vertical_from_quaternion(motion%quaternion))
     end function potential_energy
 
-    !> What an error of the energy is compared with, J: the kinetic energy at the start + m g |r|; above
+    !> Scale of energy errors, J: the kinetic energy at the start + m g |r|; above
     !> zero also for a body at rest without weight.
     pure real(dp) function energy_scale(body, start)
         type(body_t), intent(in) :: body
@@ -88,7 +88,7 @@ contains
     end function axis_tip
 
     !> Rate of the height of body z, cos(theta), 1/s: zero at the turning points of theta, smooth
-    !> at the poles; zero, too, where it is but rounding of its terms.
+    !> at the poles; zero, too, where it is only the rounding error of its terms.
     pure real(dp) function axis_height_rate(motion) result(rate)
         type(motion_t), intent(in) :: motion
         !> Rounding of gamma and omega, in units of the terms.

@@ -1,7 +1,7 @@
 !> Bodies of common shapes: mass properties from dimensions and density.
 !>
 !> Every shape is a homogeneous solid of revolution about body z, carried by the massless rest of
-!> the top; its row tells which dimensions it needs, its formula stands in `build_shape`.
+!> the top; its row says which dimensions it needs, its formula is in `build_shape`.
 module spintop_shapes
     use spintop_kinds, only: dp, pi
     implicit none
@@ -18,7 +18,7 @@ module spintop_shapes
         real(dp) :: rod_length = 0
     end type dimensions_t
 
-    !> What a shape comes to.
+    !> Properties of a shape.
     type :: solid_t
         !> Volume, m^3.
         real(dp) :: volume = 0
@@ -28,7 +28,7 @@ module spintop_shapes
         real(dp) :: across = 0, along = 0
     end type solid_t
 
-    !> What the help and the checks know of a shape.
+    !> Registry entry of a shape.
     type :: shape_info_t
         character(16) :: name
         character(96) :: what

@@ -1,12 +1,12 @@
-!> Sine and cosine of half the angle of a turn, as splitting methods need them: small angles, known by
-!> their squares, and the cosine less 1 without cancellation.
+!> Sine and cosine of half a rotation angle, as splitting methods need them: small angles, known by
+!> their squares, and cos(x) - 1 without cancellation.
 module spintop_small_turn
     use spintop_kinds, only: dp
     implicit none
     private
     public :: half_turn
 
-    !> Largest square of an angle for which Taylor's series, with as many terms, are exact to rounding.
+    !> Largest square of an angle for which the Taylor series, with as many terms, are exact to rounding.
     real(dp), parameter :: largest_square = 1
     !> (-1)^k/(2 k + 1)! and (-1)^k/(2 k)!: sin(x)/x and cos(x) are the sums of these times x^(2 k).
     real(dp), parameter :: s1 = -1 / 6.0_dp, s2 = -s1 / 20, s3 = -s2 / 42, s4 = -s3 / 72, &

@@ -1,5 +1,5 @@
-!> Whether a body is a body and a motion a motion: the one place that decides it, for every public
-!> procedure of the library.
+!> Checks of bodies and motions: the one place that decides, for every public procedure of the library,
+!> whether they are valid.
 !>
 !> A violated triangle inequality is not refused here: the paper's Example 2 violates it about the centre
 !> of mass, and its equations still have a solution.

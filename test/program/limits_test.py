@@ -76,7 +76,7 @@ class StackTest(ProgramCase):
         """Exit code 2 before anything is done, with what to do."""
         scene = self.write(SWEEP)
         said = self.small(scene, size=LEAST_STACK - 4096, code=2)
-        self.assertIn("the stack may take 444 kB", said)
+        self.assertIn("the stack limit is 444 kB", said)
         self.assertIn("ulimit -s", said)
         for text, kilobytes in (("100k", 100), ("100", 100), (" 65536 b ", 64), ("0M", 0)):
             for name in ("OMP_STACKSIZE", "GOMP_STACKSIZE"):

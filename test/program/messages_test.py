@@ -32,9 +32,7 @@ class OverrideTest(ProgramCase):
             with self.subTest(setting):
                 error = self.refuse(scene, "--set", setting)
                 column = setting.index(rest) + 1
-                self.assertIn(
-                    f"--set:1:{column}: error: what follows the value has no place", error
-                )
+                self.assertIn(f"--set:1:{column}: error: unexpected text after the value", error)
         # Without quotes a text goes to the end.
         result = self.run_program("--check", scene, "--set", "study.title=a / b &c")
         self.assertEqual(result.returncode, 0, result.stderr)

@@ -186,7 +186,7 @@ class LossTest(RanksCase):
                 self.command = under(2) if kill_writer else (PROGRAM,)
                 said = self.run_sweep("--threads", "1", "--resume", "--progress")
                 # In the progress, in the summary, and nowhere else.
-                taken_over = f"goes on after {rows} rows of an interrupted run"
+                taken_over = f"resumes after {rows} rows of an interrupted run"
                 self.assertEqual(said.count(taken_over), 2)
                 self.check_complete()
                 shutil.rmtree(self.folder / "output")
@@ -214,7 +214,7 @@ class LossTest(RanksCase):
         self.addCleanup(subprocess.run, ["umount", disk], check=True)
         said = self.run_sweep("-o", disk, "--threads", "1", code=4)
         self.assertEqual(said.count("No space left on device"), 1)
-        self.assertEqual(said.count("slow.csv is kept: --resume goes on from there"), 1)
+        self.assertEqual(said.count("slow.csv are kept; --resume resumes the run"), 1)
         self.assertEqual(self.ranks(), {})
         subprocess.run(["mount", "-o", "remount,size=4m", disk], check=True)
         self.run_sweep("-o", disk, "--threads", "1", "--resume")

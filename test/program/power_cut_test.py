@@ -586,7 +586,7 @@ class PowerCutTest(DiskCase):
         result = self.run_in(folder, self.sweep, "--resume")
         self.assertEqual(result.returncode, 0, result.stderr)
         if rows > 0 and "output/sweep.csv.part" in files:
-            self.assertIn(f"goes on after {rows} rows", result.stdout)
+            self.assertIn(f"resumes after {rows} rows", result.stdout)
         self.assertEqual((folder / "output/sweep.csv").read_bytes(), self.reference)
         left = sorted(path.name for path in (folder / "output").iterdir())
         self.assertEqual([name for name in left if name.endswith(".journal")], [])

@@ -600,7 +600,7 @@ class ExactMotionTest(ProgramCase):
             self.assertAlmostEqual(abs(beside[0] - beside[1]), 2 * math.pi, delta=1e-6)
 
     def test_stability_of_starts(self) -> None:
-        """Sleeping below and above the critical spin, and an inclined start that is not steady."""
+        """Sleeping below and above the threshold spin, and an inclined start that is not steady."""
         text = (
             GOOD.split("&integration")[0]
             .replace("psi_rate = 1.0", "omega3 = 0")

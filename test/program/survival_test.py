@@ -146,21 +146,21 @@ class InterruptionTest(SurvivalCase):
         self.interrupt()
         rows = self.journalled_rows()
         said = self.run_sweep("--resume", "--progress")
-        self.assertEqual(said.count(f"goes on after {rows} rows of an interrupted run"), 2)
+        self.assertEqual(said.count(f"resumes after {rows} rows of an interrupted run"), 2)
         self.assertIn("  status    1000 ok", said)
         self.check_complete()
         before = (self.folder / "output/slow.csv").stat()
         said = self.run_sweep("--resume")
-        self.assertIn("nothing was computed: the table is complete already", said)
+        self.assertIn("nothing was computed: the table is already complete", said)
         self.assertEqual((self.folder / "output/slow.csv").stat(), before)
 
     def test_nothing_to_resume(self) -> None:
         """No part, or a part of which no journal tells: from the beginning, and that is said."""
         said = self.run_sweep("--resume")
-        self.assertIn("nothing to go on with: starts from the beginning", said)
+        self.assertIn("nothing to resume: the run starts from the beginning", said)
         (self.folder / "output/slow.csv").rename(self.folder / "output/slow.csv.part")
         said = self.run_sweep("--resume")
-        self.assertIn("nothing to go on with: starts from the beginning", said)
+        self.assertIn("nothing to resume: the run starts from the beginning", said)
         self.check_complete()
 
     def test_failed_cases_of_an_earlier_run_count(self) -> None:
@@ -243,9 +243,7 @@ class InterruptionTest(SurvivalCase):
                 self.assertEqual(run.returncode, -number)
                 rows = self.journalled_rows("it's here/slow.csv")
                 first, second = said.splitlines()
-                pattern = (
-                    r"spintop: interrupted: (\d+) of 1000 rows of it's here/slow.csv are kept"
-                )
+                pattern = r"spintop: interrupted: (\d+) of 1000 rows of it's here/slow.csv are kept"
                 self.assertRegex(first, pattern)
                 kept = int(re.match(pattern, first)[1])
                 # The last entry may be on the disk, and its rows not yet counted.
@@ -257,7 +255,7 @@ class InterruptionTest(SurvivalCase):
             command, shell=True, cwd=self.folder, capture_output=True, text=True, check=False
         )
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertIn(f"goes on after {rows} rows", result.stdout)
+        self.assertIn(f"resumes after {rows} rows", result.stdout)
         self.check_complete("it's here/slow.csv")
 
     def test_a_signal_that_is_ignored_stays_so(self) -> None:
@@ -283,7 +281,7 @@ class InterruptionTest(SurvivalCase):
         revision = part.index(b"# revision: ") + len(b"# revision: ")
         for new_part, new_journal, settings, reason in (
             (part[:middle], journal, [], "shorter than its journal says"),
-            (part[:middle] + b"~" + part[middle + 1 :], journal, [], "not what was written"),
+            (part[:middle] + b"~" + part[middle + 1 :], journal, [], "changed after it was"),
             (part[:revision] + b"~" + part[revision + 1 :], journal, [], "revision: ~"),
             (part, journal.replace(b"bytes: ", b"bytes: 1"), [], "journal is damaged"),
             (part, journal[:-5], [], "journal is damaged"),
@@ -341,7 +339,7 @@ class DiskTest(SurvivalCase):
         self.addCleanup(subprocess.run, ["umount", disk], check=True)
         said = self.run_sweep("-o", disk, code=4)
         self.assertIn("No space left on device", said)
-        self.assertIn("slow.csv is kept: --resume goes on from there", said)
+        self.assertIn("slow.csv are kept; --resume resumes the run", said)
         self.assertFalse((disk / "slow.csv").exists())
         self.run_sweep("-o", disk, "--resume", code=4)
         subprocess.run(["mount", "-o", "remount,size=4m", disk], check=True)

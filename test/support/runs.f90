@@ -21,7 +21,7 @@ module runs
         integer :: status = status_ok
         real(dp) :: t = 0, y(max_states) = 0
         type(counts_t) :: counts
-        !> Steps whose time is not that of the grid of equal steps.
+        !> Steps whose time is not that of the grid of fixed step size.
         integer :: off_grid = 0
     end type run_t
 
@@ -153,7 +153,7 @@ contains
         allocate (names, source=pack(infos%name, suitable))
     end function formulations_for
 
-    !> Order of convergence of a method with equal steps: steps are halved until the error is
+    !> Order of convergence of a method with a fixed step size: steps are halved until the error is
     !> small and two orders in turn, each from two errors, are alike; or the error is tiny.
     real(dp) function observed_order(method, table, formulation, y) result(order)
         character(*), intent(in) :: method, table

@@ -1,5 +1,5 @@
 !> Runge-Kutta methods of SUNDIALS ARKODE, explicit and diagonally implicit, with the Butcher table
-!> chosen by name, adaptive or with equal steps.
+!> chosen by name, adaptive or with a fixed step size.
 !>
 !> Reynolds, Gardner, Woodward and Chinomona, ACM TOMS 49 (2023).
 module spintop_arkode
@@ -20,7 +20,7 @@ module spintop_arkode
     private
     public :: arkode_t
 
-    !> ARKStep with an explicit or, as `info%implicit` tells, a diagonally implicit table.
+    !> ARKStep with an explicit or, if `info%implicit`, a diagonally implicit table.
     type, extends(stepper_t) :: arkode_t
     contains
         procedure :: new_workspace
@@ -45,7 +45,7 @@ module spintop_arkode
         type(memory_owner_t), allocatable :: owner
     end type arkode_workspace_t
 
-    !> What a step is cut to where the right-hand side failed in it.
+    !> Factor of the step size after a failure of the right-hand side.
     real(dp), parameter :: cut = 0.25_dp
     !> ARKODE controls no step shorter than this, in units of the spacing of the end of the span:
     !> it takes a stop time so near for reached.
@@ -99,7 +99,7 @@ contains
         end select
     end subroutine begin
 
-    !> One accepted step; rejected trials are counted.
+    !> One accepted step; rejected steps are counted.
     subroutine advance(self, formulation, work, status)
         class(arkode_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
@@ -118,7 +118,7 @@ contains
         end select
     end subroutine advance
 
-    !> Goes on from `work%y` where the caller has changed it since the last step.
+    !> Continues from `work%y` where the caller has changed it since the last step.
     subroutine adopt_state(formulation, work, status)
         class(formulation_t), intent(in) :: formulation
         class(arkode_workspace_t), intent(inout) :: work
@@ -134,7 +134,7 @@ contains
         call work%memory%restart()
     end subroutine adopt_state
 
-    !> A step on the grid of equal steps while the equations last, ever shorter ones as they end.
+    !> A step on the grid of fixed step size while the equations last, ever shorter ones as they end.
     subroutine advance_on_grid(self, formulation, work, status)
         class(arkode_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
@@ -164,8 +164,8 @@ contains
         end do
     end subroutine advance_on_grid
 
-    !> A step of the size that ARKODE chooses. Where the right-hand side fails on the way, ARKODE
-    !> gives up at once with an explicit table: the step is then tried again, shorter.
+    !> A step of the size that ARKODE chooses. Where the right-hand side fails within the step, ARKODE
+    !> fails at once with an explicit table: the step is then repeated with a smaller size.
     subroutine advance_adaptively(formulation, work, status)
         class(formulation_t), intent(in) :: formulation
         class(arkode_workspace_t), intent(inout) :: work
@@ -204,7 +204,7 @@ contains
         if (status == status_ok) call set_time(work, t_new)
     end subroutine take_tiny_step
 
-    !> One step of ARKODE towards `t_end`, and what comes of it.
+    !> One step of ARKODE towards `t_end`, and its status.
     subroutine take_step(work, t_end, status)
         class(arkode_workspace_t), intent(inout) :: work
         real(dp), intent(in) :: t_end
@@ -260,7 +260,7 @@ contains
         end select
     end function interpolate
 
-    !> What a return of ARKODE means.
+    !> Status for a return value of ARKODE.
     pure integer function status_of(flag)
         integer(c_int), intent(in) :: flag
         select case (flag)

@@ -45,7 +45,7 @@ module spintop_arkode_memory
         type(workspace_t) :: now
         !> How large an error of a step may be, as a root mean square.
         type(error_weight_t), private :: weight
-        !> Status of the last right-hand side.
+        !> Status of the last evaluation of the right-hand side.
         integer :: status = status_ok
         !> A copy: dense output needs the equations too, where no formulation is at hand.
         class(formulation_t), allocatable, private :: formulation
@@ -78,18 +78,18 @@ module spintop_arkode_memory
         procedure :: destroy
     end type arkode_memory_t
 
-    !> Step failures in a row after which ARKODE gives up on a step: enough to fall from the length
+    !> Maximum number of consecutive failures of a step in ARKODE: enough to fall from the length
     !> of the span to the rounding of the time.
     integer(c_int), parameter :: most_failures = 60
     !> Newton or fixed-point iterations a stage.
     integer(c_int), parameter :: newton_limit = 30, fixed_point_limit = 200
     !> Growth of a correction in fixed-point iteration that does not yet count as divergence.
     real(c_double), parameter :: growth_allowed = 100
-    !> What is left of a stage's equation may be this share of the tolerance.
+    !> Residual of a stage's equation that is accepted, as a share of the tolerance.
     real(c_double), parameter :: stage_share = 1.0e-2_c_double
-    !> The tolerance that ARKODE is given with equal steps, where it decides nothing.
+    !> The tolerance that ARKODE is given with a fixed step size, where it has no effect.
     real(c_double), parameter :: fixed_step_tolerance = 1.0e-12_c_double
-    !> Returns of a callback: go on, try a shorter step, give up.
+    !> Returns of a callback: continue, retry with a shorter step, fail.
     integer(c_int), parameter :: go_on = 0, retry = 1, give_up = -1
 
 contains
@@ -147,7 +147,7 @@ contains
         real(c_double) :: relative, absolute, unused(3)
 
         associate (ark => self%integrator)
-            ! First of all: nothing of what follows may print.
+            ! First of all, so that none of the later calls prints.
             call self%keep(silence(ark))
             call self%keep(FARKStepSetUserData(ark, c_loc(self)))
             if (table%implicit) then
@@ -172,7 +172,7 @@ contains
             call self%keep(FARKStepSetMaxErrTestFails(ark, most_failures))
             call self%keep(FARKStepSetMaxConvFails(ark, most_failures))
             call self%keep(FARKStepSetPostprocessStepFn(ark, c_funloc(finish_step)))
-            ! Its higher interpolants take right-hand sides at every stop time, and are of no use
+            ! Its higher interpolants evaluate the right-hand side at every stop time, and are of no use
             ! here: that of degree 5 has the error of one of degree 4 (seen in 6.4 and 7.5).
             call self%keep(FARKStepSetInterpolantDegree(ark, 3_c_int))
         end associate
@@ -215,7 +215,7 @@ contains
         end associate
     end subroutine set_implicit_options
 
-    !> Lets ARKODE forget the past and go on from `now`, with a first step of size `h` if given.
+    !> Resets ARKODE to `now`, with a first step of size `h` if given.
     subroutine restart(self, h)
         class(arkode_memory_t), intent(inout) :: self
         real(dp), intent(in), optional :: h
@@ -272,7 +272,7 @@ contains
         self%now%counts%jacobians = jacobians(1)
     end subroutine take_step
 
-    !> Size of the step that was tried last.
+    !> Step size of the last trial.
     real(dp) function last_step_tried(self) result(h)
         class(arkode_memory_t), intent(inout) :: self
         real(c_double) :: current(1)

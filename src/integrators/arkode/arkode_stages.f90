@@ -1,5 +1,5 @@
-!> When ARKODE's iteration for a stage has come to rounding: its own test knows a tolerance only, which
-!> with fixed steps nobody can tell beforehand.
+!> Convergence test of ARKODE's iteration for a stage, down to the rounding error: its own test needs a
+!> tolerance, which is not known in advance with a fixed step size.
 module spintop_arkode_stages
     use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
     use spintop_formulation, only: max_states

@@ -23,7 +23,7 @@ module spintop_arkode_tables
     !> Longest name.
     integer, parameter :: name_length = 32
 
-    !> One table: its name is SUNDIALS' own in small letters.
+    !> One table: its name is that of SUNDIALS in small letters.
     type :: arkode_table_t
         character(name_length) :: name = ''
         !> Number by which ARKODE knows it.
@@ -101,7 +101,7 @@ contains
         if (implicit_table) name = 'arkode_esdirk547l2sa2_7_4_5'
     end function default_arkode_table
 
-    !> The explicit or implicit table of a name ('' for the default); `found` tells whether there
+    !> The explicit or implicit table of a name ('' for the default); `found` says whether there
     !> is one.
     pure subroutine find_arkode_table(name, implicit_table, table, found)
         character(*), intent(in) :: name

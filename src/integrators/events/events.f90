@@ -6,9 +6,9 @@
 !> ratio. Between two instants each quantity is halved in time until a parabola shows that it is monotone, or away from its
 !> level (`spintop_five_values`). So any number of passages between two instants is found. What is not: a
 !> level touched and not passed, to the rounding of the quantity, which is measured where it matters; a
-!> quantity that stands at its level but for rounding passes it never. The start itself is no event.
+!> quantity that is equal to its level within rounding never passes it. The start itself is no event.
 !>
-!> Each look is work: the path says when no more is allowed, and the search ends there.
+!> Each evaluation counts as work: the search ends where the path allows no more.
 module spintop_events
     use spintop_kinds, only: dp, pi
     use spintop_body, only: body_t
@@ -24,9 +24,9 @@ module spintop_events
     private
     public :: event_t, event_watch_t, path_t
 
-    !> What to look for, and how often it was met.
+    !> An event to look for, and the number of its occurrences.
     type :: event_t
-        !> As it stands in tables.
+        !> Name in tables.
         character(80) :: name = ''
         !> The quantity rises through the level (1) or falls through it (-1).
         integer :: direction = 1

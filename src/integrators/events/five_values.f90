@@ -1,4 +1,4 @@
-!> What five values of a function at equal distances say of its passages through zero between them.
+!> Zeros of a function between five equidistant values: at most one, or possibly more.
 !>
 !> The parabola through the first, the middle and the last value is compared with the other two: what
 !> it misses there bounds, with a margin, what it misses elsewhere, as long as the function is smooth on

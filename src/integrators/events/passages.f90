@@ -1,4 +1,4 @@
-!> Passages of levels that were found, in rising order of time.
+!> The passages found, in rising order of time.
 module spintop_passages
     use spintop_kinds, only: dp
     implicit none

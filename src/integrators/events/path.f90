@@ -1,4 +1,4 @@
-!> A motion that can be had at any time within a stretch, for those who look for something on it.
+!> The interface of a motion that can be evaluated at any time within an interval.
 module spintop_path
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t

@@ -1,5 +1,5 @@
-!> Explicit methods of order 4 that move the state along a Lie group, so that each step ends on it:
-!> a quaternion keeps its length.
+!> Explicit Lie-group methods of order 4: each step ends on the group, so that a quaternion keeps its
+!> length.
 !>
 !> Elements of the algebra are moved by in the order of time; a formulation says how, and what its
 !> bracket is. What is made of slopes in a Runge-Kutta method is made of velocities xi here.
@@ -106,7 +106,7 @@ contains
         change = change + more
     end subroutine move_on
 
-    !> Velocity on the group, counted as a right-hand side.
+    !> Velocity on the group, counted as an evaluation of the right-hand side.
     subroutine find_velocity(formulation, work, y, xi, status)
         class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(inout) :: work

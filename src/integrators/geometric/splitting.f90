@@ -1,6 +1,6 @@
 !> Splitting methods: compositions of the flows of drift and kick.
 !>
-!> They are symmetric, and keep what both flows keep: the symplectic form, the length of a
+!> They are symmetric, and conserve what both flows conserve: the symplectic form, the length of a
 !> quaternion, the momentum about the vertical. The energy error stays bounded. On equations
 !> y'' = g(y) they are symplectic Runge-Kutta-Nystrom methods (Hairer, Lubich and Wanner, Geometric
 !> Numerical Integration, II.5 and IX.3).

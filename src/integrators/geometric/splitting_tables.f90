@@ -1,8 +1,8 @@
 !> Coefficients of splitting methods, as data.
 !>
 !> A step of size h is a kick over kick(0) h, which may be none, a drift over drift(1) h, a kick over
-!> kick(1) h, and so on, the same forwards and backwards. Each table states the first half only; what its end misses to sums of
-!> 1 stands in the middle.
+!> kick(1) h, and so on, the same forwards and backwards. Each table states the first half only; the middle is what
+!> is missing to sums of 1.
 module spintop_splitting_tables
     use spintop_kinds, only: dp
     implicit none

@@ -1,7 +1,7 @@
-!> Implicit methods with equal steps: Gauss' and the theta methods (the paper's Appendix D).
+!> Implicit methods with a fixed step size: Gauss-Legendre and theta methods (the paper's Appendix D).
 !>
 !> Their stages are solved to rounding, by Newton's method with one Jacobian for all stages, which
-!> serves as many steps as it will, or by repeated insertion. Where this Newton's method fails, the
+!> is kept as long as it converges, or by fixed-point iteration. Where this Newton's method fails, the
 !> solution is followed from a step of size zero (`spintop_stage_continuation`).
 module spintop_implicit_runge_kutta
     use spintop_kinds, only: dp, epsilon_dp
@@ -43,7 +43,7 @@ module spintop_implicit_runge_kutta
     !> Iterations after which a step counts as not converged.
     integer, parameter :: newton_limit = 30, fixed_point_limit = 200
     !> Corrections that do not shrink any more are due to rounding if they are below the first; with
-    !> repeated insertion, below the second. Larger ones may as well be due to the Jacobian.
+    !> fixed-point iteration, below the second. Larger ones may as well be due to the Jacobian.
     real(dp), parameter :: rounding = 64 * epsilon_dp, rounding_of_insertion = 1.0e-12_dp
     !> Growth of corrections that rounding may cause.
     real(dp), parameter :: jitter = 10
@@ -61,7 +61,7 @@ contains
         allocate (stage_workspace_t :: work)
     end subroutine new_workspace
 
-    !> First slope; what an earlier run left behind is forgotten.
+    !> First slope; the data of an earlier run are discarded.
     subroutine begin(self, formulation, work, status)
         class(implicit_runge_kutta_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
@@ -157,7 +157,7 @@ contains
                 if (size * (size / previous) <= negligible) return
                 if (size > slow * previous) work%h_factors = 0
             end if
-            ! Insertion may step closer and back by turns; Newton's method does not.
+            ! Fixed-point corrections may alternate; those of Newton's method do not.
             idle = merge(0, idle + 1, size < smallest)
             smallest = min(smallest, size)
             if (newton .and. idle > 0 .and. size <= acceptable) then

@@ -1,4 +1,4 @@
-!> Coefficients of the implicit methods, computed: Gauss' of any order, and the theta methods.
+!> Coefficients of the implicit methods, computed: Gauss-Legendre methods of any order, and the theta methods.
 module spintop_implicit_tables
     use spintop_kinds, only: dp, xp
     use spintop_lapack, only: dgeev
@@ -38,8 +38,8 @@ module spintop_implicit_tables
 
 contains
 
-    !> Gauss' method of order 2 s with s stages (Kuntzmann 1961, Butcher 1964): the nodes are the roots
-    !> of Legendre's polynomial P_s on the step. a_ij is the integral up to node i of the polynomial
+    !> The Gauss-Legendre method of order 2 s with s stages (Kuntzmann 1961, Butcher 1964): the nodes are the roots
+    !> of the Legendre polynomial P_s on the step. a_ij is the integral up to node i of the polynomial
     !> that is one at node j and zero at the others; expanded in P_0 .. P_(s-1), whose discrete
     !> products at these nodes are those of the integrals, it is a sum without cancellation. One
     !> stage gives the implicit midpoint rule.
@@ -128,7 +128,7 @@ contains
         end do
     end subroutine find_modes
 
-    !> Root number i of Legendre's polynomial P_n, in rising order, by Newton's method.
+    !> Root number i of the Legendre polynomial P_n, in rising order, by Newton's method.
     pure real(xp) function legendre_root(n, i) result(x)
         integer, intent(in) :: n, i
         !> Corrections double the digits of the start, which has at least two.
@@ -143,7 +143,7 @@ contains
         end do
     end function legendre_root
 
-    !> Legendre's polynomials P_0 .. P_n at x; number -1 is the constant with which
+    !> Legendre polynomials P_0 .. P_n at x; number -1 is the constant with which
     !> (P_(k+1) - P_(k-1))/(2k + 1), the integral of P_k from -1 to x, holds for k = 0 too.
     pure function legendre_values(n, x) result(p)
         integer, intent(in) :: n

@@ -1,4 +1,4 @@
-!> The equations of an implicit step where Newton's method with one Jacobian gives up: Newton's method
+!> The equations of an implicit step where Newton's method with one Jacobian fails: Newton's method
 !> with the Jacobian of every stage at every iteration, and continuation in the step size.
 !>
 !> The solution wanted is the one that grows out of the state as the step does (Deuflhard, Newton

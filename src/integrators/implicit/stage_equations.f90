@@ -21,7 +21,7 @@ module spintop_stage_equations
 
 contains
 
-    !> What is missing to the equations of the stages.
+    !> Residual of the equations of the stages.
     subroutine find_residual(table, formulation, work, h, z, residual, status)
         type(implicit_table_t), intent(in) :: table !! the method
         class(formulation_t), intent(in) :: formulation !! the equations of motion
@@ -77,7 +77,7 @@ contains
     end subroutine find_jacobian
 
     !> The unit in which each variable's increments are measured: the scale of the motion or, where
-    !> they are larger, the increments or the variable itself. The magnitude of a cyclic one tells nothing.
+    !> they are larger, the increments or the variable itself. The magnitude of a cyclic one is ignored.
     pure function units_of_stages(formulation, y, z) result(units)
         class(formulation_t), intent(in) :: formulation !! the equations of motion
         real(dp), intent(in) :: y(max_states) !! state at the beginning of the step

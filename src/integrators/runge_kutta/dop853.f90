@@ -1,8 +1,8 @@
 !> The Runge-Kutta method of Dormand and Prince of order 8 with error estimate, step control and
 !> dense output: DOP853 of Hairer, Norsett and Wanner (Solving Ordinary Differential Equations I,
-!> 2nd edition, 1993, sections II.4 to II.6); also with equal steps.
+!> 2nd edition, 1993, sections II.4 to II.6); also with a fixed step size.
 !>
-!> The state is summed with compensation, so that small steps at tight tolerances lose nothing.
+!> The state is summed with compensation, so that small steps at tight tolerances lose no digits.
 module spintop_dop853
     use spintop_kinds, only: dp
     use spintop_compare, only: is_finite
@@ -54,7 +54,7 @@ contains
         allocate (dop853_workspace_t :: work)
     end subroutine new_workspace
 
-    !> First slope and, unless steps are equal, first step size.
+    !> First slope and, unless the step size is fixed, first step size.
     subroutine begin(self, formulation, work, status)
         class(dop853_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
@@ -99,7 +99,7 @@ contains
         h = min(span, 100 * h, unit * (share / bend)**(1 / power))
     end function first_step
 
-    !> One step: of the grid, or one that the error estimate accepts; rejected trials are counted.
+    !> One step: of the grid, or one that the error estimate accepts; rejected steps are counted.
     subroutine advance(self, formulation, work, status)
         class(dop853_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation

@@ -18,7 +18,7 @@ module spintop_dop853_table
         !> a(j, i) multiplies k_j in stage i: columns are stages.
         real(dp) :: a(all_stages, all_stages) = 0
         real(dp) :: b(all_stages) = 0
-        !> What rounding cuts from b: left out, it would add up over long times.
+        !> Rounding errors of b, which would add up over long times.
         real(dp) :: b_rest(all_stages) = 0
         !> b minus the weights of the embedded methods.
         real(dp) :: error5(all_stages) = 0, error3(all_stages) = 0

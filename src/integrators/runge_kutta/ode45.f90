@@ -60,7 +60,7 @@ contains
         if (work%h * steepest > 1) work%h = 1 / steepest
     end subroutine begin
 
-    !> One accepted step; rejected trials are counted.
+    !> One accepted step; rejected steps are counted.
     subroutine advance(self, formulation, work, status)
         class(ode45_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation

@@ -1,4 +1,4 @@
-!> Explicit Runge-Kutta methods with equal steps.
+!> Explicit Runge-Kutta methods with a fixed step size.
 module spintop_runge_kutta
     use spintop_kinds, only: dp
     use spintop_formulation, only: formulation_t, max_states

@@ -25,8 +25,8 @@ contains
 
     !> Follows each of the bodies from its start over its span and gives the motions at the ends and
     !> how they were reached, phi and psi with all their turns. `controls` are the tolerances and the
-    !> most steps of a case. Any body will do, damped or not, and any attitude. What a case gives does
-    !> not depend on the others. A case that fails gives the last motion that it reached; one that is
+    !> maximum number of steps per case. Any body is possible, damped or not, and any attitude. The result of
+    !> a case does not depend on the others. A case that fails gives the last motion that it reached; one that is
     !> refused (`status_non_finite`, `status_bad_body`, `status_bad_start`, `status_bad_span`) its start.
     !> Settings that are not valid refuse all cases, as do arrays that are not of one size.
     subroutine integrate_many(controls, bodies, starts, t_end, ends, outcomes)
@@ -68,7 +68,7 @@ contains
 
     contains
 
-        !> Goes on to a case that can be loaded.
+        !> Moves to the next case that can be loaded.
         subroutine skip_refused()
             do while (next <= size(bodies))
                 associate (status => outcomes(next)%status)

@@ -1,5 +1,5 @@
-!> A motion with its small deviations: state (Gamma, Pi) and tangent vectors, carried along the
-!> equations of Euler and Poisson and their linearisation.
+!> Variational equations: the state (Gamma, Pi) and tangent vectors, integrated by the Euler-Poisson
+!> equations and their linearisation.
 !>
 !> By Taylor series: the equations are products of two factors each, so that coefficients follow by
 !> Cauchy products (Jorba and Zou, Experimental Mathematics 14, 2005). A step is as long as the last
@@ -18,7 +18,7 @@ module spintop_tangent_flow
     private
     public :: carry_tangents, take_tangent_step, step_limit
 
-    !> Steps after which a motion is given up, unless the caller knows better.
+    !> Default of the maximum number of steps.
     integer, parameter :: step_limit = 1000000
     !> Degree of the series, and what its last terms may amount to, relative to the whole.
     integer, parameter :: order = 24
@@ -73,7 +73,7 @@ contains
         status = status_ok
         if (.not. h > 0) status = status_non_finite
         if (h < abs(left) .and. h < smallest_spacings * spacing(left)) status = status_step_too_small
-        ! Of the size by which the time left changes, in spite of rounding.
+        ! The exact change of the time left, in spite of rounding.
         h = left - (left - sign(h, left))
         total = coefficient(:, :, order)
         do k = order - 1, 0, -1

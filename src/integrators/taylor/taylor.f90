@@ -108,7 +108,7 @@ contains
             if (stretch * h >= work%t_end - work%t) t_new = work%t_end
             change = sum_of_terms(work, t_new - work%t)
             call formulation%unfold(work%y, t_new - work%t, change)
-            ! Terms that are no number do not show in the size of the largest.
+            ! Terms that are no number do not show in the magnitude of the largest.
             status = status_non_finite
             if (.not. all(abs(change) <= huge(1.0_dp))) return
             call work%settle_change(formulation, t_new, change, changed)

@@ -53,11 +53,11 @@ module spintop_taylor_lanes
         integer :: status(lanes) = status_ok
         integer(int64) :: steps(lanes) = 0
         type(controls_t), private :: controls
-        !> (I2 - I3)/I1 and cyclic; 1/I; damping/I; moment of the weight m g r.
+        !> (I2 - I3)/I1 and cyclic; 1/I; damping/I; gravitational torque m g r.
         real(dp), dimension(lanes, 3), private :: coupling = 0, mobility = 0, decay = 0, moment = 0
         !> -1 where the quaternion is the negative of that of the angles.
         real(dp), private :: sense(lanes) = 1
-        !> What rounding has cut from the state so far: the state is state + rest.
+        !> Compensation term of the state (Kahan): the state is state + rest.
         real(dp), private :: rest(lanes, parts) = 0
         !> The last step, s, and the largest angular velocity, rad/s.
         real(dp), dimension(lanes), private :: h = 0, scale = 1
@@ -177,7 +177,7 @@ contains
     end subroutine advance
 
     !> Follows the other half angle from `t` on to a time within the last step, in paces short enough
-    !> to tell the turns of the body, and on which side its axis passes a pole. `rate` is the largest
+    !> to resolve the turns of the body, and on which side its axis passes a pole. `rate` is the largest
     !> angular velocity, rad/s.
     pure recursive subroutine walk(self, lane, goal, rate, t, other)
         class(taylor_lanes_t), intent(in) :: self
@@ -347,7 +347,7 @@ contains
         end do
     end subroutine add_terms
 
-    !> Follows the other half angle over the steps, where that is certain; `doubt` tells where not,
+    !> Follows the other half angle over the steps, where that is certain; `doubt` says where not,
     !> and where the side is to be changed. `rate` is the angular velocity, the larger of both ends.
     pure subroutine follow(order, c, duration, side, state, other, rate, doubt)
         integer, intent(in) :: order

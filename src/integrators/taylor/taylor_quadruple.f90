@@ -1,5 +1,5 @@
-!> Taylor's method in quadruple precision: for reference motions, and for motions that double the
-!> error of rounding so often that double precision cannot follow them.
+!> Taylor's method in quadruple precision: for reference motions, and for motions that amplify
+!> rounding errors so much that double precision cannot follow them.
 !>
 !> The state is kept as the sum of two numbers in double precision, `y + rest`, 106 bits; series and
 !> sums are in quadruple precision.

@@ -13,24 +13,24 @@ module spintop_precision_table
 
     !> The columns, in the order of the table; the swept parameters come after them.
     type(study_column_t), parameter :: precision_columns(*) = [ &
-        study_column_t('problem', '', 'the input, and which case of it where a parameter is swept'), &
+        study_column_t('problem', '', 'input, and case of it where a parameter is swept'), &
         study_column_t('method', '', 'method'), &
-        study_column_t('formulation', '', 'form of the equations'), &
-        study_column_t('setting', '', 'relative tolerance, or number of equal steps'), &
-        study_column_t('orientation_error', 'rad', 'angle of the turn from the reference attitude at the end'), &
+        study_column_t('formulation', '', 'formulation of the equations of motion'), &
+        study_column_t('setting', '', 'relative tolerance, or number of steps of fixed size'), &
+        study_column_t('orientation_error', 'rad', 'rotation angle from the reference attitude at the end'), &
         study_column_t('tip_error', '', 'distance of the axis tip from that of the reference at the end'), &
-        study_column_t('error_max', 'rad', 'largest angle of the turn from the reference attitude'), &
+        study_column_t('error_max', 'rad', 'largest rotation angle from the reference attitude'), &
         study_column_t('steps', '', 'steps'), &
-        study_column_t('rejected', '', 'steps rejected'), &
-        study_column_t('evaluations', '', 'right-hand sides of what time_s times; a Taylor series of order p counts as p'), &
-        study_column_t('time_s', 's', 'least time of the repeats, for the state at the end'), &
+        study_column_t('rejected', '', 'rejected steps'), &
+        study_column_t('evaluations', '', 'RHS evaluations of that run; a Taylor series of order p counts as p'), &
+        study_column_t('time_s', 's', 'shortest computing time of the repeats, for the state at the end'), &
         study_column_t('energy_error', '', 'largest energy error over (kinetic at start + m g |r|)'), &
-        study_column_t('status', '', 'how it ended'), &
+        study_column_t('status', '', 'status of the run'), &
         study_column_t('tip_error_max', '', 'largest distance of the axis tip from that of the reference'), &
-        study_column_t('jacobians', '', 'Jacobians'), &
+        study_column_t('jacobians', '', 'Jacobian evaluations'), &
         study_column_t('lz_error', '', 'largest error of the vertical momentum, over its scale'), &
         study_column_t('l3_error', '', 'largest error of the momentum about body z, over the same scale'), &
-        study_column_t('norm_error', '', 'largest change of the length of the quaternion'), &
+        study_column_t('norm_error', '', 'largest norm error abs(q) - 1 of the quaternion'), &
         study_column_t('phi_error', 'rad', 'error of phi at the end, within half a turn'), &
         study_column_t('theta_error', 'rad', 'error of theta at the end'), &
         study_column_t('psi_error', 'rad', 'error of psi at the end, within half a turn'), &
@@ -43,11 +43,11 @@ module spintop_precision_table
         study_column_t('phi_rate_error_max', 'rad/s', 'largest error of the precession rate'), &
         study_column_t('theta_rate_error_max', 'rad/s', 'largest error of the nutation rate'), &
         study_column_t('psi_rate_error_max', 'rad/s', 'largest error of the spin rate'), &
-        study_column_t('inherent_error', 'rad', 'how far rounding of the data alone turns the attitude'), &
-        study_column_t('reference', '', 'what it was compared with'), &
-        study_column_t('reference_error', 'rad', 'how far apart two computations of the reference are'), &
-        study_column_t('reference_check', 'rad', 'how far the reference is from a motion by other means'), &
-        study_column_t('front', '', 'yes: no stepping method is both faster and more exact'), &
+        study_column_t('inherent_error', 'rad', 'error of the attitude due to rounding of the data'), &
+        study_column_t('reference', '', 'reference of the comparison'), &
+        study_column_t('reference_error', 'rad', 'difference between two computations of the reference'), &
+        study_column_t('reference_check', 'rad', 'difference between the reference and an independent computation'), &
+        study_column_t('front', '', 'yes: no stepping method is both faster and more accurate'), &
         study_column_t('auto', '', "yes: method = 'auto' takes this method at this tolerance")]
 
     !> A method with a setting.

@@ -42,26 +42,26 @@ module spintop_stability
     type(study_column_t), parameter :: stability_columns(*) = [ &
         study_column_t('case', '', 'case of the catalogue'), &
         study_column_t('method', '', 'method'), &
-        study_column_t('formulation', '', 'form of the equations'), &
-        study_column_t('verdict', '', 'what the motion computed is worth'), &
-        study_column_t('orientation_error', 'rad', 'largest angle of the turn from the reference attitude'), &
+        study_column_t('formulation', '', 'formulation of the equations of motion'), &
+        study_column_t('verdict', '', 'verdict on the computed motion'), &
+        study_column_t('orientation_error', 'rad', 'largest rotation angle from the reference attitude'), &
         study_column_t('tip_error', '', 'largest distance of the axis tip from that of the reference'), &
         study_column_t('energy_error', '', 'largest energy error over (kinetic at start + m g |r|)'), &
         study_column_t('lz_error', '', 'largest error of the vertical momentum, over its scale'), &
         study_column_t('l3_error', '', 'largest error of the momentum about body z, over the same scale'), &
-        study_column_t('norm_error', '', 'largest change of the length of the quaternion'), &
-        study_column_t('inherent_error', 'rad', 'how far rounding of the data alone turns the attitude'), &
+        study_column_t('norm_error', '', 'largest norm error abs(q) - 1 of the quaternion'), &
+        study_column_t('inherent_error', 'rad', 'error of the attitude due to rounding of the data'), &
         study_column_t('steps', '', 'steps'), &
-        study_column_t('rejected', '', 'steps rejected'), &
-        study_column_t('evaluations', '', 'right-hand sides'), &
-        study_column_t('time_s', 's', 'time of the computation'), &
-        study_column_t('status', '', 'how it ended'), &
+        study_column_t('rejected', '', 'rejected steps'), &
+        study_column_t('evaluations', '', 'RHS evaluations'), &
+        study_column_t('time_s', 's', 'computing time'), &
+        study_column_t('status', '', 'status of the run'), &
         study_column_t('t', 's', 'time reached'), &
         study_column_t('upright_growth', '1/s', 'largest growth rate of the top sleeping upright with this spin'), &
-        study_column_t('lyapunov_exponent', '1/s', 'mean growth rate of small deviations over the span'), &
-        study_column_t('reference', '', 'what it was compared with'), &
-        study_column_t('reference_error', 'rad', 'how far apart two computations of the reference are'), &
-        study_column_t('reason', '', 'why the verdict is what it is')]
+        study_column_t('lyapunov_exponent', '1/s', 'mean growth rate of perturbations over the span'), &
+        study_column_t('reference', '', 'reference of the comparison'), &
+        study_column_t('reference_error', 'rad', 'difference between two computations of the reference'), &
+        study_column_t('reason', '', 'reason of the verdict')]
 
     !> What is said of a case whatever the method.
     type :: case_facts_t

@@ -58,42 +58,42 @@ module spintop_sweep_columns
 
     !> All quantities, in the order of the table's documentation.
     type(sweep_column_t), parameter :: sweep_columns(quantities) = [ &
-        sweep_column_t('theta_min', 'rad', 'least inclination', group_nutation), &
-        sweep_column_t('theta_max', 'rad', 'largest inclination', group_nutation), &
-        sweep_column_t('delta_u', '', 'swing of cos(theta)', group_nutation), &
+        sweep_column_t('theta_min', 'rad', 'minimum nutation angle', group_nutation), &
+        sweep_column_t('theta_max', 'rad', 'maximum nutation angle', group_nutation), &
+        sweep_column_t('delta_u', '', 'range of cos(theta)', group_nutation), &
         sweep_column_t('delta_u_fast_top', '', 'the same by Eq 29', group_fast_top), &
-        sweep_column_t('nutation_period', 's', 'time of a full nutation', group_nutation), &
+        sweep_column_t('nutation_period', 's', 'nutation period', group_nutation), &
         sweep_column_t('nutation_rate', 'rad/s', '2 pi over the nutation period', group_nutation), &
         sweep_column_t('nutation_rate_fast_top', 'rad/s', 'the same by Eq 30', group_fast_top), &
         sweep_column_t('precession_per_nutation', 'rad', &
                        'change of phi in a nutation, without the half turns at exact passages of a pole', group_nutation), &
         sweep_column_t('precession_rate', 'rad/s', 'mean precession rate', group_nutation), &
         sweep_column_t('precession_rate_fast_top', 'rad/s', 'the same by Eq 32', group_fast_top), &
-        sweep_column_t('nutations_per_turn', '', 'nutations in a full turn of precession', group_nutation), &
+        sweep_column_t('nutations_per_turn', '', 'nutations per full turn of precession', group_nutation), &
         sweep_column_t('nutations_per_turn_fast_top', '', 'the same by Eq 54', group_fast_top), &
         sweep_column_t('precession_period', 's', 'T_p = 2 pi I3 omega3/(m g l) of the paper', group_fast_top), &
         sweep_column_t('azimuth_after_period_deg', 'deg', 'change of phi after T_p', group_period), &
         sweep_column_t('nutations_in_period', '', 'nutations in T_p', group_nutation), &
-        sweep_column_t('phi_rate_max', 'rad/s', 'precession rate that is largest in size', group_nutation), &
+        sweep_column_t('phi_rate_max', 'rad/s', 'precession rate that is largest in magnitude', group_nutation), &
         sweep_column_t('fast_top_ratio', '', '(I3 omega3)^2/(2 I1 m g l), large for a fast top', group_fast_top), &
-        sweep_column_t('com_z_min', 'm', 'least height of the centre of mass above the pivot', group_nutation), &
+        sweep_column_t('com_z_min', 'm', 'minimum height of the centre of mass above the pivot', group_nutation), &
         sweep_column_t('theta_end', 'rad', 'inclination at the end of the span', group_end), &
         sweep_column_t('phi_end', 'rad', 'precession angle at the end of the span', group_end), &
         sweep_column_t('psi_end', 'rad', 'spin angle at the end of the span', group_end), &
         sweep_column_t('theta_rate_end', 'rad/s', 'nutation rate at the end of the span', group_end), &
         sweep_column_t('energy_error_max', '', 'largest relative energy error in the span', group_energy), &
-        sweep_column_t('orientation_error', 'rad', 'angle from the exact attitude at the end', group_oracle), &
-        sweep_column_t('inherent_error', 'rad', 'how far rounding of the data alone turns that attitude', group_inherent), &
-        sweep_column_t('evaluations', '', 'right-hand sides evaluated', group_cost), &
-        sweep_column_t('motion_class', '', 'loop, cusp, wave, steady, ... (a word)', group_details), &
+        sweep_column_t('orientation_error', 'rad', 'rotation angle from the exact attitude at the end', group_oracle), &
+        sweep_column_t('inherent_error', 'rad', 'error of that attitude due to rounding of the data', group_inherent), &
+        sweep_column_t('evaluations', '', 'RHS evaluations', group_cost), &
+        sweep_column_t('motion_class', '', 'loop, cusp, wave, steady, ... (categorical)', group_details), &
         sweep_column_t('spin_per_nutation', 'rad', &
                        'change of psi in a nutation, without the half turns at exact passages of a pole', group_details), &
-        sweep_column_t('theta_rate_max', 'rad/s', 'largest nutation rate', group_details), &
-        sweep_column_t('force_max', 'N', 'largest support force', group_details), &
-        sweep_column_t('force_z_min', 'N', 'least vertical support force', group_details), &
-        sweep_column_t('force_z_max', 'N', 'largest vertical support force', group_details), &
-        sweep_column_t('t_end', 's', 'end of the span, or when stop_at ended the motion', group_end), &
-        sweep_column_t('growth_rate', '1/s', 'of small deviations from a start that is sleeping or steady', group_growth), &
+        sweep_column_t('theta_rate_max', 'rad/s', 'maximum nutation rate', group_details), &
+        sweep_column_t('force_max', 'N', 'maximum support force', group_details), &
+        sweep_column_t('force_z_min', 'N', 'minimum vertical support force', group_details), &
+        sweep_column_t('force_z_max', 'N', 'maximum vertical support force', group_details), &
+        sweep_column_t('t_end', 's', 'end of the span, or time of the event that ended the motion', group_end), &
+        sweep_column_t('growth_rate', '1/s', 'growth rate of perturbations of a steady motion', group_growth), &
         sweep_column_t('lyapunov_exponent', '1/s', &
                        'mean growth rate of a perturbation, equal in all components but along Gamma', group_lyapunov), &
         sweep_column_t('largest_singular_value', '', &

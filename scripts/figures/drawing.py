@@ -35,7 +35,7 @@ def draw_to(kind: FigureKind, tables: Table | Sequence[Table], stem: Path) -> li
 
 
 def without_overflow(table: Table) -> Table:
-    """The table of a run that overflowed without the numbers that are too large; any other as it is."""
+    """A run that overflowed without the numbers that are too large; any other table as it is."""
     if not (table.status or "").startswith("non_finite"):
         return table
     rows = table.rows.copy()

@@ -30,10 +30,8 @@ module spintop_plan
     !> The body that `body_t%is_lagrange` is about.
     character(*), parameter :: known_for = 'an undamped symmetric top with its centre of mass on &
         &body z, at or above the pivot'
-
     !> The default formulations.
     character(*), parameter :: of_symmetric_tops = 'space_frame', of_any_body = 'rigid_body '
-
     character, parameter :: axis_letters(3) = ['x', 'y', 'z']
 
 contains
@@ -283,7 +281,6 @@ contains
             end if
             if (scene%steps /= unset_integer) controls%steps = scene%steps
             if (is_set(scene%step)) plan%step = scene%step
-
             if (info%relative_tolerance > 0) controls%relative_tolerance = info%relative_tolerance
             if (info%absolute_tolerance > 0) controls%absolute_tolerance = info%absolute_tolerance
             call take_tolerance('integration.relative_tolerance', scene%relative_tolerance, &

@@ -256,17 +256,19 @@ contains
         type(outcome_t), intent(out) :: outcome
         type(event_recorder_t), intent(inout), optional :: watch
         type(exact_path_t) :: path
-        real(dp) :: t_end, t
+        real(dp) :: t_end, t_known, t
         integer :: i
 
         associate (exact => path%exact)
             call prepare_exact_motion(case%body, case%start, exact, outcome%status)
             if (outcome%status /= status_ok) return
             t_end = case%t_end
+            t_known = t_end
             if (present(watch)) then
                 path%most_looks = looks_per_step * plan%max_steps
                 call watch%begin(case%body, exact%at(0.0_dp))
                 call watch%look(path, t_end)
+                t_known = watch%t
                 if (watch%has_enough) then
                     t_end = watch%t
                 else if (watch%t < t_end) then
@@ -275,12 +277,12 @@ contains
             end if
             do i = 1, plan%samples
                 t = sample_time(t_end, plan%samples, i)
-                if (outcome%status == status_step_limit .and. t > watch%t) exit
+                if (outcome%status == status_step_limit .and. t > t_known) exit
                 call writer%write_row(exact%at(t))
                 if (writer%has_enough) exit
                 outcome%t = t
             end do
-            if (outcome%status == status_step_limit) outcome%t = watch%t
+            if (outcome%status == status_step_limit) outcome%t = t_known
         end associate
     end subroutine sample_exactly
 

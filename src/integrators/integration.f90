@@ -64,8 +64,8 @@ module spintop_integration
         class(workspace_t), pointer :: work => null()
         class(observer_t), pointer :: observer => null()
         real(dp), pointer :: samples(:) => null()
-        !> The first sample that was not shown.
-        integer :: next = 1
+        !> The first sample that was not shown, and their number.
+        integer :: next = 1, last = 0
         type(follower_t) :: follower
     contains
         procedure :: begin => begin_run
@@ -133,6 +133,7 @@ contains
         run%work => work
         run%observer => observer
         run%samples => samples
+        run%last = size(samples)
         call run%begin(body, start, path, status, watch)
         do while (status == status_ok .and. work%t < t_end .and. .not. observer%has_enough)
             if (work%is_spent(stepper%controls%max_steps)) then
@@ -208,7 +209,7 @@ contains
         associate (samples => self%samples, next => self%next, work => self%work, steps => self%stepper%controls%steps)
             slack = 0
             if (steps > 0) slack = grid_slack * work%t_end / steps
-            do while (next <= size(samples) .and. .not. self%observer%has_enough)
+            do while (next <= self%last .and. .not. self%observer%has_enough)
                 if (samples(next) > t + slack) exit
                 if (abs(samples(next) - t) <= slack) then
                     call self%follower%walk_to(self%formulation, self%stepper, work, work%t, work%y)
@@ -226,7 +227,7 @@ contains
     subroutine show_end(self, t)
         class(run_t), intent(inout) :: self
         real(dp), intent(in) :: t
-        do while (self%next <= size(self%samples) .and. .not. self%observer%has_enough)
+        do while (self%next <= self%last .and. .not. self%observer%has_enough)
             if (self%samples(self%next) >= t) exit
             if (self%stepper%controls%steps == 0) call self%show_within(self%samples(self%next))
             self%next = self%next + 1
@@ -336,7 +337,7 @@ contains
                 y = work%y
                 call self%formulation%depart(y, h, departed)
             end if
-            do while (steps == 0 .and. self%next <= size(self%samples) .and. .not. self%observer%has_enough)
+            do while (steps == 0 .and. self%next <= self%last .and. .not. self%observer%has_enough)
                 if (self%samples(self%next) >= h) exit
                 call self%show_departure(self%samples(self%next))
                 self%next = self%next + 1

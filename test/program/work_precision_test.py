@@ -275,7 +275,7 @@ class TableTest(WorkPrecisionCase):
         ]
         run = subprocess.run(command, capture_output=True, text=True, check=False)
         self.assertEqual(run.returncode, 3, run.stderr)
-        self.assertIn("has no reference: the work allowed", run.stdout + run.stderr)
+        self.assertIn("has no reference: the maximum number of steps", run.stdout + run.stderr)
 
 
 class SummaryTest(WorkPrecisionCase):

@@ -1,29 +1,33 @@
-!> The command line of `spintop`: arguments in, a request out.
+!> The command line of `spintop`: reads the arguments into a request.
 module spintop_command_line
-    use spintop_errors, only: error_t, input_error
-    use spintop_job, only: options_t, shell_word
+    use spintop_errors, only: error_t, exit_codes, input_error
+    use spintop_listing, only: topic_names
+    use spintop_options, only: options_t, shell_word
     use spintop_line_list, only: line_list_t
     use spintop_shard, only: read_shard
-    use spintop_text, only: string_t, nearest_word
+    use spintop_text, only: string_t, did_you_mean, to_text
     implicit none
     private
     public :: request_t, read_command_line, describe_usage
     public :: action_run, action_check, action_list, action_merge, action_help, action_version
 
+    !> Actions of a request.
     integer, parameter :: action_run = 1, action_check = 2, action_list = 3, action_merge = 4, &
         action_help = 5, action_version = 6
 
-    !> What the user asks for.
+    !> The request of the user: inputs to run, a topic to list, or parts to merge.
     type :: request_t
         integer :: action = action_run
         type(options_t) :: options
         !> Inputs to run, or parts to merge.
         type(string_t), allocatable :: inputs(:)
-        !> What to list, or the table to merge into.
+        !> What to list ('' for all topics), or the table to merge into.
         character(:), allocatable :: topic, merged
+        !> List as JSON.
+        logical :: as_json = .false.
     end type request_t
 
-    !> An option: its name, a short one, what its value is called ('' if it takes none), what it does.
+    !> An option: long name, short name, name of its value ('' if it takes none), and description.
     type :: option_t
         character(10) :: name
         character(2) :: short
@@ -31,7 +35,7 @@ module spintop_command_line
         character(72) :: what
     end type option_t
 
-    !> All options there are.
+    !> All options.
     type(option_t), parameter :: known_options(*) = [ &
         option_t('--output', '-o', 'DIR', 'folder for results (default output/), made if missing'), &
         option_t('--set', '', 'GROUP.KEY=VALUE', 'override a value of the input (repeatable)'), &
@@ -47,25 +51,17 @@ module spintop_command_line
         option_t('--', '', '', 'end of options: the other arguments are inputs')]
 
     character(*), parameter :: usage(*) = [character(96) :: &
-        'spintop: the motion of a heavy spinning top, exact and by many integrators', &
+        'spintop: the motion of a heavy spinning top, in closed form or by integration', &
         '', &
         'usage: spintop [options] INPUT.nml [INPUT.nml ...]', &
         '       spintop merge FILE PART [PART ...]', &
-        '       spintop list methods|formulations|columns|events|shapes|parameters|cases', &
-        '', &
-        'options']
-
-    character(*), parameter :: exit_codes(*) = [character(96) :: &
-        '', &
-        'exit codes: 0 all is well; 2 wrong usage or input, nothing was computed; 3 some cases', &
-        'failed and are marked; 4 a result could not be written; 5 no memory, or an internal error;', &
-        '128 + N: ended by signal N']
+        '       spintop list [TOPIC] [--json]']
 
 contains
 
     !> The help text.
     subroutine describe_usage(lines)
-        type(string_t), allocatable, intent(out) :: lines(:)
+        type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
         type(line_list_t) :: text
         type(option_t) :: option
         character(24) :: name
@@ -74,22 +70,31 @@ contains
         do i = 1, size(usage)
             call text%add(trim(usage(i)))
         end do
+        call text%add('')
+        call text%add_paragraph('', 'topics: ' // topic_names(', '))
+        call text%add('')
+        call text%add('options')
         do i = 1, size(known_options)
             option = known_options(i)
             name = trim(option%name) // ' ' // option%value
             if (option%short /= '') name = trim(option%short // ' ' // option%value) // ', ' // name
             call text%add('  ' // name // trim(option%what))
         end do
+        call text%add('')
+        call text%add('exit codes')
         do i = 1, size(exit_codes)
-            call text%add(trim(exit_codes(i)))
+            name = to_text(exit_codes(i)%code)
+            call text%add('  ' // name // trim(exit_codes(i)%what))
         end do
+        name = '128 + N'
+        call text%add('  ' // name // 'ended by signal N')
         call text%get(lines)
     end subroutine describe_usage
 
     !> Reads the arguments of the program.
     subroutine read_command_line(request, error)
-        type(request_t), intent(out) :: request
-        type(error_t), allocatable, intent(out) :: error
+        type(request_t), intent(out) :: request !! the request
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         character(:), allocatable :: argument
         logical :: only_inputs
         integer :: i
@@ -119,11 +124,11 @@ contains
         if (request%options%resume .and. request%options%restart) then
             error = wrong('--resume and --restart exclude each other')
         else if (size(request%inputs) == 0) then
-            error = wrong('no input is named')
+            error = wrong('no input is given')
         end if
     end subroutine read_command_line
 
-    !> Takes the option that argument `i` is, with its value. `i` is then the last argument of the option.
+    !> Reads the option at argument `i`, with its value. On return `i` is the last argument of the option.
     subroutine take_option(i, request, error)
         integer, intent(inout) :: i
         type(request_t), intent(inout) :: request
@@ -178,7 +183,7 @@ contains
         end if
     end subroutine take_option
 
-    !> Keeps arguments `first` to `last` for the command with which a run may be resumed.
+    !> Keeps arguments `first` to `last` for the command that resumes the run.
     subroutine keep_options(first, last, request)
         integer, intent(in) :: first, last
         type(request_t), intent(inout) :: request
@@ -188,7 +193,7 @@ contains
         end do
     end subroutine keep_options
 
-    !> The value of the option: behind its equals sign, or the next argument.
+    !> The value of an option: the text after its equals sign, or the next argument.
     subroutine take_value(i, value, error)
         integer, intent(inout) :: i
         character(:), allocatable, intent(inout) :: value
@@ -205,7 +210,7 @@ contains
         end if
     end subroutine take_value
 
-    !> Number of threads.
+    !> Reads the number of threads.
     subroutine take_threads(text, request, error)
         character(*), intent(in) :: text
         type(request_t), intent(inout) :: request
@@ -219,20 +224,31 @@ contains
         end if
     end subroutine take_threads
 
-    !> What to list: the only argument after `list`, which is argument `i`.
+    !> What to list: the arguments after `list`, which is argument `i`. Without a topic the topics are listed,
+    !> or all of them as JSON.
     subroutine take_topic(i, request, error)
         integer, intent(in) :: i
         type(request_t), intent(inout) :: request
         type(error_t), allocatable, intent(inout) :: error
+        character(:), allocatable :: argument
+        integer :: k
         request%action = action_list
-        if (command_argument_count() /= i + 1) then
-            error = wrong('list takes one word')
-        else
-            request%topic = argument_at(i + 1)
-        end if
+        request%topic = ''
+        do k = i + 1, command_argument_count()
+            argument = argument_at(k)
+            if (argument == '--json') then
+                request%as_json = .true.
+            else if (index(argument, '-') == 1) then
+                error = wrong('list takes no option but --json')
+            else if (request%topic /= '') then
+                error = wrong('list takes one topic')
+            else
+                request%topic = argument
+            end if
+        end do
     end subroutine take_topic
 
-    !> The table to merge into and its parts: all arguments after `merge`, which is argument `i`.
+    !> Reads the table to merge into and its parts: all arguments after `merge`, which is argument `i`.
     subroutine take_parts(i, request, error)
         integer, intent(in) :: i
         type(request_t), intent(inout) :: request
@@ -251,7 +267,7 @@ contains
         end do
     end subroutine take_parts
 
-    !> An option without the value behind an equals sign.
+    !> Name of an option, without an equals sign and a value after it.
     pure function option_name(argument) result(name)
         character(*), intent(in) :: argument
         character(:), allocatable :: name
@@ -259,7 +275,7 @@ contains
         if (index(argument, '--') == 1 .and. index(argument, '=') > 0) name = argument(:index(argument, '=') - 1)
     end function option_name
 
-    !> A command-line argument in its own length.
+    !> A command-line argument of any length.
     function argument_at(i) result(argument)
         integer, intent(in) :: i
         character(:), allocatable :: argument
@@ -269,7 +285,7 @@ contains
         call get_command_argument(i, argument)
     end function argument_at
 
-    !> Place of an option among the known ones, by either name; 0 if there is none.
+    !> Index of an option in `known_options`, by either name; 0 if there is none.
     pure integer function place_of(name)
         character(*), intent(in) :: name
         do place_of = size(known_options), 1, -1
@@ -280,14 +296,9 @@ contains
 
     type(error_t) function unknown_option(argument) result(error)
         character(*), intent(in) :: argument
-        type(string_t) :: names(size(known_options))
         character(:), allocatable :: hint
-        integer :: i
-        do i = 1, size(names)
-            names(i)%text = trim(known_options(i)%name)
-        end do
-        hint = nearest_word(option_name(argument), names)
-        if (hint /= '') hint = "; did you mean '" // hint // "'?"
+        hint = did_you_mean(option_name(argument), known_options%name)
+        if (hint /= '') hint = '; ' // hint
         error = wrong("unknown option '" // argument // "'" // hint)
     end function unknown_option
 

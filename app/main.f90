@@ -1,23 +1,24 @@
-!> The batch program: reads inputs, runs their studies, and ends with an exit code. Of several ranks
-!> only the writer prints messages and answers requests other than studies.
+!> The batch program: reads inputs, runs their studies, and ends with an exit code. With several ranks only
+!> the writer prints messages and answers requests other than studies.
 program spintop_main
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_colour, only: in_colour
     use spintop_command_line, only: request_t, read_command_line, describe_usage, action_run, action_check, &
         action_list, action_help, action_merge, action_version
     use spintop_plain_text, only: visible
     use spintop_errors, only: error_t, exit_ok, exit_output
-    use spintop_job, only: job_t
-    use spintop_listing, only: list_topic
-    use spintop_merge, only: merge_tables
+    use spintop_execution, only: explain_job, run_job
+    use spintop_listing, only: list_as_json, list_topic
+    use spintop_preparation, only: prepare_jobs, prepared_t, protect_interrupted
     use spintop_process, only: begin_process, check_stacks, complain_of, end_output, end_process, show_text
     use spintop_provenance, only: program_version, program_revision
     use spintop_ranks, only: ranks_t, start_ranks, end_ranks
-    use spintop_studies, only: prepare_jobs, protect_interrupted, run_job, explain_job
+    use spintop_statistics_merge, only: merge_parts
     use spintop_text, only: join, string_t, to_text
     implicit none
     type(ranks_t) :: ranks
     type(request_t) :: request
-    type(job_t), allocatable, target :: jobs(:)
+    type(prepared_t), allocatable, target :: prepared(:)
     type(string_t), allocatable :: lines(:)
     type(error_t), allocatable :: error
     character, parameter :: nl = new_line('a')
@@ -38,10 +39,14 @@ program spintop_main
     case (action_version)
         lines = [string_t('spintop ' // program_version // ' (revision ' // program_revision() // ')')]
     case (action_list)
-        call list_topic(request%topic, lines, error)
+        if (request%as_json) then
+            call list_as_json(request%topic, lines, error)
+        else
+            call list_topic(request%topic, lines, error)
+        end if
         call end_on(error)
     case (action_merge)
-        call merge_tables(request%merged, request%inputs, cases, error)
+        call merge_parts(request%merged, request%inputs, cases, error)
         call end_on(error)
         lines = [string_t(to_text(size(request%inputs)) // ' parts, ' // to_text(cases) // ' cases -> ' &
                           // request%merged)]
@@ -53,18 +58,18 @@ program spintop_main
     end if
 
     if (request%action == action_run) request%options%ranks = ranks
-    call prepare_jobs(request%inputs, request%options, jobs, error)
+    call prepare_jobs(request%inputs, request%options, prepared, error)
     call end_on(error)
-    if (request%action == action_run) call protect_interrupted(jobs, request%options, error)
+    if (request%action == action_run) call protect_interrupted(prepared, request%options, error)
     call end_on(error)
     worst = exit_ok
-    do i = 1, size(jobs)
-        call complain(jobs(i)%warnings)
+    do i = 1, size(prepared)
+        call complain(prepared(i)%job%warnings)
         if (request%action == action_check) then
-            call explain_job(jobs(i), request%options, lines)
+            call explain_job(prepared(i)%study, prepared(i)%job, request%options, lines)
             code = exit_ok
         else
-            call run_job(jobs(i), request%options, lines, code, error)
+            call run_job(prepared(i)%study, prepared(i)%job, request%options, lines, code, error)
             if (allocated(error)) then
                 call complain(error%message)
                 code = error%code
@@ -77,13 +82,13 @@ program spintop_main
 
 contains
 
-    !> Writes a text to standard error, if there is one. It may quote bytes of a damaged file.
+    !> Writes a text to standard error, unless it is empty. It may quote bytes of a damaged file.
     subroutine complain(text)
         character(*), intent(in) :: text
-        if (text /= '' .and. ranks%is_writer()) call complain_of(visible(text) // nl)
+        if (text /= '' .and. ranks%is_writer()) call complain_of(in_colour(visible(text)) // nl)
     end subroutine complain
 
-    !> Writes lines to standard output; `code` rises if that cannot be.
+    !> Writes lines to standard output. If that fails, `code` is raised to the code of an output error.
     subroutine show(lines, code)
         type(string_t), allocatable, intent(in) :: lines(:)
         integer, intent(inout) :: code
@@ -103,14 +108,14 @@ contains
         call leave(error%code)
     end subroutine end_on
 
-    !> Ends the program with an exit code. The code is that of the writer: a launcher may end all ranks as soon
-    !> as one has another than 0.
+    !> Ends the program with an exit code: that of the writer in all ranks, because a launcher may end all
+    !> ranks as soon as one of them has a nonzero code.
     subroutine leave(code)
         integer, intent(in) :: code
         type(error_t), allocatable :: problem
         integer :: last_code
         last_code = code
-        ! Where nothing could be written before, that has been said.
+        ! If an earlier output has failed, that has been reported.
         if (code /= exit_output) call end_output(problem)
         if (allocated(problem)) then
             call complain(problem%message)

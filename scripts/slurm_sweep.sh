@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# A large sweep on a cluster that runs Slurm: parts of it by the tasks of a job array, and a job that
-# joins them when all have ended.
+# Run a large sweep on a cluster with Slurm: the tasks of a job array compute the parts, and a further job
+# merges them when all have ended.
 #
 # usage: scripts/slurm_sweep.sh INPUT.nml PARTS [SBATCH OPTION ...]
 #        scripts/slurm_sweep.sh INPUT.nml mpi [SBATCH OPTION ...]
@@ -8,18 +8,19 @@
 #     scripts/slurm_sweep.sh input/million_spins.nml 8 --cpus-per-task=16 --time=04:00:00
 #     scripts/slurm_sweep.sh input/million_spins.nml mpi --ntasks=8 --cpus-per-task=16 --time=04:00:00
 #
-# With `mpi` in place of a number of parts, one job computes the whole, under srun: its ranks share
-# the cases out as they go, which suits cases that take unequal time.
+# With `mpi` instead of a number of parts, one job computes the whole sweep under srun. Its ranks request cases
+# when they have finished others, which suits cases of unequal cost.
 #
-# Results go to OUTPUT (default: output), the program is SPINTOP_EXE (default: build/release/spintop, or
-# build/mpi/spintop, which scripts/setup --mpi builds). A task that is stopped, requeued or killed goes
-# on where it was; to go on after all has ended, call this again with the same arguments: what is
-# complete is not computed again. The nodes should be of one kind: on processors of different kinds
-# the last bits of the numbers may differ.
+# Results are written to OUTPUT (default: output). The program is SPINTOP_EXE (default: build/release/spintop,
+# or build/mpi/spintop, which scripts/setup --mpi builds). A minute before its time is over a task is warned
+# (--signal): the program keeps what is computed and ends, and the task requeues itself. A task that was stopped,
+# requeued or killed resumes its part. To resume after all jobs have ended, call this script again with the same
+# arguments: complete parts are not computed again. The nodes should have processors of one kind, because the
+# last bits of the numbers may differ between kinds.
 set -euo pipefail
 
-# Slurm runs a copy of this file from a folder of its own, and may give it no environment but its own:
-# a job has its task and all that it needs as arguments.
+# Slurm runs a copy of this file from another folder, possibly without the environment of the user. A job
+# therefore gets its task and all that it needs as arguments.
 #
 #     slurm_sweep.sh --task compute|mpi|merge PROGRAM OUTPUT INPUT.nml PARTS
 if [ "${1:-}" = --task ]; then
@@ -28,19 +29,43 @@ if [ "${1:-}" = --task ]; then
         exit 2
     fi
     task=$2 program=$3 output=$4 input=$5 parts=$6
+
+    # run COMMAND ...: run it to its end, or until the warning, which ends it with what it has kept; then
+    # this task is queued again.
+    run() {
+        local pid='' code=0 is_warned=''
+        trap 'is_warned=1; [ -z "$pid" ] || kill -TERM "$pid" || true' USR1
+        trap '[ -z "$pid" ] || kill -TERM "$pid" || true' TERM
+        "$@" &
+        pid=$!
+        wait "$pid" || code=$?
+        # A trap interrupts a wait: once more, for the exit code of the command itself.
+        if [ "$code" -gt 128 ]; then
+            code=0
+            wait "$pid" || code=$?
+        fi
+        if [ -n "$is_warned" ] && [ "$code" -gt 128 ]; then
+            echo "slurm_sweep.sh: out of time; queued again"
+            local job=$SLURM_JOB_ID
+            if [ -n "${SLURM_ARRAY_JOB_ID:-}" ]; then job=${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID; fi
+            scontrol requeue "$job"
+            exit 0
+        fi
+        exit "$code"
+    }
     case $task in
     compute)
         # A part of its own for each task.
-        exec "$program" --resume --progress --threads "${SLURM_CPUS_PER_TASK:-1}" \
+        run "$program" --resume --progress --threads "${SLURM_CPUS_PER_TASK:-1}" \
             --shard "$SLURM_ARRAY_TASK_ID/$parts" --output "$output" "$input"
         ;;
     mpi)
-        exec srun --cpus-per-task="${SLURM_CPUS_PER_TASK:-1}" "$program" --resume --progress \
+        run srun --cpus-per-task="${SLURM_CPUS_PER_TASK:-1}" "$program" --resume --progress \
             --threads "${SLURM_CPUS_PER_TASK:-1}" --output "$output" "$input"
         ;;
     merge)
         # The name of the table is that of the input, or that which the input gives.
-        first=$("$program" --check --shard "1/$parts" --output "$output" "$input" | sed -n '1s/.* -> //p')
+        first=$("$program" --check --shard "1/$parts" --output "$output" "$input" | sed -n 's/^! .* -> //p')
         stem=${first%".1-of-$parts.csv"}
         tables=()
         for ((part = 1; part <= parts; ++part)); do tables+=("$stem.$part-of-$parts.csv"); done
@@ -64,6 +89,9 @@ program=${SPINTOP_EXE:-$root/build/$build/spintop}
 output=${OUTPUT:-output}
 name=${input##*/}
 
+# The batch shell gets the warning, a minute before the end, and may be queued again.
+warned=(--requeue --open-mode=append --signal=B:USR1@60)
+
 # submit TASK [SBATCH OPTION ...]: submit this script again, with a task.
 submit() {
     sbatch --parsable "${@:2}" "${BASH_SOURCE[0]}" --task "$1" "$program" "$output" "$input" "$parts"
@@ -71,10 +99,10 @@ submit() {
 
 if [ "$parts" = mpi ]; then
     "$program" --check "$input" >/dev/null
-    submit mpi --job-name="spintop $name" --requeue --open-mode=append "$@"
+    submit mpi --job-name="spintop $name" "${warned[@]}" "$@"
     exit
 fi
 "$program" --check --shard "1/$parts" "$input" >/dev/null
-array=$(submit compute --job-name="spintop $name" --array="1-$parts" --requeue --open-mode=append "$@")
+array=$(submit compute --job-name="spintop $name" --array="1-$parts" "${warned[@]}" "$@")
 # Not afterok: a task with failed cases ends with exit code 3. A missing part stops the merge.
 submit merge --job-name="spintop merge $name" --dependency="afterany:${array%%;*}" "$@" --cpus-per-task=1

@@ -1,8 +1,8 @@
-!> The functions of the library's face that return no status: they check what they are given and return
-!> NaN where that is not a valid body, motion or number. Loops of the library itself take those of the same
-!> name that do not check.
+!> Functions of the public interface that return no status. They check their arguments, and return NaN for a
+!> body, a motion or a number that is not valid. Loops inside the library call the unchecked functions of the
+!> same names.
 module spintop_checked_functions
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, no_number
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite
     use spintop_euler_poisson, only: unchecked_state => euler_poisson_state
@@ -14,7 +14,7 @@ module spintop_checked_functions
         unchecked_tip => axis_tip, unchecked_height_rate => axis_height_rate
     use spintop_steady_motion, only: unchecked_critical => critical_omega3
     use spintop_status, only: status_ok
-    use spintop_validity, only: body_status, motion_status, no_number
+    use spintop_validity, only: body_status, motion_status
     implicit none
     private
     public :: kinetic_energy, potential_energy, vertical_momentum, axial_momentum, euler_residuals, support_force
@@ -24,50 +24,50 @@ contains
 
     !> Kinetic energy, J.
     pure real(dp) function kinetic_energy(body, motion)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: motion
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         kinetic_energy = no_number
         if (are_valid(body, motion)) kinetic_energy = unchecked_kinetic(body, motion)
     end function kinetic_energy
 
     !> Potential energy above the height of the pivot, J.
     pure real(dp) function potential_energy(body, motion)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: motion
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         potential_energy = no_number
         if (are_valid(body, motion)) potential_energy = unchecked_potential(body, unit(motion))
     end function potential_energy
 
     !> Angular momentum about the vertical, kg m^2/s ("c1" of Eq 41).
     pure real(dp) function vertical_momentum(body, motion)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: motion
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         vertical_momentum = no_number
         if (are_valid(body, motion)) vertical_momentum = unchecked_vertical(body, unit(motion))
     end function vertical_momentum
 
     !> Angular momentum about body z, kg m^2/s.
     pure real(dp) function axial_momentum(body, motion)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: motion
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         axial_momentum = no_number
         if (are_valid(body, motion)) axial_momentum = unchecked_axial(body, motion)
     end function axial_momentum
 
-    !> What is left of Euler's equations, I omega' + omega x I omega - moment, N m (the first two
-    !> are R1 and R2 of Eq 51).
+    !> Residual of Euler's equations, I omega' + omega x I omega - torque, N m. The first two components are
+    !> R1 and R2 of Eq 51.
     pure function euler_residuals(body, motion) result(residual)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: motion
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude, angular velocity and acceleration at an instant
         real(dp) :: residual(3)
         residual = no_number
         if (are_valid(body, motion)) residual = unchecked_residuals(body, unit(motion))
     end function euler_residuals
 
-    !> Force of the support on the body in space axes, N (Eqs 47-50 for any rigid body).
+    !> Support force on the body in space axes, N (Eqs 47-50 for any rigid body).
     pure function support_force(body, motion) result(force)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: motion
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude, angular velocity and acceleration at an instant
         real(dp) :: force(3)
         force = no_number
         if (are_valid(body, motion)) force = unchecked_force(body, unit(motion))
@@ -76,8 +76,8 @@ contains
     !> Tip of the axis in space axes: the unit vector from the pivot to the centre of mass, or
     !> along body z where both coincide.
     pure function axis_tip(body, motion) result(tip)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: motion
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         real(dp) :: tip(3)
         tip = no_number
         if (are_valid(body, motion)) tip = unchecked_tip(body, unit(motion))
@@ -85,15 +85,15 @@ contains
 
     !> Rate of the height of body z, cos(theta), 1/s: zero at the turning points of theta.
     pure real(dp) function axis_height_rate(motion) result(rate)
-        type(motion_t), intent(in) :: motion
+        type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         rate = no_number
         if (motion_status(motion) == status_ok) rate = unchecked_height_rate(unit(motion))
     end function axis_height_rate
 
     !> The state (Gamma, Pi) of a motion: upward vertical and angular momentum, kg m^2/s, in body axes.
     pure function euler_poisson_state(body, motion) result(x)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: motion
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         real(dp) :: x(6)
         x = no_number
         if (are_valid(body, motion)) x = unchecked_state(body, motion)
@@ -102,7 +102,7 @@ contains
     !> Threshold spin omega3 of the sleeping top, above which it is stable, rad/s: sqrt(4 mgl I1)/I3. NaN also for a
     !> body that is not an undamped symmetric top with its centre of mass on or above the pivot.
     pure real(dp) function critical_omega3(body)
-        type(body_t), intent(in) :: body
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
         critical_omega3 = no_number
         if (is_top(body)) critical_omega3 = unchecked_critical(body)
     end function critical_omega3
@@ -111,15 +111,15 @@ contains
     !> axial angular velocity `omega3`, rad/s. NaN also for a body that is not an undamped symmetric top;
     !> infinite where a divisor vanishes.
     elemental type(fast_top_t) function fast_top(body, theta, omega3) result(motion)
-        type(body_t), intent(in) :: body
-        real(dp), intent(in) :: theta, omega3
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        real(dp), intent(in) :: theta, omega3 !! inclination at the start, rad; axial angular velocity, rad/s
         motion = fast_top_t(no_number, no_number, no_number, no_number, no_number, no_number, no_number)
         if (is_top(body) .and. is_finite(theta) .and. is_finite(omega3)) then
             motion = unchecked_fast_top(body, theta, omega3)
         end if
     end function fast_top
 
-    !> Whether a body is one, and the motion, too.
+    !> Whether the body and the motion are valid.
     pure logical function are_valid(body, motion)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: motion
@@ -134,7 +134,7 @@ contains
         if (is_top) is_top = body%is_lagrange() .and. body%inertia(1) > 0
     end function is_top
 
-    !> A motion with a quaternion of unit length.
+    !> The motion, with its quaternion scaled to unit norm.
     pure type(motion_t) function unit(motion)
         type(motion_t), intent(in) :: motion
         unit = motion

@@ -14,7 +14,7 @@ module spintop
         status_turning_point, status_outside, status_unsuitable, status_integrator, status_bad_input, &
         status_bad_body, status_bad_start, status_bad_controls, status_bad_span, status_bad_samples, &
         status_bad_events, status_bad_projection, status_no_steps, status_no_structure, &
-        status_stuck_at_turn, status_unknown_name
+        status_stuck_at_turn, status_unknown_name, status_too_many_events
     use spintop_validity, only: body_status, start_status
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t, motion_from_angles, motion_from_quaternion
@@ -40,6 +40,9 @@ module spintop
     use spintop_events, only: event_t, event_watch_t, path_t
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_many_bodies, only: integrate_many
+    use spintop_library_studies, only: run_study
+    use spintop_loaded_table, only: read_table, table_t
+    use spintop_text, only: string_t
     implicit none
     public
 end module spintop

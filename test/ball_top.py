@@ -14,6 +14,8 @@ from fractions import Fraction
 
 from flint import acb, acb_poly, arb, ctx, fmpq
 
+from random_tops import Start
+
 BITS = (128, 192, 288, 432, 648, 972, 1458, 2187, 3280)
 """Precisions that are tried, one after the other."""
 RADIUS = 1e-19
@@ -22,27 +24,6 @@ RADIUS = 1e-19
 
 class UndecidedError(ArithmeticError):
     """The balls do not decide a sign or a branch at this precision."""
-
-
-@dataclass(frozen=True)
-class Start:
-    """Data of a motion: the body (SI units), its angles (rad) and rates (rad/s) at time 0.
-
-    `spin` is psi_rate, or omega3 if `spin_is_omega3`.
-    """
-
-    inertia1: float
-    inertia3: float
-    mass: float
-    gravity: float
-    length: float
-    phi: float
-    theta: float
-    psi: float
-    phi_rate: float
-    theta_rate: float
-    spin: float
-    spin_is_omega3: bool = False
 
 
 @dataclass(frozen=True)

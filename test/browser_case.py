@@ -1,4 +1,4 @@
-"""What the tests of the report's page share: a study, its report, and a browser that shows it."""
+"""Shared by the tests of the report's page: a study, its report, and a browser."""
 
 import atexit
 import contextlib
@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT / "scripts")]
+sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python")]
 
 from reporting.errata import read_errata  # noqa: E402
 from reporting.packages import PackageError, esbuild_package, need  # noqa: E402
@@ -24,7 +24,12 @@ from reporting.study import read_study  # noqa: E402
 
 PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
 BROWSER = os.environ.get("SPINTOP_BROWSER", "")
-INPUTS = ("slow_top", "heavy_top_benchmark", "spinning_wheel_figure11", "spinning_wheel_sweep")
+INPUTS = (
+    "slow_top",
+    "heavy_top_benchmark",
+    "spinning_wheel_figure11",
+    "spinning_wheel_sweep",
+)
 
 HOSTILE = "</script><img src=x onerror=hacked=1>''\"& {{ 7*7 }} <b>"
 """A title that would do harm if it were taken as HTML; quotes as in a namelist."""
@@ -46,8 +51,11 @@ DESKTOP = (1000, 640)
 PATIENCE = 20.0
 """Seconds until something that should happen has not."""
 
+READY = "return document.documentElement.dataset.ready"
+"""Whether all tops have their data."""
+
 DRIVERS_OWN = "GL Driver Message"
-"""What a software renderer says of its own speed."""
+"""Messages of a software renderer about its speed."""
 
 
 @functools.cache
@@ -60,6 +68,9 @@ def make_study() -> Path:
     inputs = [ROOT / "input" / f"{name}.nml" for name in INPUTS]
     command = [PROGRAM, "--quiet", "-o", folder]
     subprocess.run([*command, *inputs], check=True, capture_output=True)
+    columns = "t,phi,theta,psi,phi_rate,theta_rate,psi_rate,kinetic,potential,energy"
+    compared = ("--set", f"output.columns={columns}", ROOT / "input/slow_top_scenario2_rk4.nml")
+    subprocess.run([*command, *compared], check=True, capture_output=True)
     hostile = folder / "hostile.nml"
     text = inputs[0].read_text(encoding="utf-8")
     title = next(line for line in text.splitlines() if line.strip().startswith("title"))
@@ -126,7 +137,7 @@ class BrowserCase(unittest.TestCase):
         self.open(self.page)
 
     def tearDown(self) -> None:
-        """Nothing was complained of, and nothing fetched."""
+        """There were no messages, and no requests."""
         entries = self.browser.get_log("browser")
         bad = [e["message"] for e in entries if DRIVERS_OWN not in e["message"]]
         self.assertEqual(bad, [])
@@ -153,7 +164,7 @@ class BrowserCase(unittest.TestCase):
         return self.browser.execute_script(script, *arguments)
 
     def fetched(self) -> set[str]:
-        """What was asked for beside the pages themselves and what is part of them."""
+        """Requests other than for the pages and their parts."""
         asked, stopped = {}, set()
         for entry in self.browser.get_log("performance"):
             message = json.loads(entry["message"])["message"]
@@ -175,6 +186,7 @@ class BrowserCase(unittest.TestCase):
             "top.scrollIntoView({ behavior: 'instant' }); return top;",
             table,
         )
+        wait_for(lambda: self.run_script(READY), "the data")
         wait_for(lambda: self.parts(section, "canvas"), "the drawing")
         return section
 
@@ -187,12 +199,12 @@ class BrowserCase(unittest.TestCase):
         return section.find_element("css selector", f"[data-part={name}]")
 
     def numbers(self, section: object) -> list[float]:
-        """What t, phi, theta and psi are read to be."""
+        """The displayed values of t, phi, theta and psi."""
         texts = [self.part(section, name).text for name in ("t", "phi", "theta", "psi")]
         return [float(text.replace("\N{MINUS SIGN}", "-")) for text in texts]
 
     def picture(self, section: object) -> bytes:
-        """What the drawing shows."""
+        """A picture of the drawing."""
         return self.part(section, "stage").screenshot_as_png
 
     @contextlib.contextmanager

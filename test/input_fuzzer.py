@@ -1,4 +1,4 @@
-"""What every input must come to, whatever is in it: used by a short and a long suite."""
+"""Conditions on the answer to any input: used by a short and a long suite."""
 
 import os
 import re
@@ -43,7 +43,7 @@ class FuzzCase(unittest.TestCase):
             self.fail(f"{len(faults)} faults:\n" + "\n".join(faults[:400]))
 
     def faults_of(self, path: Path) -> list[str]:
-        """What is wrong with the answer to an input."""
+        """Errors in the answer to an input."""
         run = subprocess.run(
             [PROGRAM, "--check", path.name],
             cwd=path.parent,

@@ -1,4 +1,4 @@
-"""What the tests of scripts/plot share: made-up tables, a folder for them, calls of the script."""
+"""Shared by the tests of scripts/plot: artificial tables, a folder, calls of the script."""
 
 import contextlib
 import io
@@ -13,14 +13,15 @@ import unittest.mock
 import xml.etree.ElementTree
 from pathlib import Path
 
-from figures.registry import FIGURES
-from figures.table import read_table
+from spintop_figures.registry import FIGURES
+from spintop_figures.tables.table import read_table
 
 SCRIPTS = Path(__file__).resolve().parent.parent / "scripts"
 
 HEAD = """\
 # title: A top, {kind}: $5
 # program: spintop 0.1.0
+# format: 1
 # revision: 0123456789ab-dirty
 # compiler: GCC version 12.2.0
 # options: -O3
@@ -135,9 +136,9 @@ TRIALS = [
 def a_stability() -> str:
     """Two cases with two methods, one of them under two formulations."""
     rows = [
-        ["fall", "rk4", "space_frame", "accurate", 1e-8, 1e-15, 400, "ok", "exact motion", ""],
-        ["fall", "rk4", "lagrange", "failed", 0.0, 1e-15, 3, "pole", "exact motion", "t: a pole"],
-        ["fall", "new", "space_frame", "drifts", 3e-3, 1e-15, 90, "ok", "exact motion", "off"],
+        ["fall", "rk4", "space_frame", "accurate", 1e-8, 1e-15, 400, "ok", "exact solution", ""],
+        ["fall", "rk4", "lagrange", "failed", 0.0, 1e-15, 3, "pole", "exact solution", "t: a pole"],
+        ["fall", "new", "space_frame", "drifts", 3e-3, 1e-15, 90, "ok", "exact solution", "off"],
         ["tumble", "rk4", "rigid_body", "wrong", 2.0, 1e-12, 800, "ok", "quadruple", "off"],
         ["tumble", "rk4", "lagrange", "unsuitable", 0.0, 0.0, 0, "unsuitable", "quadruple", "no"],
         ["tumble", "new", "rigid_body", "accurate", 0.0, 1e-12, 100, "ok", "quadruple", ""],

@@ -4,6 +4,7 @@
 `wild_input` writes any key with any value; `damaged` changes bytes of an input.
 """
 
+import json
 import math
 import random
 import re
@@ -56,7 +57,7 @@ WORDS = (
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """What the program knows: parameters with sizes, methods, formulations, tables, columns."""
+    """Registries of the program: parameters with sizes, methods, formulations, tables, columns."""
 
     parameters: dict[str, int]
     choices: dict[str, list[str]]
@@ -70,30 +71,21 @@ class Vocabulary:
 @cache
 def vocabulary(program: str) -> Vocabulary:
     """The lists of the program."""
-
-    def listed(topic: str) -> str:
-        run = subprocess.run([program, "list", topic], capture_output=True, check=True, text=True)
-        return run.stdout
-
-    parameters, choices, key = {}, {}, ""
-    for line in listed("parameters").splitlines():
-        if match := re.match(r"(\w+\.\w+)(?:\((\d+)[\d,]*\))?\s", line):
-            key = match[1]
-            parameters[key] = int(match[2] or 1)
-        elif line.startswith("    "):
-            words = line.replace("one of:", "").replace(",", " ").split()
-            choices.setdefault(key, []).extend(words)
-    fixed, adaptive, tables = [], [], {}
-    for line in listed("methods").splitlines():
-        if match := re.match(r"tables of (\w+):\s*(.*)", line):
-            tables[match[1]] = match[2].split(", ")
-        elif match := re.match(r"  (\w+)\s+(.*)", line):
-            kinds = match[2].split("  ")[0]
-            fixed += [match[1]] if "fixed" in kinds else []
-            adaptive += [match[1]] if "adaptive" in kinds else []
-    sections = [section.splitlines() for section in listed("columns").split("\n\n")]
+    told = subprocess.run([program, "list", "--json"], capture_output=True, check=True)
+    known = json.loads(told.stdout)
+    parameters, choices = {}, {}
+    for entry in known["parameters"]:
+        extent = re.search(r"\((\d+)", entry["full_name"])
+        parameters[entry["name"]] = int(extent[1]) if extent else 1
+        if entry["choices"]:
+            choices[entry["name"]] = entry["choices"]
+    methods = known["methods"]
+    fixed = [entry["name"] for entry in methods if entry["kind"] in ("fixed", "both")]
+    adaptive = [entry["name"] for entry in methods if entry["kind"] in ("adaptive", "both")]
+    tables = {entry["name"]: entry["tables"] for entry in methods if entry["tables"]}
     columns, quantities = (
-        [line.split()[0] for line in section if line.startswith("  ")] for section in sections[:2]
+        [entry["name"] for entry in known["columns"] if entry["study"] == study]
+        for study in ("trajectory", "sweep")
     )
     return Vocabulary(parameters, choices, fixed, adaptive, tables, columns, quantities)
 
@@ -134,7 +126,7 @@ class Writer:
             )
 
     def text(self) -> str:
-        """The input as it stands in a file."""
+        """The text of the input file."""
         lines = []
         for group, values in self.groups.items():
             lines += [f"&{group}", *(f"    {key} = {value}" for key, value in values.items()), "/"]
@@ -224,7 +216,7 @@ class Writer:
         return method, formulation
 
     def integration(self) -> None:
-        """How it is computed."""
+        """The group of the method."""
         method, formulation = self.method()
         self.put("integration", method=method, formulation=formulation)
         if formulation == "auto" and method != "auto":

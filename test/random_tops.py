@@ -3,13 +3,33 @@
 import math
 import random
 from collections.abc import Callable
-
-from ball_top import Start
+from dataclasses import dataclass
 
 TURNS = (-2.0, 6.0)
 """The span is 10 to a power from this interval, in natural periods."""
 UNITS = 12
 """A third of the tops have units of mass, length and time that differ by up to 10 to this power."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """Data of a motion: the body (SI units), its angles (rad) and rates (rad/s) at time 0.
+
+    `spin` is psi_rate, or omega3 if `spin_is_omega3`.
+    """
+
+    inertia1: float
+    inertia3: float
+    mass: float
+    gravity: float
+    length: float
+    phi: float
+    theta: float
+    psi: float
+    phi_rate: float
+    theta_rate: float
+    spin: float
+    spin_is_omega3: bool = False
 
 
 class Draw:

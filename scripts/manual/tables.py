@@ -2,98 +2,116 @@
 
 A table stands between the lines `<!-- spintop list TOPIC PART -->` and `<!-- end of list -->` of
 a page, and `<!-- spintop --help -->` is such a line, too. PART is a group of parameters or the kind
-of a table.
+of study of columns.
 """
 
+import json
 import re
 import subprocess
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 END = "<!-- end of list -->"
 _BEGIN = re.compile(r"^<!-- spintop (list \w+|--help)(?: (\w+))? -->$")
-_NAME, _SECOND = 28, 24
-"""Widths of the first columns of `spintop list`."""
 
-_HEADS = {
-    "methods": ("method", "order and steps", "what it is"),
-    "formulations": ("formulation", "", "what it is"),
-    "columns": ("column", "unit", "what it is"),
-    "events": ("event", "", "what it is"),
-    "shapes": ("shape", "", "what it is"),
-    "cases": ("case", "", "what it is, and why it is hard"),
-}
+Entry = dict[str, object]
+"""An item of a registry, as `spintop list --json` has it."""
 
 
-def _ask(program: Path, *arguments: str) -> list[str]:
-    """The lines that the program prints."""
-    result = subprocess.run([program, *arguments], capture_output=True, text=True, check=True)
-    return result.stdout.splitlines()
+@cache
+def registries(program: Path) -> dict[str, list[Entry]]:
+    """All registries of the program."""
+    result = subprocess.run([program, "list", "--json"], capture_output=True, check=True)
+    return json.loads(result.stdout)
 
 
-def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
-    """A table in Markdown, without columns that have no head."""
-    wanted = [i for i, name in enumerate(head) if name]
-    lines = [head, tuple("---" for _ in head), *rows]
-    return ["| " + " | ".join(line[i] for i in wanted) + " |" for line in lines]
-
-
-def _code(text: str) -> str:
+def _code(text: object) -> str:
     return f"`{text}`" if text else ""
 
 
-def _escape(text: str) -> str:
+def _escape(text: object) -> str:
     """Text as it is, though it has signs that mean something in Markdown."""
-    return re.sub(r"([*_<])", r"\\\1", text).replace("|", "&#124;")
+    return re.sub(r"([*_<])", r"\\\1", str(text)).replace("|", "&#124;")
 
 
-def _split(line: str) -> tuple[str, str, str]:
-    """The columns of a line of `spintop list`; the second may be missing."""
-    name, rest = line[2 : 2 + _NAME].strip(), line[2 + _NAME :]
-    second, last = rest[:_SECOND], rest[_SECOND:]
-    if last and second.endswith("  "):
-        return name, second.strip(), last
-    return name, "", rest
+def _cell(member: str, form: Callable[[object], str] = _escape) -> Callable[[Entry], str]:
+    """A cell that shows a member, which may be null."""
+    return lambda entry: "" if entry[member] is None else form(entry[member])
 
 
-def _listed(lines: list[str], topic: str, part: str) -> list[str]:
-    """A table of a topic; of the columns, only those of a kind of table."""
+def _steps(entry: Entry) -> str:
+    return {"exact": "", "both": "fixed, adaptive"}.get(str(entry["kind"]), str(entry["kind"]))
+
+
+def _needs(entry: Entry) -> str:
+    keys = ", ".join(map(_code, entry["needs"]))
+    if entry["name"] == "inertia":
+        return f"`mass`, {keys}, and `length` or `centre_of_mass`"
+    return f"`mass` or `density`, {keys}"
+
+
+def _values(entry: Entry) -> str:
+    """What a parameter may be."""
+    return ", ".join(map(_code, entry["choices"])) or _escape(entry["range"])
+
+
+def _key(entry: Entry) -> str:
+    return _code(str(entry["full_name"]).partition(".")[2])
+
+
+_NAME, _WHAT = _cell("name", _code), _cell("description")
+_TABLES: dict[str, dict[str, Callable[[Entry], str]]] = {
+    "methods": {
+        "method": _NAME,
+        "family": _cell("family"),
+        "order": _cell("order"),
+        "step size": _steps,
+        "what it is": _WHAT,
+    },
+    "formulations": {"formulation": _NAME, "what it is": _WHAT},
+    "columns": {"column": _NAME, "unit": _cell("unit"), "what it is": _WHAT},
+    "events": {"event": _NAME, "what it is": _WHAT},
+    "shapes": {"shape": _NAME, "what it is": _WHAT, "needs": _needs},
+    "parameters": {
+        "key": _key,
+        "unit": _cell("unit", str),
+        "default": _cell("default", _code),
+        "meaning": _WHAT,
+        "values": _values,
+    },
+    "cases": {"case": _NAME, "what it is, and why it is hard": _WHAT},
+    "studies": {"kind": _NAME, "what it computes": _WHAT},
+    "statuses": {"status": _NAME, "meaning": _WHAT},
+    "exit_codes": {"code": _cell("code"), "meaning": _WHAT},
+}
+"""The heads of the tables, and what fills a cell."""
+
+_PARTS = {"columns": "study", "parameters": "group"}
+"""The member that a part of a table goes by."""
+
+
+def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
+    """A table in Markdown."""
+    lines = [head, tuple("---" for _ in head), *rows]
+    return ["| " + " | ".join(line) + " |" for line in lines]
+
+
+def _listed(program: Path, topic: str, part: str) -> list[str]:
+    """A table of a topic, or of a part of it."""
+    cells = _TABLES[topic]
+    entries = registries(program)[topic]
     if part:
-        start = re.compile(f"columns of an? {part.replace('_', '[-_]')}\\b")
-        first = next(i for i, line in enumerate(lines) if start.match(line))
-        lines = lines[first + 1 :]
-        lines = lines[: lines.index("")] if "" in lines else lines
-    rows = []
-    for line in lines:
-        if line.startswith("  ") and len(line) > 2 + _NAME and line[1 + _NAME] == " ":
-            name, second, what = _split(line)
-            if " " not in name:  # or it is a line of its own
-                rows.append((_code(name), _escape(second), _escape(what)))
-    return _table(_HEADS[topic], rows)
+        entries = [entry for entry in entries if entry[_PARTS[topic]] == part]
+    return _table(
+        tuple(cells), [tuple(cell(entry) for cell in cells.values()) for entry in entries]
+    )
 
 
-def _parameters(lines: list[str], group: str) -> list[str]:
-    """The keys of a group, with units, defaults, and what they may be."""
-    starts = [lines[0].index(word) for word in ("parameter", "unit", "default", "range", "meaning")]
-    rows: list[list[str]] = []
-    for line in lines[1:]:
-        if line.startswith(" "):
-            words = line.replace("one of:", "").strip()
-            rows[-1][3] += (" " if rows[-1][3] else "one of ") + words
-        else:
-            ends = [*starts[1:], len(line)]
-            rows.append([line[a:b].strip() for a, b in zip(starts, ends, strict=True)])
-    found = []
-    for name, unit, default, values, what in rows:
-        if name.startswith(group + "."):
-            words = re.sub(r"[a-z]\w*", r"`\g<0>`", values.removeprefix("one of "))
-            allowed = words if values.startswith("one of ") else _escape(values)
-            key = _code(name.removeprefix(group + "."))
-            found.append((key, unit, _code(default), _escape(what), allowed))
-    return _table(("key", "unit", "default", "meaning", "values"), found)
-
-
-def _options(lines: list[str]) -> list[str]:
+def _options(program: Path) -> list[str]:
     """The options of the command line."""
+    result = subprocess.run([program, "--help"], capture_output=True, text=True, check=True)
+    lines = result.stdout.splitlines()
     rows = []
     for line in lines[lines.index("options") + 1 :]:
         if not line.startswith("  "):
@@ -104,11 +122,9 @@ def _options(lines: list[str]) -> list[str]:
 
 def _made(program: Path, command: str, part: str) -> list[str]:
     """The lines of a table."""
-    lines = _ask(program, *command.split())
     if command == "--help":
-        return _options(lines)
-    topic = command.split()[1]
-    return _parameters(lines, part) if topic == "parameters" else _listed(lines, topic, part)
+        return _options(program)
+    return _listed(program, command.split()[1], part)
 
 
 def renewed(page: Path, program: Path) -> str:

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from figures.table import Table
 from peers.scene import Scene, compute
+from spintop_figures.tables.table import Table
 
 METHODS = ("exact", "taylor", "taylor/rigid_body", "dop853", "splitting_8", "ode45")
 """Of these a study leaves out what a body has not."""

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pandas as pd
 
-from figures.table import Table
 from peers.crew import Trial
 from peers.problem import Problem
+from spintop_figures.tables.table import Table
 
 OWN = "spintop"
 """What the column `program` calls itself."""
@@ -86,7 +86,7 @@ def write(path: Path, rows: pd.DataFrame, own: Table, versions: dict[str, str], 
     """Write the table with a header that scripts/plot reads; a complete one alone has its name."""
     header = {"title": title} | {
         key: own.header[key]
-        for key in ("program", "revision", "compiler", "options", "date")
+        for key in ("program", "format", "revision", "compiler", "options", "date")
         if key in own.header
     }
     header |= {"processor": processor()}

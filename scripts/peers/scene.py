@@ -7,9 +7,9 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from figures.table import Table, read_head, read_table
 from peers.problem import ALIKE, Problem
 from peers.quaternion import product
+from spintop_figures.tables.table import Table, read_head, read_table
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))

@@ -5,11 +5,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-from figures.characters import printable
-from figures.drawing import show_path
+from reporting import live
 from reporting.errata import read_errata
 from reporting.page import make_page, write_page
-from reporting.study import read_study
+from reporting.study import list_tables, read_study
+from spintop_figures.files import show_path
+from spintop_figures.tables.characters import printable
 
 EXIT_INPUT, EXIT_OUTPUT = 2, 4
 SCRIPTS = Path(__file__).resolve().parent.parent
@@ -25,13 +26,24 @@ def parse_arguments() -> argparse.Namespace:
         "no table is named in the page.",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    parser.add_argument(
+        "--live",
+        action="store_true",
+        help="make the page of the live top instead: --live [-o FILE]; sliders, and the exact\n"
+        "solution computed in the page",
+    )
     parser.add_argument("study", metavar="STUDY_DIR", type=Path, help="folder with tables")
     parser.add_argument(
         "inputs",
         metavar="INPUT.nml",
         nargs="*",
         type=Path,
-        help="run these first, into that folder",
+        help="run these first, into that folder; their tables come first, in this order",
+    )
+    parser.add_argument(
+        "--title",
+        metavar="TEXT",
+        help="the title of the page (default: the name of the folder)",
     )
     parser.add_argument(
         "-o",
@@ -57,7 +69,10 @@ def run_inputs(folder: Path, inputs: list[Path]) -> int:
 def main() -> int:
     """Run the inputs, if any, and make the page."""
     sys.stdout.reconfigure(errors="surrogateescape")
+    if "--live" in sys.argv[1:]:
+        return live.main(sys.argv[1:])
     arguments = parse_arguments()
+    before = list_tables(arguments.study) if arguments.inputs else None
     code = run_inputs(arguments.study, arguments.inputs) if arguments.inputs else 0
     if code == EXIT_INPUT:
         return code
@@ -65,15 +80,16 @@ def main() -> int:
         complain(f"{arguments.study}: no such folder")
         return EXIT_INPUT
     errata = read_errata()
-    sections, problems = read_study(arguments.study, errata)
+    sections, problems = read_study(arguments.study, errata, before)
     for problem in problems:
         complain(problem)
     if not sections:
         complain(f"{arguments.study}: no table of spintop in it")
         return EXIT_INPUT
-    page, lack = make_page(printable(arguments.study.resolve().name), sections, problems, errata)
-    if lack:
-        complain(f"the tops do not move in the page: {lack}")
+    title = printable(arguments.title or arguments.study.resolve().name)
+    page, lacking = make_page(title, sections, problems, errata)
+    for sentence in lacking:
+        complain(sentence)
     output = arguments.output or arguments.study / "report.html"
     try:
         write_page(page, output)

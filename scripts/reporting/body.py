@@ -1,15 +1,18 @@
-"""The body of a trajectory, and the solid that the page draws for it."""
+"""The body of a trajectory, and the solids that the page draws for it."""
 
 import re
 from dataclasses import dataclass
 
 import numpy as np
 
-from figures.table import Table
+from spintop_figures.tables.table import Table, is_word
 
 BODY = re.compile(r"mass (\S+) kg; inertia (.+?) kg m\^2 about the pivot; centre of mass (.+?) m")
 ALIKE = 1e-6
 """Moments of inertia that differ by less than this part of the largest are equal."""
+
+SLACK = 8 * np.finfo(float).eps
+"""Part of the largest moment by which the sum of the others may fall short, as in the program."""
 
 NUMBERS = 6
 """Of inertia and centre of mass together."""
@@ -19,6 +22,25 @@ LARGEST = 1e100
 
 THINNEST = 0.04
 """No solid is drawn thinner than this part of its largest extent."""
+
+FLAT = 0.5
+"""A cylinder lower than this part of its radius is a disc."""
+
+DISC = {"radius": "radius", "height": "thickness"}
+SHAPES = {
+    "spinning_wheel": ("cylinder", DISC, "a wheel"),
+    "ring": ("ring", {"inner": "inner_radius", **DISC}, "a ring"),
+    "sphere": ("sphere", {"radius": "radius"}, "a sphere"),
+    "cylinder": ("cylinder", DISC, "a cylinder"),
+    "cone": ("cone", DISC, "a cone"),
+}
+"""Of a shape of the program: the kind of its solid, its extents as keys of `top`, and its name."""
+
+NO_SUCH_BODY = (
+    "No mass distribution has this inertia about the pivot with its centre of mass there (is the "
+    "term m l^2 missing?)."
+)
+"""What the program says of such an input."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +55,14 @@ class Body:
         """Unit vector from the pivot to the centre of mass; body z where they coincide."""
         length = np.linalg.norm(self.centre)
         return self.centre / length if length > 0 else np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """The solids that stand for a body, and what the page says of them."""
+
+    solids: list[dict[str, object]]
+    label: str
 
 
 def read_body(table: Table) -> Body | None:
@@ -51,36 +81,98 @@ def read_body(table: Table) -> Body | None:
 
 
 def central_inertia(body: Body) -> np.ndarray:
-    """The tensor of inertia about the centre of mass, kg m^2 (Steiner's theorem).
-
-    Where no body has such moments, as in Example 2 of the paper, the given ones are taken as those.
-    """
-    given = np.diag(body.inertia)
+    """The tensor of inertia about the centre of mass, kg m^2 (Steiner's theorem)."""
     r = body.centre
-    central = given - body.mass * (r @ r * np.eye(3) - np.outer(r, r))
-    return central if np.linalg.eigvalsh(central)[0] > 0 else given
+    return np.diag(body.inertia) - body.mass * (r @ r * np.eye(3) - np.outer(r, r))
 
 
-def equivalent_solid(body: Body) -> dict[str, object]:
-    """The homogeneous solid of the same mass and moments of inertia, about the centre of mass.
+def exists(body: Body) -> bool:
+    """Whether a mass distribution has these moments: the largest is at most the sum of the others.
 
-    A cylinder, or a cuboid where no two moments are equal: its kind, extents (m) and axes (columns
-    in body axes; a cylinder's own axis is the last).
+    The slack is that of the program, of the moments as they were given.
     """
-    moments, axes = np.linalg.eigh(central_inertia(body))
+    moments = np.linalg.eigvalsh(central_inertia(body))
+    return bool(moments[2] - moments[1] - moments[0] <= 3 * SLACK * body.inertia.max())
+
+
+def as_solid(
+    kind: str, axes: np.ndarray, place: np.ndarray, **extents: object
+) -> dict[str, object]:
+    """A solid as `solid.js` of the page has it; its own axes are the columns of `axes`."""
+    own = [round(x, 15) for x in axes.T.ravel().tolist()]
+    return {"kind": kind, **extents, "axes": own, "place": place.tolist()}
+
+
+def shape_drawing(table: Table, body: Body) -> Drawing | None:
+    """The shape that the input names, as it is; None if it names none."""
+    if table.setting("top.shape") not in SHAPES:
+        return None
+    kind, keys, name = SHAPES[table.setting("top.shape")]
+    texts = {extent: table.setting(f"top.{key}") for extent, key in keys.items()}
+    if any(not text or is_word(text) for text in texts.values()):
+        return None
+    extents = {extent: float(text) for extent, text in texts.items()}
+    sizes = [size for extent, size in extents.items() if extent != "inner"]
+    if not 0 < max(sizes) < LARGEST:
+        return None
+    drawn = dict(extents)
+    label = f"The body is {name}, drawn to scale."
+    if extents.get("height", 1.0) < THINNEST * extents["radius"]:
+        drawn["height"] = THINNEST * extents["radius"]
+        label = f"The body is {name}, drawn to scale but for its thickness, which is smaller."
+    return Drawing([as_solid(kind, np.eye(3), body.centre, **drawn)], label)
+
+
+def equivalent_solid(body: Body, inertia: np.ndarray) -> dict[str, object] | None:
+    """The homogeneous solid of the mass and these moments of inertia about the centre of mass.
+
+    A cylinder, or a cuboid where no two moments are equal; None for a point mass.
+    """
+    moments, axes = np.linalg.eigh(inertia)
     if body.mass <= 0 or moments[2] <= 0:
-        return {"kind": "none"}
+        return None
     close = ALIKE * moments[2]
     if moments[2] - moments[1] < close:  # the odd one comes last
         moments, axes = moments[[1, 2, 0]], axes[:, [1, 2, 0]]
     if np.linalg.det(axes) < 0:
         axes = axes * [1, 1, -1]
-    shape = {"axes": [round(x, 15) for x in axes.T.ravel().tolist()]}
     if abs(moments[1] - moments[0]) < close:
-        radius = np.sqrt(2 * moments[2] / body.mass)
+        radius = np.sqrt(2 * max(moments[2], 0.0) / body.mass)
         height = np.sqrt(max(0.0, 12 * moments[0] / body.mass - 3 * radius**2))
+        radius = max(radius, THINNEST * height / 2)
         height = max(height, 2 * THINNEST * radius)
-        return {"kind": "cylinder", "radius": radius, "height": height} | shape
+        return as_solid("cylinder", axes, body.centre, radius=radius, height=height)
     squares = 6 * (moments.sum() - 2 * moments) / body.mass
     edges = np.sqrt(np.maximum(squares, 0))
-    return {"kind": "cuboid", "edges": np.maximum(edges, THINNEST * edges.max()).tolist()} | shape
+    edges = np.maximum(edges, THINNEST * edges.max()).tolist()
+    return as_solid("cuboid", axes, body.centre, edges=edges)
+
+
+def name_of(solid: dict[str, object]) -> str:
+    """What a reader calls a homogeneous solid."""
+    if solid["kind"] != "cylinder":
+        return str(solid["kind"])
+    return "disc" if solid["height"] < FLAT * solid["radius"] else "cylinder"
+
+
+def draw_body(table: Table, body: Body) -> Drawing:
+    """The solids for a body: its shape, or a homogeneous solid of its mass properties."""
+    if shape := shape_drawing(table, body):
+        return shape
+    if exists(body):
+        solid = equivalent_solid(body, central_inertia(body))
+        if solid is None:
+            return Drawing([], "The body is a point mass on a massless rod.")
+        label = (
+            f"Only mass properties are given: the homogeneous {name_of(solid)} with the same mass, "
+            "centre of mass and moments of inertia is drawn."
+        )
+        return Drawing([solid], label)
+    solid = equivalent_solid(body, np.diag(body.inertia))
+    if solid is None:
+        return Drawing([], NO_SUCH_BODY)
+    label = (
+        f"{NO_SUCH_BODY} The homogeneous {name_of(solid)} with these moments about its centre of "
+        "mass is drawn."
+    )
+    return Drawing([solid], label)

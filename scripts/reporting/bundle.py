@@ -1,4 +1,4 @@
-"""The script of the page: its modules and what they use of three.js, in one piece."""
+"""Script and style of the page: the modules and what they use of three.js, in one piece."""
 
 import os
 import subprocess
@@ -7,6 +7,7 @@ from pathlib import Path
 from reporting.packages import MODULES, PAGE, PackageError, esbuild_package, need
 
 OLDEST_BROWSER = "es2022"
+STYLES = ("page.css", "live.css")
 
 
 def bundle(entry: Path = PAGE / "main.js") -> str:
@@ -39,3 +40,8 @@ def bundle(entry: Path = PAGE / "main.js") -> str:
     if done.returncode or done.stderr:
         raise PackageError(f"esbuild refused {entry.name}:\n{done.stderr.strip()}")
     return done.stdout
+
+
+def styles() -> str:
+    """The style sheets of the page, one after the other."""
+    return "\n".join((PAGE / name).read_text(encoding="utf-8") for name in STYLES)

@@ -7,17 +7,13 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from figures.registry import FIGURES
-from figures.table import Table, is_word
-from reporting.body import read_body
+from reporting.paper import runs_of
+from spintop_figures.tables.table import Table
 
 ERRATA = Path(__file__).resolve().parent.parent.parent / "doc" / "errata.md"
 SECTION = re.compile(r"^## (.+)$", re.MULTILINE)
 CONCERNS = re.compile(r"^Concerns: (.+?)\.$", re.MULTILINE | re.DOTALL)
 NUMBERED = re.compile(r"\b(Example|Figure|Eq|Table)s? (\d+\w?)(?:(?: to |-)(\d+))?")
-
-EXAMPLE_1 = {"inertia": (0.875, 0.875, 0.25)}
-EXAMPLE_2 = {"mass": (2.450442269800039,)}
 
 
 @dataclass(frozen=True)
@@ -55,41 +51,28 @@ def read_errata(path: Path = ERRATA) -> list[Erratum]:
 def topics_of(table: Table) -> set[str]:
     """What a table is about, in the words of the errata.
 
-    Its kind, formulation, method and shape; the examples of the paper; and what its title, its
-    columns and its figures name: figures, tables and equations of the paper.
+    The hard cases that it names; and of a run of the paper, its example, figure or table there, its
+    kind, formulation and method, its columns, and the equations that these name.
     """
-    topics = {table.kind, *table.axes()}
+    topics = words_in(table, "case")
+    runs = runs_of(table)
+    if not runs:
+        return topics
+    topics |= runs | {table.kind, table.setting("top.shape"), *table.axes()}
     topics |= {table.setting(f"integration.{key}") for key in ("formulation", "method")}
-    topics.add(table.setting("top.shape"))
-    for key in ("model", "method"):
-        topics.add(table.header.get(key, "").split(":")[0])
-    for column in ("method", "formulation", "case"):
-        if column in table.rows and not table.numeric(column):
-            topics |= {str(word) for word in table.rows[column].unique()}
-    texts = [table.title, *table.meanings.values()]
-    texts += [kind.what for kind in FIGURES if not kind.refusal(table)]
-    for text in texts:
-        topics |= numbers_named(text)
+    topics |= {table.header.get(key, "").split(":")[0] for key in ("model", "method")}
+    topics |= words_in(table, "method") | words_in(table, "formulation")
+    for text in table.meanings.values():
+        topics |= {name for name in numbers_named(text) if name.startswith("Eq ")}
     topics |= {f"column {name}" for name in table.rows}
-    topics |= examples_of(table)
     return topics - {""}
 
 
-def examples_of(table: Table) -> set[str]:
-    """The examples of the paper whose body the table is of."""
-    examples = set()
-    if body := read_body(table):
-        inertia, mass = tuple(body.inertia), (body.mass,)
-    else:
-        inertia, mass = (
-            tuple(float(x) for x in table.settings.get(f"top.{key}", []) if not is_word(x))
-            for key in ("inertia", "mass")
-        )
-    if inertia == EXAMPLE_1["inertia"]:
-        examples.add("Example 1")
-    if mass == EXAMPLE_2["mass"] or table.setting("top.shape") == "spinning_wheel":
-        examples.add("Example 2")
-    return examples
+def words_in(table: Table, column: str) -> set[str]:
+    """The words of a categorical column; none of a column of numbers."""
+    if column not in table.rows or table.numeric(column):
+        return set()
+    return {str(word) for word in table.rows[column].unique()}
 
 
 def numbers_named(text: str) -> set[str]:

@@ -1,16 +1,24 @@
 """What the page needs of a trajectory to show the top move."""
 
-import base64
+import hashlib
 
 import numpy as np
 
-from figures.table import Table
-from reporting.body import Body, equivalent_solid, read_body
+from reporting.body import Body, draw_body, read_body
+from reporting.data import Data
+from spintop_figures.tables.table import Table
 
 ANGLES = ("phi", "theta", "psi")
 QUATERNION = ("q0", "q1", "q2", "q3")
 OMEGA = ("omega1", "omega2", "omega3")
+RATES = tuple(f"{name}_rate" for name in ANGLES)
 FORCE = ("force_x", "force_y", "force_z")
+ENERGIES = ("kinetic", "potential", "energy")
+GROUPS = (("t",), ANGLES, QUATERNION, RATES, OMEGA, FORCE, ENERGIES)
+"""Columns that the page takes together, as `COLUMNS` in `motion.js`."""
+
+SCENE_DIGITS = 9
+"""Significant digits to which two scenes are the same."""
 FEWEST_ROWS = 2
 BODY_Z = (0.0, 0.0, 1.0)
 
@@ -35,11 +43,6 @@ def refusal(table: Table) -> str:
     return ""
 
 
-def pack(values: np.ndarray, kind: str) -> str:
-    """Numbers as base64 of their bytes, the lowest first."""
-    return base64.b64encode(np.ascontiguousarray(values, dtype=f"<{kind}").tobytes()).decode()
-
-
 def columns_of(table: Table, names: tuple[str, ...]) -> np.ndarray:
     """Columns side by side."""
     return table.rows[list(names)].to_numpy(float)
@@ -49,11 +52,10 @@ def find_omega(table: Table) -> np.ndarray | None:
     """Angular velocity in body axes, from its columns or from the rates of the angles."""
     if is_whole(table, OMEGA):
         return columns_of(table, OMEGA)
-    rates = tuple(f"{name}_rate" for name in ANGLES)
-    if not is_whole(table, ANGLES + rates):
+    if not is_whole(table, ANGLES + RATES):
         return None
     _, theta, psi = columns_of(table, ANGLES).T
-    phi_rate, theta_rate, psi_rate = columns_of(table, rates).T
+    phi_rate, theta_rate, psi_rate = columns_of(table, RATES).T
     across = phi_rate * np.sin(theta)
     return np.column_stack(
         (
@@ -75,12 +77,7 @@ def lacking(table: Table, body: Body | None, omega: np.ndarray | None) -> list[s
     if body is None:
         notes.append("The header of the table does not give the body, so a plain disc is shown.")
     else:
-        kind = equivalent_solid(body)["kind"]
-        if kind != "none":
-            notes.append(
-                f"The animation shows the homogeneous {kind} with the same mass, centre of mass "
-                "and moments of inertia."
-            )
+        notes.append(draw_body(table, body).label)
         if not np.array_equal(body.axis(), BODY_Z):
             notes.append(
                 "The centre of mass does not lie on body z, which phi, theta and psi are of; "
@@ -90,45 +87,72 @@ def lacking(table: Table, body: Body | None, omega: np.ndarray | None) -> list[s
         notes.append("No support force: it takes the columns force_x, force_y, force_z.")
     if omega is None:
         notes.append(
-            "No angular momentum: it takes omega1 to omega3, or the angles and their rates."
+            "No rates, angular velocity and angular momentum: they take omega1 to omega3, or the "
+            "angles and their rates."
         )
+    if not is_whole(table, ENERGIES):
+        notes.append("No energies: they take the columns kinetic, potential, energy.")
     return notes
 
 
-def motion_data(table: Table, most_rows: int) -> dict[str, object]:
-    """The motion in a form that goes into JSON; `top.js` and `motion.js` of the page read it.
+def attitude_at_start(table: Table) -> np.ndarray:
+    """The first row's unit quaternion, its largest component positive."""
+    if is_whole(table, QUATERNION):
+        q = columns_of(table, QUATERNION)[0]
+    else:
+        phi, theta, psi = columns_of(table, ANGLES)[0]
+        plus, minus = (phi + psi) / 2, (phi - psi) / 2
+        c, s = np.cos(theta / 2), np.sin(theta / 2)
+        q = np.array([c * np.cos(plus), s * np.cos(minus), s * np.sin(minus), c * np.sin(plus)])
+    return q * np.sign(q[np.abs(q).argmax()])
 
-    Angles, times and quaternions are the bits of the table; what is only drawn has single
-    precision. Of a table with more rows than `most_rows` one in `stride` is kept, and the last.
+
+def scene_of(table: Table, body: Body | None, omega: np.ndarray | None) -> str:
+    """A word that motions of one scene share: body, gravity, damping, and start.
+
+    Where the table has no angular velocity, the start is that of the resolved input.
     """
-    total = len(table.rows)
-    stride = -(-total // most_rows)
-    keep = np.unique(np.append(np.arange(0, total, stride), total - 1))
+    numbers = [table.rows["t"].iloc[0], *attitude_at_start(table)]
+    if body is not None:
+        numbers += [body.mass, *body.inertia, *body.centre]
+    words = [str(table.settings.get(f"top.{key}", "")) for key in ("gravity", "damping")]
+    if omega is None:
+        given = {key: value for key, value in table.settings.items() if key.startswith("initial.")}
+        words.append(str(sorted(given.items())))
+    else:
+        numbers += omega[0].tolist()
+    largest = max(map(abs, numbers))
+    tiny = 10.0**-SCENE_DIGITS * min(1.0, largest)
+    words += [f"{x if abs(x) > tiny else 0.0:.{SCENE_DIGITS}g}" for x in numbers]
+    return hashlib.sha256("|".join(words).encode()).hexdigest()[:16]
+
+
+def motion_facts(table: Table, data: Data, anchor: str) -> dict[str, object]:
+    """What the page has to know of a motion beside the columns of its rows.
+
+    In a form that goes into JSON; `motion.js` of the page reads it. `anchor` is the element of the
+    page that has the data.
+    """
     body = read_body(table)
     omega = find_omega(table)
-    exact = ("t",)
-    exact += ANGLES if is_whole(table, ANGLES) else ()
-    exact += QUATERNION if is_whole(table, QUATERNION) else ()
-    data: dict[str, object] = {
+    facts: dict[str, object] = {
         "title": table.title or table.path.stem,
-        "total": total,
-        "stride": stride,
-        "exact": {name: pack(table.rows[name].to_numpy(float)[keep], "f8") for name in exact},
-        "drawn": {},
+        "total": data.total,
+        "stride": data.stride,
+        "data": anchor,
+        "columns": [name for group in GROUPS if is_whole(table, group) for name in group],
+        "scene": scene_of(table, body, omega),
+        "exact": table.header.get("method", "") == "exact",
         "notes": lacking(table, body, omega),
     }
-    if omega is not None:
-        data["drawn"]["omega"] = pack(omega[keep], "f4")
-    if is_whole(table, FORCE):
-        data["drawn"]["force"] = pack(columns_of(table, FORCE)[keep], "f4")
-    if stride > 1:
-        data["notes"].append(f"One row in {stride} of {total} is shown, and the last.")
+    if data.stride > 1:
+        facts["notes"].append(f"One row in {data.stride} of {data.total} is shown, and the last.")
     if body is not None:
-        data["body"] = {
+        facts["body"] = {
             "mass": body.mass,
             "inertia": body.inertia.tolist(),
             "centre": body.centre.tolist(),
             "axis": body.axis().tolist(),
-            "solid": equivalent_solid(body),
+            "solids": draw_body(table, body).solids,
         }
-    return data
+    return facts

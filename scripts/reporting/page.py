@@ -5,26 +5,29 @@ script that stand in it, known by their hashes, and pictures that are part of it
 """
 
 import base64
+import datetime
 import hashlib
 import json
 import re
+from collections import Counter
 from pathlib import Path
 
 import jinja2
 from markupsafe import Markup, escape
 
-from reporting.bundle import bundle
+from reporting.bundle import bundle, styles
+from reporting.data import pack_all
+from reporting.drawing import Glyphs
 from reporting.errata import Erratum
-from reporting.motion import motion_data
+from reporting.live_link import live_link
+from reporting.motion import motion_facts
 from reporting.packages import PAGE, PackageError
-from reporting.pictures import fit
+from reporting.pictures import Picture, fit
 from reporting.study import Section
 
-LARGEST = 5_000_000
-"""Bytes of a page; pictures make room for the rest."""
-
-MOST_TIMES, ALL_TIMES = 4_001, 24_000
-"""Rows of a trajectory for the moving top, and of all trajectories of a page together."""
+ALL_PICTURES, ALL_DATA = 4_000_000, 4_000_000
+"""Bytes of all pictures of a page, and of the data of all tables: with more, pictures become
+coarser and rows fewer."""
 
 CODE = re.compile(r"`([^`]+)`")
 
@@ -75,19 +78,79 @@ def anchored(sections: list[Section], errata: list[Erratum]) -> dict[str, Erratu
     return {f"erratum-{i}": erratum for i, erratum in enumerate(concerned, start=1)}
 
 
-def make_page(
-    name: str, sections: list[Section], problems: list[str], errata: list[Erratum]
-) -> tuple[str, str]:
-    """The page of a study, and why its tops do not move if they should."""
-    script, lack = load_script(sections)
-    moving = sum(section.moves for section in sections) if script else 0
-    most_rows = min(MOST_TIMES, ALL_TIMES // moving) if moving else 0
-    motions = {
-        section.anchor: as_json(motion_data(section.table, most_rows))
+def take_in(sections: list[Section]) -> tuple[Markup, list[Picture]]:
+    """Make the pictures elements of the page; the letters they share, and those that are coarse."""
+    glyphs = Glyphs()
+    for section in sections:
+        for picture in section.pictures:
+            picture.take_in(glyphs, f"{section.title}: {picture.what}")
+    coarse = fit([picture for section in sections for picture in section.pictures], ALL_PICTURES)
+    return glyphs.definitions(), coarse
+
+
+def reductions(sections: list[Section], coarse: list[Picture]) -> list[str]:
+    """What of a study the page shows with less than there is, in sentences."""
+    found = [
+        f"{section.name}: the page has {section.data.which}"
         for section in sections
-        if moving and section.moves
+        if not section.data.is_whole
+    ]
+    shown = [
+        f"{section.name}: the figure {picture.name} has half its resolution"
+        for section in sections
+        for picture in section.pictures
+        if any(picture is one for one in coarse)
+    ]
+    return found + shown
+
+
+def facts_of(sections: list[Section], today: str) -> dict[str, str]:
+    """What the page says first: dates, program, and how many there are of what."""
+    headers = [section.table.header for section in sections]
+    days = sorted({header["date"][:10] for header in headers if header.get("date")})
+    programs = dict.fromkeys(
+        " ".join(filter(None, (h.get("program"), h.get("revision") and f"({h['revision']})")))
+        for h in headers
+    )
+    kinds = Counter(section.kind for section in sections)
+    failed = sum(section.failed for section in sections)
+    counts = [f"{count} {plural(kind, count)}" for kind, count in kinds.items()]
+    return {
+        "Date of the report": today,
+        "Date of the runs": " to ".join(dict.fromkeys((days[0], days[-1]))) if days else "",
+        "Program": "; ".join(filter(None, programs)),
+        "Tables": ", ".join(counts),
+        "Failures": f"{failed} of {len(sections)} tables" if failed else "none",
     }
-    style = (PAGE / "page.css").read_text(encoding="utf-8")
+
+
+def plural(kind: str, count: int) -> str:
+    """The name of a kind for so many."""
+    if count == 1 or kind == "events":
+        return kind
+    if kind.endswith("y"):
+        return f"{kind[:-1]}ies"
+    return f"{kind} studies" if kind.endswith("precision") else f"{kind}s"
+
+
+def make_page(
+    title: str, sections: list[Section], problems: list[str], errata: list[Erratum]
+) -> tuple[str, list[str]]:
+    """The page of a study, and what is lacking in it, in sentences."""
+    script, lack = load_script(sections)
+    glyphs, coarse = take_in(sections)
+    for section, data in zip(
+        sections, pack_all([s.table for s in sections], ALL_DATA), strict=True
+    ):
+        section.data = data
+    reduced = reductions(sections, coarse)
+    motions = {
+        section.anchor: as_json(motion_facts(section.table, section.data, f"{section.anchor}-data"))
+        for section in sections
+        if script and section.moves
+    }
+    lives = {s.anchor: live_link(s.table) for s in sections if s.anchor in motions}
+    style = styles()
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(PAGE),
         autoescape=True,
@@ -96,30 +159,26 @@ def make_page(
         undefined=jinja2.StrictUndefined,
     )
     environment.filters |= {"prose": prose, "sentence": lambda text: text[:1].upper() + text[1:]}
-    template = environment.get_template("page.html")
     concerned = anchored(sections, errata)
-
-    def render() -> str:
-        return template.render(
-            name=name,
-            sections=sections,
-            problems=problems,
-            motions=motions,
-            lack=lack,
-            errata=concerned,
-            anchors={erratum.heading: anchor for anchor, erratum in concerned.items()},
-            policy=policy(style, script),
-            style=Markup(style),
-            script=Markup(script),
-        )
-
-    pictures = [picture for section in sections for picture in section.pictures]
-    page = render()
-    taken = len(page.encode()) - sum(picture.size for picture in pictures)
-    if len(page.encode()) > LARGEST:
-        fit(pictures, LARGEST - taken)
-        page = render()
-    return page, lack
+    today = datetime.datetime.now(tz=datetime.UTC).date().isoformat()
+    page = environment.get_template("page.html").render(
+        title=title,
+        facts=facts_of(sections, today),
+        sections=sections,
+        problems=problems,
+        reduced=reduced,
+        motions=motions,
+        lives=lives,
+        lack=lack,
+        glyphs=glyphs,
+        errata=concerned,
+        anchors={erratum.heading: anchor for anchor, erratum in concerned.items()},
+        policy=policy(style, script),
+        style=Markup(style),
+        script=Markup(script),
+    )
+    lacking = [f"the tops do not move in the page: {lack}"] if lack else []
+    return page, lacking + reduced
 
 
 def write_page(page: str, path: Path) -> None:

@@ -5,27 +5,28 @@ import io
 import struct
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+from markupsafe import Markup
 from PIL import Image
 
-from figures.drawing import draw_to
-from figures.registry import FigureKind, choose_figures
-from figures.style import reduce_colours
-from figures.table import Table, TableError
+from reporting.drawing import Drawing, Glyphs, NotDrawnError
+from reporting.paper import caption_of, runs_of
+from spintop_figures.files import draw_to
+from spintop_figures.registry import FigureKind, choose_figures
+from spintop_figures.style.saving import reduce_colours
+from spintop_figures.tables.table import Table, TableError
 
-SMALL = 150_000
-"""Bytes up to which a picture is taken as SVG, which can be enlarged and stays sharp."""
+SMALL = 100_000
+"""Bytes up to which a picture is an element of the page, which can be enlarged and stays sharp."""
 
-MEDIA = {".svg": "image/svg+xml", ".png": "image/png"}
-DRAWN = tuple(MEDIA)
+DRAWN = (".svg", ".png")
 """What scripts/plot makes."""
 
-FEW_COLOURS = "few colours"
-"""The form of a PNG that looks the same and takes a third."""
-
-MEDIA[FEW_COLOURS] = MEDIA[".png"]
+INLINE, FEW_COLOURS, COARSE = "inline", "few colours", "coarse"
+"""Forms in the page: an SVG element; a PNG that looks as the one of scripts/plot and takes a third;
+and the same at half the resolution."""
 
 EXTENT_OF_PNG = slice(16, 24)
 """The bytes of a PNG that hold its width and height."""
@@ -38,12 +39,17 @@ class Picture:
     name: str
     what: str
     forms: dict[str, bytes]
-    form: str | None
+    form: str = FEW_COLOURS
 
     @property
     def size(self) -> int:
-        """Bytes that it takes in the page, as base64."""
-        return -(-len(self.forms[self.form]) // 3) * 4 if self.form else 0
+        """Bytes that it takes in the page."""
+        return self.size_as(self.form)
+
+    def size_as(self, form: str) -> int:
+        """Bytes that a form of it takes in the page, a PNG as base64."""
+        length = len(self.forms[form])
+        return length if form == INLINE else -(-length // 3) * 4
 
     @property
     def extent(self) -> tuple[int, int]:
@@ -52,20 +58,37 @@ class Picture:
 
     @property
     def address(self) -> str:
-        """The picture itself, as a data URI; empty if it is left out."""
-        if not self.form:
-            return ""
-        return f"data:{MEDIA[self.form]};base64,{base64.b64encode(self.forms[self.form]).decode()}"
+        """The picture itself, as a data URI."""
+        return f"data:image/png;base64,{base64.b64encode(self.forms[self.form]).decode()}"
+
+    @property
+    def element(self) -> Markup:
+        """The picture as an element of the page; empty if it is shown as a PNG."""
+        return Markup(self.forms[INLINE].decode() if self.form == INLINE else "")
+
+    def take_in(self, glyphs: Glyphs, label: str) -> None:
+        """Make it an element of the page, if that is small enough."""
+        try:
+            element = Drawing(self.forms[".svg"], glyphs, label).element().encode()
+        except NotDrawnError:
+            return
+        self.forms[INLINE] = element
+        if self.size_as(INLINE) <= max(SMALL, self.size_as(FEW_COLOURS)):
+            self.form = INLINE
 
 
 def pictures_of(table: Table, problems: list[str] | None = None) -> list[Picture]:
     """The pictures that belong to a table; why others cannot be drawn joins the problems."""
-    kinds, _ = choose_figures(table)
+    kinds, refusals = choose_figures(table)
+    runs = runs_of(table)
     pictures = []
+    if problems is not None:
+        problems += refusals
     with tempfile.TemporaryDirectory() as scratch:
         for kind in kinds:
             try:
-                pictures.append(find_picture(table, kind, Path(scratch)))
+                picture = find_picture(table, kind, Path(scratch))
+                pictures.append(replace(picture, what=caption_of(kind, runs)))
             except TableError as error:
                 if problems is not None:
                     problems.append(str(error))
@@ -82,8 +105,7 @@ def find_picture(table: Table, kind: FigureKind, scratch: Path) -> Picture:
         forms = forms_of(paths)
     if not forms:
         forms = forms_of(draw_to(kind, table, scratch / name))
-    form = ".svg" if len(forms[".svg"]) <= SMALL else FEW_COLOURS
-    return Picture(name, kind.what, forms, form)
+    return Picture(name, kind.what, forms)
 
 
 def forms_of(paths: Sequence[Path]) -> dict[str, bytes]:
@@ -95,21 +117,35 @@ def forms_of(paths: Sequence[Path]) -> dict[str, bytes]:
         return {}
 
 
-def with_few_colours(png: bytes) -> bytes:
-    """A PNG of few colours."""
+def with_few_colours(png: bytes, part: int = 1) -> bytes:
+    """A PNG of few colours, with so small a part of the pixels in a row."""
     reduced = io.BytesIO()
-    reduce_colours(io.BytesIO(png)).save(reduced, "PNG", optimize=True)
+    picture = reduce_colours(io.BytesIO(png))
+    if part > 1:
+        with Image.open(io.BytesIO(png)) as full:
+            smaller = io.BytesIO()
+            full.convert("RGB").reduce(part).save(smaller, "PNG")
+        picture = reduce_colours(smaller)
+    picture.save(reduced, "PNG", optimize=True)
     return reduced.getvalue()
 
 
-def fit(pictures: list[Picture], room: int) -> None:
-    """Have all pictures fit in so many bytes: the largest become smaller, then are left out."""
-    by_size = sorted(pictures, key=lambda picture: -picture.size)
-    for picture in by_size:
-        if sum(p.size for p in pictures) <= room:
-            return
-        picture.form = min(picture.forms, key=lambda form: len(picture.forms[form]))
+def fit(pictures: list[Picture], room: int) -> list[Picture]:
+    """Have all pictures fit in so many bytes, if that can be; those that became coarse.
+
+    The largest take their smallest form, then half their resolution. None is left out.
+    """
+    coarse: list[Picture] = []
     for picture in sorted(pictures, key=lambda picture: -picture.size):
         if sum(p.size for p in pictures) <= room:
-            return
-        picture.form = None
+            return coarse
+        forms = [form for form in (INLINE, FEW_COLOURS) if form in picture.forms]
+        picture.form = min(forms, key=picture.size_as)
+    for picture in sorted(pictures, key=lambda picture: -picture.size):
+        if sum(p.size for p in pictures) <= room:
+            return coarse
+        picture.forms[COARSE] = with_few_colours(picture.forms[".png"], 2)
+        if picture.size_as(COARSE) < picture.size:
+            picture.form = COARSE
+            coarse.append(picture)
+    return coarse

@@ -4,20 +4,19 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
-from figures.characters import printable
-from figures.netcdf import FormatError
-from figures.table import Table, TableError, read_table
+from reporting.cells import texts_of
+from reporting.data import Data, rows_kept
 from reporting.errata import Erratum, errata_for
+from reporting.key_numbers import key_numbers
 from reporting.motion import refusal
 from reporting.pictures import Picture, pictures_of
+from spintop_figures.tables.characters import printable
+from spintop_figures.tables.netcdf import FormatError
+from spintop_figures.tables.table import Table, TableError, read_table
 
 MOST_CELLS = 4_000
 """Of longer tables only some rows are shown."""
-
-DIGITS = 10
-"""Significant digits of numbers in the tables of the page."""
 
 FACTS = ("program", "revision", "compiler", "date", "model", "method", "body")
 """The provenance in the header of a table, in the order of the report."""
@@ -31,6 +30,8 @@ class Section:
     anchor: str
     pictures: list[Picture]
     errata: list[Erratum]
+    data: Data | None = None
+    """The rows as they can be saved from the page."""
 
     @property
     def name(self) -> str:
@@ -70,6 +71,17 @@ class Section:
         return ", ".join(f"{count} {word}" for word, count in self.outcomes.items())
 
     @property
+    def key_numbers(self) -> dict[str, str]:
+        """What one wants to know first."""
+        return key_numbers(self.table)
+
+    @property
+    def method(self) -> str:
+        """The method that computed it, and the formulation under which it did."""
+        names = [self.table.header.get(key, "").split(":")[0] for key in ("model", "method")]
+        return names[1] if names[1] in ("", "exact") else f"{names[1]}, {names[0]}"
+
+    @property
     def failed(self) -> bool:
         """Whether a motion or a case did not end well."""
         if self.table.status is not None:
@@ -99,29 +111,38 @@ class Section:
         rows = self.table.rows
         total, most = len(rows), max(1, MOST_CELLS // len(rows.columns))
         stride = -(-total // most) if self.table.kind == "trajectory" else 1
-        keep = np.unique(np.append(np.arange(0, total, stride), max(total - 1, 0)))
-        keep = keep[:total] if stride > 1 else keep[: min(total, most)]
+        keep = rows_kept(total, stride) if stride > 1 else np.arange(min(total, most))
         which = f"the first {len(keep)} of {total} rows" if len(keep) < total else ""
         if stride > 1:
             which = f"one row in {stride} of {total}, and the last"
         if self.table.stride > 1:
             which = f"{which or 'rows'}, of one case in {self.table.stride}"
         part = rows.iloc[keep]
-        cells = [[as_text(cell) for cell in part[name]] for name in part]
+        cells = [texts_of(part[name]) for name in part]
         return [list(row) for row in zip(*cells, strict=True)], which
 
 
-def as_text(cell: object) -> str:
-    """A cell with the digits that one reads."""
-    if isinstance(cell, float | np.floating):
-        return "\N{EN DASH}" if pd.isna(cell) else f"{cell:.{DIGITS}g}"
-    return str(cell)
+def list_tables(folder: Path) -> dict[Path, int]:
+    """The files in a folder and below that may be tables, and when each was written (ns).
 
-
-def find_tables(folder: Path) -> list[Path]:
-    """The files in a folder and below that may be tables; parts of sweeps are none."""
+    Parts of sweeps are none.
+    """
     files = [path for path in folder.rglob("*") if path.suffix in (".csv", ".nc")]
-    return sorted(path for path in files if path.is_file() and not is_part(path))
+    found = sorted(path for path in files if path.is_file() and not is_part(path))
+    return {path: path.stat().st_mtime_ns for path in found}
+
+
+def find_tables(folder: Path, before: dict[Path, int] | None = None) -> list[Path]:
+    """The tables in a folder and below, by name.
+
+    Those that were written since `before` was listed come first, in the order in which they were
+    written, which is that of the inputs on the command line.
+    """
+    found = list_tables(folder)
+    if before is None:
+        return list(found)
+    fresh = [path for path in found if before.get(path) != found[path]]
+    return sorted(fresh, key=found.get) + [path for path in found if path not in fresh]
 
 
 def is_part(path: Path) -> bool:
@@ -130,11 +151,16 @@ def is_part(path: Path) -> bool:
     return bool(of) and first.isdigit() and last.isdigit()
 
 
-def read_study(folder: Path, errata: list[Erratum]) -> tuple[list[Section], list[str]]:
-    """The sections of a report, and what is wrong with files that have none."""
+def read_study(
+    folder: Path, errata: list[Erratum], before: dict[Path, int] | None = None
+) -> tuple[list[Section], list[str]]:
+    """The sections of a report, and what is wrong with files that have none.
+
+    Tables that were written since `before` was listed come first.
+    """
     sections: list[Section] = []
     problems: list[str] = []
-    for path in find_tables(folder):
+    for path in find_tables(folder, before):
         try:
             table = read_table(path)
             undrawn: list[str] = []

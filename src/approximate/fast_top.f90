@@ -31,8 +31,8 @@ contains
 
     !> The formulas for a start at inclination `theta` with axial angular velocity `omega3`.
     elemental type(fast_top_t) function fast_top(body, theta, omega3) result(motion)
-        type(body_t), intent(in) :: body
-        real(dp), intent(in) :: theta, omega3
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        real(dp), intent(in) :: theta, omega3 !! inclination at the start, rad; axial angular velocity, rad/s
         associate (mgl => body%mgl(), i1 => body%inertia(1), i3 => body%inertia(3))
             motion%delta_u = (i1 / i3) * (2 * mgl / (i3 * omega3**2)) * sin(theta)**2
             motion%nutation_rate = i3 * omega3 / i1

@@ -1,9 +1,9 @@
-!> The exact solution in circular functions, for k^2 <= 1/2: all motions but those that stay near the
+!> The exact solution in circular functions, for k^2 <= 1/2: all motions except those that stay near the
 !> upright for a long time.
 !>
-!> Jacobi's theta functions of nome q = exp(-pi K'/K) <= 0.0433. Where textbooks place the poles
-!> by incomplete elliptic integrals, here X = 2 q cosh(2 v) of their position i v follows from a
-!> quadratic-like equation in the data, which keeps its digits also where the axis passes a pole.
+!> Jacobi's theta functions have the nome q = exp(-pi K'/K) <= 0.0433. Textbooks compute the positions of the
+!> poles with incomplete elliptic integrals. Here X = 2 q cosh(2 v) of a position i v is the solution of an
+!> equation, similar to a quadratic one, in the data; this is accurate also where the axis passes a pole.
 !> Whittaker and Watson, A Course of Modern Analysis, chapter XXI; Klein and Sommerfeld, chapter VI.
 module spintop_circular_form
     use spintop_kinds, only: dp, xp, pi_xp
@@ -15,11 +15,11 @@ module spintop_circular_form
     private
     public :: circular_form_t, prepare_circular_form, evaluate_circular_form
 
-    !> Highest multiple of 2z in the series: the next adds at most 4e-17.
+    !> Highest multiple of 2z in the series; the next term is at most 4e-17.
     integer, parameter :: last = 3
 
-    !> What is summed of each series: polynomials in cos 2z, in these rows of a table, which are
-    !> evaluated all at once; as many rows as fill vector registers.
+    !> Rows of the table of coefficients, polynomials in cos 2z, which are evaluated together. Their number
+    !> fills vector registers.
     integer, parameter :: upper_even = 1, upper_odd = 2, lower_even = 3, lower_odd = 4, &
         upper_even_slope = 5, upper_odd_slope = 6, lower_even_slope = 7, lower_odd_slope = 8, &
         sn = 9, cn = 10, divisor = 11, divisor_slope = 12, rows = 16
@@ -27,18 +27,17 @@ module spintop_circular_form
     !> The theta functions of one motion.
     type :: circular_form_t
         private
-        !> U = upper_least - [sin(z)^2 upper_even + i sin(2z) upper_odd] and
-        !> L = lower_least - [cos(z)^2 lower_even + i sin(2z) lower_odd]: counted from their least
-        !> values, at z = 0 and at |z| = pi/2, which may be zero, so that no digit is lost close to
-        !> a pole.
+        !> U = upper_least - [sin(z)^2 upper_even + i sin(2z) upper_odd] and L = lower_least - [cos(z)^2
+        !> lower_even + i sin(2z) lower_odd], relative to their minima at z = 0 and at |z| = pi/2. The minima
+        !> may be zero, so that no digit is lost close to a pole.
         real(dp) :: upper_least = 1, lower_least = 1
         !> Coefficients of the polynomials; the rest is W = theta_4 = divisor, sn W = sin(z) sn and
         !> cn W = cos(z) cn.
         real(dp) :: powers(rows, 0:last) = 0
     end type circular_form_t
 
-    !> Where a pole of the sphere lies in the argument, from X = 2 q cosh(2 v):
-    !> w = q exp(2 v) and q^2/w = q exp(-2 v).
+    !> Position of a pole of the sphere in the argument, from X = 2 q cosh(2 v): w = q exp(2 v) and q^2/w = q
+    !> exp(-2 v).
     type :: pole_t
         real(xp) :: sums(last + 1) = 0         !! w^n + (q^2/w)^n
         real(xp) :: differences(last + 1) = 0  !! w^n - (q^2/w)^n
@@ -51,12 +50,12 @@ module spintop_circular_form
 
 contains
 
-    !> Sets up clock and series of a motion with k^2 <= 1/2.
+    !> Prepares clock and series of a motion with k^2 <= 1/2.
     pure subroutine prepare_circular_form(start, points, clock, form)
-        type(regular_start_t), intent(in) :: start
-        type(turning_points_t), intent(in) :: points
-        type(theta_clock_t), intent(out) :: clock
-        type(circular_form_t), intent(out) :: form
+        type(regular_start_t), intent(in) :: start !! the start in regular quantities
+        type(turning_points_t), intent(in) :: points !! turning points of the motion
+        type(theta_clock_t), intent(out) :: clock !! growth of argument and phases with time
+        type(circular_form_t), intent(out) :: form !! the theta functions of the motion
         type(pole_t) :: bottom, top
         real(xp) :: q, theta3, theta4, upper_sign, lower_sign, x
 
@@ -268,9 +267,9 @@ contains
 
     !> The theta functions at the argument z, |z| <= pi/2.
     pure subroutine evaluate_circular_form(form, z, from_top, theta)
-        type(circular_form_t), intent(in) :: form
+        type(circular_form_t), intent(in) :: form !! the theta functions
         real(dp), intent(in) :: z, from_top  !! from_top: pi/2 - |z|, to full relative precision
-        type(theta_values_t), intent(out) :: theta
+        type(theta_values_t), intent(out) :: theta !! values of the theta functions
         real(dp) :: values(rows), sine, cosine, sine_2z, cosine_2z, near, far
 
         call find_sine_and_cosine(min(abs(z), from_top), near, far)

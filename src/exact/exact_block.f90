@@ -1,10 +1,10 @@
-!> The exact motion of many symmetric tops without damping at once, in double precision.
+!> The exact solution of many undamped symmetric tops together, in double precision.
 !>
-!> Cases go in strips through the stages of `exact_strip` and `exact_pole`: the closed solution in
-!> circular functions (`circular_form`), up to k^2 = 0.99, as loops that become vector instructions.
-!> A case that they may not give to `block_accuracy` goes to the scalar routine, which works in
-!> extended precision and in all forms. A case has the same bits wherever it stands in a block and
-!> whatever its neighbours are.
+!> The cases are processed in strips by the stages of `exact_strip` and `exact_pole`: the solution in circular
+!> functions (`circular_form`), up to k^2 = 0.99, in loops that the compiler vectorizes. A case that these
+!> loops may not compute to `block_accuracy` is computed by the scalar routine, which works in extended
+!> precision and in all forms. The result of a case has the same bits at every position in a block and for all
+!> neighbours.
 !>
 !>     block%n = 2;  block%theta(1:2) = ...
 !>     call block%compute(wants_end=.true., wants_period=.false.)
@@ -21,16 +21,15 @@ module spintop_exact_block
     private
     public :: exact_block_t, block_size, block_accuracy
 
-    !> Largest error of a quantity, relative or in radians, whichever is larger, besides what a
-    !> change of all rates (or of the time) by four epsilons would do.
+    !> Largest error of a quantity, relative or in radians, whichever is larger, in addition to the effect of
+    !> a change of all rates (or of the time) by four rounding errors.
     real(dp), parameter :: block_accuracy = 5.0e-13_dp
 
-    !> Least part that b - a (b + a), the closeness of the axis to a pole, may keep of the terms it
-    !> is the difference of.
+    !> Smallest ratio of b - a (b + a), the closeness of the axis to a pole, to the terms whose difference it
+    !> is.
     real(dp), parameter :: least_difference = 1.0e-2_dp
 
-    !> Cases to compute together. A thread that has many cases keeps one block, sets `n` and the data,
-    !> and calls `compute`.
+    !> Cases to be computed together. A thread keeps one block, sets `n` and the data, and calls `compute`.
     type, extends(exact_cases_t) :: exact_block_t
     contains
         procedure :: compute
@@ -39,12 +38,12 @@ module spintop_exact_block
 
 contains
 
-    !> Computes all cases of the block: the quantities of a whole nutation; with `wants_end` the
-    !> motion at `t_end`; with `wants_period` phi at `t_period`. With a number of cases that a block
-    !> does not hold nothing is computed, and every status is `status_bad_input`.
+    !> Computes all cases of the block: the quantities of a whole nutation; with `wants_end` the motion at
+    !> `t_end`; with `wants_period` phi at `t_period`. If `n` is not a possible number of cases, nothing is
+    !> computed and every status is `status_bad_input`.
     subroutine compute(self, wants_end, wants_period)
         class(exact_block_t), intent(inout) :: self
-        logical, intent(in) :: wants_end, wants_period
+        logical, intent(in) :: wants_end, wants_period !! whether the motion at `t_end` and phi at `t_period` are needed
         type(strip_t) :: strip
         integer :: first, last, i
         logical :: moves, is_end
@@ -59,7 +58,7 @@ contains
             last = first + lanes - 1
             call describe_start(self, first, strip)
             call find_roots(strip)
-            moves = count(strip%g0 > 0) > 0 ! unlike any(), a vector loop
+            moves = count(strip%g0 > 0) > 0 ! unlike any(), a loop that is vectorized
             if (moves) call find_roots_of_moving(strip)
             call find_moduli(strip)
             call find_nome(strip)
@@ -227,7 +226,7 @@ contains
                 block%precession_rate(j) = phi_speed
                 block%phi_rate_max(j) = merge(top_rate, bottom_rate, &
                                               abs(top_rate) > abs(bottom_rate))
-                ! Comparisons that a NaN or an infinity fails, too.
+                ! The comparison is also false for NaN and infinity.
                 strip%doubt(i) = merge(strip%doubt(i), 1.0_dp, q <= largest_nome .and. &
                     abs(strip%sine_min(i) + strip%sine_max(i) + block%delta_u(j) &
                         + block%period(j) + block%precession(j) + block%phi_rate_max(j) &
@@ -255,12 +254,12 @@ contains
         theta2_of = 1 + q2 + q6 + q12 + q12 * q6 * q2
     end function theta2_of
 
-    !> Turning angles. A start that is one of them leaves the other to be found.
+    !> Turning angles. If the start is at one of them, only the other is computed.
     subroutine find_turning_angles(block, first, strip, moves)
         class(exact_block_t), intent(inout) :: block
         integer, intent(in) :: first
         type(strip_t), intent(in) :: strip
-        logical, intent(in) :: moves  !! whether some start is none
+        logical, intent(in) :: moves  !! whether some start is not at a turning point
         real(dp), dimension(lanes) :: sine, cosine, angle, other
         integer :: i, j
         !$omp simd private(j)
@@ -327,7 +326,7 @@ contains
                     + (strip%phi_now(i) - strip%phi_start(i)))
                 block%psi_end(j) = block%psi(j) + (speed * block%t_end(j) &
                     + (strip%psi_now(i) - strip%psi_start(i)))
-                ! Comparisons that infinities and NaN fail, too.
+                ! The comparison is also false for infinity and NaN.
                 strip%doubt(i) = merge(strip%doubt(i), 1.0_dp, &
                     abs(sine(i) + theta_rate + block%energy_error(j) &
                         + block%phi_end(j) + block%psi_end(j)) <= huge(y))

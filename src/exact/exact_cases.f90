@@ -1,7 +1,7 @@
-!> Data and results of many symmetric tops without damping, side by side, and the scalar routine for one.
+!> Data and results of many undamped symmetric tops, and the scalar routine for one of them.
 !>
-!> The scalar routine is the exact motion in extended precision and in all its forms. The vector loops
-!> of `exact_block` are faster, and leave to it the cases that they cannot compute accurately.
+!> The scalar routine uses the exact solution in extended precision and in all its forms. The vector loops of
+!> `exact_block` are faster; they leave to it the cases that they cannot compute accurately.
 module spintop_exact_cases
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
@@ -21,38 +21,37 @@ module spintop_exact_cases
     type :: exact_cases_t
         !> Number of cases, up to `block_size`.
         integer :: n = 0
-        !> The data: moments of inertia about the pivot (kg m^2), m g l (N m), inclination (rad), rates
-        !> of phi and theta (rad/s), angular velocity about the body axis (rad/s), phi and psi
-        !> (rad), end of the span (s), and a time at which phi is wanted (s).
+        !> Data: moments of inertia about the pivot (kg m^2), m g l (N m), inclination (rad), rates of phi and
+        !> theta (rad/s), angular velocity about the body axis (rad/s), phi and psi (rad), end of the span
+        !> (s), and a time for which phi is needed (s).
         real(dp), dimension(block_size) :: inertia1, inertia3, mgl, theta, phi_rate, theta_rate, &
             omega3, phi, psi, t_end, t_period
-        !> Turning angles (rad), cos(theta_max), and cos(theta_min) - cos(theta_max) without
-        !> cancellation.
+        !> Turning angles (rad), cos(theta_max), and cos(theta_min) - cos(theta_max) without cancellation.
         real(dp), dimension(block_size) :: theta_min, theta_max, u_min, delta_u
-        !> Nutation period (s), what it adds to phi (rad), mean precession rate, and the value of
-        !> phi' largest in magnitude (rad/s).
+        !> Nutation period (s), change of phi per nutation (rad), mean precession rate, and the value of phi'
+        !> that is largest in magnitude (rad/s).
         real(dp), dimension(block_size) :: period, precession, precession_rate, phi_rate_max
-        !> Angles (rad) and nutation rate (rad/s) at `t_end`, and by how much the energy of this
-        !> motion differs from that of the start, relative to the start's kinetic energy plus m g l.
+        !> Angles (rad) and nutation rate (rad/s) at `t_end`, and the change of energy since the start,
+        !> relative to the kinetic energy at the start plus m g l.
         real(dp), dimension(block_size) :: theta_end, phi_end, psi_end, theta_rate_end, energy_error
-        !> phi at `t_period` less phi at the start, rad.
+        !> Change of phi from the start to `t_period`, rad.
         real(dp), dimension(block_size) :: phi_at_period
-        !> How each case ended: `status_ok`, or why it has no results: what `prepare_exact_motion`
-        !> says of it, or `status_non_finite` for results that are no numbers. The period, and with
-        !> it what it adds to phi, may be infinite (on the separatrix, and for an axis that rests).
+        !> Status of each case: `status_ok`, a status of `prepare_exact_motion`, or `status_non_finite` if a
+        !> result is not finite. The period and the change of phi per period may be infinite (on the
+        !> separatrix, and for an axis at rest).
         integer, dimension(block_size) :: status = status_ok
-        !> Cases that went to the scalar routine.
+        !> Number of cases that were computed by the scalar routine.
         integer :: fallbacks = 0
     end type exact_cases_t
 
 contains
 
     !> Computes case i by the scalar routine: the quantities of a whole nutation; with `wants_end` the motion
-    !> at `t_end`; with `wants_period` phi at `t_period`. An index of no case changes nothing.
+    !> at `t_end`; with `wants_period` phi at `t_period`. An index outside 1..n has no effect.
     subroutine compute_alone(self, i, wants_end, wants_period)
         class(exact_cases_t), intent(inout) :: self
         integer, intent(in) :: i !! the case, from 1 to `n`
-        logical, intent(in) :: wants_end, wants_period
+        logical, intent(in) :: wants_end, wants_period !! whether the motion at `t_end` and phi at `t_period` are needed
         type(body_t) :: body
         type(motion_t) :: start, motion
         type(exact_motion_t) :: exact
@@ -95,7 +94,7 @@ contains
             motion = exact%at(self%t_period(i))
             self%phi_at_period(i) = motion%angle(1) - self%phi(i)
         end if
-        ! Only the period, and with it what it adds to phi, may be infinite.
+        ! Only the period, and the change of phi per period, may be infinite.
         total = self%theta_min(i) + self%theta_max(i) + self%precession_rate(i) &
                 + self%phi_rate_max(i)
         if (wants_end) total = total + self%theta_end(i) + self%phi_end(i) + self%psi_end(i) &

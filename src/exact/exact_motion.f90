@@ -1,361 +1,131 @@
-!> The exact solution of a symmetric top without damping (Lagrange top).
-!>
-!> Set up once, it gives the motion at any time, forward or backward, at a cost and an accuracy
-!> that do not depend on the time span. The attitude is a product of theta functions (Jacobi 1850;
-!> Klein and Sommerfeld 1898): regular at the poles, with nothing to integrate or to unwrap.
+!> The exact motion of a rigid body, where it has a closed form: that of an undamped symmetric top (Lagrange top)
+!> or that of a free body.
 !>
 !>     call prepare_exact_motion(body, start, exact, status)
-!>     motion = exact%at(t)
-!>
-!> The rounding error that remains is that of rate times time. Therefore the constants and the phases are in
-!> extended precision, and only the reduced phases are in double precision.
+!>     motion = exact%at(2.0_dp)
 module spintop_exact_motion
-    use spintop_kinds, only: dp, xp, pi_xp
-    use spintop_compare, only: is_finite
-    use spintop_status, only: status_ok, status_non_finite
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_kinds, only: dp, no_number
+    use spintop_attitude, only: angles_from_quaternion, follow_angles, may_meet_pole
     use spintop_body, only: body_t
+    use spintop_free_motion, only: free_motion_t, prepare_free_motion
     use spintop_motion, only: motion_t
-    use spintop_scalar_functions, only: argument, unit
-    use spintop_regular_start, only: regular_start_t, find_checked_start
-    use spintop_turning_points, only: turning_points_t, find_turning_points
-    use spintop_theta_functions, only: theta_values_t
-    use spintop_theta_motion, only: theta_motion_t, prepare_theta_motion, regime_resting
-    use spintop_nutation, only: nutation_t, describe_nutation, is_defined
-    use spintop_validity, only: no_number
+    use spintop_status, only: status_ok
+    use spintop_symmetric_motion, only: symmetric_motion_t, prepare_symmetric_motion
     implicit none
     private
     public :: exact_motion_t, prepare_exact_motion
 
-    !> The exact solution for one top and one start. Immutable after its preparation, so threads may share.
-    type :: exact_motion_t
-        private
-        !> Quantities that do not depend on time.
-        type(nutation_t), public :: nutation
-        type(theta_motion_t) :: theta
-        !> Time of the start, s.
-        real(xp) :: time = 0
-        !> Phases of the upper and the lower component at the start, rad, and their rates, their
-        !> sum's and their difference's, rad/s.
-        real(xp) :: upper_phase = 0, lower_phase = 0
-        real(xp) :: upper_rate = 0, lower_rate = 0, sum_rate = 0, difference_rate = 0
-        !> The component of the start that a resting axis keeps.
-        !> NaN until it is set up, and so is any motion then.
-        complex(dp) :: upper = (no_number, no_number), lower = (no_number, no_number)
-        !> Constants of the motion as in `regular_start` and `turning_points`.
-        real(dp) :: a = 0, half_beta = 0, omega3 = no_number, swing_squared = 0
-        real(dp) :: turn = 0, b_minus_a = 0, b_plus_a = 0
-        real(dp) :: y1 = 0, y2 = 0, u2_minus_u1 = 0, one_minus_u2 = 0, one_plus_u1 = 0
-        real(dp) :: k_squared = 0, complement_squared = 1, frequency = 0
-        !> Whole nutations, and whole passages of theta = pi, that lie before the start.
-        real(xp) :: tops_before = 0, bottoms_before = 0
-        !> Whether there are exact passages of a pole.
-        logical :: passes_pole = .false.
-        !> The sign of the start's quaternion, beside that which its angles give.
-        real(dp) :: side = 1
+    !> The exact solution for one body and one start. It does not change after its preparation, so threads may
+    !> share it.
+    type, extends(symmetric_motion_t) :: exact_motion_t
+        !> The motion of a free body that is not a symmetric top.
+        type(free_motion_t), allocatable :: free
     contains
         procedure :: at
         procedure :: quaternion_at
+        procedure :: follow
     end type exact_motion_t
-
-    !> The attitude at an instant, and what it was computed from. No initial values: it is filled
-    !> for every sample.
-    type :: attitude_t
-        !> The two Cayley-Klein components: turn times U, turn times L.
-        complex(dp) :: upper, lower, upper_turn, lower_turn
-        type(theta_values_t) :: theta
-        !> Time since the start, s, and whole nutations left out of the argument.
-        real(xp) :: elapsed, nutations
-        logical :: rising  !! on the way from u1 to u2
-    end type attitude_t
-
-    complex(dp), parameter :: i = (0.0_dp, 1.0_dp)
 
 contains
 
-    !> Sets up the exact solution of `body` from `start`, of which either angles and rates or, close
-    !> to a pole, quaternion and omega are used. `status` is `status_ok`, `status_unsuitable` (not
-    !> a symmetric undamped top), `status_non_finite`, `status_bad_body` or `status_bad_start`.
+    !> Prepares the exact solution of `body` from `start`. `status` is `status_unsuitable` for a body without
+    !> closed form, or `status_non_finite`, `status_bad_body` or `status_bad_start`.
     pure subroutine prepare_exact_motion(body, start, exact, status)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
-        type(exact_motion_t), intent(out) :: exact
-        integer, intent(out) :: status
-        type(regular_start_t) :: regular
-        type(turning_points_t) :: points
-
-        call find_checked_start(body, start, regular, status)
-        if (status /= status_ok) return
-        points = find_turning_points(regular)
-        exact%theta = prepare_theta_motion(regular, points)
-        exact%nutation = describe_nutation(regular, points, exact%theta)
-        exact%passes_pole = exact%nutation%passes_top .or. exact%nutation%passes_bottom
-        call keep_constants(regular, points, exact)
-        if (exact%theta%regime == regime_resting) then
-            call rest(regular, exact)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        type(exact_motion_t), intent(out) :: exact !! the exact solution; evaluated with `exact%at(t)`
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        if (body%is_lagrange() .or. .not. body%is_free()) then
+            call prepare_symmetric_motion(body, start, exact%symmetric_motion_t, status)
         else
-            call set_phases(regular, exact)
+            allocate (exact%free)
+            call prepare_free_motion(body, start, exact%free, status)
+            if (status /= status_ok) deallocate (exact%free)
         end if
-        if (is_defined(exact%nutation) .and. is_finite(real(exact%upper_phase + exact%lower_phase, dp))) return
-        status = status_non_finite
-        call forget(exact)
     end subroutine prepare_exact_motion
 
-    !> Leaves nothing of a motion that overflowed.
-    pure subroutine forget(exact)
-        type(exact_motion_t), intent(out) :: exact
-        exact%passes_pole = .false.
-    end subroutine forget
-
-    pure subroutine keep_constants(start, points, exact)
-        type(regular_start_t), intent(in) :: start
-        type(turning_points_t), intent(in) :: points
-        type(exact_motion_t), intent(inout) :: exact
-        exact%time = start%time
-        exact%upper = cmplx(start%upper, kind=dp)
-        exact%lower = cmplx(start%lower, kind=dp)
-        exact%side = merge(-1.0_dp, 1.0_dp, start%turns_against_angles)
-        exact%a = real(start%a, dp)
-        exact%half_beta = real(start%beta / 2, dp)
-        exact%omega3 = real(start%omega3, dp)
-        exact%swing_squared = real(start%swing_squared, dp)
-        exact%turn = real(start%turn, dp)
-        exact%b_minus_a = real(start%b_minus_a, dp)
-        exact%b_plus_a = real(start%b_plus_a, dp)
-        exact%y1 = real(points%y1, dp)
-        exact%y2 = real(points%y2, dp)
-        exact%u2_minus_u1 = real(points%u2_minus_u1, dp)
-        exact%one_minus_u2 = real(points%one_minus_u2, dp)
-        exact%one_plus_u1 = real(points%one_plus_u1, dp)
-        exact%k_squared = real(points%k_squared, dp)
-        exact%complement_squared = real(points%complement_squared, dp)
-        exact%frequency = real(points%frequency, dp)
-    end subroutine keep_constants
-
-    !> A resting axis: the body spins about it.
-    pure subroutine rest(start, exact)
-        type(regular_start_t), intent(in) :: start
-        type(exact_motion_t), intent(inout) :: exact
-        exact%upper_phase = start%upper_phase
-        exact%lower_phase = start%lower_phase
-        exact%upper_rate = start%omega3 / 2
-        exact%lower_rate = -start%omega3 / 2
-        exact%difference_rate = start%omega3
-    end subroutine rest
-
-    !> Rates of the phases, and the constants that make the motion pass through the start.
-    pure subroutine set_phases(start, exact)
-        type(regular_start_t), intent(in) :: start
-        type(exact_motion_t), intent(inout) :: exact
-        real(dp) :: z, from_top
-        real(xp) :: nutations, upper_then, lower_then
-        type(theta_values_t) :: theta
-
-        associate (clock => exact%theta%clock)
-            exact%upper_rate = start%half() + clock%upper_rate
-            exact%lower_rate = -start%half() + clock%lower_rate
-            exact%sum_rate = clock%sum_rate
-            exact%difference_rate = 2 * start%half() + clock%upper_rate - clock%lower_rate
-
-            call exact%theta%locate(0.0_xp, z, from_top, nutations)
-            exact%tops_before = nutations
-            exact%bottoms_before = merge(nutations, nutations - 1, z >= 0)
-            call exact%theta%evaluate(z, from_top, theta)
-            exact%upper_phase = phase_constant(theta%upper, theta%upper_slope, clock%upper_rate, &
-                                               start%upper, start%upper_rate)
-            exact%lower_phase = phase_constant(theta%lower, theta%lower_slope, clock%lower_rate, &
-                                               start%lower, start%lower_rate)
-
-            ! Whole turns: phi and psi start at their given values.
-            upper_then = exact%upper_phase + argument(theta%upper)
-            lower_then = exact%lower_phase + argument(theta%lower)
-            exact%upper_phase = exact%upper_phase - nutations * clock%upper_step &
-                + 2 * pi_xp * anint((start%upper_phase - upper_then) / (2 * pi_xp))
-            exact%lower_phase = exact%lower_phase - nutations * clock%lower_step &
-                + 2 * pi_xp * anint((start%lower_phase - lower_then) / (2 * pi_xp))
-        end associate
-
-    contains
-
-        !> The angle A for which exp(i A) times a component's formula gives the start: from value
-        !> and rate together, for at a pole either may vanish.
-        pure real(dp) function phase_constant(value, slope, rate, x, x_rate)
-            complex(dp), intent(in) :: value, slope  !! of the theta function, by z
-            real(xp), intent(in) :: rate             !! of the phase, rad/s
-            complex(xp), intent(in) :: x, x_rate     !! the component at the start and its rate
-            complex(dp) :: formula, formula_rate
-            real(dp) :: z_rate
-            z_rate = real(exact%theta%clock%rate, dp)
-            formula = value / theta%divisor
-            formula_rate = i * real(rate, dp) * formula + z_rate &
-                * (slope - value * (theta%divisor_slope / theta%divisor)) / theta%divisor
-            phase_constant = argument(exact%frequency**2 * conjg(formula) * cmplx(x, kind=dp) &
-                                      + conjg(formula_rate) * cmplx(x_rate, kind=dp))
-        end function phase_constant
-
-    end subroutine set_phases
-
-    !> The motion at time t, s, or at an array of times; its attitude is NaN at no finite time, and
-    !> of what `prepare_exact_motion` did not set up. Rates of phi and psi at an exact passage of
-    !> a pole, where they do not exist, are those of the limit of passing ever closer.
+    !> The motion at time t, s, or at an array of times. Its attitude is NaN at a time that is not finite, and
+    !> for a solution that was not prepared. phi and psi have all their turns since the start; those of a free
+    !> body that is not a symmetric top are the values nearest to the start, and `follow` counts their turns.
     elemental type(motion_t) function at(self, t) result(motion)
         class(exact_motion_t), intent(in) :: self
-        real(dp), intent(in) :: t
-        type(attitude_t) :: attitude
-        complex(dp) :: swing, swing_rate
-
-        call find_attitude(self, t, attitude)
-        swing = swing_of(self, attitude)
-        swing_rate = -i * (self%omega3 - self%a) * swing &
-            + 2 * self%half_beta * attitude%lower * conjg(attitude%upper)
-        motion%t = t
-        motion%quaternion = self%side * [real(attitude%upper, dp), real(attitude%lower, dp), &
-                                         aimag(attitude%lower), aimag(attitude%upper)]
-        motion%omega = [real(swing, dp), aimag(swing), self%omega3]
-        motion%omega_rate = [real(swing_rate, dp), aimag(swing_rate), 0.0_dp]
-        call add_angles(self, attitude, motion)
+        real(dp), intent(in) :: t !! time, s
+        if (allocated(self%free)) then
+            motion = self%free%at(t)
+        else
+            motion = self%symmetric_motion_t%at(t)
+        end if
     end function at
 
     !> The unit quaternion at time t, s.
     pure function quaternion_at(self, t) result(q)
         class(exact_motion_t), intent(in) :: self
-        real(dp), intent(in) :: t
+        real(dp), intent(in) :: t !! time, s
         real(dp) :: q(4)
-        type(attitude_t) :: attitude
-        call find_attitude(self, t, attitude)
-        q = self%side * [real(attitude%upper, dp), real(attitude%lower, dp), &
-                         aimag(attitude%lower), aimag(attitude%upper)]
+        if (allocated(self%free)) then
+            q = self%free%quaternion_at(t)
+        else
+            q = self%symmetric_motion_t%quaternion_at(t)
+        end if
     end function quaternion_at
 
-    !> The Cayley-Klein components at time t.
-    pure subroutine find_attitude(self, t, now)
-        type(exact_motion_t), intent(in) :: self
-        real(dp), intent(in) :: t
-        type(attitude_t), intent(out) :: now
-        real(dp) :: z, from_top
+    !> The motion at time t, s. The turns of phi and psi are those of `last`, an instant of the same solution, and
+    !> those since then. For a free body these are counted by steps of a fraction of a turn; if more than
+    !> `most_looks` were needed, the angles are NaN.
+    pure subroutine follow(self, last, t, motion, looks, most_looks)
+        class(exact_motion_t), intent(in) :: self
+        type(motion_t), intent(in) :: last !! an instant of the motion
+        real(dp), intent(in) :: t !! time, s
+        type(motion_t), intent(out) :: motion !! the motion at that time
+        integer(int64), intent(inout) :: looks !! work so far, in instants computed
+        integer(int64), intent(in) :: most_looks !! bound of `looks`
+        !> Rotation in a step, rad, and the smallest fraction of it that is tried where the axis meets a pole.
+        real(dp), parameter :: longest = 0.5_dp, shortest = 1.0e-6_dp
+        type(motion_t) :: now, next
+        real(dp) :: pace, step
+        logical :: sure
 
-        now%elapsed = t - self%time
-        if (self%theta%regime == regime_resting) then
-            now%upper = self%upper * unit(self%upper_rate * now%elapsed)
-            now%lower = self%lower * unit(self%lower_rate * now%elapsed)
-            return
-        end if
-
-        associate (clock => self%theta%clock)
-            call self%theta%locate(now%elapsed, z, from_top, now%nutations)
-            call self%theta%evaluate(z, from_top, now%theta)
-            now%rising = z >= 0
-            now%upper_turn = unit(self%upper_phase + self%upper_rate * now%elapsed &
-                                  + now%nutations * clock%upper_step) &
-                             * (clock%upper_amplitude / now%theta%divisor)
-            now%lower_turn = unit(self%lower_phase + self%lower_rate * now%elapsed &
-                                  + now%nutations * clock%lower_step) &
-                             * (clock%lower_amplitude / now%theta%divisor)
-            now%upper = now%upper_turn * now%theta%upper
-            now%lower = now%lower_turn * now%theta%lower
-        end associate
-    end subroutine find_attitude
-
-    !> omega1 + i omega2 = 2 [conj(upper) lower' - conj(upper') lower], rad/s, where the derivative
-    !> of the divisor and the spin that is linear in time cancel and are left out.
-    pure complex(dp) function swing_of(self, now) result(swing)
-        type(exact_motion_t), intent(in) :: self
-        type(attitude_t), intent(in) :: now
-        swing = 0
-        if (self%theta%regime == regime_resting) return
-        associate (clock => self%theta%clock, theta => now%theta)
-            swing = 2 * conjg(now%upper_turn) * now%lower_turn &
-                * (i * real(clock%sum_rate, dp) * conjg(theta%upper) * theta%lower &
-                   + real(clock%rate, dp) * (conjg(theta%upper) * theta%lower_slope &
-                                             - conjg(theta%upper_slope) * theta%lower))
-        end associate
-    end function swing_of
-
-    !> Angles, phi and psi with all their turns, and their rates.
-    pure subroutine add_angles(self, attitude, motion)
-        type(exact_motion_t), intent(in) :: self
-        type(attitude_t), intent(in) :: attitude
-        type(motion_t), intent(inout) :: motion
-        real(xp) :: total, difference
-        real(dp) :: sn2, cn2, one_minus_u, one_plus_u, u, y, sine, dn, upper, lower, turn, phi_rate
-
-        total = self%upper_phase + self%lower_phase + self%sum_rate * attitude%elapsed
-        difference = self%upper_phase - self%lower_phase + self%difference_rate * attitude%elapsed
-        if (self%theta%regime == regime_resting) then
-            motion%angle = [real(total, dp), 2 * atan2(abs(self%lower), abs(self%upper)), &
-                            real(difference, dp)]
-            motion%rate = [0.0_dp, 0.0_dp, self%omega3]
-            return
-        end if
-
-        associate (clock => self%theta%clock, theta => attitude%theta)
-            sn2 = theta%sn**2
-            cn2 = theta%cn**2
-            one_minus_u = self%one_minus_u2 + self%u2_minus_u1 * cn2
-            one_plus_u = self%one_plus_u1 + self%u2_minus_u1 * sn2
-            u = (one_plus_u - one_minus_u) / 2
-            sine = sqrt(one_minus_u * one_plus_u)
-
-            if (self%passes_pole) call add_jumps(self, attitude, total, difference)
-            total = total + attitude%nutations * (clock%upper_step + clock%lower_step)
-            difference = difference + attitude%nutations * (clock%upper_step - clock%lower_step)
-            upper = argument(theta%upper)
-            lower = argument(theta%lower)
-            motion%angle = [real(total + (upper + lower), dp), argument(cmplx(u, sine, dp)), &
-                            real(difference + (upper - lower), dp)]
-
-            y = merge(self%y1 + self%u2_minus_u1 * sn2, self%y2 - self%u2_minus_u1 * cn2, sn2 < cn2)
-            turn = turn_at(self, y, one_minus_u, one_plus_u)
-            if (sine > 0) then
-                dn = sqrt(self%complement_squared + self%k_squared * cn2)
-                phi_rate = turn / (one_minus_u * one_plus_u)
-                motion%rate(2) = -2 * self%u2_minus_u1 * self%frequency * theta%sn * theta%cn &
-                                 * (dn / sine)
-            else
-                phi_rate = 0
-                motion%rate(2) = sqrt(self%swing_squared - 2 * self%half_beta * y)
+        looks = looks + 1
+        motion = self%at(t)
+        if (.not. allocated(self%free)) return
+        now = last
+        pace = longest / max(self%free%greatest_rate, tiny(pace))
+        step = pace
+        do while (abs(t - now%t) > 0)
+            if (looks >= most_looks) then
+                motion%angle = no_number
+                return
             end if
-            motion%rate(1) = phi_rate
-            motion%rate(3) = self%omega3 - phi_rate * u
-        end associate
-    end subroutine add_angles
+            looks = looks + 1
+            next = motion
+            if (step < abs(t - now%t)) next = self%free%at(now%t + sign(step, t - now%t))
+            call count_turns(now, next, sure)
+            if (sure .or. step < shortest * pace) then
+                now = next
+                step = min(2 * step, pace)
+            else
+                step = min(step, abs(t - now%t)) / 2
+            end if
+        end do
+        motion = now
+    end subroutine follow
 
-    !> phi' sin(theta)^2 = b - a u, rad/s, in the form that cancels least.
-    pure real(dp) function turn_at(self, y, one_minus_u, one_plus_u) result(turn)
-        type(exact_motion_t), intent(in) :: self
-        real(dp), intent(in) :: y, one_minus_u, one_plus_u
-        real(dp) :: from_start, from_top, from_bottom
-        from_start = abs(self%turn) + abs(self%a * y)
-        from_top = abs(self%b_minus_a) + abs(self%a * one_minus_u)
-        from_bottom = abs(self%b_plus_a) + abs(self%a * one_plus_u)
-        if (from_start <= min(from_top, from_bottom)) then
-            turn = self%turn - self%a * y
-        else if (from_top <= from_bottom) then
-            turn = self%b_minus_a + self%a * one_minus_u
+    !> Gives the angles at `next` the turns of those at `now`, and those in between.
+    pure subroutine count_turns(now, next, sure)
+        type(motion_t), intent(in) :: now
+        type(motion_t), intent(inout) :: next
+        logical, intent(out) :: sure  !! whether the turns are certain
+        real(dp) :: angle(3), h
+        angle = now%angle
+        h = abs(next%t - now%t)
+        if (may_meet_pole(now%quaternion, now%omega, next%quaternion, next%omega, h)) then
+            call follow_angles(now%quaternion, now%omega, next%quaternion, next%omega, h, angle, sure, &
+                               reshape([now%omega_rate, next%omega_rate], [3, 2]))
         else
-            turn = self%b_plus_a - self%a * one_plus_u
+            call follow_angles(now%quaternion, now%omega, next%quaternion, next%omega, h, angle, sure)
         end if
-    end function turn_at
-
-    !> Half turns of phi and psi at exact passages of a pole: the theta functions turn the same way
-    !> each time; counted here are a half turn there and back, alternately.
-    pure subroutine add_jumps(self, attitude, phi, psi)
-        type(exact_motion_t), intent(in) :: self
-        type(attitude_t), intent(in) :: attitude
-        real(xp), intent(inout) :: phi, psi  !! rad
-        real(xp) :: tops, bottoms, top_jump, bottom_jump
-        top_jump = 0
-        bottom_jump = 0
-        if (self%nutation%passes_top) then
-            tops = attitude%nutations - self%tops_before
-            top_jump = pi_xp * (modulo(tops, 2.0_xp) - sign(1.0_dp, self%b_minus_a) * tops)
-        end if
-        if (self%nutation%passes_bottom) then
-            bottoms = merge(attitude%nutations, attitude%nutations - 1, attitude%rising) &
-                      - self%bottoms_before
-            bottom_jump = pi_xp * (modulo(bottoms, 2.0_xp) - sign(1.0_dp, self%b_plus_a) * bottoms)
-        end if
-        phi = phi + bottom_jump + top_jump
-        psi = psi + bottom_jump - top_jump
-    end subroutine add_jumps
+        next%angle = angles_from_quaternion(next%quaternion, angle)
+    end subroutine count_turns
 
 end module spintop_exact_motion

@@ -1,9 +1,9 @@
 !> The theta functions of many motions at once, in vector loops.
 !>
-!> Every motion sees the two poles of the sphere at fixed places of the complex argument. Their
-!> position, the expansion from it and the value at an instant are loops over lanes. The
-!> formulas are those of `circular_form`, with terms up to the fifth multiple of the argument, which
-!> serve nomes up to 0.27 (the next term is q^30).
+!> The two poles of the sphere have fixed positions in the complex argument of a motion. Their position, the
+!> expansion about it and the value at an instant are loops over lanes. The formulas are those of
+!> `circular_form`, with terms up to the fifth multiple of the argument, which suffice for nomes up to 0.27
+!> (the next term is q^30).
 !>
 !> Sources: Klein and Sommerfeld, Ueber die Theorie des Kreisels, chapter VI; Whittaker and Watson,
 !> A Course of Modern Analysis, chapter XXI.
@@ -13,13 +13,13 @@ module spintop_exact_pole
     private
     public :: pole_t, lanes, largest_nome, place_pole, solve_position, divide_thetas, evaluate_pole
 
-    !> Motions that go through the loops together: a multiple of every vector length, and so many
-    !> that what passes from loop to loop fits the first cache.
+    !> Motions in one loop: a multiple of every vector length, and few enough that intermediate results fit
+    !> into the first-level cache.
     integer, parameter :: lanes = 64
     !> Largest nome for which the series are complete, to 1e-15.
     real(dp), parameter :: largest_nome = 0.27_dp
 
-    !> Largest second step of Newton's method to a position: the error left is a millionth of it.
+    !> Largest second step of Newton's method for a position; the remaining error is a millionth of it.
     real(dp), parameter :: largest_second_step = 1.0e-6_dp
 
     !> One pole of the sphere, seen by the motions: its theta function
@@ -30,42 +30,42 @@ module spintop_exact_pole
     !> (z = 0 at the lower turning point), c = -cos 2z, h = cos(z)^2 and - for theta = 0. Written
     !> from its least value, for digits close to the pole.
     type :: pole_t
-        !> What its position X = 2 q cosh(2 v) follows from ("eps"), X, A/B of X, sqrt(k') rho.
+        !> The right-hand side for its position ("eps"), the position X = 2 q cosh(2 v), A/B of X, and
+        !> sqrt(k') rho.
         real(dp), dimension(lanes) :: excess, position, ratio, scale
-        !> Theta where the axis is farthest ("S") and nearest; the latter is set relative to the
-        !> former before the expansion.
+        !> Theta where the axis is farthest ("S") and nearest. Before the expansion the latter is relative to
+        !> the former.
         real(dp), dimension(lanes) :: farthest, nearest
-        !> The derivatives of their logarithms, times them ("D S", "D' S'").
+        !> Their logarithmic derivatives times their values ("D S", "D' S'").
         real(dp), dimension(lanes) :: slope_farthest, slope_nearest
         real(dp), dimension(lanes, 0:4) :: even, odd
-        !> Sign of the turn about the pole.
+        !> Sign of the rotation about the pole.
         real(dp), dimension(lanes) :: side
-        !> Factor of |Theta|^2 in 1 + u (1 - u), but for a common one.
+        !> Factor of |Theta|^2 in 1 + u (1 - u), except for a common factor.
         real(dp), dimension(lanes) :: weight
-        !> Theta at an instant, its imaginary part less the sign, and the argument of that.
+        !> Theta at an instant, its imaginary part without the sign, and its argument.
         real(dp), dimension(lanes) :: re, im, argument
     end type pole_t
 
 contains
 
-    !> Position and expansion of a pole of which excess, scale, side and the relative `nearest` are
-    !> set.
+    !> Position and expansion of a pole. Excess, scale, side and the relative `nearest` are set by the caller.
     pure subroutine place_pole(q, pole, doubt)
-        real(dp), intent(in) :: q(lanes)
-        type(pole_t), intent(inout) :: pole
+        real(dp), intent(in) :: q(lanes) !! nomes
+        type(pole_t), intent(inout) :: pole !! the pole
         real(dp), intent(inout) :: doubt(lanes)  !! set where the position may be wrong
         call solve_position(q, pole%excess, pole%position, doubt)
         call divide_thetas(q, pole%position, pole%ratio)
         call expand_pole(q, pole)
     end subroutine place_pole
 
-    !> Solves sum_{n odd} q^(n^2-n) h_n = excess (1 + sum_{n even} q^(n^2-n) h_n) for X = h_1, with
-    !> h_n = 2 q^n cosh(2 n v), by two steps of Newton's method. The first leaves out what only the
-    !> second needs; the second corrects the first one's inverse slope instead of dividing again.
+    !> Solves sum_{n odd} q^(n^2-n) h_n = excess (1 + sum_{n even} q^(n^2-n) h_n) for X = h_1, with h_n = 2
+    !> q^n cosh(2 n v), by two steps of Newton's method. The first step omits terms that only the second one
+    !> needs. The second corrects the inverse slope of the first instead of another division.
     pure subroutine solve_position(q, excess, x, doubt)
-        real(dp), intent(in) :: q(lanes), excess(lanes)
-        real(dp), intent(out) :: x(lanes)
-        real(dp), intent(inout) :: doubt(lanes)  !! set where two steps may not do
+        real(dp), intent(in) :: q(lanes), excess(lanes) !! nomes, and right-hand sides
+        real(dp), intent(out) :: x(lanes) !! positions X = 2 q cosh(2 v)
+        real(dp), intent(inout) :: doubt(lanes)  !! set where two steps may not suffice
         real(dp) :: q2, q4, q6, q12, scale, r, y, y2, odd, even, slope, per_slope, step
         integer :: i
         !$omp simd private(q2, q4, q6, q12, scale, r, y, y2, odd, even, slope, per_slope, step)
@@ -102,8 +102,8 @@ contains
     !> A/B of a position X: A = 1 + sum q^(n^2) a_n with a_1 = X - q, B = 1 + sum (-1)^n q^(n^2) b_n
     !> with b_1 = X + q, both by x_(n+1) = X x_n - q^2 x_(n-1), x_0 = 1.
     pure subroutine divide_thetas(q, x, ratio)
-        real(dp), intent(in) :: q(lanes), x(lanes)
-        real(dp), intent(out) :: ratio(lanes)
+        real(dp), intent(in) :: q(lanes), x(lanes) !! nomes, and positions X = 2 q cosh(2 v)
+        real(dp), intent(out) :: ratio(lanes) !! A/B
         real(dp) :: q2, q4, q9, q16, a1, a2, a3, a4, b1, b2, b3, b4
         integer :: i
         !$omp simd private(q2, q4, q9, q16, a1, a2, a3, a4, b1, b2, b3, b4)
@@ -181,8 +181,10 @@ contains
     !> Theta at an instant, of which sin 2z is given and sin(z)^2 and cos(z)^2: first the one that
     !> vanishes where the axis is nearest to the pole.
     pure subroutine evaluate_pole(pole, near, far, sine_of_2z)
-        type(pole_t), intent(inout) :: pole
+        type(pole_t), intent(inout) :: pole !! the pole
         real(dp), intent(in) :: near(lanes), far(lanes), sine_of_2z(lanes)
+            !! sin(z)^2 or cos(z)^2, first the one that vanishes where the axis is nearest to the pole; sin(2
+            !! z)
         real(dp) :: c
         integer :: i
         !$omp simd private(c)

@@ -1,9 +1,9 @@
 !> The theta functions of many motions from their starts, in vector loops.
 !>
-!> The stages of `turning_points` and `circular_form` in double precision, each a loop over lanes
-!> with neither branches nor calls, few divisions and square roots: where several quotients are
-!> needed, one inverse of the product of all divisors serves them. Symbols as there; with u = u0 + y
-!> the nutation obeys u'^2 = beta y^3 + g2 y^2 + g1 y + g0.
+!> The stages of `turning_points` and `circular_form` in double precision. Each is a loop over lanes without
+!> branches and calls and with few divisions and square roots: where several quotients are needed, the product
+!> of all divisors is inverted once. Symbols as there; with u = u0 + y the nutation obeys u'^2 = beta y^3 + g2
+!> y^2 + g1 y + g0.
 module spintop_exact_strip
     use spintop_kinds, only: dp, pi
     use spintop_array_functions, only: find_circular, find_arguments, largest_angle
@@ -13,18 +13,18 @@ module spintop_exact_strip
     public :: strip_t, find_roots, find_roots_of_moving, find_moduli, find_nome
     public :: find_start_phases, find_phases
 
-    !> Steps of Laguerre's method to an outer root, and its largest last step, relative to the root:
-    !> the error left is about its third power.
+    !> Steps of Laguerre's method for an outer root, and its largest last step relative to the root; the
+    !> remaining error is about the third power of that.
     integer, parameter :: laguerre_steps = 4
     real(dp), parameter :: largest_last_step = 1.0e-6_dp
 
-    !> Least square of a theta function, relative to its largest: around its zero, the pole, phi and
-    !> psi turn fast.
+    !> Smallest squared theta function, relative to its maximum: near its zero, the pole, phi and psi vary
+    !> fast.
     real(dp), parameter :: least_theta = 1.0e-5_dp
 
     !> The motions of a strip, one per lane.
     type :: strip_t
-        !> More than 0 where the stages may not give the accuracy promised.
+        !> Positive where the stages may not reach the specified accuracy.
         real(dp), dimension(lanes) :: doubt
         !> a, beta, 1 - u0, 1 + u0, phi0' sin(theta0)^2, K0, b - a, b + a.
         real(dp), dimension(lanes) :: a, beta, sh, ch, turn, k0, b_minus_a, b_plus_a
@@ -53,10 +53,10 @@ module spintop_exact_strip
 
 contains
 
-    !> The roots for a start at a turning point, where the cubic is y times a quadratic; and the
-    !> argument there.
+    !> The roots for a start at a turning point, where the cubic is y times a quadratic, and the argument
+    !> there.
     pure subroutine find_roots(strip)
-        type(strip_t), intent(inout) :: strip
+        type(strip_t), intent(inout) :: strip !! the motions of the strip; results are added
         real(dp) :: half, per_half, other
         logical :: falls
         integer :: i
@@ -79,12 +79,11 @@ contains
         end do
     end subroutine find_roots
 
-    !> The roots for starts between turning points (g0 > 0) instead: the highest one by Laguerre's
-    !> method, downwards from that of the quadratic, and the other two from their sum and product;
-    !> where the upper two may lie close together the lowest one, upwards from u = -1, and the
-    !> distances of the others from u = 1.
+    !> The roots for starts between turning points (g0 > 0): the highest by Laguerre's method, downwards from
+    !> the root of the quadratic, and the other two from their sum and product. Where the upper two may be
+    !> close together: the lowest, upwards from u = -1, and the distances of the others from u = 1.
     pure subroutine find_roots_of_moving(strip)
-        type(strip_t), intent(inout) :: strip
+        type(strip_t), intent(inout) :: strip !! the motions of the strip; results are added
         real(dp) :: c0, c1, c3, y, g, slope, curvature, step, per_y, product, total, d, larger
         real(dp) :: smaller, per_by, energy, y1, y2, y3, d2, d3, excess, low_g0, per_last
         real(dp) :: inflection
@@ -122,7 +121,7 @@ contains
                 larger = (total + sign(d, total)) / 2
                 smaller = product / larger
 
-                ! u2 + u3 - 2 in two ways: the one with the smaller terms cancels less.
+                ! u2 + u3 - 2 in two ways: the one with the smaller terms has less cancellation.
                 y1 = y
                 energy = strip%k0(i) + strip%a(i)**2
                 low_g0 = g0 * per_y
@@ -155,7 +154,7 @@ contains
 
     !> Distances of the roots, and the moduli.
     pure subroutine find_moduli(strip)
-        type(strip_t), intent(inout) :: strip
+        type(strip_t), intent(inout) :: strip !! the motions of the strip; results are added
         real(dp) :: b1, larger, root, other_root, mp, bb, per_all, per_larger
         logical :: u3_farther
         integer :: i
@@ -199,10 +198,10 @@ contains
         end do
     end subroutine find_moduli
 
-    !> The nome, and what the poles follow from.
+    !> The nome, and the data for the positions of the poles.
     pure subroutine find_nome(strip)
-        type(strip_t), intent(inout) :: strip
-        !> Of the nome's series in the fourth power of its leading term.
+        type(strip_t), intent(inout) :: strip !! the motions of the strip; results are added
+        !> Coefficients of the series of the nome in the fourth power of its leading term.
         real(dp), parameter :: c(0:11) = [real(dp) :: 1, 2, 15, 150, 1707, 20910, 268616, 3567400, &
             48555069, 673458874, 9481557398.0_dp, 135119529972.0_dp]
         real(dp) :: plus_root, leading, t, series, root_bottom, root_top, sum_bottom, sum_top
@@ -251,10 +250,10 @@ contains
         end do
     end subroutine find_nome
 
-    !> Arguments of the theta functions at the start; none at a turning point.
+    !> Arguments of the theta functions at the start; zero for a start at a turning point.
     pure subroutine find_start_phases(strip, theta_rate, moves)
-        type(strip_t), intent(inout) :: strip
-        real(dp), intent(in) :: theta_rate(lanes)
+        type(strip_t), intent(inout) :: strip !! the motions of the strip; results are added
+        real(dp), intent(in) :: theta_rate(lanes) !! nutation rates at the start, rad/s
         logical, intent(in) :: moves  !! whether some start is between turning points
         real(dp), dimension(lanes) :: start, doubt_before
         strip%phi_start = 0
@@ -266,12 +265,12 @@ contains
         call find_phases(strip, start)
         strip%phi_start = merge(strip%phi_now, 0.0_dp, strip%g0 > 0)
         strip%psi_start = merge(strip%psi_now, 0.0_dp, strip%g0 > 0)
-        ! Nothing of this concerns the others, lest their neighbours matter to them.
+        ! The other lanes are not affected, so that no case depends on its neighbours.
         strip%doubt = merge(strip%doubt, doubt_before, strip%g0 > 0)
     end subroutine find_start_phases
 
-    !> The argument at the start of the cases that start between turning points: like a pole's
-    !> position, with X = 2 q cos 2z.
+    !> The argument at the start for cases that start between turning points. The equation is that of the
+    !> position of a pole, with X = 2 q cos 2z.
     pure subroutine find_start_argument(strip, theta_rate)
         type(strip_t), intent(inout) :: strip
         real(dp), intent(in) :: theta_rate(lanes)
@@ -306,8 +305,8 @@ contains
 
     !> The theta functions of both poles at the given times.
     pure subroutine find_phases(strip, time)
-        type(strip_t), intent(inout) :: strip
-        real(dp), intent(in) :: time(lanes)
+        type(strip_t), intent(inout) :: strip !! the motions of the strip; results are added
+        real(dp), intent(in) :: time(lanes) !! time since the start, s
         integer :: i
         strip%z = strip%z0 + strip%zeta * time
         call find_circular(lanes, strip%z, strip%sine2, strip%cosine2, strip%sine_of_2z)

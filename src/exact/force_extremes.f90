@@ -1,4 +1,4 @@
-!> The largest support forces of a symmetric top without damping over a nutation.
+!> Extremes of the support force of an undamped symmetric top over a nutation.
 !>
 !> The magnitude of the force at O depends on the inclination alone. With the symmetry axis e the centre
 !> of mass has the acceleration l e'' (Newton and Euler's equations),
@@ -30,10 +30,10 @@ contains
 
     !> Finds the extremes for a start. `status` as in `prepare_exact_motion`.
     pure subroutine find_force_extremes(body, start, extremes, status)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
-        type(force_extremes_t), intent(out) :: extremes
-        integer, intent(out) :: status
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        type(force_extremes_t), intent(out) :: extremes !! extremes of the support force, N
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(regular_start_t) :: regular
         type(turning_points_t) :: points
         real(xp) :: vertical(3), turning_y
@@ -44,7 +44,7 @@ contains
         associate (y1 => points%y1, y2 => points%y2)
             vertical(1:2) = [vertical_force(body, regular, y1), vertical_force(body, regular, y2)]
             vertical(3) = vertical(1)
-            ! u'' = f'(u)/2 is least where f'' = 0, if the motion comes by.
+            ! u'' = f'(u)/2 has its minimum where f'' = 0, if the motion reaches that point.
             if (regular%beta > 0) then
                 turning_y = -g2(regular) / (3 * regular%beta)
                 if (turning_y > y1 .and. turning_y < y2) then
@@ -53,7 +53,7 @@ contains
             end if
             extremes%lowest_vertical = real(minval(vertical), dp)
             extremes%highest_vertical = real(maxval(vertical), dp)
-            ! Its square is convex in u: largest at a turning point.
+            ! The square of the force is convex in u, so its maximum is at a turning point.
             extremes%largest = real(max(total_force(body, regular, y1), &
                                         total_force(body, regular, y2)), dp)
         end associate

@@ -6,46 +6,46 @@
 !> Whittaker and Watson, A Course of Modern Analysis, sections 21.51 and 22.
 module spintop_hyperbolic_form
     use spintop_kinds, only: dp, xp
-    use spintop_theta_functions, only: nome, theta3_constant, theta_clock_t, theta_values_t
+    use spintop_theta_functions, only: inverse_sc, nome, series_b, theta3_constant, theta_clock_t, theta_values_t
     use spintop_regular_start, only: regular_start_t
     use spintop_turning_points, only: turning_points_t
     implicit none
     private
     public :: hyperbolic_form_t, prepare_hyperbolic_form, evaluate_hyperbolic_form
 
-    !> Number of the last term of a series: the next adds at most 2e-22.
+    !> Index of the last term of a series; the next term is below 2e-22.
     integer, parameter :: last = 3
 
-    !> What is summed of each series, in these rows of a table: those that go by z from the lower
-    !> turning point, and those that go by y = H - |z| from the upper one, H = pi K/(2 K'). All are
-    !> evaluated at once; as many rows as fill a vector register.
+    !> Rows of the table of coefficients: series in z from the lower turning point, and series in y = H - |z|
+    !> from the upper one, H = pi K/(2 K'). All are evaluated together; the number of rows fills a vector
+    !> register.
     integer, parameter :: upper_even = 1, upper_odd = 2, upper_even_slope = 3, &
         upper_odd_slope = 4, divisor = 5, divisor_slope = 6, sn = 7
     integer, parameter :: lower_even = 1, lower_odd = 2, lower_even_slope = 3, &
         lower_odd_slope = 4, cn = 5
     integer, parameter :: rows = 8
 
-    !> Sums scaled by exp(-x): with e = exp(-2x) and its counterpart p = q'/e, at most 1,
+    !> Sums scaled by exp(-x). With e = exp(-2x) and p = q'/e, both at most 1,
     !>     sum a(n) p^n exp(-(2n+1)x) cosh (2n+1)x            = near(p) + e far(e)
     !>     sum a(n) p^n exp(-(2n+1)x) sinh (2n+1)x / (1 - e)  = near(p) + e far(e)
     type :: sums_t
         real(dp), dimension(rows, 0:last) :: near = 0, far = 0
     end type sums_t
 
-    !> The theta functions of one motion, all scaled by exp(-|z|); odd sums have the sign of z.
+    !> The theta functions of one motion, scaled by exp(-|z|); odd sums have the sign of z.
     type :: hyperbolic_form_t
         private
         !> U = upper_even + i upper_odd, W = divisor, sn W = sn.
         type(sums_t) :: by_z
-        !> L = exp(-|z|) lower_turn [lower_even - i lower_odd] on the way up, its conjugate on the
-        !> way down; cn W = exp(-|z|) cn.
+        !> L = exp(-|z|) lower_turn [lower_even - i lower_odd] on the way from u1 to u2, its conjugate on the
+        !> way back; cn W = exp(-|z|) cn.
         type(sums_t) :: by_y
         complex(dp) :: lower_turn = 1
         !> exp(-H)
         real(dp) :: half_decay = 0
     end type hyperbolic_form_t
 
-    !> Where a pole of the sphere lies: at the imaginary argument i v.
+    !> Position of a pole of the sphere: the imaginary argument i v.
     type :: pole_t
         real(xp) :: v = 0
         !> cos(nv) and sin(nv).
@@ -62,10 +62,10 @@ contains
 
     !> Sets up clock and series of a motion with k^2 > 1/2.
     pure subroutine prepare_hyperbolic_form(start, points, clock, form)
-        type(regular_start_t), intent(in) :: start
-        type(turning_points_t), intent(in) :: points
-        type(theta_clock_t), intent(out) :: clock
-        type(hyperbolic_form_t), intent(out) :: form
+        type(regular_start_t), intent(in) :: start !! the start in regular quantities
+        type(turning_points_t), intent(in) :: points !! turning points of the motion
+        type(theta_clock_t), intent(out) :: clock !! growth of argument and phases with time
+        type(hyperbolic_form_t), intent(out) :: form !! the theta functions of the motion
         real(xp) :: q, k, theta3, cosh_sum_at_0, upper_sign, lower_sign
         type(pole_t) :: bottom, top
 
@@ -152,8 +152,8 @@ contains
         end do
     end subroutine add_odd
 
-    !> A pole from tan(v) = opposite A(v) / (adjacent B(v)): the ratio of theta functions A/B
-    !> depends so little on v that this iteration gains two digits and more a time.
+    !> A pole from tan(v) = opposite A(v) / (adjacent B(v)). The ratio of theta functions A/B depends so
+    !> weakly on v that each iteration gains two digits or more.
     pure type(pole_t) function pole_at(q, opposite, adjacent) result(pole)
         real(xp), intent(in) :: q, opposite, adjacent
         integer, parameter :: most_iterations = 30
@@ -190,15 +190,6 @@ contains
         series_a = 1 + q**2 * (a1 + q**4 * (a2 + q**6 * (2 * c * a2 - a1)))
     end function series_a
 
-    !> B = 1 + sum (-1)^n q^(n(n+1)) B_n(c), B_n = sin((2n+1)v)/sin(v), c = cos(2v).
-    elemental real(xp) function series_b(q, c)
-        real(xp), intent(in) :: q, c
-        real(xp) :: b1, b2
-        b1 = 2 * c + 1
-        b2 = 2 * c * b1 - 1
-        series_b = 1 - q**2 * (b1 - q**4 * (b2 - q**6 * (2 * c * b2 - b1)))
-    end function series_b
-
     !> z at the start: 0 at the lower turning point u1, half a period at the upper one, negative
     !> on the way down.
     pure real(xp) function start_argument(start, points, q, half_period) result(z)
@@ -220,41 +211,15 @@ contains
         if (start%u_rate < 0) z = -z
     end function start_argument
 
-    !> The argument z <= H/2 at which sn/cn = `target`, by Newton's method in s = sinh(z):
-    !> s B(c) theta_3 = target C(0) theta_4(c) with c = cosh(2z) = 1 + 2 s^2.
-    pure real(xp) function inverse_sc(q, target) result(z)
-        real(xp), intent(in) :: q, target
-        integer, parameter :: most_iterations = 60
-        real(xp) :: s, c, scaled, root, theta4, theta4_slope, b, b_slope, step
-        integer :: n
-
-        scaled = target * (1 + q**2 + q**6 + q**12) / theta3_constant(q)
-        ! sinh(H/2) = (q^(-1/4) - q^(1/4))/2 bounds the result.
-        s = target
-        root = sqrt(sqrt(q))
-        if (2 * s * root > 1 - root**2) s = (1 - root**2) / (2 * root)
-        do n = 1, most_iterations
-            c = 1 + 2 * s**2
-            theta4 = 1 - 2 * (q * c - q**4 * (2 * c**2 - 1) + q**9 * c * (4 * c**2 - 3))
-            theta4_slope = -2 * (q - q**4 * 4 * c + q**9 * (12 * c**2 - 3))
-            b = series_b(q, c)
-            b_slope = -2 * q**2 * (1 - q**4 * (4 * c + 1))
-            step = -(s * b - scaled * theta4) / (b + 4 * s * (s * b_slope - scaled * theta4_slope))
-            s = s + step
-            if (abs(step) <= 2 * epsilon(s) * abs(s)) exit
-        end do
-        z = asinh(s)
-    end function inverse_sc
-
-    !> The theta functions at the argument z, |z| <= H, all scaled by exp(-|z|).
+    !> The theta functions at the argument z, |z| <= H, scaled by exp(-|z|).
     pure subroutine evaluate_hyperbolic_form(form, z, from_top, theta)
-        type(hyperbolic_form_t), intent(in) :: form
+        type(hyperbolic_form_t), intent(in) :: form !! the theta functions
         real(dp), intent(in) :: z, from_top  !! from_top: H - |z|, to full relative precision
-        type(theta_values_t), intent(out) :: theta
+        type(theta_values_t), intent(out) :: theta !! values of the theta functions
         complex(dp) :: lower, lower_slope
         real(dp) :: values(rows), decay, climb, e, p, odd_z, odd_y
 
-        ! exp(-|z|) and exp(-y): the one that is next to 1 by itself, the other from it.
+        ! exp(-|z|) and exp(-y): the one that is closer to 1 is computed directly, the other from it.
         if (abs(z) < from_top) then
             decay = exp(-abs(z))
             climb = 0
@@ -287,7 +252,7 @@ contains
         theta%cn = decay * odd_y * values(cn) / theta%divisor
     end subroutine evaluate_hyperbolic_form
 
-    !> All sums at once, at e and p.
+    !> All sums at e and p.
     pure subroutine sum_series(sums, e, p, values)
         type(sums_t), intent(in) :: sums
         real(dp), intent(in) :: e, p

@@ -17,6 +17,7 @@ module spintop_nutation
     public :: class_loop, class_cusp, class_wave, class_steady, class_sleeping, class_hanging
     public :: class_separatrix, class_libration, class_circulation, last_class
 
+    !> Classes of motion. `class_meaning` gives a phrase for each.
     integer, parameter :: class_loop = 1
     integer, parameter :: class_cusp = 2
     integer, parameter :: class_wave = 3
@@ -75,10 +76,10 @@ contains
 
     !> Finds the complete quantities of a start. `status` as in `prepare_exact_motion`.
     pure subroutine find_nutation(body, start, nutation, status)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
-        type(nutation_t), intent(out) :: nutation
-        integer, intent(out) :: status
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        type(nutation_t), intent(out) :: nutation !! quantities of the nutation
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(regular_start_t) :: regular
         type(turning_points_t) :: points
         call find_checked_start(body, start, regular, status)
@@ -88,16 +89,16 @@ contains
         if (.not. is_defined(nutation)) status = status_non_finite
     end subroutine find_nutation
 
-    !> Whether no quantity overflowed. Only the period, and with it what it adds, may be infinite.
+    !> Whether no quantity has overflowed. Only the period, and changes per period, may be infinite.
     pure logical function is_defined(nutation)
-        type(nutation_t), intent(in) :: nutation
+        type(nutation_t), intent(in) :: nutation !! quantities of the nutation
         is_defined = is_finite(nutation%theta_min + nutation%theta_max + nutation%delta_u) .and. &
             is_finite(nutation%precession_rate) .and. is_finite(nutation%phi_rate_max)
     end function is_defined
 
     !> Name of a class as it stands in tables; 'unknown' for a number that is not a class.
     pure function class_name(class) result(name)
-        integer, intent(in) :: class
+        integer, intent(in) :: class !! one of the class constants
         character(:), allocatable :: name
         name = 'unknown'
         if (class >= 1 .and. class <= last_class) name = trim(class_names(class))
@@ -105,16 +106,16 @@ contains
 
     !> One phrase that explains a class.
     pure function class_meaning(class) result(meaning)
-        integer, intent(in) :: class
+        integer, intent(in) :: class !! one of the class constants
         character(:), allocatable :: meaning
         meaning = trim(meanings(class))
     end function class_meaning
 
     !> The complete quantities of a motion whose theta functions are set up.
     pure type(nutation_t) function describe_nutation(start, points, motion) result(nutation)
-        type(regular_start_t), intent(in) :: start
-        type(turning_points_t), intent(in) :: points
-        type(theta_motion_t), intent(in) :: motion
+        type(regular_start_t), intent(in) :: start !! the start in regular quantities
+        type(turning_points_t), intent(in) :: points !! turning points of the motion
+        type(theta_motion_t), intent(in) :: motion !! its theta functions
         real(xp) :: rate_at_top, rate_at_bottom
 
         nutation%class = class_of(start, points, motion%regime)
@@ -181,15 +182,15 @@ contains
         end if
     end subroutine add_precession
 
-    !> Rate times period, where nothing turns for an infinite time without turning.
+    !> Rate times period; zero where the rate is zero and the period infinite.
     elemental real(dp) function whole_turn(rate, period)
         real(dp), intent(in) :: rate, period
         whole_turn = 0
         if (abs(rate) > 0) whole_turn = rate * period
     end function whole_turn
 
-    !> The one decision which class a motion belongs to. Classes that are limits (cusp, steady,
-    !> separatrix) hold within the rounding of double precision data.
+    !> The class of a motion. Classes that are limits (cusp, steady, separatrix) apply within the rounding
+    !> error of data in double precision.
     pure integer function class_of(start, points, regime) result(class)
         type(regular_start_t), intent(in) :: start
         type(turning_points_t), intent(in) :: points
@@ -254,8 +255,8 @@ contains
             <= data_rounding * (abs(start%turn) + abs(start%a) * start%sine_squared)
     end function is_cusp
 
-    !> Whether the axis passes through theta = 0: b = a within the rounding error of the data, and u2 = 1
-    !> (not u3 = 1, above a motion that turns earlier).
+    !> Whether the axis passes through theta = 0: b = a within the rounding error of the data, and u2 = 1 (not
+    !> u3 = 1, which lies above a motion that turns earlier).
     elemental logical function reaches_top(start, points)
         type(regular_start_t), intent(in) :: start
         type(turning_points_t), intent(in) :: points
@@ -299,7 +300,7 @@ contains
     pure real(dp) function largest_theta_rate(points) result(rate)
         type(turning_points_t), intent(in) :: points
         integer, parameter :: most_iterations = 60
-        real(dp), parameter :: tolerance = 1e-9_dp  ! The rate depends on its square.
+        real(dp), parameter :: tolerance = 1e-9_dp  ! The rate depends on the square of its error.
         real(dp) :: d, top, bottom, k2, x, next, low, high, slope, value
         integer :: n
 
@@ -323,7 +324,7 @@ contains
         end do
         top = real(points%one_minus_u2, dp) + d * (1 - x)
         bottom = real(points%one_plus_u1, dp) + d * x
-        ! Products in pairs: they stay regular where the motion passes a pole.
+        ! The products are formed in pairs, which are regular where the motion passes a pole.
         rate = 2 * real(points%frequency, dp) * d * sqrt((1 - k2 * x) * (x / bottom) &
                                                          * ((1 - x) / top))
 

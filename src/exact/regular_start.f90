@@ -20,7 +20,7 @@ module spintop_regular_start
     private
     public :: regular_start_t, find_regular_start, find_checked_start, rates_describe
 
-    !> Everything the closed form needs from body and start, in extended precision.
+    !> The data of the closed form from body and start, in extended precision.
     type :: regular_start_t
         !> s
         real(xp) :: time = 0
@@ -36,19 +36,20 @@ module spintop_regular_start
         real(xp) :: turn = 0
         !> b - a and b + a, rad/s: zero where theta = 0 and theta = pi can be reached.
         real(xp) :: b_minus_a = 0, b_plus_a = 0
-        !> The Cayley-Klein components, and their rates less those of the spin that is linear in
-        !> time (half = (omega3 - a)/2): upper' - i half upper and lower' + i half lower.
+        !> The Cayley-Klein components, and their rates without the spin that is linear in time
+        !> (half = (omega3 - a)/2): upper' - i half upper and lower' + i half lower.
         complex(xp) :: upper = 1, lower = 0, upper_rate = 0, lower_rate = 0
         !> (phi + psi)/2 and (phi - psi)/2, rad, with all their turns.
         real(xp) :: upper_phase = 0, lower_phase = 0
-        !> The start's quaternion has the sign opposite to that of the components (q and -q are one attitude).
+        !> Whether the quaternion of the start has the opposite sign of the components (q and -q are the same
+        !> attitude).
         logical :: turns_against_angles = .false.
     contains
         procedure :: half
     end type regular_start_t
 
-    !> Rates of phi and psi this many times larger than the angular velocity cancel each other
-    !> (the axis is close to a pole): the angular velocity then says more than they do.
+    !> If the rates of phi and psi exceed the angular velocity by this factor, they cancel each other (the
+    !> axis is close to a pole), and the angular velocity is more accurate.
     real(dp), parameter :: cancelling_ratio = 16
 
     complex(xp), parameter :: i = (0.0_xp, 1.0_xp)
@@ -61,13 +62,13 @@ contains
         half = (self%omega3 - self%a) / 2
     end function half
 
-    !> Translates body and start. `status` is `status_unsuitable` for a body that is not a
-    !> symmetric undamped top and `status_non_finite` for data that are no numbers.
+    !> Converts body and start. `status` is `status_unsuitable` for a body that is not an undamped symmetric
+    !> top, and `status_non_finite` for data that are not finite.
     pure subroutine find_regular_start(body, start, regular, status)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
-        type(regular_start_t), intent(out) :: regular
-        integer, intent(out) :: status
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        type(regular_start_t), intent(out) :: regular !! the start in regular quantities
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         complex(xp) :: swing
         real(xp) :: inertia
 
@@ -95,12 +96,12 @@ contains
         regular%lower_phase = (real(start%angle(1), xp) - start%angle(3)) / 2
     end subroutine find_regular_start
 
-    !> The same for data of which nothing is known: `status` is also that of `spintop_validity`.
+    !> The same for unchecked data: `status` may also be that of `spintop_validity`.
     pure subroutine find_checked_start(body, start, regular, status)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
-        type(regular_start_t), intent(out) :: regular
-        integer, intent(out) :: status
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        type(regular_start_t), intent(out) :: regular !! the start in regular quantities
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         call find_regular_start(body, start, regular, status)
         if (status == status_ok) status = body_status(body)
         if (status == status_ok) status = start_status(start)
@@ -117,9 +118,9 @@ contains
             .or. .not. all(is_finite([body%inertia, body%mgl()]))) status = status_non_finite
     end function status_of_data
 
-    !> Whether angles and rates describe the start best; if not, quaternion and omega do.
+    !> Whether angles and rates are the more accurate description of the start; else quaternion and omega are.
     pure logical function rates_describe(start)
-        type(motion_t), intent(in) :: start
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         rates_describe = start%angle(2) >= 0 .and. start%angle(2) <= pi &
             .and. all(is_finite(start%rate)) &
             .and. maxval(abs(start%rate)) <= cancelling_ratio * maxval(abs(start%omega)) &
@@ -139,7 +140,7 @@ contains
         theta_rate = start%rate(2)
         half_sine = sin(theta / 2)
         half_cosine = cos(theta / 2)
-        ! The double next to pi means pi: hanging, not 1e-16 away from it.
+        ! The double nearest to pi means pi exactly, not an inclination 1e-16 away from it.
         if (start%angle(2) >= pi) half_cosine = 0
         sine = 2 * half_sine * half_cosine
 

@@ -1,28 +1,28 @@
 !> Steady motion of a symmetric top: precession at a constant inclination and spin, and the sleeping top,
 !> which is upright and spins about the vertical.
 module spintop_steady_motion
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, no_number
     use spintop_compare, only: is_finite, is_zero
     use spintop_body, only: body_t
     use spintop_status, only: status_ok, status_non_finite, status_unsuitable
-    use spintop_validity, only: body_status, no_number
+    use spintop_validity, only: body_status
     implicit none
     private
     public :: steady_rates, steady_rates_at_spin, critical_omega3
 
 contains
 
-    !> Rates of steady precession at an inclination for a given axial angular velocity, rad/s:
-    !> the roots of I1 cos(theta) p^2 - I3 omega3 p + mgl = 0, slow one first (Eq 25). `count` is
-    !> how many there are: 0 below the least omega3, 1 where the fast one is infinite. `status` is
-    !> `status_ok`, that of a body which is none, `status_unsuitable` (not a symmetric undamped top) or
-    !> `status_non_finite`; the rates are then NaN and their number 0.
+    !> Rates of steady precession at an inclination for a given axial angular velocity, rad/s: the roots of I1
+    !> cos(theta) p^2 - I3 omega3 p + mgl = 0, slow one first (Eq 25). `count` is their number: 0 below the
+    !> smallest possible omega3, 1 where the fast one is infinite. `status` is `status_ok`, the status of a
+    !> body that is not valid, `status_unsuitable` (not an undamped symmetric top) or `status_non_finite`; the
+    !> rates are then NaN and `count` is 0.
     pure subroutine steady_rates(body, theta, omega3, rates, count, status)
-        type(body_t), intent(in) :: body
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
         real(dp), intent(in) :: theta, omega3 !! rad, rad/s
-        real(dp), intent(out) :: rates(2)
-        integer, intent(out) :: count
-        integer, intent(out), optional :: status
+        real(dp), intent(out) :: rates(2) !! precession rates, rad/s, slow one first
+        integer, intent(out) :: count !! number of rates
+        integer, intent(out), optional :: status !! `status_ok`, or the reason of a failure (spintop_status)
         call precession_roots(body%inertia(1) * cos(theta), body%inertia(3) * omega3, &
                               body%mgl(), rates, count)
         call check(body, [theta, omega3], rates, count, status)
@@ -30,17 +30,17 @@ contains
 
     !> The same for a given spin rate psi', where omega3 = psi' + p cos(theta).
     pure subroutine steady_rates_at_spin(body, theta, spin_rate, rates, count, status)
-        type(body_t), intent(in) :: body
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
         real(dp), intent(in) :: theta, spin_rate !! rad, rad/s
-        real(dp), intent(out) :: rates(2)
-        integer, intent(out) :: count
-        integer, intent(out), optional :: status
+        real(dp), intent(out) :: rates(2) !! precession rates, rad/s, slow one first
+        integer, intent(out) :: count !! number of rates
+        integer, intent(out), optional :: status !! `status_ok`, or the reason of a failure (spintop_status)
         call precession_roots((body%inertia(1) - body%inertia(3)) * cos(theta), &
                               body%inertia(3) * spin_rate, body%mgl(), rates, count)
         call check(body, [theta, spin_rate], rates, count, status)
     end subroutine steady_rates_at_spin
 
-    !> Withdraws the rates where the body is not such a top, the data are not finite, or a rate overflows.
+    !> Sets the rates to NaN if the body is not such a top, the data are not finite, or a rate overflows.
     pure subroutine check(body, data, rates, count, status)
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: data(2)
@@ -61,12 +61,12 @@ contains
     !> Threshold spin of the sleeping top: the least omega3 at which an upright symmetric top is stable,
     !> sqrt(4 mgl I1)/I3, rad/s.
     pure real(dp) function critical_omega3(body)
-        type(body_t), intent(in) :: body
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
         critical_omega3 = 2 * sqrt(body%mgl() * body%inertia(1)) / body%inertia(3)
     end function critical_omega3
 
-    !> Roots of a p^2 - b p + c = 0 with c >= 0, without cancellation; that which stays finite as
-    !> a vanishes comes first.
+    !> Roots of a p^2 - b p + c = 0 with c >= 0, without cancellation. The root that stays finite for a = 0
+    !> comes first.
     pure subroutine precession_roots(a, b, c, roots, count)
         real(dp), intent(in) :: a, b, c
         real(dp), intent(out) :: roots(2)

@@ -1,4 +1,4 @@
-!> Theta functions of the exact motion: what its two forms (circular and hyperbolic) have in common.
+!> Theta functions of the exact solution: the part that its two forms (circular and hyperbolic) share.
 !>
 !> Both write the Cayley-Klein components as a steady rotation times a ratio of theta functions of an
 !> argument z that grows uniformly with time,
@@ -14,24 +14,24 @@ module spintop_theta_functions
     use spintop_kinds, only: dp, xp
     implicit none
     private
-    public :: theta_clock_t, theta_values_t, nome, theta3_constant, quotient
+    public :: theta_clock_t, theta_values_t, nome, theta3_constant, series_b, inverse_sc, quotient
 
-    !> How argument and phases advance in time: all that must not lose digits over long spans.
+    !> Growth of argument and phases with time: the quantities that must not lose digits over long spans.
     type :: theta_clock_t
         !> z at the start; dz/dt, rad/s.
         real(xp) :: start = 0, rate = 0
         !> Growth of z in one nutation (0: never repeats), its half and its inverse.
         real(xp) :: period = 0, half_period = 0, per_period = 0
-        !> Rates of the phases of upper and lower less +-(omega3 - a)/2, and the sum of the two,
-        !> the mean precession rate between poles, rad/s.
+        !> Rates of the phases of upper and lower without +-(omega3 - a)/2, and their sum, the mean precession
+        !> rate between poles, rad/s.
         real(xp) :: upper_rate = 0, lower_rate = 0, sum_rate = 0
-        !> What a whole nutation adds to the phases besides, rad.
+        !> Additional change of the phases per nutation, rad.
         real(xp) :: upper_step = 0, lower_step = 0
         !> Factors of U/W and L/W.
         real(dp) :: upper_amplitude = 1, lower_amplitude = 0
     end type theta_clock_t
 
-    !> The theta functions at one argument. No initial values: it is filled for every sample.
+    !> The theta functions at one argument. Without initial values, because it is filled for every sample.
     type :: theta_values_t
         !> U and L, and their derivatives with respect to z.
         complex(dp) :: upper, lower, upper_slope, lower_slope
@@ -41,35 +41,74 @@ module spintop_theta_functions
         real(dp) :: sn, cn
     end type theta_values_t
 
-    !> Coefficients of the nome's series in the fourth power of its leading term: enough for
-    !> extended precision up to k^2 = 1/2.
-    real(xp), parameter :: nome_coefficients(0:5) = [real(xp) :: 1, 2, 15, 150, 1707, 20910]
+    !> Coefficients of the series of the nome in the fourth power of its leading term, sufficient for extended
+    !> precision up to k^2 = 0.971; the first `few` are up to k^2 = 1/2.
+    real(xp), parameter :: nome_coefficients(0:11) = [real(xp) :: 1, 2, 15, 150, 1707, 20910, 268616, 3567400, &
+                                                      48555069, 673458874, 9481557398.0_xp, 135119529972.0_xp]
+    integer, parameter :: few = 5
 
 contains
 
-    !> Nome q = exp(-pi K'/K) from k^2 <= 1/2 and the complementary modulus k'.
+    !> Nome q = exp(-pi K'/K) from k^2 <= 0.971 and the complementary modulus k'.
     elemental real(xp) function nome(k_squared, complement) result(q)
-        real(xp), intent(in) :: k_squared, complement
+        real(xp), intent(in) :: k_squared, complement !! k^2 <= 0.971, and k' = sqrt(1 - k^2)
         real(xp) :: leading, t
         integer :: n
         leading = k_squared / (2 * (1 + complement) * (1 + sqrt(complement))**2)
         t = leading**4
         q = 0
-        do n = ubound(nome_coefficients, 1), 0, -1
+        do n = merge(few, ubound(nome_coefficients, 1), k_squared <= 0.5_xp), 0, -1
             q = nome_coefficients(n) + q * t
         end do
         q = leading * q
     end function nome
 
-    !> The constant theta_3(q) = 1 + 2 q + 2 q^4 + 2 q^9 + ...
+    !> The constant theta_3(q) = 1 + 2 sum q^(n^2).
     elemental real(xp) function theta3_constant(q)
-        real(xp), intent(in) :: q
-        theta3_constant = 1 + 2 * (q + q**4 + q**9)
+        real(xp), intent(in) :: q !! nome
+        theta3_constant = 1 + 2 * (q + q**4 + q**9 + q**16 + q**25)
     end function theta3_constant
 
-    !> a/b, where 0/0 is 0: the limits of the exact motion at rest, on a pole and without gravity.
+    !> B = 1 + sum (-1)^n q^(n(n+1)) B_n(c), B_n = sin((2n+1)v)/sin(v), c = cos(2v).
+    elemental real(xp) function series_b(q, c)
+        real(xp), intent(in) :: q !! nome
+        real(xp), intent(in) :: c !! cos(2v), or cosh(2z) with v = i z
+        real(xp) :: b1, b2
+        b1 = 2 * c + 1
+        b2 = 2 * c * b1 - 1
+        series_b = 1 - q**2 * (b1 - q**4 * (b2 - q**6 * (2 * c * b2 - b1)))
+    end function series_b
+
+    !> The argument z <= H/2 at which sn/cn = `target`, by Newton's method in s = sinh(z):
+    !> s B(c) theta_3 = target C(0) theta_4(c) with c = cosh(2z) = 1 + 2 s^2.
+    pure real(xp) function inverse_sc(q, target) result(z)
+        real(xp), intent(in) :: q !! nome q' of the complementary modulus, 0 on the separatrix
+        real(xp), intent(in) :: target !! sn/cn, at most that at half of the quarter period
+        integer, parameter :: most_iterations = 60
+        real(xp) :: s, c, scaled, root, theta4, theta4_slope, b, b_slope, step
+        integer :: n
+
+        scaled = target * (1 + q**2 + q**6 + q**12) / theta3_constant(q)
+        ! sinh(H/2) = (q^(-1/4) - q^(1/4))/2 bounds the result.
+        s = target
+        root = sqrt(sqrt(q))
+        if (2 * s * root > 1 - root**2) s = (1 - root**2) / (2 * root)
+        do n = 1, most_iterations
+            c = 1 + 2 * s**2
+            theta4 = 1 - 2 * (q * c - q**4 * (2 * c**2 - 1) + q**9 * c * (4 * c**2 - 3))
+            theta4_slope = -2 * (q - q**4 * 4 * c + q**9 * (12 * c**2 - 3))
+            b = series_b(q, c)
+            b_slope = -2 * q**2 * (1 - q**4 * (4 * c + 1))
+            step = -(s * b - scaled * theta4) / (b + 4 * s * (s * b_slope - scaled * theta4_slope))
+            s = s + step
+            if (abs(step) <= 2 * epsilon(s) * abs(s)) exit
+        end do
+        z = asinh(s)
+    end function inverse_sc
+
+    !> a/b, with 0/0 = 0: the limits of the exact solution at rest, at a pole and without gravity.
     elemental real(xp) function quotient(a, b)
-        real(xp), intent(in) :: a, b
+        real(xp), intent(in) :: a, b !! the two numbers
         quotient = 0
         if (abs(a) > 0) quotient = a / b
     end function quotient

@@ -1,4 +1,4 @@
-!> The form in which the exact solution of a case is evaluated, chosen once.
+!> Selects the form in which the exact solution of a case is evaluated.
 module spintop_theta_motion
     use spintop_kinds, only: dp, xp
     use spintop_scalar_functions, only: nearest_whole
@@ -14,7 +14,7 @@ module spintop_theta_motion
     public :: theta_motion_t, prepare_theta_motion, choose_regime, regime_name
     public :: regime_resting, regime_circular, regime_hyperbolic
 
-    !> The axis rests: upright, hanging, or anywhere without weight and at rest.
+    !> The axis is at rest: upright, hanging, or anywhere without weight and angular velocity.
     integer, parameter :: regime_resting = 1
     !> k^2 <= 1/2: theta functions of the nome in circular functions of time.
     integer, parameter :: regime_circular = 2
@@ -37,10 +37,10 @@ module spintop_theta_motion
 
 contains
 
-    !> The one decision which form a case is evaluated in.
+    !> Selects the form for a case.
     pure integer function choose_regime(start, points) result(regime)
-        type(regular_start_t), intent(in) :: start
-        type(turning_points_t), intent(in) :: points
+        type(regular_start_t), intent(in) :: start !! the start in regular quantities
+        type(turning_points_t), intent(in) :: points !! turning points of the motion
         logical :: at_rest, in_balance
         at_rest = .not. start%swing_squared > 0
         in_balance = .not. start%beta * start%sine_squared > 0
@@ -53,9 +53,9 @@ contains
         end if
     end function choose_regime
 
-    !> Name of a regime in explanations.
+    !> Name of a form, for explanations.
     pure function regime_name(regime) result(name)
-        integer, intent(in) :: regime
+        integer, intent(in) :: regime !! one of the regime constants
         character(:), allocatable :: name
         select case (regime)
         case (regime_resting)
@@ -69,10 +69,10 @@ contains
         end select
     end function regime_name
 
-    !> Chooses the form and sets it up.
+    !> Selects the form and prepares it.
     pure type(theta_motion_t) function prepare_theta_motion(start, points) result(motion)
-        type(regular_start_t), intent(in) :: start
-        type(turning_points_t), intent(in) :: points
+        type(regular_start_t), intent(in) :: start !! the start in regular quantities
+        type(turning_points_t), intent(in) :: points !! turning points of the motion
         motion%regime = choose_regime(start, points)
         select case (motion%regime)
         case (regime_circular)
@@ -82,13 +82,13 @@ contains
         end select
     end function prepare_theta_motion
 
-    !> The argument a time `elapsed` (s) after the start, reduced by whole nutations.
+    !> The argument at a time `elapsed` (s) after the start, reduced by whole nutations.
     pure subroutine locate(self, elapsed, z, from_top, nutations)
         class(theta_motion_t), intent(in) :: self
-        real(xp), intent(in) :: elapsed
+        real(xp), intent(in) :: elapsed !! time since the start, s
         real(dp), intent(out) :: z          !! within half a period of zero
-        real(dp), intent(out) :: from_top   !! half a period less |z|
-        real(xp), intent(out) :: nutations  !! whole nutations left out
+        real(dp), intent(out) :: from_top   !! half a period minus |z|
+        real(xp), intent(out) :: nutations  !! number of nutations subtracted
         real(xp) :: argument
         associate (clock => self%clock)
             argument = clock%start + clock%rate * elapsed
@@ -96,7 +96,7 @@ contains
             from_top = never
             if (clock%period > 0) then
                 nutations = nearest_whole(argument * clock%per_period)
-                ! The bounds matter only for times so large that no digit of z is left.
+                ! The bounds matter only for times so large that no digit of z is correct.
                 argument = argument - nutations * clock%period
                 argument = max(-clock%half_period, min(clock%half_period, argument))
                 from_top = real(clock%half_period - abs(argument), dp)
@@ -109,7 +109,7 @@ contains
     pure subroutine evaluate(self, z, from_top, theta)
         class(theta_motion_t), intent(in) :: self
         real(dp), intent(in) :: z, from_top  !! as `locate` gives them
-        type(theta_values_t), intent(out) :: theta
+        type(theta_values_t), intent(out) :: theta !! values of the theta functions
         if (self%regime == regime_circular) then
             call evaluate_circular_form(self%circular, z, from_top, theta)
         else

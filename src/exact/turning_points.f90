@@ -1,9 +1,8 @@
 !> The roots of the cubic that bounds the nutation, without cancellation.
 !>
 !> With u = u0 + y the nutation obeys u'^2 = f = beta y^3 + G2 y^2 + G1 y + G0, whose roots are
-!> u1 <= u0 <= u2 <= 1 <= u3. The textbook (trigonometric) roots lose all digits of u2 - u1 for
-!> fast tops; here every difference that matters is found by itself.
-!> Symbols as in `regular_start`.
+!> u1 <= u0 <= u2 <= 1 <= u3. The trigonometric formula of textbooks loses all digits of u2 - u1 for fast
+!> tops; here every difference of roots that is needed is computed separately. Symbols as in `regular_start`.
 module spintop_turning_points
     use spintop_kinds, only: xp
     use spintop_theta_functions, only: quotient
@@ -30,7 +29,7 @@ contains
 
     !> Finds the turning points of a start.
     pure type(turning_points_t) function find_turning_points(start) result(points)
-        type(regular_start_t), intent(in) :: start
+        type(regular_start_t), intent(in) :: start !! the start in regular quantities
         real(xp) :: g0, g1, g2
 
         associate (u0 => start%u, a => start%a, beta => start%beta, s2 => start%sine_squared, &
@@ -54,15 +53,15 @@ contains
         end associate
     end function find_turning_points
 
-    !> Whether the two upper roots lie close together, so that an iteration for the highest would
-    !> be slow: the cubic is positive at its inflection, and the start is not itself a root.
+    !> Whether the two upper roots are close together, so that an iteration for the highest one would be slow:
+    !> the cubic is positive at its inflection, and the start is not itself a root.
     pure logical function upper_roots_are_close(beta, g0, g1, g2)
         real(xp), intent(in) :: beta, g0, g1, g2
         upper_roots_are_close = g0 > 0 .and. &
             g2 * (2 * g2**2 - 9 * beta * g1) + 27 * beta**2 * g0 > 0
     end function upper_roots_are_close
 
-    !> The usual way: the highest root first, as Y3 = beta (u3 - u0), regular without gravity.
+    !> The regular case: the highest root first, as Y3 = beta (u3 - u0), which is regular without gravity.
     pure subroutine start_from_highest(start, g0, g1, g2, points)
         type(regular_start_t), intent(in) :: start
         real(xp), intent(in) :: g0, g1, g2
@@ -102,7 +101,7 @@ contains
             points%beta_u3_minus_u1 = root - beta * y1
             points%beta_u3_plus_1 = root + beta * start%one_plus_u
 
-            ! f(1) = -(b-a)^2 ties the two distances from u = 1 together: the larger is exact.
+            ! f(1) = -(b-a)^2 relates the two distances from u = 1: the larger one is accurate.
             beta_1_minus_u2 = beta * points%one_minus_u2
             if (beta_1_minus_u2 >= points%beta_u3_minus_1) then
                 points%beta_u3_minus_1 = quotient(start%b_minus_a**2, &
@@ -114,7 +113,7 @@ contains
         end associate
     end subroutine start_from_highest
 
-    !> Near a double upper root: the lowest root first, the upper two from their sum and product.
+    !> Near a double upper root: the lowest root first, then the upper two from their sum and product.
     pure subroutine start_from_lowest(start, g0, g1, g2, points)
         type(regular_start_t), intent(in) :: start
         real(xp), intent(in) :: g0, g1, g2
@@ -127,7 +126,7 @@ contains
             y1 = -ch
             call walk_to_root([g0, g1, g2, beta], 1, y1)
 
-            ! u2 + u3 - 2 in two ways: the one with the smaller terms cancels less.
+            ! u2 + u3 - 2 in two ways: the one with the smaller terms has less cancellation.
             excess_error = energy / beta + 2 - y1
             other_error = (abs(g1) - g0 / y1) / (-beta * y1) + 2 * sh
             if (other_error < excess_error) then
@@ -153,10 +152,10 @@ contains
         end associate
     end subroutine start_from_lowest
 
-    !> Laguerre's method to an outermost real root of sum c(n) x^n, c(3) >= 0, from outside:
-    !> upward to the lowest (direction 1) or downward to the highest root (direction -1). Only
-    !> rounding carries it past the root: back and forth it then settles to a relative precision,
-    !> also where the root is tiny against the first guess.
+    !> Laguerre's method for an outermost real root of sum c(n) x^n, c(3) >= 0, from outside: upward to the
+    !> lowest root (direction 1) or downward to the highest (direction -1). Only rounding errors carry an
+    !> iterate past the root; the iteration then settles to relative precision, also for a root that is very
+    !> small compared with the first guess.
     pure subroutine walk_to_root(c, direction, x)
         real(xp), intent(in) :: c(0:3)
         integer, intent(in) :: direction

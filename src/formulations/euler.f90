@@ -16,7 +16,7 @@ module spintop_euler
         private
         type(symmetric_top_t) :: top = symmetric_top_t()
     contains
-        procedure, nopass :: info
+        procedure, nopass :: describe
         procedure :: prepare
         procedure :: derivative
         procedure :: motion
@@ -26,20 +26,20 @@ module spintop_euler
 contains
 
     !> Name and properties.
-    pure function info()
+    pure function describe() result(info)
         type(formulation_info_t) :: info
         info = formulation_info_t('euler', &
             "Euler's equations, (phi, phi', theta, theta', psi) by a 2x2 system (Eqs 35-40)", 5, &
             invariants=2)
-    end function info
+    end function describe
 
     !> Constants of the motion and initial state.
     pure subroutine prepare(self, body, start, y, status)
         class(euler_t), intent(inout) :: self
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
-        real(dp), intent(out) :: y(max_states)
-        integer, intent(out) :: status
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        real(dp), intent(out) :: y(max_states) !! initial state
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(motion_scales_t) :: scales
         self%body = body
         call self%top%set(body, start)
@@ -52,13 +52,15 @@ contains
     end subroutine prepare
 
     !> Solves the first two of Euler's equations for phi'' and theta'' (Eqs 36-40).
-    pure subroutine derivative(self, y, dy, status)
+    pure subroutine derivative(self, t, y, dy, status)
         class(euler_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states)
-        real(dp), intent(out) :: dy(max_states)
-        integer, intent(out) :: status
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+        real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: s3, c3, s5, c5, psi_rate, mgl, a(2, 2), b(2), determinant
 
+        associate (unused => t)
+        end associate
         dy = 0
         status = status_pole
         if (at_pole(y(3))) return
@@ -91,20 +93,20 @@ contains
     !> The motion, with phi'' and theta'' of the 2x2 system.
     pure type(motion_t) function motion(self, t, y, near)
         class(euler_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states), near(3)
+        real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
         real(dp) :: dy(max_states)
         integer :: status
         associate (unused => near)
         end associate
-        call self%derivative(y, dy, status)
+        call self%derivative(t, y, dy, status)
         motion = self%top%complete(t, [y(1), y(3), y(5)], [y(2), y(4), dy(5)], dy(2), dy(4))
     end function motion
 
-    !> Twice the energy over I1 and the momentum about the vertical over I1, without the spin's part.
+    !> Twice the energy over I1, and the momentum about the vertical over I1, without the part of the spin.
     pure subroutine invariants(self, y, values)
         class(euler_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states)
-        real(dp), intent(out) :: values(max_invariants)
+        real(dp), intent(in) :: y(max_states) !! state
+        real(dp), intent(out) :: values(max_invariants) !! values of the invariants
         values = 0
         values(1) = y(4)**2 + (sin(y(3)) * y(2))**2 + self%top%beta * cos(y(3))
         values(2) = y(2) * sin(y(3))**2 + self%top%a * cos(y(3))

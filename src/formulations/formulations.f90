@@ -1,4 +1,5 @@
-!> The registry of formulations: one line each; lists, help, checks and tests derive from it.
+!> The registry of formulations: one line each; lists, help, checks and tests derive from it. It is built
+!> once, at the first question, and shared by all threads.
 module spintop_formulations
     use spintop_formulation, only: formulation_t, formulation_info_t
     use spintop_euler, only: euler_t
@@ -25,9 +26,20 @@ module spintop_formulations
         procedure :: add
     end type registry_t
 
+    type(registry_t), target :: registry
+
 contains
 
-    !> Fills the registry: what there is, stands here.
+    !> The registry. Who finds it unbuilt builds it; the others wait for that.
+    function known_formulations() result(known)
+        type(registry_t), pointer :: known
+        !$omp critical (formulations_registry)
+        if (registry%size == 0) call list_formulations(registry)
+        !$omp end critical (formulations_registry)
+        known => registry
+    end function known_formulations
+
+    !> Adds all formulations to the registry.
     subroutine list_formulations(known)
         type(registry_t), intent(out) :: known
         call known%add(euler_t())
@@ -60,24 +72,24 @@ contains
     !> Names and properties of all formulations.
     function formulation_infos() result(infos)
         type(formulation_info_t), allocatable :: infos(:)
-        type(registry_t) :: known
+        type(registry_t), pointer :: known
         integer :: i
-        call list_formulations(known)
+        known => known_formulations()
         allocate (infos(known%size))
         do i = 1, known%size
             infos(i) = known%entry(i)%prototype%info()
         end do
     end function formulation_infos
 
-    !> A formulation by its name; unallocated, and `status_unknown_name`, if there is none of that name.
+    !> The formulation of a name; not allocated, with `status_unknown_name`, if there is none.
     subroutine create_formulation(name, formulation, status)
-        character(*), intent(in) :: name
-        class(formulation_t), allocatable, intent(out) :: formulation
-        integer, intent(out), optional :: status
-        type(registry_t) :: known
+        character(*), intent(in) :: name !! as in an input
+        class(formulation_t), allocatable, intent(out) :: formulation !! not allocated if the name is unknown
+        integer, intent(out), optional :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        type(registry_t), pointer :: known
         type(formulation_info_t) :: info
         integer :: i
-        call list_formulations(known)
+        known => known_formulations()
         do i = 1, known%size
             info = known%entry(i)%prototype%info()
             if (info%name /= name) cycle

@@ -15,7 +15,7 @@ module spintop_lagrange
     type, extends(formulation_t) :: lagrange_t
         type(symmetric_top_t) :: top = symmetric_top_t()
     contains
-        procedure, nopass :: info
+        procedure, nopass :: describe
         procedure :: prepare
         procedure :: derivative
         procedure :: motion
@@ -25,23 +25,24 @@ module spintop_lagrange
 contains
 
     !> Name and properties.
-    pure function info()
+    pure function describe() result(info)
         type(formulation_info_t) :: info
         info = formulation_info_t('lagrange', &
             "Lagrange's equations, (phi, theta, theta', psi) with both momenta constant (Eqs 41-45)", &
             4, invariants=1)
-    end function info
+    end function describe
 
     !> Constants of the motion and initial state.
     pure subroutine prepare(self, body, start, y, status)
         class(lagrange_t), intent(inout) :: self
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
-        real(dp), intent(out) :: y(max_states)
-        integer, intent(out) :: status
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        real(dp), intent(out) :: y(max_states) !! initial state
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(motion_scales_t) :: scales
         self%body = body
         call self%top%set(body, start)
+        call self%set_capabilities(body, start)
         y = 0
         y(1:4) = [start%angle(1), start%angle(2), start%rate(2), start%angle(3)]
         scales = motion_scales(body, start)
@@ -51,11 +52,13 @@ contains
     end subroutine prepare
 
     !> Eqs 41, 42 and 44.
-    pure subroutine derivative(self, y, dy, status)
+    pure subroutine derivative(self, t, y, dy, status)
         class(lagrange_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states)
-        real(dp), intent(out) :: dy(max_states)
-        integer, intent(out) :: status
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+        real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        associate (unused => t)
+        end associate
         dy = 0
         status = status_pole
         if (at_pole(y(2))) return
@@ -69,21 +72,21 @@ contains
     !> The motion, with theta'' of Eq 42 and phi'' from Eq 41.
     pure type(motion_t) function motion(self, t, y, near)
         class(lagrange_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states), near(3)
+        real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
         real(dp) :: dy(max_states)
         integer :: status
         associate (unused => near)
         end associate
-        call self%derivative(y, dy, status)
+        call self%derivative(t, y, dy, status)
         motion = self%top%complete(t, [y(1), y(2), y(4)], [dy(1), dy(2), dy(4)], &
                                    self%top%phi_acceleration(y(2), dy(1), dy(2)), dy(3))
     end function motion
 
-    !> Twice the energy over I1, without the spin's part.
+    !> Twice the energy over I1, without the part of the spin.
     pure subroutine invariants(self, y, values)
         class(lagrange_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states)
-        real(dp), intent(out) :: values(max_invariants)
+        real(dp), intent(in) :: y(max_states) !! state
+        real(dp), intent(out) :: values(max_invariants) !! values of the invariants
         values = 0
         values(1) = y(3)**2 + (sin(y(2)) * self%top%precession_rate(y(2)))**2 + self%top%beta * cos(y(2))
     end subroutine invariants

@@ -2,25 +2,18 @@
 !>
 !> No attitude is singular. The equations take the quaternion for the attitude that it points to,
 !> whatever its length: they keep the length constant, and integrators nearly so.
-!>
-!> The motion splits into the free turning of the body, the drift, and the torques of gravity and
-!> damping on it at rest, the kick. The kinetic energy is that of a symmetric body with the axis k and
-!> the moments I_i, I_i, I_k, which turns by h Pi/I_i and then by h (1/I_k - 1/I_i) Pi_k about k, and
-!> the rest (1/I_j - 1/I_i) Pi_j^2/2, a turn about j, of which one half comes before and one after
-!> (Touma and Wisdom, Astron. J. 107, 1994; Fasso, J. Comput. Phys. 189, 2003). For a symmetric body
-!> the rest vanishes, and the drift is exact.
 module spintop_rigid_body
     use spintop_kinds, only: dp, qp
-    use spintop_attitude, only: follow_angles, quaternion_product, rotation_minus_one, &
+    use spintop_attitude, only: follow_angles, may_meet_pole, quaternion_product, rotation_minus_one, &
         vertical_from_quaternion
     use spintop_body, only: body_t
-    use spintop_compare, only: is_zero
+    use spintop_capabilities, only: group_action_t, max_series_order, max_states, quadruple_series_t, series_t
+    use spintop_euler_poisson, only: momentum_coupling
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_motion_scales, only: motion_scales_t, motion_scales
-    use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_series_order, &
-        max_states, structure_group, structure_quadruple, structure_series, structure_split
-    use spintop_rigid_body_series, only: find_quadruple_series, find_series
-    use spintop_small_turn, only: half_turn
+    use spintop_rigid_body_flows, only: rigid_body_flows_t
+    use spintop_rigid_body_series, only: body_series_t, find_quadruple_series
     use spintop_status, only: status_ok
     use spintop_vectors, only: cross
     implicit none
@@ -32,58 +25,81 @@ module spintop_rigid_body
         private
         !> Gravitational torque m g r, N m.
         real(dp) :: moment(3) = 0
-        !> What couples the momenta in Pi x omega: 1/I3 - 1/I2 and cyclic, exactly zero for equal
-        !> moments, so that a symmetric body keeps its momentum about the axis to the last digit.
+        !> What couples the momenta in Pi x omega: see `momentum_coupling`.
         real(dp) :: coupling(3) = 0
-        !> Axis k of the symmetric body in the drift.
-        integer :: axis = 3
-        logical :: damped = .false.
     contains
-        procedure, nopass :: info
+        procedure, nopass :: describe
         procedure :: prepare
         procedure :: derivative
-        procedure :: drift
-        procedure :: kick
         procedure :: motion
         procedure :: follow
         procedure :: invariants
-        procedure :: series
-        procedure :: series_quadruple
-        procedure :: group_velocity
-        procedure :: group_bracket
-        procedure :: group_move
     end type rigid_body_t
+
+    interface rigid_body_t
+        module procedure new_rigid_body
+    end interface rigid_body_t
+
+    !> Turns about body axes, and sums of momenta.
+    type, extends(group_action_t) :: body_turns_t
+        private
+        real(dp) :: inertia(3) = 1
+    contains
+        procedure :: set => set_turns
+        procedure :: velocity
+        procedure, nopass :: bracket
+        procedure, nopass :: move
+    end type body_turns_t
+
+    !> The Taylor series of the motion.
+    type, extends(series_t) :: rigid_body_series_t
+        private
+        type(body_series_t) :: of
+    contains
+        procedure :: set => set_series
+        procedure :: expand
+    end type rigid_body_series_t
+
+    !> The same in quadruple precision.
+    type, extends(quadruple_series_t) :: rigid_body_quadruple_t
+        private
+        type(body_t) :: body = body_t()
+    contains
+        procedure :: set => set_quadruple
+        procedure :: expand => expand_quadruple
+    end type rigid_body_quadruple_t
 
 contains
 
+    !> The formulation with all that it offers.
+    function new_rigid_body() result(new)
+        type(rigid_body_t) :: new
+        allocate (rigid_body_flows_t :: new%flows)
+        allocate (body_turns_t :: new%group)
+        allocate (rigid_body_series_t :: new%series)
+        allocate (rigid_body_quadruple_t :: new%quadruple_series)
+    end function new_rigid_body
+
     !> Name and properties.
-    pure function info()
+    pure function describe() result(info)
         type(formulation_info_t) :: info
         info = formulation_info_t('rigid_body', &
             'quaternion and body momentum, for any body with damping; no pole is singular', 7, &
             symmetric_only=.false., singular_at_poles=.false., invariants=4, quaternion=1)
-        info%offers([structure_split, structure_group, structure_series, structure_quadruple]) = .true.
-    end function info
+    end function describe
 
     !> Initial state.
     pure subroutine prepare(self, body, start, y, status)
         class(rigid_body_t), intent(inout) :: self
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
-        real(dp), intent(out) :: y(max_states)
-        integer, intent(out) :: status
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        real(dp), intent(out) :: y(max_states) !! initial state
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(motion_scales_t) :: scales
         self%body = body
         self%moment = body%weight_moment()
-        associate (inertia => body%inertia)
-            self%coupling(1) = (inertia(2) - inertia(3)) / inertia(2) / inertia(3)
-            self%coupling(2) = (inertia(3) - inertia(1)) / inertia(3) / inertia(1)
-            self%coupling(3) = (inertia(1) - inertia(2)) / inertia(1) / inertia(2)
-        end associate
-        ! The axis about which the body is closest to symmetric.
-        self%axis = minloc(abs(self%coupling), dim=1)
-        self%damped = any(abs(body%damping) > 0)
-        self%splits_as_nystrom = is_zero(self%coupling(self%axis)) .and. .not. self%damped
+        self%coupling = momentum_coupling(body)
+        call self%set_capabilities(body, start)
         y = 0
         y(1:4) = start%quaternion
         y(5:7) = body%inertia * start%omega
@@ -94,14 +110,16 @@ contains
     end subroutine prepare
 
     !> q' = q (0, omega)/2, Pi' = Pi x omega + m g Gamma x r - damping (Euler-Poisson equations).
-    pure subroutine derivative(self, y, dy, status)
+    pure subroutine derivative(self, t, y, dy, status)
         class(rigid_body_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states)
-        real(dp), intent(out) :: dy(max_states)
-        integer, intent(out) :: status
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+        real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: gamma(3), w1, w2, w3
 
-        ! Products are written out: a step by calls of functions would take twice the time.
+        associate (unused => t)
+        end associate
+        ! The products are written out: with function calls a step would take twice the time.
         associate (q0 => y(1), q1 => y(2), q2 => y(3), q3 => y(4), r => self%moment, &
                    d => self%body%damping, s => self%coupling)
             w1 = y(5) / self%body%inertia(1)
@@ -123,166 +141,45 @@ contains
         status = status_ok
     end subroutine derivative
 
-    !> The axis that follows x, y, z in turn.
-    elemental integer function next(axis)
-        integer, intent(in) :: axis
-        next = mod(axis, 3) + 1
-    end function next
-
-    !> Free turning: in body axes the momentum turns backwards, as much as the body turns forwards.
-    pure subroutine drift(self, y, h, change)
-        class(rigid_body_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states), h
-        real(dp), intent(inout) :: change(max_states)
-        real(dp) :: turn(4), q0, q1, q2, q3, rest
-        integer :: i, j
-
-        turn = 0
-        associate (k => self%axis, p => y(5:7), lag => change(5:7))
-            i = next(k)
-            j = next(i)
-            rest = h / 2 * self%coupling(k)
-            if (abs(rest) > 0) call turn_about(j, rest, p, lag, turn)
-            call turn_along(h / 2 / self%body%inertia(i), p, lag, turn)
-            call turn_about(k, -h * self%coupling(j), p, lag, turn)
-            if (abs(rest) > 0) call turn_about(j, rest, p, lag, turn)
-        end associate
-        q0 = y(1) + change(1)
-        q1 = y(2) + change(2)
-        q2 = y(3) + change(3)
-        q3 = y(4) + change(4)
-        change(1) = change(1) + (q0 * turn(1) - q1 * turn(2) - q2 * turn(3) - q3 * turn(4))
-        change(2) = change(2) + (q0 * turn(2) + q1 * turn(1) + q2 * turn(4) - q3 * turn(3))
-        change(3) = change(3) + (q0 * turn(3) - q1 * turn(4) + q2 * turn(1) + q3 * turn(2))
-        change(4) = change(4) + (q0 * turn(4) + q1 * turn(3) - q2 * turn(2) + q3 * turn(1))
-    end subroutine drift
-
-    !> Continues the rotation about a body axis, by `h` times the momentum about it. `turn` is the
-    !> quaternion of the whole rotation minus 1, `lag` its change of the momentum `p` in body axes.
-    pure subroutine turn_about(axis, h, p, lag, turn)
-        integer, intent(in) :: axis
-        real(dp), intent(in) :: h, p(3)
-        real(dp), intent(inout) :: lag(3), turn(4)
-        real(dp) :: half, sinc, half_sine, half_drop, sine, drop, along, across
-        real(dp) :: t0, ti, tj, tk
-        integer :: i, j
-
-        i = next(axis)
-        j = next(i)
-        half = h / 2 * (p(axis) + lag(axis))
-        call half_turn(half**2, sinc, half_drop)
-        half_sine = sinc * half
-        drop = -2 * half_sine**2
-        sine = 2 * half_sine * (1 + half_drop)
-        along = p(i) + lag(i)
-        across = p(j) + lag(j)
-        lag(i) = lag(i) + (drop * along + sine * across)
-        lag(j) = lag(j) + (drop * across - sine * along)
-        t0 = turn(1)
-        ti = turn(1 + i)
-        tj = turn(1 + j)
-        tk = turn(1 + axis)
-        turn(1) = t0 + (half_drop * t0 - half_sine * tk + half_drop)
-        turn(1 + axis) = tk + (half_drop * tk + half_sine * t0 + half_sine)
-        turn(1 + i) = ti + (half_drop * ti + half_sine * tj)
-        turn(1 + j) = tj + (half_drop * tj - half_sine * ti)
-    end subroutine turn_about
-
-    !> Continues the rotation about the direction of the momentum, by 2 `scale` times its length.
-    pure subroutine turn_along(scale, p, lag, turn)
-        real(dp), intent(in) :: scale, p(3), lag(3)
-        real(dp), intent(inout) :: turn(4)
-        real(dp) :: sinc, drop, w1, w2, w3, t0, t1, t2, t3
-
-        w1 = scale * (p(1) + lag(1))
-        w2 = scale * (p(2) + lag(2))
-        w3 = scale * (p(3) + lag(3))
-        call half_turn(w1**2 + w2**2 + w3**2, sinc, drop)
-        w1 = sinc * w1
-        w2 = sinc * w2
-        w3 = sinc * w3
-        t0 = turn(1)
-        t1 = turn(2)
-        t2 = turn(3)
-        t3 = turn(4)
-        turn(1) = t0 + (t0 * drop - (t1 * w1 + t2 * w2 + t3 * w3) + drop)
-        turn(2) = t1 + (t1 * drop + (t0 * w1 + t2 * w3 - t3 * w2) + w1)
-        turn(3) = t2 + (t2 * drop + (t0 * w2 + t3 * w1 - t1 * w3) + w2)
-        turn(4) = t3 + (t3 * drop + (t0 * w3 + t1 * w2 - t2 * w1) + w3)
-    end subroutine turn_along
-
-    !> The momentum changes by the torques of gravity, constant at rest, and of the damping:
-    !> Pi' = m g Gamma x r - d Pi/I.
-    pure subroutine kick(self, y, h, change)
-        class(rigid_body_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states), h
-        real(dp), intent(inout) :: change(max_states)
-        real(dp) :: q0, q1, q2, q3, g1, g2, g3, scale, push(3)
-
-        q0 = y(1) + change(1)
-        q1 = y(2) + change(2)
-        q2 = y(3) + change(3)
-        q3 = y(4) + change(4)
-        scale = h / ((q0**2 + q3**2) + (q1**2 + q2**2))
-        g1 = 2 * (q1 * q3 - q0 * q2)
-        g2 = 2 * (q2 * q3 + q0 * q1)
-        g3 = (q0**2 + q3**2) - (q1**2 + q2**2)
-        associate (r => self%moment)
-            push(1) = scale * (g2 * r(3) - g3 * r(2))
-            push(2) = scale * (g3 * r(1) - g1 * r(3))
-            push(3) = scale * (g1 * r(2) - g2 * r(1))
-        end associate
-        if (self%damped) then
-            associate (x => h * self%body%damping / self%body%inertia)
-                push = (push - x * (y(5:7) + change(5:7))) * decay_mean(x)
-            end associate
-        end if
-        change(5) = change(5) + push(1)
-        change(6) = change(6) + push(2)
-        change(7) = change(7) + push(3)
-    end subroutine kick
-
-    !> Mean of exp(-s) over s from 0 to x: (1 - exp(-x))/x.
-    elemental real(dp) function decay_mean(x)
-        real(dp), intent(in) :: x
-        real(dp), parameter :: small = 1
-        if (abs(x) > small) then
-            decay_mean = (1 - exp(-x)) / x
-        else if (abs(x) > 0) then
-            decay_mean = exp(-x / 2) * sinh(x / 2) / (x / 2)
-        else
-            decay_mean = 1
-        end if
-    end function decay_mean
-
     !> The motion, with the angular acceleration of the derivative.
     pure type(motion_t) function motion(self, t, y, near)
         class(rigid_body_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states), near(3)
+        real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
         real(dp) :: dy(max_states)
         integer :: status
         motion = motion_from_quaternion(t, y(1:4) / norm2(y(1:4)), y(5:7) / self%body%inertia, near)
         motion%norm_error = norm2(y(1:4)) - 1
-        call self%derivative(y, dy, status)
+        call self%derivative(t, y, dy, status)
         motion%omega_rate = dy(5:7) / self%body%inertia
     end function motion
 
-    !> Angles of a later state.
+    !> Continues the angles to a later state.
     pure subroutine follow(self, t_last, y_last, t, y, angle, sure)
         class(rigid_body_t), intent(in) :: self
-        real(dp), intent(in) :: t_last, y_last(max_states), t, y(max_states)
+        real(dp), intent(in) :: t_last, y_last(max_states), t, y(max_states) !! times, s, and states at both ends
         real(dp), intent(inout) :: angle(3)
-        logical, intent(out) :: sure
-        call follow_angles(y_last(1:4), y_last(5:7) / self%body%inertia, &
-                           y(1:4), y(5:7) / self%body%inertia, t - t_last, angle, sure)
+            !! phi, theta, psi at the earlier state on entry, at the later one on return, rad
+        logical, intent(out) :: sure !! whether the turns are certain
+        real(dp) :: omega_last(3), omega(3), slope(max_states, 2)
+        integer :: status
+        omega_last = y_last(5:7) / self%body%inertia
+        omega = y(5:7) / self%body%inertia
+        if (may_meet_pole(y_last(1:4), omega_last, y(1:4), omega, t - t_last)) then
+            call self%derivative(t_last, y_last, slope(:, 1), status)
+            call self%derivative(t, y, slope(:, 2), status)
+            call follow_angles(y_last(1:4), omega_last, y(1:4), omega, t - t_last, angle, sure, &
+                               slope(5:7, :) / spread(self%body%inertia, 2, 2))
+        else
+            call follow_angles(y_last(1:4), omega_last, y(1:4), omega, t - t_last, angle, sure)
+        end if
     end subroutine follow
 
-    !> Squared length of the quaternion, energy, momentum about the vertical and, for a symmetric
-    !> top, about its axis.
+    !> Squared norm of the quaternion, energy, momentum about the vertical and, for a symmetric top, about its
+    !> axis.
     pure subroutine invariants(self, y, values)
         class(rigid_body_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states)
-        real(dp), intent(out) :: values(max_invariants)
+        real(dp), intent(in) :: y(max_states) !! state
+        real(dp), intent(out) :: values(max_invariants) !! values of the invariants
         real(dp) :: gamma(3)
         gamma = vertical_from_quaternion(y(1:4) / norm2(y(1:4)))
         values = 0
@@ -292,56 +189,84 @@ contains
         if (self%body%is_lagrange()) values(4) = y(7)
     end subroutine invariants
 
+    !> Constants of the series.
+    pure subroutine set_series(self, body, start)
+        class(rigid_body_series_t), intent(inout) :: self
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        associate (unused => start)
+        end associate
+        call self%of%set(body)
+    end subroutine set_series
+
     !> Taylor coefficients of the motion.
-    pure subroutine series(self, y, order, coefficient)
-        class(rigid_body_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states)
+    pure subroutine expand(self, t, y, order, coefficient)
+        class(rigid_body_series_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states)
         integer, intent(in) :: order
         real(dp), intent(out) :: coefficient(max_states, 0:max_series_order)
-        call find_series(self%body, self%moment, self%coupling, y, order, coefficient)
-    end subroutine series
+        associate (unused => t)
+        end associate
+        call self%of%find(y, order, coefficient)
+    end subroutine expand
+
+    !> Constants of the series in quadruple precision.
+    pure subroutine set_quadruple(self, body, start)
+        class(rigid_body_quadruple_t), intent(inout) :: self
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        associate (unused => start)
+        end associate
+        self%body = body
+    end subroutine set_quadruple
 
     !> Taylor coefficients of the motion in quadruple precision.
-    pure subroutine series_quadruple(self, y, order, coefficient)
-        class(rigid_body_t), intent(in) :: self
+    pure subroutine expand_quadruple(self, t, y, order, coefficient)
+        class(rigid_body_quadruple_t), intent(in) :: self
+        real(dp), intent(in) :: t
         real(qp), intent(in) :: y(max_states)
         integer, intent(in) :: order
         real(qp), intent(out) :: coefficient(max_states, 0:max_series_order)
+        associate (unused => t)
+        end associate
         call find_quadruple_series(self%body, y, order, coefficient)
-    end subroutine series_quadruple
+    end subroutine expand_quadruple
 
-    !> The angular velocity in body axes and the moment: xi = (omega, Pi').
-    pure subroutine group_velocity(self, y, xi, status)
-        class(rigid_body_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states)
+    !> Constants of the group action.
+    pure subroutine set_turns(self, body, start)
+        class(body_turns_t), intent(inout) :: self
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        associate (unused => start)
+        end associate
+        self%inertia = body%inertia
+    end subroutine set_turns
+
+    !> The angular velocity in body axes and the rate of the momentum: xi = (omega, Pi').
+    pure subroutine velocity(self, y, dy, xi)
+        class(body_turns_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), dy(max_states)
         real(dp), intent(out) :: xi(max_states)
-        integer, intent(out) :: status
-        real(dp) :: dy(max_states)
-        call self%derivative(y, dy, status)
-        xi = [y(5:7) / self%body%inertia, dy(5:7), 0.0_dp, 0.0_dp]
-    end subroutine group_velocity
+        xi(1:3) = y(5:7) / self%inertia
+        xi(4:6) = dy(5:7)
+        xi(7:8) = 0
+    end subroutine velocity
 
-    !> Turns about body axes follow each other from left to right; momenta add up.
-    pure function group_bracket(self, a, b) result(bracket)
-        class(rigid_body_t), intent(in) :: self
+    !> Rotations about body axes are composed from left to right; momenta add up.
+    pure function bracket(a, b)
         real(dp), intent(in) :: a(max_states), b(max_states)
         real(dp) :: bracket(max_states)
-        associate (unused => self)
-        end associate
         bracket = 0
         bracket(1:3) = cross(a(1:3), b(1:3))
-    end function group_bracket
+    end function bracket
 
-    !> Turns the attitude about a vector in body axes and adds to the momentum.
-    pure subroutine group_move(self, y, xi, change)
-        class(rigid_body_t), intent(in) :: self
+    !> Rotates the attitude about a vector in body axes, and adds to the momentum.
+    pure subroutine move(y, xi, change)
         real(dp), intent(in) :: y(max_states), xi(max_states)
         real(dp), intent(out) :: change(max_states)
-        associate (unused => self)
-        end associate
         change(1:4) = quaternion_product(y(1:4), rotation_minus_one(xi(1:3)))
         change(5:7) = xi(4:6)
         change(8) = 0
-    end subroutine group_move
+    end subroutine move
 
 end module spintop_rigid_body

@@ -1,77 +1,91 @@
-!> Power series of the motion of any rigid body with a fixed point: quaternion and body momentum.
+!> Power series of the motion of any rigid body with a fixed point: quaternion q and body momentum Pi.
+!>
+!> In double precision the upward vertical Gamma in body axes is expanded beside them,
+!>
+!>     Pi' = Pi x omega + m g Gamma x r - damping omega,   Gamma' = Gamma x omega,   q' = q (0, omega)/2
+!>
+!> (Euler and Poisson). These are 21 products of two components, as Cauchy products of their series; Gamma from the
+!> quaternion would take more, and make each term wait longer for the last. An angle xi about a body axis instead
+!> of the quaternion (`spintop_lane_series`) would save eight of them, but it is a quotient, whose series converges
+!> over shorter steps.
 module spintop_rigid_body_series
+    use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_kinds, only: dp, qp
     use spintop_body, only: body_t
+    use spintop_euler_poisson, only: momentum_coupling
     use spintop_formulation, only: max_series_order, max_states
     implicit none
     private
-    public :: find_series, find_quadruple_series
+    public :: body_series_t, find_quadruple_series
+
+    !> Constants of body_series.c: factors of its three products of vectors, of damping and torque.
+    integer, parameter :: first = 1, second = 2, third = 3, decay = 4, pull = 5, swing = 6
+
+    !> The series of a body.
+    type :: body_series_t
+        private
+        !> The constants of the equations.
+        real(dp) :: of(max_states, swing) = 0
+    contains
+        procedure :: set => set_constants
+        procedure :: find => find_series
+    end type body_series_t
+
+    !> 1/(k + 1), by which coefficient k of a rate becomes the next one of the state.
+    integer :: term
+    real(dp), parameter :: share(0:max_series_order) = [(1.0_dp / (term + 1), term=0, max_series_order)]
+
+    interface
+        pure subroutine c_expand(order, body, state, share, c) bind(C, name='spintop_expand_body')
+            import :: c_double, c_int
+            integer(c_int), value :: order
+            real(c_double), intent(in) :: body(*), state(*), share(*)
+            real(c_double), intent(out) :: c(*)
+        end subroutine c_expand
+    end interface
 
 contains
 
-    !> Taylor coefficients of the motion. All terms of the equations are products of two components,
-    !> the length of the quaternion being constant; coefficients of products follow Cauchy's rule.
-    !> `moment` is m g r, N m; `coupling` are ((I2-I3)/(I2 I3), ...), so that Pi1' = coupling_1 Pi2 Pi3.
-    pure subroutine find_series(body, moment, coupling, y, order, coefficient)
-        type(body_t), intent(in) :: body
-        real(dp), intent(in) :: moment(3), coupling(3)
-        real(dp), intent(in) :: y(max_states)
-        integer, intent(in) :: order
-        real(dp), intent(out) :: coefficient(max_states, 0:max_series_order)
-        !> Products of q0, q3 and the momentum with the whole state.
-        real(dp) :: by_q0(max_states), by_q3(max_states)
-        real(dp) :: by_p1(max_states), by_p2(max_states), by_p3(max_states)
-        real(dp) :: twice, gamma(3), v1, v2, v3, share
-        integer :: k, j, i
+    !> Sets the constants for a body. Those of products have the order of the products in body_series.c.
+    pure subroutine set_constants(self, body)
+        class(body_series_t), intent(inout) :: self
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        real(dp) :: v(3), moment(3)
 
-        v1 = 1 / body%inertia(1)
-        v2 = 1 / body%inertia(2)
-        v3 = 1 / body%inertia(3)
-        twice = 2 / sum(y(1:4)**2)
-        coefficient(:, 0) = y
-        associate (c => coefficient, r => moment, d => body%damping, s => coupling)
-            do k = 0, order - 1
-                by_q0 = 0
-                by_q3 = 0
-                by_p1 = 0
-                by_p2 = 0
-                by_p3 = 0
-                do j = k, 0, -1
-                    !$omp simd
-                    do i = 1, max_states
-                        by_q0(i) = by_q0(i) + c(1, j) * c(i, k - j)
-                        by_q3(i) = by_q3(i) + c(4, j) * c(i, k - j)
-                        by_p1(i) = by_p1(i) + c(5, j) * c(i, k - j)
-                        by_p2(i) = by_p2(i) + c(6, j) * c(i, k - j)
-                        by_p3(i) = by_p3(i) + c(7, j) * c(i, k - j)
-                    end do
-                end do
-                gamma(1) = twice * (by_q3(2) - by_q0(3))
-                gamma(2) = twice * (by_q3(3) + by_q0(2))
-                gamma(3) = twice * (by_q0(1) + by_q3(4))
-                if (k == 0) gamma(3) = gamma(3) - 1
-                share = 1.0_dp / (k + 1)
-                c(1, k + 1) = -share / 2 * (v1 * by_p1(2) + v2 * by_p2(3) + v3 * by_p3(4))
-                c(2, k + 1) = share / 2 * (v1 * by_p1(1) + v3 * by_p3(3) - v2 * by_p2(4))
-                c(3, k + 1) = share / 2 * (v2 * by_p2(1) + v1 * by_p1(4) - v3 * by_p3(2))
-                c(4, k + 1) = share / 2 * (v3 * by_p3(1) + v2 * by_p2(2) - v1 * by_p1(3))
-                c(5, k + 1) = share * (s(1) * by_p3(6) + gamma(2) * r(3) - gamma(3) * r(2) &
-                                       - d(1) * v1 * c(5, k))
-                c(6, k + 1) = share * (s(2) * by_p1(7) + gamma(3) * r(1) - gamma(1) * r(3) &
-                                       - d(2) * v2 * c(6, k))
-                c(7, k + 1) = share * (s(3) * by_p2(5) + gamma(1) * r(2) - gamma(2) * r(1) &
-                                       - d(3) * v3 * c(7, k))
-                c(8, k + 1) = 0
-            end do
-        end associate
+        v = 1 / body%inertia
+        moment = body%weight_moment()
+        self%of = 0
+        self%of(:3, first) = momentum_coupling(body)
+        self%of(5:7, first) = v([3, 1, 2])
+        self%of(:4, second) = -v([3, 2, 3, 1]) / 2
+        self%of(5:7, second) = -v([2, 3, 1])
+        self%of(:, third) = [-1, 1, 1, 1, -1, 1, 1, 1] * v([1, 1, 2, 3, 2, 3, 1, 2]) / 2
+        self%of(:3, decay) = body%damping * v
+        self%of(:3, pull) = moment([3, 1, 2])
+        self%of(:3, swing) = moment([2, 3, 1])
+    end subroutine set_constants
+
+    !> Taylor coefficients of the motion.
+    pure subroutine find_series(self, y, order, coefficient)
+        class(body_series_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states) !! state
+        integer, intent(in) :: order !! order of the highest coefficient
+        real(dp), intent(out) :: coefficient(max_states, 0:max_series_order) !! column k is the coefficient of h^k
+        real(dp) :: upper, lower, inverse, gamma(3)
+
+        upper = y(1)**2 + y(4)**2
+        lower = y(2)**2 + y(3)**2
+        inverse = 1 / (upper + lower)
+        gamma = inverse * [2 * (y(2) * y(4) - y(1) * y(3)), 2 * (y(3) * y(4) + y(1) * y(2)), upper - lower]
+        call c_expand(order, self%of, [y(1:7), 0.0_dp, gamma, 0.0_dp], share, coefficient)
     end subroutine find_series
 
     !> Taylor coefficients of the motion in quadruple precision.
     pure subroutine find_quadruple_series(body, y, order, coefficient)
-        type(body_t), intent(in) :: body
-        real(qp), intent(in) :: y(max_states)
-        integer, intent(in) :: order
-        real(qp), intent(out) :: coefficient(max_states, 0:max_series_order)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        real(qp), intent(in) :: y(max_states) !! state in quadruple precision
+        integer, intent(in) :: order !! order of the highest coefficient
+        real(qp), intent(out) :: coefficient(max_states, 0:max_series_order) !! column k is the coefficient of h^k
         real(qp) :: omega(3, 0:max_series_order), by_q0(4), by_q3(4), by_omega(7, 3)
         real(qp) :: inertia(3), moment(3), twice, gamma(3)
         integer :: k, j, axis

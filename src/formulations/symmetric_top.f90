@@ -18,7 +18,7 @@ module spintop_symmetric_top
         real(dp) :: a = 0
         !> beta = 2 mgl/I1, 1/s^2.
         real(dp) :: beta = 0
-        !> Start: inclination, momentum I1 phi' sin^2 theta, and the speed of the axis squared.
+        !> At the start: inclination, momentum I1 phi' sin^2 theta, and squared speed of the axis.
         real(dp) :: theta0 = 0, swing0 = 0, speed0 = 0
     contains
         procedure :: set
@@ -27,16 +27,17 @@ module spintop_symmetric_top
         procedure :: theta_stiffness
         procedure :: phi_acceleration
         procedure :: speed_budget
+        procedure :: budget_rounding
         procedure :: complete
     end type symmetric_top_t
 
 contains
 
-    !> Takes the constants from a body and its start.
+    !> Sets the constants from a body and its start.
     pure subroutine set(self, body, start)
         class(symmetric_top_t), intent(inout) :: self
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         self%i1 = body%inertia(1)
         self%i3 = body%inertia(3)
         self%omega3 = start%omega(3)
@@ -47,11 +48,11 @@ contains
         self%speed0 = start%rate(2)**2 + (sin(start%angle(2)) * start%rate(1))**2
     end subroutine set
 
-    !> phi' of Eq 41, rad/s: (c1 - I3 omega3 cos theta)/(I1 sin^2 theta), with c1 counted from the
-    !> start so that nothing cancels near the upright.
+    !> phi' of Eq 41, rad/s: (c1 - I3 omega3 cos theta)/(I1 sin^2 theta). c1 is counted from the start, so
+    !> that nothing cancels near the upright.
     pure real(dp) function precession_rate(self, theta)
         class(symmetric_top_t), intent(in) :: self
-        real(dp), intent(in) :: theta
+        real(dp), intent(in) :: theta !! inclination, rad
         precession_rate = (self%swing0 + self%i3 * self%omega3 * cosine_drop(theta, self%theta0)) &
                           / (self%i1 * sin(theta)**2)
     end function precession_rate
@@ -59,7 +60,7 @@ contains
     !> theta'' of Eq 42, rad/s^2.
     pure real(dp) function theta_acceleration(self, theta, phi_rate)
         class(symmetric_top_t), intent(in) :: self
-        real(dp), intent(in) :: theta, phi_rate
+        real(dp), intent(in) :: theta, phi_rate !! inclination, rad; precession rate, rad/s
         theta_acceleration = sin(theta) &
                              * (phi_rate * (phi_rate * cos(theta) - self%a) + self%beta / 2)
     end function theta_acceleration
@@ -67,7 +68,7 @@ contains
     !> Derivative of theta'' by theta along the curve of constant momenta, 1/s^2.
     pure real(dp) function theta_stiffness(self, theta, phi_rate)
         class(symmetric_top_t), intent(in) :: self
-        real(dp), intent(in) :: theta, phi_rate
+        real(dp), intent(in) :: theta, phi_rate !! inclination, rad; precession rate, rad/s
         theta_stiffness = cos(theta) * (phi_rate * (phi_rate * cos(theta) - self%a) + self%beta / 2) &
                           - (self%a - 2 * phi_rate * cos(theta))**2 - (phi_rate * sin(theta))**2
     end function theta_stiffness
@@ -75,24 +76,36 @@ contains
     !> phi'', rad/s^2: the time derivative of Eq 41.
     pure real(dp) function phi_acceleration(self, theta, phi_rate, theta_rate)
         class(symmetric_top_t), intent(in) :: self
-        real(dp), intent(in) :: theta, phi_rate, theta_rate
+        real(dp), intent(in) :: theta, phi_rate, theta_rate !! inclination, rad; precession and nutation rate, rad/s
         phi_acceleration = theta_rate * (self%a - 2 * phi_rate * cos(theta)) / sin(theta)
     end function phi_acceleration
 
-    !> theta'^2 that the energy leaves at an inclination (the radicand of Eq 46), rad^2/s^2,
-    !> counted from the start; negative beyond a turning point.
+    !> theta'^2 at an inclination by conservation of energy (the radicand of Eq 46), rad^2/s^2, counted from
+    !> the start; negative beyond a turning point.
     pure real(dp) function speed_budget(self, theta)
         class(symmetric_top_t), intent(in) :: self
-        real(dp), intent(in) :: theta
+        real(dp), intent(in) :: theta !! inclination, rad
         speed_budget = self%speed0 + self%beta * cosine_drop(theta, self%theta0) &
                        - (self%precession_rate(theta) * sin(theta))**2
     end function speed_budget
 
-    !> The motion of given angles and rates, with the second derivatives of phi and theta.
+    !> Rounding of `speed_budget`, rad^2/s^2: that of its terms, and what the rounding of theta makes of it.
+    pure real(dp) function budget_rounding(self, theta) result(rounding)
+        class(symmetric_top_t), intent(in) :: self
+        real(dp), intent(in) :: theta !! inclination, rad
+        real(dp), parameter :: units = 4
+        real(dp) :: phi_rate
+        phi_rate = self%precession_rate(theta)
+        rounding = units * epsilon_dp * (self%speed0 + (phi_rate * sin(theta))**2 &
+                                         + abs(self%beta * cosine_drop(theta, self%theta0)) &
+                                         + abs(2 * theta * self%theta_acceleration(theta, phi_rate)))
+    end function budget_rounding
+
+    !> The motion for given angles and rates, with the second derivatives of phi and theta.
     pure type(motion_t) function complete(self, t, angle, rate, phi_acceleration, &
                                           theta_acceleration) result(motion)
         class(symmetric_top_t), intent(in) :: self
-        real(dp), intent(in) :: t, angle(3), rate(3), phi_acceleration, theta_acceleration
+        real(dp), intent(in) :: t, angle(3), rate(3), phi_acceleration, theta_acceleration !! s; rad; rad/s; rad/s^2
         motion = motion_from_angles(t, angle, rate)
         motion%omega(3) = self%omega3
         motion%omega_rate = omega_rate_from_accelerations(angle, rate, phi_acceleration, &
@@ -107,7 +120,7 @@ contains
 
     !> Whether sin(theta) is zero to the rounding of an angle.
     pure logical function at_pole(theta)
-        real(dp), intent(in) :: theta
+        real(dp), intent(in) :: theta !! inclination, rad
         at_pole = abs(sin(theta)) <= epsilon_dp
     end function at_pole
 

@@ -1,5 +1,5 @@
-!> Circular functions and their inverses over arrays, in loops that become vector instructions: the
-!> compiler's library has scalar ones only.
+!> Circular functions and their inverses for arrays, in loops that the compiler vectorizes. The run-time
+!> library of the compiler has scalar versions only.
 !>
 !> Errors below 4e-16, relative or, where a result passes zero for no zero argument, absolute.
 !> Reduction by quadrants after W. J. Cody and W. Waite, Software Manual for the Elementary
@@ -11,16 +11,15 @@ module spintop_array_functions
     private
     public :: find_circular, find_inclinations, find_arguments, largest_angle
 
-    !> Largest angle that `find_circular` takes, rad: so many quadrants times the parts of pi/2
+    !> Largest angle of `find_circular`, rad. Up to this many quadrants, their products with the parts of pi/2
     !> below are exact.
     real(dp), parameter :: largest_angle = 1.0e6_dp
 
     !> pi/2 in three parts, of which the first two have 33 bits each.
     real(dp), parameter :: quadrant_parts(3) = [1.57079632673412561417e+00_dp, &
         6.07710050630396597660e-11_dp, 2.02226624879595063154e-21_dp]
-    !> Adding and subtracting it leaves the nearest whole number, unless the compiler cancels the
-    !> two: with -fassociative-math, which in Fortran -fno-signed-zeros and -fno-trapping-math
-    !> together switch on.
+    !> Adding and subtracting this number rounds to the nearest integer. A compiler cancels the two operations
+    !> with -fassociative-math, which in Fortran requires -fno-signed-zeros and -fno-trapping-math together.
     real(dp), parameter :: large = 1.5_dp * 2.0_dp**(digits(1.0_dp) - 1)
 
     !> (sin(x) - x)/x^3 and (cos(x) - 1 + x^2/2)/x^4 in powers of x^2, |x| <= pi/4.
@@ -53,9 +52,10 @@ contains
 
     !> sin(x)^2 and cos(x)^2, each to full relative precision, and sin(2x), |x| <= `largest_angle`.
     pure subroutine find_circular(n, x, sine_squared, cosine_squared, sine_of_double)
-        integer, intent(in) :: n
-        real(dp), intent(in) :: x(n)
+        integer, intent(in) :: n !! number of elements
+        real(dp), intent(in) :: x(n) !! angles, rad
         real(dp), intent(out) :: sine_squared(n), cosine_squared(n), sine_of_double(n)
+            !! sin(x)^2, cos(x)^2 and sin(2 x)
         real(dp) :: quadrants, half, odd, r, r2, sine, cosine
         integer :: i
         !$omp simd private(quadrants, half, odd, r, r2, sine, cosine)
@@ -78,11 +78,11 @@ contains
         end do
     end subroutine find_circular
 
-    !> The inclination in [0, pi] of which sine (>= 0) and cosine are given, rad.
+    !> Inclinations in [0, pi] from their sines (>= 0) and cosines, rad.
     pure subroutine find_inclinations(n, sine, cosine, angle)
-        integer, intent(in) :: n
-        real(dp), intent(in) :: sine(n), cosine(n)
-        real(dp), intent(out) :: angle(n)
+        integer, intent(in) :: n !! number of elements
+        real(dp), intent(in) :: sine(n), cosine(n) !! sines and cosines of the angles
+        real(dp), intent(out) :: angle(n) !! results, rad
         real(dp) :: x, t, t2, even, odd, a
         integer :: i, k
         !$omp simd private(x, t, t2, even, odd, a, k)
@@ -102,11 +102,11 @@ contains
         end do
     end subroutine find_inclinations
 
-    !> The argument in [-pi/2, pi/2] of re + i im, re >= 0, rad; not a number for 0.
+    !> Arguments in [-pi/2, pi/2] of re + i im with re >= 0, rad; NaN for 0.
     pure subroutine find_arguments(n, re, im, angle)
-        integer, intent(in) :: n
-        real(dp), intent(in) :: re(n), im(n)
-        real(dp), intent(out) :: angle(n)
+        integer, intent(in) :: n !! number of elements
+        real(dp), intent(in) :: re(n), im(n) !! real and imaginary parts
+        real(dp), intent(out) :: angle(n) !! results, rad
         real(dp) :: x, t, t2, even, odd, a
         integer :: i, k
         !$omp simd private(x, t, t2, even, odd, a, k)

@@ -9,19 +9,19 @@ contains
 
     !> Whether x is exactly zero (of either sign).
     elemental logical function is_zero(x)
-        real(dp), intent(in) :: x
+        real(dp), intent(in) :: x !! a number
         is_zero = abs(x) <= 0
     end function is_zero
 
     !> Whether two numbers are exactly equal.
     elemental logical function is_equal(a, b)
-        real(dp), intent(in) :: a, b
+        real(dp), intent(in) :: a, b !! the two numbers
         is_equal = a <= b .and. a >= b
     end function is_equal
 
     !> Whether x is neither infinite nor a NaN.
     elemental logical function is_finite(x)
-        real(dp), intent(in) :: x
+        real(dp), intent(in) :: x !! a number
         is_finite = abs(x) <= huge(x)
     end function is_finite
 

@@ -1,11 +1,12 @@
 !> A list of lines of text.
 module spintop_line_list
     use spintop_text, only: string_t
+    use spintop_wrapping, only: characters, wrapped
     implicit none
     private
-    public :: line_list_t
+    public :: line_list_t, line_width
 
-    !> Lines are broken before this column where that is possible.
+    !> Lines are broken before this column if possible.
     integer, parameter :: line_width = 96
 
     !> Lines of text, added one by one.
@@ -16,6 +17,7 @@ module spintop_line_list
         procedure :: add
         procedure :: add_words
         procedure :: add_paragraph
+        procedure :: add_wrapped
         procedure :: get
     end type line_list_t
 
@@ -24,7 +26,7 @@ contains
     !> Adds a line as it is.
     subroutine add(self, line)
         class(line_list_t), intent(inout) :: self
-        character(*), intent(in) :: line
+        character(*), intent(in) :: line !! one line of text
         type(string_t), allocatable :: more(:)
 
         if (.not. allocated(self%line)) allocate (self%line(64))
@@ -37,11 +39,11 @@ contains
         self%line(self%count)%text = line
     end subroutine add
 
-    !> Adds words in a list with commas behind a start, on as many lines as they need.
+    !> Adds words as a list with commas after a beginning, on as many lines as needed.
     subroutine add_words(self, start, words)
         class(line_list_t), intent(inout) :: self
-        character(*), intent(in) :: start
-        type(string_t), intent(in) :: words(:)
+        character(*), intent(in) :: start !! beginning of the first line
+        type(string_t), intent(in) :: words(:) !! the words
         character(:), allocatable :: line, word
         integer :: i
 
@@ -61,7 +63,7 @@ contains
     !> Adds a paragraph, broken at blanks; each of its lines begins with `start`.
     subroutine add_paragraph(self, start, paragraph)
         class(line_list_t), intent(inout) :: self
-        character(*), intent(in) :: start, paragraph
+        character(*), intent(in) :: start, paragraph !! beginning of each line, and text
         character(:), allocatable :: rest
         integer :: break
         rest = trim(paragraph)
@@ -74,10 +76,30 @@ contains
         call self%add(start // rest)
     end subroutine add_paragraph
 
+    !> Adds a text that is broken at blanks, so that no line is longer than `width` if possible. All lines begin
+    !> with `start`, and the second and further ones have `indent` blanks after it.
+    subroutine add_wrapped(self, start, text, indent, width)
+        class(line_list_t), intent(inout) :: self
+        character(*), intent(in) :: start, text !! beginning of each line, and text
+        integer, intent(in) :: indent, width !! blanks, and columns of a line
+        character, parameter :: line_feed = new_line('a')
+        character(:), allocatable :: rest
+        integer :: length
+
+        rest = text
+        if (characters(text) > width - len(start)) rest = wrapped(text, 0, width - len(start), indent=indent)
+        do
+            length = index(rest // line_feed, line_feed) - 1
+            call self%add(start // rest(:length))
+            if (length >= len(rest)) exit
+            rest = rest(length + 2:)
+        end do
+    end subroutine add_wrapped
+
     !> All lines so far.
     subroutine get(self, lines)
         class(line_list_t), intent(in) :: self
-        type(string_t), allocatable, intent(out) :: lines(:)
+        type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
         allocate (lines(self%count))
         if (self%count > 0) lines = self%line(:self%count)
     end subroutine get

@@ -1,10 +1,10 @@
-!> Random permutations of any length, computed place by place, without a table.
+!> Random permutations of any length, evaluated element by element, without a table.
 !>
-!> A number below a*b is split into its two digits to the bases a and b; a Feistel network adds to
-!> each in turn what a keyed hash makes of the other, which can be undone and so permutes the
-!> numbers below a*b. Where the result is not below the length, it is permuted again (J. Black and
-!> P. Rogaway, "Ciphers with arbitrary finite domains", CT-RSA 2002: generalized Feistel and cycle
-!> walking). As a and b are near the root of the length, that is seldom.
+!> A number below a*b is written with two digits, to the bases a and b. A Feistel network adds a keyed hash of
+!> one digit to the other, in turn; this is invertible, so it permutes the numbers below a*b. A result that is
+!> not below the length is permuted again (J. Black and P. Rogaway, "Ciphers with arbitrary finite domains",
+!> CT-RSA 2002: generalized Feistel network with cycle walking). This is rare, because a and b are close to
+!> the square root of the length.
 module spintop_permutation
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
@@ -13,11 +13,11 @@ module spintop_permutation
     private
     public :: permutation_t, make_permutation
 
-    !> Of the network; even. Fewer show in short permutations.
+    !> Rounds of the network; even. With fewer rounds, short permutations do not look random.
     integer, parameter :: rounds = 8
     integer, parameter :: words_a_draw = 4
 
-    !> A permutation of the numbers below its length.
+    !> A permutation of 0, ..., length - 1.
     type :: permutation_t
         integer(int64), private :: length = 1
         integer(int64), private :: bases(2) = 1
@@ -28,9 +28,9 @@ module spintop_permutation
 
 contains
 
-    !> The permutation of 0, ..., length - 1 that belongs to a seed and a stream; length >= 1.
+    !> The permutation of 0, ..., length - 1 for a seed and a stream; length >= 1.
     pure type(permutation_t) function make_permutation(length, seed, stream) result(permutation)
-        integer(int64), intent(in) :: length, seed, stream
+        integer(int64), intent(in) :: length, seed, stream !! number of elements, at least 1; seed; independent stream
         integer :: i
         permutation%length = length
         permutation%bases(1) = max(1_int64, ceiling(sqrt(real(length, dp)), int64))
@@ -40,10 +40,10 @@ contains
         end do
     end function make_permutation
 
-    !> The place of a number; both are in 0, ..., length - 1.
+    !> Image of a number; both are in 0, ..., length - 1.
     elemental integer(int64) function place(self, number)
         class(permutation_t), intent(in) :: self
-        integer(int64), intent(in) :: number
+        integer(int64), intent(in) :: number !! in 0, ..., length - 1
         integer(int64) :: first, second
         integer :: round
 
@@ -60,11 +60,11 @@ contains
         end do
     end function place
 
-    !> Adds a hash of the other digit to a digit, modulo its base.
+    !> Adds a hash of one digit to the other, modulo its base.
     elemental subroutine shift(digit, other, base, key)
         integer(int64), intent(inout) :: digit
         integer(int64), intent(in) :: other, base, key
-        ! A word times the base, over 2^32, is uniform below the base but for base/2^32.
+        ! A random word times the base, over 2^32, is uniform in [0, base) to within base/2^32.
         digit = digit + shiftr(mix(ieor(other, key)) * base, 32)
         if (digit >= base) digit = digit - base
     end subroutine shift

@@ -1,15 +1,15 @@
-!> Texts that are safe on a terminal, and texts that fit on one line of a table.
+!> Texts that are safe on a terminal, and texts that fit into one line of a table.
 module spintop_plain_text
     implicit none
     private
-    public :: visible, is_plain
+    public :: visible, escaped, is_plain
 
 contains
 
-    !> The text as a terminal may show it: a tab as a blank, other control characters and
-    !> bytes that are no UTF-8 as '?', line ends kept.
+    !> The text as a terminal may show it: a tab becomes a blank; other control characters, and bytes that are
+    !> not UTF-8, become '?'; line ends are kept.
     pure function visible(text) result(shown)
-        character(*), intent(in) :: text
+        character(*), intent(in) :: text !! any bytes
         character(:), allocatable :: shown
         integer :: i, length, code
 
@@ -28,10 +28,37 @@ contains
         end do
     end function visible
 
-    !> Whether a text stands on one line, and every program sees that line: no control character, no byte
-    !> that is not UTF-8, and none of the two characters of Unicode that part lines.
+    !> The text on one line, as a terminal may show it: a line end as \n, a tab as \t, and each byte that
+    !> is not UTF-8 or is a control character as \x and two digits, as shells write it in $'...'.
+    pure function escaped(text) result(shown)
+        character(*), intent(in) :: text !! the text
+        character(:), allocatable :: shown
+        character(*), parameter :: digits = '0123456789abcdef'
+        integer :: i, length, code
+
+        shown = ''
+        i = 1
+        do while (i <= len(text))
+            length = utf8_length(text(i:))
+            code = iachar(text(i:i))
+            if (code == 10) then
+                shown = shown // '\n'
+            else if (code == 9) then
+                shown = shown // '\t'
+            else if (length == 0 .or. code == 127 .or. code < 32) then
+                shown = shown // '\x' // digits(code / 16 + 1:code / 16 + 1) // digits(mod(code, 16) + 1:mod(code, 16) + 1)
+                length = 1
+            else
+                shown = shown // text(i:i + length - 1)
+            end if
+            i = i + length
+        end do
+    end function escaped
+
+    !> Whether every program reads a text as a single line: it has no control character, no byte that is not
+    !> UTF-8, and none of the two Unicode line separators.
     pure logical function is_plain(text)
-        character(*), intent(in) :: text
+        character(*), intent(in) :: text !! any bytes
         character(*), parameter :: line_separator = char(226) // char(128) // char(168), &
             paragraph_separator = char(226) // char(128) // char(169)
         is_plain = index(text, new_line('a')) == 0
@@ -39,8 +66,8 @@ contains
         if (is_plain) is_plain = index(text, line_separator) == 0 .and. index(text, paragraph_separator) == 0
     end function is_plain
 
-    !> Bytes of the character that the text starts with; 0 if that is not UTF-8, or one that a terminal
-    !> obeys.
+    !> Number of bytes of the character at the beginning of a text; 0 if it is not UTF-8, or is a control
+    !> character.
     pure integer function utf8_length(text) result(length)
         character(*), intent(in) :: text
         integer :: code, i
@@ -71,13 +98,13 @@ contains
         case (194)
             if (i < 160) length = 0 ! a C1 control
         case (224)
-            if (i < 160) length = 0 ! longer than need be
+            if (i < 160) length = 0 ! overlong encoding
         case (226)
             if (turns_writing(i, iachar(text(3:3)))) length = 0
         case (237)
             if (i > 159) length = 0 ! a surrogate
         case (240)
-            if (i < 144) length = 0 ! longer than need be
+            if (i < 144) length = 0 ! overlong encoding
         case (244)
             if (i > 143) length = 0 ! beyond Unicode
         end select

@@ -1,7 +1,7 @@
-!> Counter-based random numbers: each is a function of a seed, a number and a stream, so that it can be
-!> computed in any order, on any thread or machine, without a state.
+!> Counter-based random numbers. Each is a function of a seed, a number and a stream, so numbers can be
+!> computed in any order, on any thread or machine, and there is no state.
 !>
-!> The arithmetic is that of unsigned words of 32 bits, held in 64-bit integers whose products never
+!> The arithmetic is that of unsigned 32-bit words, stored in 64-bit integers so that products do not
 !> overflow.
 module spintop_random
     use, intrinsic :: iso_fortran_env, only: int64
@@ -10,7 +10,7 @@ module spintop_random
     private
     public :: philox, mix, uniform, random_words
 
-    !> All bits of a word.
+    !> A word with all bits set.
     integer(int64), parameter :: word = int(z'FFFFFFFF', int64)
 
 contains
@@ -18,7 +18,7 @@ contains
     !> Philox4x32-10, the block function of four words under a key of two (Salmon, Moraes, Dror and
     !> Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC11, 2011). All words are in [0, 2^32).
     pure function philox(counter, key) result(words)
-        integer(int64), intent(in) :: counter(4), key(2)
+        integer(int64), intent(in) :: counter(4), key(2) !! 32-bit words, in [0, 2^32)
         integer(int64) :: words(4)
         integer, parameter :: rounds = 10
         integer(int64), parameter :: factor1 = int(z'D2511F53', int64), factor2 = int(z'CD9E8D57', int64)
@@ -27,7 +27,7 @@ contains
         integer(int64) :: w1, w2, w3, w4, key1, key2, high1, low1, high2, low2
         integer :: round
 
-        ! Scalars stay in registers; arrays take twice as long.
+        ! Scalars stay in registers; a version with arrays takes twice as long.
         w1 = counter(1)
         w2 = counter(2)
         w3 = counter(3)
@@ -47,8 +47,8 @@ contains
         words = [w1, w2, w3, w4]
     end function philox
 
-    !> A bijection of words in which each bit changes every other with probability one half nearly (the
-    !> last step of MurmurHash3, A. Appleby 2011).
+    !> A bijection of words in which a change of one bit changes each other bit with a probability close to
+    !> one half (the last step of MurmurHash3, A. Appleby 2011).
     elemental integer(int64) function mix(x)
         integer(int64), intent(in) :: x !! in [0, 2^32)
         integer(int64) :: high, low
@@ -58,30 +58,30 @@ contains
         mix = ieor(low, shiftr(low, 16))
     end function mix
 
-    !> Four random words that belong to a seed, a number and a stream, all of any sign.
+    !> Four random words, of either sign, for a seed, a number and a stream.
     pure function random_words(seed, number, stream) result(words)
-        integer(int64), intent(in) :: seed, number, stream
+        integer(int64), intent(in) :: seed, number, stream !! seed; index of the words; independent stream
         integer(int64) :: words(4)
         words = philox([halves(number), halves(stream)], halves(seed))
     end function random_words
 
     !> A number uniform in (0, 1), both ends excluded, in steps of 2^-52.
     pure real(dp) function uniform(seed, number, stream)
-        integer(int64), intent(in) :: seed, number, stream
+        integer(int64), intent(in) :: seed, number, stream !! seed; index of the random number; independent stream
         integer(int64) :: words(4)
         words = random_words(seed, number, stream)
         uniform = scale(real(shiftl(words(1), 20) + shiftr(words(2), 12), dp) + 0.5_dp, -52)
     end function uniform
 
-    !> The low and the high word of a 64-bit integer.
+    !> The low and the high 32-bit word of a 64-bit integer.
     pure function halves(x)
         integer(int64), intent(in) :: x
         integer(int64) :: halves(2)
         halves = [iand(x, word), shiftr(x, 32)]
     end function halves
 
-    !> The product of two words, in two words. Where the upper bit of b is set, b - 2^32 is multiplied
-    !> in its place: a product of that size a 64-bit integer holds.
+    !> Product of two words, as two words. If the upper bit of b is set, b - 2^32 is multiplied instead,
+    !> because that product fits into a 64-bit integer.
     elemental subroutine multiply(a, b, high, low)
         integer(int64), intent(in) :: a, b
         integer(int64), intent(out) :: high, low

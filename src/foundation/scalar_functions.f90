@@ -1,6 +1,5 @@
-!> Circular functions of one angle that is already reduced, and the argument of a complex number:
-!> what the exact solution needs at every sample, several times faster than the general functions of
-!> the compiler's library.
+!> Circular functions of one reduced angle, and the argument of a complex number. The exact solution evaluates
+!> them at every sample; they are several times faster than the general functions of the run-time library.
 !>
 !> Errors below 3e-16: relative of `find_sine_and_cosine` and `argument`, absolute of `unit`.
 module spintop_scalar_functions
@@ -28,20 +27,20 @@ module spintop_scalar_functions
     !> tan(pi/8)
     real(dp), parameter :: tangent_of_eighth = sqrt(2.0_dp) - 1
 
-    !> pi/4 and a little more: what reduction by quadrants leaves, but for phases so large that
-    !> no digit of it is left.
+    !> Bound of the remainder of the reduction by quadrants, a little above pi/4. It matters only for phases so
+    !> large that no digit of the remainder is correct.
     real(dp), parameter :: largest_remainder = 0.79_dp
 
 contains
 
     !> sin(x) and cos(x) for |x| <= pi/4.
     pure subroutine find_sine_and_cosine(x, sine, cosine)
-        real(dp), intent(in) :: x
-        real(dp), intent(out) :: sine, cosine
+        real(dp), intent(in) :: x !! angle, rad, |x| <= pi/4
+        real(dp), intent(out) :: sine, cosine !! sin(x) and cos(x)
         real(dp) :: s, s2
         s = x * x
         s2 = s * s
-        ! Terms in pairs, for the processor to work on side by side.
+        ! The terms are summed in pairs, which the processor evaluates in parallel.
         associate (a => sine_series, c => cosine_series)
             sine = x + x * s * ((a(0) + s * a(1)) + s2 * ((a(2) + s * a(3)) &
                 + s2 * ((a(4) + s * a(5)) + s2 * (a(6) + s * a(7)))))
@@ -52,7 +51,7 @@ contains
 
     !> exp(i phase), the phase first reduced by quadrants.
     pure complex(dp) function unit(phase)
-        real(xp), intent(in) :: phase
+        real(xp), intent(in) :: phase !! rad
         real(xp) :: quadrants
         real(dp) :: remainder, sine, cosine, turned
 
@@ -67,7 +66,7 @@ contains
 
     !> The angle of a complex number, rad; 0 of zero.
     pure real(dp) function argument(z) result(angle)
-        complex(dp), intent(in) :: z
+        complex(dp), intent(in) :: z !! a complex number
         real(dp) :: x, y, least, most, slope, s, s2, s4
         logical :: is_steep
 
@@ -75,7 +74,7 @@ contains
         y = abs(aimag(z))
         least = min(x, y)
         most = max(x, y, tiny(x))
-        ! Between 22.5 and 45 degrees: what is left to 45 degrees.
+        ! Above 22.5 degrees, the complement to 45 degrees is used.
         is_steep = least > tangent_of_eighth * most
         slope = merge(least - most, least, is_steep) / merge(least + most, most, is_steep)
         s = slope * slope
@@ -91,11 +90,10 @@ contains
         angle = sign(merge(pi - angle, angle, real(z, dp) < 0), aimag(z))
     end function argument
 
-    !> The whole number next to x, by what adding a large number leaves of the fraction: several
-    !> times faster than `anint`, which is a library call in this kind. Beyond half of that number the sum
-    !> has lost the last whole digit.
+    !> Nearest integer, by adding and subtracting a large number: several times faster than `anint`, which is
+    !> a library call for this kind. Not exact for numbers beyond half of that large number.
     pure real(xp) function nearest_whole(x)
-        real(xp), intent(in) :: x
+        real(xp), intent(in) :: x !! a number
         real(xp), parameter :: large = 1.5_xp * 2.0_xp**(digits(1.0_xp) - 1), too_large = large / 3
         if (abs(x) < too_large) then
             nearest_whole = (x + large) - large

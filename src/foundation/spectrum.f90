@@ -1,8 +1,8 @@
 !> Eigenvalues of a matrix of which some are known in advance.
 !>
-!> Invariants and symmetries of a motion give its linearisation eigenvalues that are all the same,
-!> with fewer eigenvectors than eigenvalues: left to LAPACK, rounding e would move them by its root
-!> or worse. They are split off: what is left keeps its digits.
+!> Invariants and symmetries of a motion give its linearisation multiple eigenvalues, with fewer eigenvectors
+!> than eigenvalues. LAPACK returns these with errors of the order of the square root of the rounding error,
+!> or larger. They are deflated first, so that the other eigenvalues keep their accuracy.
 module spintop_spectrum
     use spintop_kinds, only: dp
     use spintop_compare, only: is_finite
@@ -12,20 +12,21 @@ module spintop_spectrum
     private
     public :: find_spectrum
 
-    !> What of a candidate may be left, relative to the matrix, by an eigenvector; and the sine of
-    !> the angle below which two of them are the same one.
+    !> Largest residual of an eigenvector relative to the matrix; and the sine of the angle below which two
+    !> eigenvectors count as one.
     real(dp), parameter :: slack = 1.0e-9_dp, least_angle = 1.0e-8_dp
 
 contains
 
-    !> All eigenvalues of a square matrix A, those equal to `known` last. Candidates for their
-    !> eigenvectors are the columns c of `forms`, c^T A = known c^T, and v of `directions`,
-    !> A v = known v with c^T v = 0 for every form; candidates that are not eigenvectors are ignored. `unit`
-    !> holds the scale of each component, which makes them comparable.
+    !> All eigenvalues of a square matrix A, with those equal to `known` last. Candidates for their
+    !> eigenvectors are the columns c of `forms`, c^T A = known c^T, and v of `directions`, A v = known v with
+    !> c^T v = 0 for every form. Candidates that are not eigenvectors are ignored. `unit` contains the scale
+    !> of each component, by which components are compared.
     subroutine find_spectrum(matrix, unit, known, forms, directions, eigenvalues, status)
         real(dp), intent(in) :: matrix(:, :), unit(:), known, forms(:, :), directions(:, :)
-        complex(dp), intent(out) :: eigenvalues(size(matrix, 1))
-        integer, intent(out) :: status
+            !! n x n; n scales; known eigenvalue; n x any; n x any
+        complex(dp), intent(out) :: eigenvalues(size(matrix, 1)) !! all eigenvalues, those equal to `known` last
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: scaled(size(matrix, 1), size(matrix, 1)), vectors(size(matrix, 1), size(forms, 2) + size(directions, 2))
         real(dp) :: basis(size(matrix, 1), size(matrix, 1)), singular(size(matrix, 1))
         real(dp), allocatable :: rest(:, :)
@@ -52,7 +53,7 @@ contains
         do i = 1, n
             basis(i, i) = 1
         end do
-        ! With them as the first of an orthonormal basis the matrix is block triangular.
+        ! In an orthonormal basis that begins with these vectors the matrix is block triangular.
         call dgesvd('A', 'N', n, taken, vectors, n, singular, basis, n, unused, 1, scratch, &
                     size(scratch), failure)
         if (failure /= 0) status = status_not_converged
@@ -70,7 +71,7 @@ contains
 
     contains
 
-        !> Takes a candidate, given its image.
+        !> Accepts a candidate, given its image, if it is an eigenvector.
         subroutine take(vector, image)
             real(dp), intent(in) :: vector(:), image(:)
             real(dp) :: length

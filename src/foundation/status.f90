@@ -1,4 +1,4 @@
-!> How a computation ended: small integers inside loops, names in tables.
+!> Status of a computation: an integer inside loops, a name in tables.
 module spintop_status
     implicit none
     private
@@ -7,8 +7,9 @@ module spintop_status
     public :: status_step_too_small, status_turning_point, status_outside, status_unsuitable
     public :: status_integrator, status_bad_input, status_bad_body, status_bad_start, status_bad_controls
     public :: status_bad_span, status_bad_samples, status_bad_events, status_bad_projection
-    public :: status_no_steps, status_no_structure, status_stuck_at_turn, status_unknown_name, last_status
+    public :: status_no_steps, status_no_structure, status_stuck_at_turn, status_unknown_name, status_too_many_events, last_status
 
+    !> Outcomes of a computation. `status_meaning` gives a sentence for each.
     integer, parameter :: status_ok = 0
     integer, parameter :: status_pole = 1
     integer, parameter :: status_non_finite = 2
@@ -20,7 +21,7 @@ module spintop_status
     integer, parameter :: status_unsuitable = 8
     integer, parameter :: status_integrator = 9
     integer, parameter :: status_bad_input = 10
-    ! Reasons to refuse a call before anything is computed.
+    !> Reasons for which a call is refused before the computation.
     integer, parameter :: status_bad_body = 11
     integer, parameter :: status_bad_start = 12
     integer, parameter :: status_bad_controls = 13
@@ -32,15 +33,16 @@ module spintop_status
     integer, parameter :: status_no_structure = 19
     integer, parameter :: status_stuck_at_turn = 20
     integer, parameter :: status_unknown_name = 21
-    integer, parameter :: last_status = 21
+    integer, parameter :: status_too_many_events = 22
+    integer, parameter :: last_status = 22
 
-    !> Names as they stand in tables, and a sentence for each. Threads take them from here: gfortran
-    !> keeps the length that a function of deferred length returns in memory shared by all threads.
+    !> Names in tables, and a sentence for each. Threads use these constants: gfortran keeps the length of the
+    !> result of a function of deferred length in memory that all threads share.
     character(*), parameter :: status_names(0:last_status) = [character(16) :: &
         'ok', 'pole', 'non_finite', 'step_limit', 'not_converged', 'step_too_small', &
         'turning_point', 'outside', 'unsuitable', 'integrator', 'bad_input', 'bad_body', 'bad_start', &
         'bad_controls', 'bad_span', 'bad_samples', 'bad_events', 'bad_projection', 'no_steps', &
-        'no_structure', 'stuck_at_turn', 'unknown_name']
+        'no_structure', 'stuck_at_turn', 'unknown_name', 'too_many_events']
 
     character(*), parameter :: status_meanings(0:last_status) = [character(112) :: &
         'completed', &
@@ -58,19 +60,20 @@ module spintop_status
         'the quaternion of the start is zero, or contradicts its angles, or its rates contradict omega', &
         'a tolerance, steps, max_steps, the projection or the Butcher table is not valid for the method', &
         'the end of the span is not a finite time at or after the start', &
-        'the sample times are not in rising order within the span', &
+        'the sample times are not in increasing order within the span', &
         'an event has a level that is not finite, or no direction', &
         'the formulation lacks, or the damped body does not conserve, the invariants to project on', &
         'a method with a fixed step size needs a number of steps', &
         'the method needs a structure that the formulation does not offer', &
         'this method cannot leave a turning point of theta where theta_rate is reset from the energy', &
-        'the name is unknown']
+        'the name is unknown', &
+        'there are more events than can be counted or kept']
 
 contains
 
-    !> Name of a status as it stands in tables; 'unknown' for a number that is not a status.
+    !> Name of a status in tables; 'unknown' for a number that is not a status.
     pure function status_name(status) result(name)
-        integer, intent(in) :: status
+        integer, intent(in) :: status !! number of a status
         character(:), allocatable :: name
         name = 'unknown'
         if (status >= 0 .and. status <= last_status) name = trim(status_names(status))
@@ -78,7 +81,7 @@ contains
 
     !> One sentence that explains a status.
     pure function status_meaning(status) result(meaning)
-        integer, intent(in) :: status
+        integer, intent(in) :: status !! number of a status
         character(:), allocatable :: meaning
         meaning = 'this number is not a status'
         if (status >= 0 .and. status <= last_status) meaning = trim(status_meanings(status))

@@ -5,27 +5,32 @@ module spintop_text
     use spintop_kinds, only: dp
     implicit none
     private
-    public :: string_t, lower_case, nearest_word, join, split, to_text, replace_all, abbreviate
+    public :: string_t, lower_case, nearest_word, did_you_mean, join, split, to_text, replace_all, abbreviate
     public :: write_reals, write_integer, real_width
 
     !> Maximum number of characters of a real number.
     integer, parameter :: real_width = 24
 
-    !> One text of any length, as an element of a list.
+    !> A text of any length, as an element of a list.
     type :: string_t
         character(:), allocatable :: text
     end type string_t
 
-    !> A number as text: a real in the shortest form that reads back to the same bits
-    !> (`nan`, `inf` and `-inf` where it is not finite), an integer without blanks.
+    !> A number as text: a real in the shortest form that gives the same bits when it is read (`nan`, `inf`,
+    !> `-inf` if it is not finite), an integer without blanks.
     interface to_text
         procedure real_to_text, integer_to_text, long_integer_to_text
     end interface to_text
 
-    !> `join(words, separator)`: one text of many words.
+    !> `join(words, separator)`: the words as one text.
     interface join
         procedure join_strings, join_words
     end interface join
+
+    !> `did_you_mean(word, candidates)`: "did you mean 'mass'?", or '' if no candidate is similar.
+    interface did_you_mean
+        procedure did_you_mean_string, did_you_mean_word
+    end interface did_you_mean
 
     interface
         integer(c_int) function c_real_to_text(value, text, capacity) &
@@ -55,9 +60,9 @@ module spintop_text
 
 contains
 
-    !> The text with its ASCII capitals made small.
+    !> The text with ASCII capital letters in lower case.
     pure function lower_case(text) result(lower)
-        character(*), intent(in) :: text
+        character(*), intent(in) :: text !! the text
         character(len(text)) :: lower
         integer :: i
         lower = text
@@ -66,16 +71,16 @@ contains
         end do
     end function lower_case
 
-    !> The candidate most like the word, or '' where none is near enough to be meant: at most
-    !> a third of its letters (at least one) inserted, left out, changed or swapped.
+    !> The candidate that is most similar to the word, or '' if none is: at most a third of its letters (at
+    !> least one) may be inserted, omitted, changed or exchanged.
     pure function nearest_word(word, candidates) result(best)
-        character(*), intent(in) :: word
-        type(string_t), intent(in) :: candidates(:)
+        character(*), intent(in) :: word !! the word
+        type(string_t), intent(in) :: candidates(:) !! possible words
         character(:), allocatable :: best
         integer :: i, found, least
 
         best = ''
-        ! Far longer than any name: nothing is near, and the comparison would be slow.
+        ! Much longer than any name: nothing is similar, and the comparison would be slow.
         if (len_trim(word) > 100) return
         least = max(1, len_trim(word) / 3) + 1
         do i = 1, size(candidates)
@@ -87,14 +92,30 @@ contains
         end do
     end function nearest_word
 
-    !> Damerau-Levenshtein distance (the variant where no part is edited twice).
+    !> The question for the most similar of texts.
+    pure function did_you_mean_string(word, candidates) result(question)
+        character(*), intent(in) :: word !! the word
+        type(string_t), intent(in) :: candidates(:) !! possible words
+        character(:), allocatable :: question
+        question = nearest_word(word, candidates)
+        if (question /= '') question = "did you mean '" // question // "'?"
+    end function did_you_mean_string
+
+    !> The question for the most similar of words of one length.
+    pure function did_you_mean_word(word, candidates) result(question)
+        character(*), intent(in) :: word, candidates(:) !! the word; possible words
+        character(:), allocatable :: question
+        question = did_you_mean_string(word, strings_of(candidates))
+    end function did_you_mean_word
+
+    !> Damerau-Levenshtein distance (optimal string alignment: no part is edited twice).
     pure integer function edit_distance(a, b) result(distance)
         character(*), intent(in) :: a, b
         integer :: table(-1:len(a), -1:len(b))
         integer :: i, j
         logical :: swapped
 
-        ! The extra row and column keep the look back over a swap inside the table.
+        ! The extra row and column keep the look-up for a transposition inside the table.
         table = len(a) + len(b)
         table(0:, 0) = [(i, i=0, len(a))]
         table(0, 0:) = [(j, j=0, len(b))]
@@ -110,9 +131,10 @@ contains
         distance = table(len(a), len(b))
     end function edit_distance
 
+    !> Joins texts of any length.
     pure function join_strings(words, separator) result(text)
-        type(string_t), intent(in) :: words(:)
-        character(*), intent(in) :: separator
+        type(string_t), intent(in) :: words(:) !! the words
+        character(*), intent(in) :: separator !! text between two parts
         character(:), allocatable :: text
         integer :: i, first, last
 
@@ -132,22 +154,28 @@ contains
         end do
     end function join_strings
 
+    !> Joins words of one length, without their trailing blanks.
     pure function join_words(words, separator) result(text)
-        character(*), intent(in) :: words(:), separator
+        character(*), intent(in) :: words(:), separator !! the words, and the text between two of them
         character(:), allocatable :: text
+        text = join_strings(strings_of(words), separator)
+    end function join_words
+
+    !> Words of one length as texts, without their trailing blanks.
+    pure function strings_of(words) result(strings)
+        character(*), intent(in) :: words(:)
         type(string_t) :: strings(size(words))
         integer :: i
         do i = 1, size(words)
             strings(i)%text = trim(words(i))
         end do
-        text = join_strings(strings, separator)
-    end function join_words
+    end function strings_of
 
-    !> The parts of a text between separators, without blanks around them; none if it is blank.
+    !> The parts of a text between separators, without surrounding blanks; none if the text is blank.
     pure subroutine split(text, separator, parts)
-        character(*), intent(in) :: text
-        character, intent(in) :: separator
-        type(string_t), allocatable, intent(out) :: parts(:)
+        character(*), intent(in) :: text !! the text
+        character, intent(in) :: separator !! character between two parts
+        type(string_t), allocatable, intent(out) :: parts(:) !! the parts
         integer :: i, part, first
 
         if (len_trim(text) == 0) then
@@ -168,8 +196,8 @@ contains
 
     !> The text with every occurrence of one character replaced.
     pure function replace_all(text, old, new) result(replaced)
-        character(*), intent(in) :: text, new
-        character, intent(in) :: old
+        character(*), intent(in) :: text, new !! the text, and the characters that replace `old`
+        character, intent(in) :: old !! the character to be replaced
         character(:), allocatable :: replaced
         integer :: i
 
@@ -183,17 +211,18 @@ contains
         end do
     end function replace_all
 
-    !> A text short enough for a message.
+    !> The text, shortened if necessary for a message.
     pure function abbreviate(text) result(short)
-        character(*), intent(in) :: text
+        character(*), intent(in) :: text !! a text of any length
         character(:), allocatable :: short
         integer, parameter :: longest = 60
         short = text
         if (len(text) > longest) short = text(:longest) // '...'
     end function abbreviate
 
+    !> A real in the shortest form that gives the same bits.
     function real_to_text(value) result(text)
-        real(dp), intent(in) :: value
+        real(dp), intent(in) :: value !! the value
         character(:), allocatable :: text
         character(real_width) :: room
         integer :: length
@@ -201,14 +230,16 @@ contains
         text = room(:length)
     end function real_to_text
 
+    !> An integer without blanks.
     pure function integer_to_text(value) result(text)
-        integer, intent(in) :: value
+        integer, intent(in) :: value !! the value
         character(:), allocatable :: text
         text = long_integer_to_text(int(value, int64))
     end function integer_to_text
 
+    !> A 64-bit integer without blanks.
     pure function long_integer_to_text(value) result(text)
-        integer(int64), intent(in) :: value
+        integer(int64), intent(in) :: value !! the value
         character(:), allocatable :: text
         character(real_width) :: room
         write (room, '(i0)') value
@@ -217,17 +248,17 @@ contains
 
     !> Writes an integer to the start of a text of `real_width` characters or more.
     subroutine write_integer(value, text, length)
-        integer(int64), intent(in) :: value
-        character(*), intent(inout) :: text
+        integer(int64), intent(in) :: value !! the value
+        character(*), intent(inout) :: text !! the digits are at its beginning
         integer, intent(out) :: length !! characters written
         length = c_integer_to_text(value, text, len(text))
     end subroutine write_integer
 
-    !> Writes numbers, separated by commas, to the start of a text that has room for
-    !> `(real_width + 1)*size(values)` characters. The fast way to a row of a table.
+    !> Writes numbers, separated by commas, to the start of a text with room for `(real_width +
+    !> 1)*size(values)` characters. This is the fast way to make a row of a table.
     subroutine write_reals(values, text, length)
-        real(dp), intent(in), contiguous :: values(:)
-        character(*), intent(inout) :: text
+        real(dp), intent(in), contiguous :: values(:) !! numbers
+        character(*), intent(inout) :: text !! the numbers are at its beginning
         integer, intent(out) :: length !! characters written
         length = c_reals_to_text(values, size(values), text, len(text))
     end subroutine write_reals

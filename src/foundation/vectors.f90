@@ -9,7 +9,7 @@ contains
 
     !> Vector product a x b.
     pure function cross(a, b) result(c)
-        real(dp), intent(in) :: a(3), b(3)
+        real(dp), intent(in) :: a(3), b(3) !! vectors
         real(dp) :: c(3)
         c(1) = a(2) * b(3) - a(3) * b(2)
         c(2) = a(3) * b(1) - a(1) * b(3)
@@ -18,7 +18,7 @@ contains
 
     !> The matrix of the vector product: skew(a) b = a x b.
     pure function skew(a) result(matrix)
-        real(dp), intent(in) :: a(3)
+        real(dp), intent(in) :: a(3) !! vector
         real(dp) :: matrix(3, 3)
         matrix(:, 1) = [0.0_dp, a(3), -a(2)]
         matrix(:, 2) = [-a(3), 0.0_dp, a(1)]

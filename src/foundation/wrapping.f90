@@ -1,4 +1,4 @@
-!> Long texts on several lines.
+!> Breaks long texts into lines.
 module spintop_wrapping
     implicit none
     private
@@ -6,16 +6,16 @@ module spintop_wrapping
 
     !> Width of a text that is not written to a terminal, in columns.
     integer, parameter :: default_width = 100
-    !> Least room for words beside what stands to their left.
+    !> Minimum number of columns for words beside an indentation.
     integer, parameter :: least_room = 24
 
 contains
 
-    !> A text broken at blanks, so that no line is longer than `width` where that is possible. The first line
-    !> begins at column `start + 1`; the others are indented as far, or by `indent` where that is given. Its own
-    !> line ends stay.
+    !> A text broken at blanks, so that no line is longer than `width` if possible. The first line begins at
+    !> column `start + 1`. The other lines are indented as far, or by `indent` if it is present. Line ends of
+    !> the text are kept.
     pure function wrapped(text, start, width, indent) result(lines)
-        character(*), intent(in) :: text
+        character(*), intent(in) :: text !! may contain line ends
         integer, intent(in) :: start !! columns in use before the first word
         integer, intent(in) :: width !! columns of a line
         integer, intent(in), optional :: indent !! blanks before the other lines
@@ -51,9 +51,9 @@ contains
         end do
     end function wrapped
 
-    !> Number of characters of a text in UTF-8 (continuation bytes do not count).
+    !> Number of characters of a UTF-8 text (continuation bytes do not count).
     pure integer function characters(text)
-        character(*), intent(in) :: text
+        character(*), intent(in) :: text !! in UTF-8
         integer :: i
         characters = count([(iand(iachar(text(i:i)), 192) /= 128, i=1, len(text))])
     end function characters

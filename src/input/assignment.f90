@@ -1,9 +1,10 @@
-!> `key(subscripts) = values`: the values of one assignment, checked and stored.
+!> An assignment `key(subscripts) = values`: its values are checked and stored.
 module spintop_assignment
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_diagnostics, only: diagnostics_t, place_t
     use spintop_kinds, only: dp
-    use spintop_literals, only: read_integer, read_logical, read_real
-    use spintop_parameter, only: all_elements, kind_integer, kind_real, kind_text, &
+    use spintop_literals, only: read_integer, read_logical, read_long, read_real
+    use spintop_parameter, only: all_elements, kind_integer, kind_long, kind_real, kind_text, &
         leading_elements, parameter_t, quoted
     use spintop_plain_text, only: is_plain
     use spintop_scanner, only: scanner_t, token_close, token_colon, token_comma, token_open, &
@@ -14,11 +15,11 @@ module spintop_assignment
     private
     public :: assignment_t
 
-    !> The elements that an assignment names, and how far it has come.
+    !> The elements that an assignment names, and its state.
     type :: assignment_t
         type(place_t) :: place           !! of the key
         logical :: quotes_optional = .false.
-        logical :: refused = .false.     !! an error makes the rest of the values void
+        logical :: refused = .false.     !! an error makes the other values void
         integer, private :: row = 1, first = 1, last = 1
         logical, private :: whole = .true. !! the key or its row, without bounds
         integer :: count = 0             !! values so far
@@ -38,9 +39,9 @@ contains
     !> Reads the subscripts, if there are any: `(2)`, `(1,:)`, `(1,2:4)`, `(:3)`.
     subroutine read_subscripts(self, parameter, scanner, diagnostics)
         class(assignment_t), intent(inout) :: self
-        type(parameter_t), intent(inout) :: parameter
-        type(scanner_t), intent(inout) :: scanner
-        type(diagnostics_t), intent(inout) :: diagnostics
+        type(parameter_t), intent(inout) :: parameter !! the parameter
+        type(scanner_t), intent(inout) :: scanner !! the scanner, after the key
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(token_t) :: token
         integer :: bounds(2, 2), dimensions
 
@@ -70,7 +71,7 @@ contains
         end if
     end subroutine read_subscripts
 
-    !> How subscripts are written.
+    !> Example of the subscripts of a parameter.
     function example(parameter) result(text)
         type(parameter_t), intent(in) :: parameter
         character(:), allocatable :: text
@@ -93,12 +94,12 @@ contains
         if (self%row < 1 .or. self%row > parameter%extents(1) .or. self%first > self%last &
             .or. self%last > parameter%extents(2)) then
             call self%refuse(parameter, diagnostics, self%place, 'subscript out of bounds', &
-                'the whole is ' // parameter%full_name())
+                'the array is ' // parameter%full_name())
         end if
     end subroutine take_bounds
 
-    !> Reads bounds up to the closing parenthesis; absent ones are -1. `dimensions` is 0 if
-    !> they cannot be understood.
+    !> Reads bounds up to the closing parenthesis; absent ones are -1. `dimensions` is 0 if they are not
+    !> valid.
     subroutine read_bounds(scanner, bounds, dimensions, token)
         type(scanner_t), intent(inout) :: scanner
         integer, intent(out) :: bounds(2, 2), dimensions
@@ -118,7 +119,7 @@ contains
                 good = good .and. side <= 2 .and. dimensions <= 2
                 if (good) then
                     call read_integer(scanner%word(token), bounds(side, dimensions), problem, hint)
-                    ! A zero or a negative number must not pass for an absent bound.
+                    ! A zero or a negative number must not be taken for an absent bound.
                     good = problem == '' .and. bounds(side, dimensions) > 0
                 end if
             case (token_colon)
@@ -142,11 +143,11 @@ contains
         if (.not. good) dimensions = 0
     end subroutine read_bounds
 
-    !> Checks that nothing was given before, and makes room.
+    !> Checks that no element was assigned before, and makes room.
     subroutine begin(self, parameter, diagnostics)
         class(assignment_t), intent(inout) :: self
-        type(parameter_t), intent(inout) :: parameter
-        type(diagnostics_t), intent(inout) :: diagnostics
+        type(parameter_t), intent(inout) :: parameter !! the parameter
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         integer :: i
 
         if (self%refused) return
@@ -166,11 +167,11 @@ contains
     !> Stores a value `repeats` times.
     subroutine put(self, parameter, token, text, repeats, diagnostics)
         class(assignment_t), intent(inout) :: self
-        type(parameter_t), intent(inout) :: parameter
-        type(token_t), intent(in) :: token
+        type(parameter_t), intent(inout) :: parameter !! the parameter
+        type(token_t), intent(in) :: token !! the token of the value
         character(*), intent(in) :: text !! the value, without quotes
-        integer, intent(in) :: repeats
-        type(diagnostics_t), intent(inout) :: diagnostics
+        integer, intent(in) :: repeats !! number of consecutive elements with this value
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         character(:), allocatable :: hint
         integer :: i
 
@@ -194,11 +195,11 @@ contains
         end do
     end subroutine put
 
-    !> Checks that there were values enough.
+    !> Checks that the number of values is sufficient.
     subroutine finish(self, parameter, diagnostics)
         class(assignment_t), intent(inout) :: self
-        type(parameter_t), intent(inout) :: parameter
-        type(diagnostics_t), intent(inout) :: diagnostics
+        type(parameter_t), intent(inout) :: parameter !! the parameter
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         logical :: all_needed
 
         if (self%refused .or. parameter%faulty) return
@@ -230,6 +231,7 @@ contains
         character(:), allocatable :: problem, hint
         real(dp) :: number
         integer :: whole_number
+        integer(int64) :: long_number
         logical :: flag
 
         parameter%places(self%row, column) = token%place
@@ -247,6 +249,9 @@ contains
             case (kind_integer)
                 call read_integer(text, whole_number, problem, hint)
                 number = whole_number
+            case (kind_long)
+                call read_long(text, long_number, problem, hint)
+                number = real(long_number, dp)
             case default
                 call read_logical(text, flag, problem, hint)
             end select
@@ -268,6 +273,8 @@ contains
             call parameter%put_real(self%row, column, number)
         case (kind_integer)
             call parameter%put_integer(self%row, column, whole_number)
+        case (kind_long)
+            call parameter%put_long(long_number)
         case default
             call parameter%put_flag(flag)
         end select
@@ -325,14 +332,14 @@ contains
         parameter%faulty = .true.
     end subroutine fail
 
-    !> Reports an error that makes the rest of the assignment void.
+    !> Reports an error that makes the other values of the assignment void.
     subroutine refuse(self, parameter, diagnostics, place, message, hint)
         class(assignment_t), intent(inout) :: self
-        type(parameter_t), intent(inout) :: parameter
-        type(diagnostics_t), intent(inout) :: diagnostics
-        type(place_t), intent(in) :: place
-        character(*), intent(in) :: message
-        character(*), intent(in), optional :: hint
+        type(parameter_t), intent(inout) :: parameter !! the parameter
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
+        type(place_t), intent(in) :: place !! place in the source
+        character(*), intent(in) :: message !! what is wrong
+        character(*), intent(in), optional :: hint !! what is expected
         call self%fail(parameter, diagnostics, place, message, hint)
         self%refused = .true.
     end subroutine refuse

@@ -6,19 +6,19 @@
 !>        |     ^^^ did you mean 'mass'?
 module spintop_diagnostics
     use spintop_errors, only: error_t, input_error
-    use spintop_plain_text, only: visible
+    use spintop_plain_text, only: escaped, visible
     use spintop_text, only: to_text
     use spintop_wrapping, only: characters, default_width, wrapped
     implicit none
     private
     public :: diagnostics_t, place_t
 
-    !> More problems than this are counted, not shown.
+    !> Problems beyond this number are counted, not shown.
     integer, parameter :: most_shown = 100
-    !> Longest part of a source line that is shown.
+    !> Maximum length of the part of a source line that is shown.
     integer, parameter :: widest_line = 100, least_window = 20
 
-    !> Where something stands in a source. The default is nowhere.
+    !> A place in a source. By default there is no place.
     type :: place_t
         integer :: source = 0 !! number of the source, 0 for none
         integer :: line = 0   !! from 1; 0 means the source as a whole
@@ -35,7 +35,7 @@ module spintop_diagnostics
         character(:), allocatable :: severity, message, hint
     end type problem_t
 
-    !> The problems of one input, in the order in which they stand in it.
+    !> The problems of one input, in the order of their places.
     type :: diagnostics_t
         private
         type(source_t), allocatable :: sources(:)
@@ -55,12 +55,12 @@ module spintop_diagnostics
 
 contains
 
-    !> Makes a text known, so that places in it can be shown; returns its number.
+    !> Registers a source, so that places in it can be shown; `number` identifies it.
     subroutine add_source(self, name, text, number)
         class(diagnostics_t), intent(inout) :: self
         character(*), intent(in) :: name !! stands before line and column: a file name, `--set`
-        character(*), intent(in) :: text
-        integer, intent(out) :: number
+        character(*), intent(in) :: text !! contents of the source
+        integer, intent(out) :: number !! identifies the source in places
         type(source_t), allocatable :: larger(:)
 
         number = 1
@@ -72,22 +72,22 @@ contains
         call move_alloc(larger, self%sources)
     end subroutine add_source
 
-    !> Adds an error: what is wrong, and what would be right.
+    !> Adds an error: what is wrong, and what is expected.
     subroutine error(self, place, message, hint)
         class(diagnostics_t), intent(inout) :: self
-        type(place_t), intent(in) :: place
-        character(*), intent(in) :: message
-        character(*), intent(in), optional :: hint
+        type(place_t), intent(in) :: place !! place in the source
+        character(*), intent(in) :: message !! what is wrong
+        character(*), intent(in), optional :: hint !! what is expected
         self%errors = self%errors + 1
         call self%add(place, 'error', message, hint)
     end subroutine error
 
-    !> Adds a warning: worth a look, but no reason to stop.
+    !> Adds a warning.
     subroutine warning(self, place, message, hint)
         class(diagnostics_t), intent(inout) :: self
-        type(place_t), intent(in) :: place
-        character(*), intent(in) :: message
-        character(*), intent(in), optional :: hint
+        type(place_t), intent(in) :: place !! place in the source
+        character(*), intent(in) :: message !! what is wrong
+        character(*), intent(in), optional :: hint !! what is expected
         self%warnings = self%warnings + 1
         call self%add(place, 'warning', message, hint)
     end subroutine warning
@@ -104,16 +104,16 @@ contains
         has_warnings = self%warnings > 0
     end function has_warnings
 
-    !> Turns the errors, if there are any, into one error that holds the whole report.
+    !> Makes one error with the whole report, if there are errors.
     subroutine raise(self, error, width)
         class(diagnostics_t), intent(in) :: self
-        type(error_t), allocatable, intent(out) :: error
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         integer, intent(in), optional :: width !! of its lines, in columns
         if (self%has_errors()) error = input_error(self%report(width))
     end subroutine raise
 
-    !> The text of all problems, errors and warnings, and a last line that counts them. A line with a place
-    !> is never broken, for tools that read it.
+    !> The text of all problems, errors and warnings, and a last line with their number. A line with a place
+    !> is never broken, because other tools read it.
     function report(self, width) result(text)
         class(diagnostics_t), intent(in) :: self
         integer, intent(in), optional :: width !! of its lines, in columns
@@ -198,10 +198,10 @@ contains
                     line = line_of(source%text, place%line)
                     place%column = min(place%column, len(line) + 1)
                     before = visible(line(:place%column - 1))
-                    text = source%name // ':' // to_text(place%line) // ':' // &
+                    text = escaped(source%name) // ':' // to_text(place%line) // ':' // &
                         to_text(characters(before) + 1) // ': ' // text
                 else
-                    text = source%name // ': ' // text
+                    text = escaped(source%name) // ': ' // text
                 end if
             end associate
         end if
@@ -228,7 +228,7 @@ contains
         end if
     end function show
 
-    !> The line of that number, without its end.
+    !> The line with a number, without its line end.
     pure function line_of(text, number) result(line)
         character(*), intent(in) :: text
         integer, intent(in) :: number
@@ -247,7 +247,7 @@ contains
         end if
     end function line_of
 
-    !> Keeps the stretch of a very long line around the place.
+    !> Keeps the part of a very long line around the place.
     pure subroutine cut_to_window(line, place, room)
         character(:), allocatable, intent(inout) :: line
         type(place_t), intent(inout) :: place

@@ -1,20 +1,23 @@
-!> Values as they are written in a namelist, with what is wrong with those that cannot be read.
+!> Values as they are written in a namelist, with a description of the error if they are not valid.
 module spintop_literals
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_compare, only: is_equal
     use spintop_kinds, only: dp
     use spintop_text, only: abbreviate, lower_case, to_text
     implicit none
     private
-    public :: read_real, read_integer, read_logical
+    public :: read_real, read_integer, read_long, read_logical, read_subscript, is_real_literal
 
     character(*), parameter :: digits = '0123456789'
+    !> Integers of so many binary digits are exact as reals.
+    integer, parameter :: digits_of_real = 53
 
 contains
 
     !> Reads a real as Fortran writes it: `1`, `-.5`, `2e-3`, `2d-3`.
     subroutine read_real(text, value, problem, hint)
-        character(*), intent(in) :: text
-        real(dp), intent(out) :: value
+        character(*), intent(in) :: text !! the literal
+        real(dp), intent(out) :: value !! the value, if there is no problem
         character(:), allocatable, intent(out) :: problem !! what is wrong, or ''
         character(:), allocatable, intent(out) :: hint    !! what would be right, or ''
         character(:), allocatable :: lower
@@ -25,7 +28,7 @@ contains
         hint = ''
         lower = lower_case(text)
         exponent = scan(lower // 'e', 'edq')
-        if (.not. is_mantissa(lower(:exponent - 1)) .or. .not. is_exponent(lower(exponent:))) then
+        if (.not. is_real_literal(text)) then
             problem = 'not a number: ' // abbreviate(text)
             if (is_infinite_or_nan(lower)) then
                 hint = 'it must be finite'
@@ -40,7 +43,7 @@ contains
         end if
         if (exponent <= len(lower)) lower(exponent:exponent) = 'e'
         read (lower, *, iostat=status) value
-        ! The largest number itself stands for "not given".
+        ! The largest number itself means "not given".
         if (status /= 0 .or. abs(value) >= huge(value)) then
             problem = 'the number ' // abbreviate(text) // ' is too large'
             hint = 'its magnitude must be below 1.79e308'
@@ -52,8 +55,29 @@ contains
 
     !> Reads an integer.
     subroutine read_integer(text, value, problem, hint)
+        character(*), intent(in) :: text !! the literal
+        integer, intent(out) :: value !! the value, if there is no problem
+        character(:), allocatable, intent(out) :: problem, hint
+            !! what is wrong, and what is expected; '' without an error
+        integer(int64) :: long
+        call read_whole(text, int(huge(1), int64), long, problem, hint)
+        value = int(long)
+    end subroutine read_integer
+
+    !> Reads an integer of 64 bits that is also an exact real.
+    subroutine read_long(text, value, problem, hint)
+        character(*), intent(in) :: text !! the literal
+        integer(int64), intent(out) :: value !! the value, if there is no problem
+        character(:), allocatable, intent(out) :: problem, hint
+            !! what is wrong, and what is expected; '' without an error
+        call read_whole(text, 2_int64**digits_of_real, value, problem, hint)
+    end subroutine read_long
+
+    !> Reads an integer whose magnitude is below a limit of at most 2**53.
+    subroutine read_whole(text, limit, value, problem, hint)
         character(*), intent(in) :: text
-        integer, intent(out) :: value
+        integer(int64), intent(in) :: limit
+        integer(int64), intent(out) :: value
         character(:), allocatable, intent(out) :: problem, hint
         character(:), allocatable :: real_problem
         real(dp) :: number
@@ -65,20 +89,30 @@ contains
             problem = 'not an integer: ' // abbreviate(text)
             hint = 'expected a whole number'
             if (real_problem == '' .and. is_equal(number, anint(number)) .and. &
-                abs(number) < huge(1)) hint = 'a whole number is written ' // to_text(nint(number))
-        else if (abs(number) >= huge(1)) then
+                abs(number) < limit) hint = 'a whole number is written ' // to_text(nint(number, int64))
+        else if (abs(number) >= limit) then
             problem = 'the integer ' // abbreviate(text) // ' is too large'
-            hint = 'its magnitude must be below ' // to_text(huge(1))
+            hint = 'its magnitude must be below ' // to_text(limit)
         else
-            value = nint(number)
+            value = nint(number, int64)
         end if
-    end subroutine read_integer
+    end subroutine read_whole
+
+    !> Reads a subscript: a positive number of at most nine digits; 0 if it is none.
+    pure subroutine read_subscript(text, value)
+        character(*), intent(in) :: text !! the literal
+        integer, intent(out) :: value !! the value
+        value = 0
+        if (text == '' .or. len(text) > 9 .or. verify(text, digits) > 0) return
+        read (text, '(i9)') value
+    end subroutine read_subscript
 
     !> Reads a logical: `.true.`, `.false.`, `true`, `false`, `t`, `f`, `.t.`, `.f.`.
     subroutine read_logical(text, value, problem, hint)
-        character(*), intent(in) :: text
-        logical, intent(out) :: value
+        character(*), intent(in) :: text !! the literal
+        logical, intent(out) :: value !! the value, if there is no problem
         character(:), allocatable, intent(out) :: problem, hint
+            !! what is wrong, and what is expected; '' without an error
 
         problem = ''
         hint = ''
@@ -93,6 +127,16 @@ contains
             hint = 'expected .true. or .false.'
         end select
     end subroutine read_logical
+
+    !> Whether a text has the form of a real, whatever its magnitude.
+    pure logical function is_real_literal(text)
+        character(*), intent(in) :: text !! the literal
+        character(:), allocatable :: lower
+        integer :: exponent
+        lower = lower_case(text)
+        exponent = scan(lower // 'e', 'edq')
+        is_real_literal = is_mantissa(lower(:exponent - 1)) .and. is_exponent(lower(exponent:))
+    end function is_real_literal
 
     !> `1`, `-1.`, `+.5`
     pure logical function is_mantissa(text)

@@ -1,10 +1,10 @@
 !> Reads a namelist file, and overrides from the command line, into a table of parameters.
 !>
-!> The rules are those of Fortran, made strict where Fortran would pass over a mistake: every
-!> group and key must be known and stand once; nothing but comments stands between groups; a
-!> text stands in quotes, on one line; no value is left empty; a list is either given by
-!> `key = a, b`, by elements `key(2) = a` and ranges `key(2:3) = a, b`, or, where it has rows,
-!> by `key(1,:) = a, b`. All errors are collected; reading continues after an error.
+!> The rules are those of Fortran, but stricter where Fortran accepts likely mistakes. Every group and every
+!> key must be known and may occur once. Only comments are allowed between groups. Texts are in quotes, on one
+!> line. No value may be empty. A list is given by `key = a, b`, by elements `key(2) = a` and ranges
+!> `key(2:3) = a, b`, or, if it has rows, by `key(1,:) = a, b`. All errors are collected; reading continues
+!> after an error.
 module spintop_namelist
     use spintop_assignment, only: assignment_t
     use spintop_diagnostics, only: diagnostics_t, place_t
@@ -27,15 +27,15 @@ module spintop_namelist
 
 contains
 
-    !> Reads a file and then the overrides (`group.key=value`, the last one of a key counts) into
-    !> the variables of the table. What is wrong with them is in the diagnostics; an error means
-    !> that the table itself is wrong.
+    !> Reads a file and then the overrides (`group.key=value`; the last one for a key counts) into the
+    !> variables of the table. Problems of the input are added to the diagnostics; an error means that the
+    !> table itself is wrong.
     subroutine read_namelist(path, overrides, table, diagnostics, error)
-        character(*), intent(in) :: path
-        type(string_t), intent(in) :: overrides(:)
-        type(parameter_table_t), intent(inout) :: table
-        type(diagnostics_t), intent(inout) :: diagnostics
-        type(error_t), allocatable, intent(out) :: error
+        character(*), intent(in) :: path !! path of the file
+        type(string_t), intent(in) :: overrides(:) !! overrides `group.key=value`
+        type(parameter_table_t), intent(inout) :: table !! the parameters of an input
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(error_t), allocatable :: unreadable
         character(:), allocatable :: text
         integer :: i
@@ -57,7 +57,7 @@ contains
         end do
     end subroutine read_namelist
 
-    !> The place of the i-th byte of a source.
+    !> The place of byte `i` of a source.
     pure type(place_t) function place_of_byte(text, i, source) result(place)
         character(*), intent(in) :: text
         integer, intent(in) :: i, source
@@ -97,11 +97,11 @@ contains
                 end do
             end if
         end do
-        if (.not. any_group) call diagnostics%error(table%place, 'the file holds no group', &
+        if (.not. any_group) call diagnostics%error(table%place, 'the file has no group', &
             'it should start with &' // table%groups(1)%name)
     end subroutine read_groups
 
-    !> Reads a group from behind its name to its slash.
+    !> Reads a group, from the end of its name to its slash.
     subroutine read_group(scanner, start, table, diagnostics)
         type(scanner_t), intent(inout) :: scanner
         type(token_t), intent(in) :: start
@@ -146,7 +146,7 @@ contains
         type(place_t), intent(in) :: place
         type(parameter_table_t), intent(inout) :: table
         type(diagnostics_t), intent(inout) :: diagnostics
-        logical, intent(out) :: known !! the group is known, and not read before
+        logical, intent(out) :: known !! whether the group is known, and was not read before
         integer :: number
 
         number = table%find_group(name)
@@ -172,7 +172,7 @@ contains
         if (is_legacy_end) is_legacy_end = lower_case(scanner%word(token)) == '&end'
     end function is_legacy_end
 
-    !> Behind the slash the line is empty, or another group starts.
+    !> After the slash the line must be empty, or another group begins.
     subroutine close_group(scanner, diagnostics)
         type(scanner_t), intent(inout) :: scanner
         type(diagnostics_t), intent(inout) :: diagnostics
@@ -180,12 +180,12 @@ contains
 
         call scanner%peek(token)
         if (token%starts_line .or. token%kind == token_end .or. token%kind == token_group) return
-        call diagnostics%error(token%place, 'text behind the slash that ends the group', &
+        call diagnostics%error(token%place, 'text after the slash that ends the group', &
             'a comment starts with !')
         call skip_line(scanner, token_group)
     end subroutine close_group
 
-    !> Reads `key = values`; key and values of a group that is not known are passed over.
+    !> Reads `key = values`; key and values of an unknown group are skipped.
     subroutine read_assignment(scanner, group, known, table, diagnostics)
         type(scanner_t), intent(inout) :: scanner
         character(*), intent(in) :: group
@@ -207,7 +207,7 @@ contains
         number = 0
         if (known) call find_key(scanner%word(token), group, token%place, table, diagnostics, number)
         if (number > 0 .and. .not. has_equals) then
-            call diagnostics%error(token%place, 'no = behind ' // scanner%word(token))
+            call diagnostics%error(token%place, 'no = after ' // scanner%word(token))
             table%parameters(number)%faulty = .true.
         end if
         if (number == 0 .or. .not. has_equals) then
@@ -252,7 +252,7 @@ contains
         end if
     end subroutine find_key
 
-    !> Goes to the next line, or to a token of a kind before that.
+    !> Moves to the next line, or to a token of a kind before that.
     subroutine skip_line(scanner, kind)
         type(scanner_t), intent(inout) :: scanner
         integer, intent(in) :: kind
@@ -264,7 +264,7 @@ contains
         end do
     end subroutine skip_line
 
-    !> Checks that no element is missing that the others need.
+    !> Checks that no element is missing that other elements require.
     subroutine check_complete(parameter, diagnostics)
         type(parameter_t), intent(inout) :: parameter
         type(diagnostics_t), intent(inout) :: diagnostics
@@ -278,7 +278,7 @@ contains
             do column = 1, last
                 if (parameter%is_set(row, column)) cycle
                 call diagnostics%error(parameter%key_place, parameter%element_name(row, column) // &
-                    ' is missing', 'it is needed beside the elements given')
+                    ' is missing', 'the elements that are given require it')
                 parameter%faulty = .true.
                 return
             end do

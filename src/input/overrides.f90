@@ -14,12 +14,12 @@ module spintop_overrides
 
 contains
 
-    !> Reads one override. Quotes around a word may be dropped, and the values of a list are separated by commas.
-    !> It replaces what a file or an earlier override gave.
+    !> Reads one override. Quotes around a word may be omitted, and the values of a list are separated by
+    !> commas. It replaces a value from the file or from an earlier override.
     subroutine read_override(text, table, diagnostics)
-        character(*), intent(in) :: text
-        type(parameter_table_t), intent(inout) :: table
-        type(diagnostics_t), intent(inout) :: diagnostics
+        character(*), intent(in) :: text !! `group.key=value`
+        type(parameter_table_t), intent(inout) :: table !! the parameters of an input
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(scanner_t) :: scanner
         type(assignment_t) :: assignment
         type(token_t) :: token
@@ -84,10 +84,10 @@ contains
         end if
     end subroutine find_parameter
 
-    !> A text without quotes goes to the end, or to the next comma in a list.
+    !> A text without quotes ends at the next comma in a list, or at the end.
     subroutine read_plain_words(text, start, parameter, assignment, diagnostics)
         character(*), intent(in) :: text
-        integer, intent(in) :: start !! the words come behind that many bytes
+        integer, intent(in) :: start !! number of bytes before the words
         type(parameter_t), intent(inout) :: parameter
         type(assignment_t), intent(inout) :: assignment
         type(diagnostics_t), intent(inout) :: diagnostics

@@ -1,6 +1,7 @@
-!> One parameter of an input: what it is, and the variable outside this module that holds it.
+!> One parameter of an input: its description, and the variable outside this module that contains its value.
 module spintop_parameter
     use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_compare, only: is_equal
     use spintop_diagnostics, only: place_t
     use spintop_kinds, only: dp
@@ -9,28 +10,30 @@ module spintop_parameter
     implicit none
     private
     public :: parameter_t, unset, unset_integer, quoted
-    public :: kind_real, kind_integer, kind_text, kind_logical
+    public :: kind_real, kind_integer, kind_long, kind_text, kind_logical
     public :: all_elements, leading_elements, any_elements
 
-    !> The value of a real that was not given.
+    !> Value of a real that was not given.
     real(dp), parameter :: unset = -huge(1.0_dp)
-    !> The value of an integer that was not given. (Of a text: blank.)
+    !> Value of an integer that was not given. (A text that was not given is blank.)
     integer, parameter :: unset_integer = -huge(1)
 
     integer, parameter :: kind_real = 1
     integer, parameter :: kind_integer = 2
     integer, parameter :: kind_text = 3
     integer, parameter :: kind_logical = 4
+    !> An integer of 64 bits.
+    integer, parameter :: kind_long = 5
 
-    !> All elements of an array are given, or none.
+    !> All elements of an array must be given, or none.
     integer, parameter :: all_elements = 1
-    !> A list: any number of elements from the first on; given as a whole it replaces the default.
+    !> A list: any number of elements from the first one. A list that is given as a whole replaces the
+    !> default.
     integer, parameter :: leading_elements = 2
-    !> Each element stands for itself.
+    !> Each element may be given independently.
     integer, parameter :: any_elements = 3
 
-    !> One parameter. Elements are numbered (row, column): a scalar has only (1, 1), a list only
-    !> row 1.
+    !> One parameter. Elements are numbered (row, column): a scalar has only (1, 1), a list has only row 1.
     type :: parameter_t
         character(:), allocatable :: name    !! `group.key`
         character(:), allocatable :: group, key
@@ -51,12 +54,13 @@ module spintop_parameter
         logical :: faulty = .false.                !! an error was found in what was given
         real(dp), pointer, private :: reals(:, :) => null()
         integer, pointer, private :: integers(:, :) => null()
+        integer(int64), pointer, private :: long => null()
         character, pointer, private :: letters(:, :) => null()
         logical, pointer, private :: flag => null()
     contains
-        procedure :: bind_real, bind_reals, bind_real_rows, bind_integer, bind_integers
+        procedure :: bind_real, bind_reals, bind_real_rows, bind_integer, bind_integers, bind_long
         procedure :: bind_text, bind_texts, bind_flag
-        procedure :: put_real, put_integer, put_text, put_flag
+        procedure :: put_real, put_integer, put_long, put_text, put_flag
         procedure :: text_length
         procedure :: real_target, integer_target
         procedure :: is_given
@@ -74,66 +78,83 @@ module spintop_parameter
 
 contains
 
-    !> Makes it a real number, held by a variable.
+    !> Binds the parameter to a real variable.
     subroutine bind_real(self, variable)
         class(parameter_t), intent(inout) :: self
         real(dp), target, intent(inout) :: variable
+            !! variable that contains the value; it must exist as long as the parameter
         call c_f_pointer(c_loc(variable), self%reals, [1, 1])
         call self%prepare(kind_real, 0, [1, 1])
     end subroutine bind_real
 
-    !> Makes it a list of reals.
+    !> Binds the parameter to a list of reals.
     subroutine bind_reals(self, variable)
         class(parameter_t), intent(inout) :: self
         real(dp), target, contiguous, intent(inout) :: variable(:)
+            !! variables that contain the values; they must exist as long as the parameter
         self%reals(1:1, 1:size(variable)) => variable
         call self%prepare(kind_real, 1, [1, size(variable)])
     end subroutine bind_reals
 
-    !> Makes it rows of reals.
+    !> Binds the parameter to rows of reals.
     subroutine bind_real_rows(self, variable)
         class(parameter_t), intent(inout) :: self
         real(dp), target, intent(inout) :: variable(:, :)
+            !! variables that contain the values, row by row; they must exist as long as the parameter
         self%reals => variable
         call self%prepare(kind_real, 2, shape(variable))
     end subroutine bind_real_rows
 
-    !> Makes it a whole number.
+    !> Binds the parameter to an integer variable.
     subroutine bind_integer(self, variable)
         class(parameter_t), intent(inout) :: self
         integer, target, intent(inout) :: variable
+            !! variable that contains the value; it must exist as long as the parameter
         call c_f_pointer(c_loc(variable), self%integers, [1, 1])
         call self%prepare(kind_integer, 0, [1, 1])
     end subroutine bind_integer
 
-    !> Makes it a list of whole numbers.
+    !> Binds the parameter to an integer of 64 bits.
+    subroutine bind_long(self, variable)
+        class(parameter_t), intent(inout) :: self
+        integer(int64), target, intent(inout) :: variable
+            !! variable that contains the value; it must exist as long as the parameter
+        self%long => variable
+        call self%prepare(kind_long, 0, [1, 1])
+    end subroutine bind_long
+
+    !> Binds the parameter to a list of integers.
     subroutine bind_integers(self, variable)
         class(parameter_t), intent(inout) :: self
         integer, target, contiguous, intent(inout) :: variable(:)
+            !! variables that contain the values; they must exist as long as the parameter
         self%integers(1:1, 1:size(variable)) => variable
         call self%prepare(kind_integer, 1, [1, size(variable)])
     end subroutine bind_integers
 
-    !> Makes it a text.
+    !> Binds the parameter to a text.
     subroutine bind_text(self, variable)
         class(parameter_t), intent(inout) :: self
         character(*), target, intent(inout) :: variable
+            !! variable that contains the value; it must exist as long as the parameter
         call c_f_pointer(c_loc(variable), self%letters, [len(variable), 1])
         call self%prepare(kind_text, 0, [1, 1])
     end subroutine bind_text
 
-    !> Makes it a list of texts.
+    !> Binds the parameter to a list of texts.
     subroutine bind_texts(self, variable)
         class(parameter_t), intent(inout) :: self
         character(*), target, contiguous, intent(inout) :: variable(:)
+            !! variables that contain the values; they must exist as long as the parameter
         call c_f_pointer(c_loc(variable), self%letters, [len(variable), size(variable)])
         call self%prepare(kind_text, 1, [1, size(variable)])
     end subroutine bind_texts
 
-    !> Makes it a yes or no.
+    !> Binds the parameter to a logical variable.
     subroutine bind_flag(self, variable)
         class(parameter_t), intent(inout) :: self
         logical, target, intent(inout) :: variable
+            !! variable that contains the value; it must exist as long as the parameter
         self%flag => variable
         call self%prepare(kind_logical, 0, [1, 1])
     end subroutine bind_flag
@@ -148,13 +169,13 @@ contains
         self%default = self%value_text()
     end subroutine prepare
 
-    !> Whether it holds numbers.
+    !> Whether its values are numbers.
     pure logical function is_number(self)
         class(parameter_t), intent(in) :: self
-        is_number = self%kind == kind_real .or. self%kind == kind_integer
+        is_number = any(self%kind == [kind_real, kind_integer, kind_long])
     end function is_number
 
-    !> Which other key takes the value in other units, as the end of a sentence; '' if none does.
+    !> The other key that takes the value in another unit, as the end of a sentence; '' if there is none.
     pure function in_other_units(self) result(text)
         class(parameter_t), intent(in) :: self
         character(:), allocatable :: text
@@ -162,26 +183,26 @@ contains
         if (allocated(self%key_in_degrees)) text = ' ' // self%unit // '; ' // self%key_in_degrees // ' takes degrees'
     end function in_other_units
 
-    !> Sets an element that is a real.
+    !> Sets a real element.
     subroutine put_real(self, row, column, value)
         class(parameter_t), intent(inout) :: self
-        integer, intent(in) :: row, column
-        real(dp), intent(in) :: value
+        integer, intent(in) :: row, column !! row and column of the element, from 1
+        real(dp), intent(in) :: value !! the value
         self%reals(row, column) = value
     end subroutine put_real
 
-    !> Sets an element that is a whole number.
+    !> Sets an integer element.
     subroutine put_integer(self, row, column, value)
         class(parameter_t), intent(inout) :: self
-        integer, intent(in) :: row, column, value
+        integer, intent(in) :: row, column, value !! row and column of the element, from 1, and its value
         self%integers(row, column) = value
     end subroutine put_integer
 
-    !> Sets an element that is a text; what is too long is cut.
+    !> Sets a text element; a text that is too long is truncated.
     subroutine put_text(self, column, value)
         class(parameter_t), intent(inout) :: self
-        integer, intent(in) :: column
-        character(*), intent(in) :: value
+        integer, intent(in) :: column !! column of the element, from 1
+        character(*), intent(in) :: value !! the value
         integer :: i
         self%letters(:, column) = ' '
         do i = 1, min(len(value), self%text_length())
@@ -189,31 +210,38 @@ contains
         end do
     end subroutine put_text
 
-    !> Sets a yes or no.
+    !> Sets an integer of 64 bits.
+    subroutine put_long(self, value)
+        class(parameter_t), intent(inout) :: self
+        integer(int64), intent(in) :: value !! the value
+        self%long = value
+    end subroutine put_long
+
+    !> Sets a logical value.
     subroutine put_flag(self, value)
         class(parameter_t), intent(inout) :: self
-        logical, intent(in) :: value
+        logical, intent(in) :: value !! the value
         self%flag = value
     end subroutine put_flag
 
-    !> Characters that the variable holds.
+    !> Number of characters of a text variable.
     pure integer function text_length(self)
         class(parameter_t), intent(in) :: self
         text_length = size(self%letters, 1)
     end function text_length
 
-    !> The variable that holds a real element.
+    !> The variable of a real element.
     function real_target(self, row, column) result(variable)
         class(parameter_t), intent(in) :: self
-        integer, intent(in) :: row, column
+        integer, intent(in) :: row, column !! row and column of the element, from 1
         real(dp), pointer :: variable
         variable => self%reals(row, column)
     end function real_target
 
-    !> The variable that holds an integer element.
+    !> The variable of an integer element.
     function integer_target(self, row, column) result(variable)
         class(parameter_t), intent(in) :: self
-        integer, intent(in) :: row, column
+        integer, intent(in) :: row, column !! row and column of the element, from 1
         integer, pointer :: variable
         variable => self%integers(row, column)
     end function integer_target
@@ -221,7 +249,7 @@ contains
     !> Whether the input gave any element (or the element of that row and column).
     pure logical function is_given(self, row, column)
         class(parameter_t), intent(in) :: self
-        integer, intent(in), optional :: row, column
+        integer, intent(in), optional :: row, column !! row and column of the element; without them any element
         if (present(row) .and. present(column)) then
             is_given = self%places(row, column)%source > 0
         else
@@ -232,12 +260,14 @@ contains
     !> Whether an element has a value, given or by default.
     pure logical function is_set(self, row, column)
         class(parameter_t), intent(in) :: self
-        integer, intent(in) :: row, column
+        integer, intent(in) :: row, column !! row and column of the element, from 1
         select case (self%kind)
         case (kind_real)
             is_set = .not. is_equal(self%reals(row, column), unset)
         case (kind_integer)
             is_set = self%integers(row, column) /= unset_integer
+        case (kind_long)
+            is_set = self%long /= unset_integer
         case (kind_text)
             is_set = any(self%letters(:, column) /= ' ')
         case default
@@ -248,28 +278,30 @@ contains
     !> Column of the last element of a row that has a value; 0 if none has.
     pure integer function last_set(self, row) result(last)
         class(parameter_t), intent(in) :: self
-        integer, intent(in) :: row
+        integer, intent(in) :: row !! row of the parameter, from 1
         do last = self%extents(2), 1, -1
             if (self%is_set(row, last)) return
         end do
     end function last_set
 
-    !> Takes the values of a row away, and where they were given.
+    !> Deletes the values of a row, and the places where they were given.
     subroutine clear_row(self, row)
         class(parameter_t), intent(inout) :: self
-        integer, intent(in) :: row
+        integer, intent(in) :: row !! row of the parameter, from 1
         self%places(row, :) = place_t()
         select case (self%kind)
         case (kind_real)
             self%reals(row, :) = unset
         case (kind_integer)
             self%integers(row, :) = unset_integer
+        case (kind_long)
+            self%long = unset_integer
         case (kind_text)
             self%letters(:, :) = ' '
         end select
     end subroutine clear_row
 
-    !> One element as a namelist has it; '' if it has no value.
+    !> One element as in a namelist; '' if it has no value.
     function element_text(self, row, column) result(text)
         class(parameter_t), intent(in) :: self
         integer, intent(in) :: row, column
@@ -284,6 +316,8 @@ contains
             text = to_text(self%reals(row, column))
         case (kind_integer)
             text = to_text(self%integers(row, column))
+        case (kind_long)
+            text = to_text(self%long)
         case (kind_text)
             letters = repeat(' ', self%text_length())
             do i = 1, len(letters)
@@ -295,11 +329,11 @@ contains
         end select
     end function element_text
 
-    !> The elements of a row in a list, those without a value left out.
+    !> The elements of a row as a list, without those that have no value.
     subroutine row_text(self, row, elements, columns)
         class(parameter_t), intent(in) :: self
-        integer, intent(in) :: row
-        type(string_t), allocatable, intent(out) :: elements(:)
+        integer, intent(in) :: row !! row of the parameter, from 1
+        type(string_t), allocatable, intent(out) :: elements(:) !! the elements as in a namelist
         integer, allocatable, intent(out) :: columns(:) !! the column of each
         integer :: i, found
 
@@ -314,7 +348,7 @@ contains
         end do
     end subroutine row_text
 
-    !> All values in a list, as a namelist has them.
+    !> All values as a list, as in a namelist.
     function value_text(self) result(text)
         class(parameter_t), intent(in) :: self
         character(:), allocatable :: text
@@ -330,10 +364,10 @@ contains
         end do
     end function value_text
 
-    !> The name of one element inside its group: `mass`, `inertia(2)`, `values(1,3)`.
+    !> The name of an element inside its group: `mass`, `inertia(2)`, `values(1,3)`.
     function element_name(self, row, column) result(name)
         class(parameter_t), intent(in) :: self
-        integer, intent(in) :: row, column
+        integer, intent(in) :: row, column !! row and column of the element, from 1
         character(:), allocatable :: name
         name = self%key
         if (self%rank == 1) name = name // '(' // to_text(column) // ')'
@@ -347,9 +381,9 @@ contains
         name = self%group // '.' // self%element_name(self%extents(1), self%extents(2))
     end function full_name
 
-    !> A text in quotes, as a namelist has it.
+    !> A text in quotes, as in a namelist.
     pure function quoted(text)
-        character(*), intent(in) :: text
+        character(*), intent(in) :: text !! the text
         character(:), allocatable :: quoted
         quoted = "'" // replace_all(text, "'", "''") // "'"
     end function quoted

@@ -1,4 +1,4 @@
-!> The table of parameters as text: the resolved namelist, and the list for the reader.
+!> The table of parameters as text: the resolved namelist, and the list for users.
 module spintop_parameter_print
     use spintop_line_list, only: line_list_t
     use spintop_parameter, only: parameter_t
@@ -6,15 +6,15 @@ module spintop_parameter_print
     use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: print_namelist, list_parameters
+    public :: print_namelist, list_parameters, given_groups
 
 contains
 
-    !> All values of the input as a namelist that can be run again: those given and those by
-    !> default; what has no value is left out.
+    !> All values of the input as a namelist that can be run: those that were given, and default values.
+    !> Parameters without a value are omitted.
     subroutine print_namelist(table, lines, groups)
-        type(parameter_table_t), intent(in) :: table
-        type(string_t), allocatable, intent(out) :: lines(:)
+        type(parameter_table_t), intent(in) :: table !! the parameters of an input
+        type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
         character(*), intent(in), optional :: groups !! 'a|b': print only these
         type(line_list_t) :: text
         integer :: group, i, before
@@ -36,6 +36,22 @@ contains
         end do
         call text%get(lines)
     end subroutine print_namelist
+
+    !> The groups in which the input gives something, as `a|b`.
+    function given_groups(table) result(groups)
+        type(parameter_table_t), intent(in) :: table !! the parameters of an input
+        character(:), allocatable :: groups
+        integer :: i
+        groups = ''
+        do i = 1, size(table%parameters)
+            associate (parameter => table%parameters(i))
+                if (.not. parameter%is_given()) cycle
+                if (index('|' // groups // '|', '|' // parameter%group // '|') > 0) cycle
+                if (groups /= '') groups = groups // '|'
+                groups = groups // parameter%group
+            end associate
+        end do
+    end function given_groups
 
     subroutine print_parameter(parameter, text)
         type(parameter_t), intent(in) :: parameter
@@ -62,10 +78,10 @@ contains
         end do
     end subroutine print_parameter
 
-    !> Every parameter with its unit, default value, range and meaning, in columns.
+    !> Every parameter with its unit, default value, range and meaning.
     subroutine list_parameters(table, lines)
-        type(parameter_table_t), intent(in) :: table
-        type(string_t), allocatable, intent(out) :: lines(:)
+        type(parameter_table_t), intent(in) :: table !! the parameters of an input
+        type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
         integer, parameter :: columns = 5
         type(string_t) :: cells(columns, 0:size(table%parameters))
         type(line_list_t) :: text

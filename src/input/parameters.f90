@@ -1,35 +1,37 @@
-!> The table of all parameters of an input. Each is bound once to the variable that holds it
-!> (a component of a plain derived type with default values, and with the `target` attribute,
-!> that lives at least as long as the table); reading, checking, printing and listing follow.
+!> The table of all parameters of an input. Each parameter is bound once to its variable (a component of a
+!> derived type with default values and the `target` attribute, which exists at least as long as the table).
+!> Reading, checking, printing and listing use the table.
 !>
 !>     call table%add('top.mass', scene%mass, 'kg', '> 0', 'mass of the body')
 !>     call table%add('top.inertia', scene%inertia, 'kg m^2', '> 0', 'principal moments')
 !>     call table%add('study.kind', scene%kind, choices='trajectory|sweep', what='what to do')
 !>     call table%add('sweep.from', scene%from, '', '', 'first values', elements=any_elements)
 module spintop_parameters
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_diagnostics, only: place_t
     use spintop_errors, only: error_t, internal_error
     use spintop_kinds, only: degree, dp
+    use spintop_literals, only: read_subscript
     use spintop_number_slot, only: number_slot_t
-    use spintop_parameter, only: all_elements, any_elements, kind_real, leading_elements, &
+    use spintop_parameter, only: all_elements, any_elements, kind_integer, kind_real, leading_elements, &
         parameter_t, quoted, unset, unset_integer
     use spintop_ranges, only: parse_range
-    use spintop_text, only: nearest_word, split, string_t, to_text
+    use spintop_text, only: did_you_mean, split, string_t, to_text
     implicit none
     private
     public :: parameter_table_t, unit_hint
     public :: unset, unset_integer, all_elements, leading_elements, any_elements
 
-    !> Ending of the name of an angle in degrees.
+    !> Suffix of the name of an angle in degrees.
     character(*), parameter :: degrees = '_deg'
 
-    !> A group of the input, and where it was given.
+    !> A group of the input, and the place where it was given.
     type :: group_t
         character(:), allocatable :: name
         type(place_t) :: place = place_t()
     end type group_t
 
-    !> All parameters of an input, and where each was given.
+    !> All parameters of an input, and the places where they were given.
     type :: parameter_table_t
         type(parameter_t), allocatable :: parameters(:) !! in the order in which they were added
         type(group_t), allocatable :: groups(:)         !! in the order of their first parameter
@@ -39,19 +41,13 @@ module spintop_parameters
         !> `add(name, variable, unit, range, what [, elements])` for reals and integers,
         !> `add(name, variable, [choices,] what [, elements])` for texts,
         !> `add(name, variable, what)` for logicals.
-        generic :: add => add_real, add_reals, add_real_rows, add_integer, add_integers, &
+        generic :: add => add_real, add_reals, add_real_rows, add_integer, add_integers, add_long, &
             add_text, add_texts, add_flag
-        procedure :: find
-        procedure :: find_group
-        procedure :: find_number
-        procedure :: is_given
-        procedure :: place_of
-        procedure :: key_place_of
+        procedure :: find, find_group, find_number, is_given, place_of, key_place_of
         procedure :: verify => verify_table
-        procedure, private :: add_real, add_reals, add_real_rows, add_integer, add_integers
+        procedure, private :: add_real, add_reals, add_real_rows, add_integer, add_integers, add_long
         procedure, private :: add_text, add_texts, add_flag
-        procedure, private :: append
-        procedure, private :: locate
+        procedure, private :: append, locate
     end type parameter_table_t
 
 contains
@@ -67,7 +63,7 @@ contains
         call self%append(parameter, name, what, unit=unit, range=range)
     end subroutine add_real
 
-    !> Reals; `elements` says which belong together (default: all_elements).
+    !> Reals; `elements` specifies which must be given together (default: all_elements).
     subroutine add_reals(self, name, variable, unit, range, what, elements)
         class(parameter_table_t), intent(inout) :: self
         character(*), intent(in) :: name
@@ -80,16 +76,17 @@ contains
         call self%append(parameter, name, what, unit=unit, range=range, elements=elements)
     end subroutine add_reals
 
-    !> Rows of reals, each a list from its first element on.
-    subroutine add_real_rows(self, name, variable, unit, range, what)
+    !> Rows of reals; `elements` specifies which of a row must be given together (default: leading_elements).
+    subroutine add_real_rows(self, name, variable, unit, range, what, elements)
         class(parameter_table_t), intent(inout) :: self
         character(*), intent(in) :: name
         real(dp), target, intent(inout) :: variable(:, :)
         character(*), intent(in) :: unit, range, what
+        integer, intent(in), optional :: elements
         type(parameter_t) :: parameter
         parameter%elements = leading_elements
         call parameter%bind_real_rows(variable)
-        call self%append(parameter, name, what, unit=unit, range=range)
+        call self%append(parameter, name, what, unit=unit, range=range, elements=elements)
     end subroutine add_real_rows
 
     !> An integer.
@@ -103,7 +100,18 @@ contains
         call self%append(parameter, name, what, unit=unit, range=range)
     end subroutine add_integer
 
-    !> Integers; `elements` says which belong together (default: all_elements).
+    !> An integer of 64 bits. It cannot be an axis of a sweep.
+    subroutine add_long(self, name, variable, unit, range, what)
+        class(parameter_table_t), intent(inout) :: self
+        character(*), intent(in) :: name
+        integer(int64), target, intent(inout) :: variable
+        character(*), intent(in) :: unit, range, what
+        type(parameter_t) :: parameter
+        call parameter%bind_long(variable)
+        call self%append(parameter, name, what, unit=unit, range=range)
+    end subroutine add_long
+
+    !> Integers; `elements` specifies which must be given together (default: all_elements).
     subroutine add_integers(self, name, variable, unit, range, what, elements)
         class(parameter_table_t), intent(inout) :: self
         character(*), intent(in) :: name
@@ -116,7 +124,7 @@ contains
         call self%append(parameter, name, what, unit=unit, range=range, elements=elements)
     end subroutine add_integers
 
-    !> A text, or one word of the `choices` ('a|b|c').
+    !> A text, or one of the words in `choices` ('a|b|c').
     subroutine add_text(self, name, variable, choices, what, aliases)
         class(parameter_table_t), intent(inout) :: self
         character(*), intent(in) :: name
@@ -130,7 +138,7 @@ contains
         call self%append(parameter, name, what, choices=choices)
     end subroutine add_text
 
-    !> Texts; `elements` says which belong together (default: leading_elements).
+    !> Texts; `elements` specifies which must be given together (default: leading_elements).
     subroutine add_texts(self, name, variable, choices, what, elements)
         class(parameter_table_t), intent(inout) :: self
         character(*), intent(in) :: name
@@ -144,7 +152,7 @@ contains
         call self%append(parameter, name, what, choices=choices, elements=elements)
     end subroutine add_texts
 
-    !> A yes or no.
+    !> A logical value.
     subroutine add_flag(self, name, variable, what)
         class(parameter_table_t), intent(inout) :: self
         character(*), intent(in) :: name
@@ -204,26 +212,26 @@ contains
         call move_alloc(more_groups, self%groups)
     end subroutine append
 
-    !> An internal error if a row of the table itself is wrong.
+    !> Returns an internal error if a row of the table itself is wrong.
     subroutine verify_table(self, error)
         class(parameter_table_t), intent(in) :: self
-        type(error_t), allocatable, intent(out) :: error
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         if (allocated(self%defect)) error = internal_error('parameter table: ' // self%defect)
     end subroutine verify_table
 
-    !> Number of the parameter of that name (`group.key`), 0 if there is none.
+    !> Index of the parameter with a name (`group.key`), 0 if there is none.
     pure integer function find(self, name) result(number)
         class(parameter_table_t), intent(in) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name !! `group.key`
         do number = size(self%parameters), 1, -1
             if (self%parameters(number)%name == name) return
         end do
     end function find
 
-    !> Number of the group of that name, 0 if there is none.
+    !> Index of the group with a name, 0 if there is none.
     pure integer function find_group(self, name) result(number)
         class(parameter_table_t), intent(in) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name !! `group.key`
         do number = size(self%groups), 1, -1
             if (self%groups(number)%name == name) return
         end do
@@ -232,8 +240,8 @@ contains
     !> Finds the numeric element of a name such as `top.mass` or `top.inertia(2)`.
     subroutine find_number(self, name, slot, problem)
         class(parameter_table_t), intent(in) :: self
-        character(*), intent(in) :: name
-        type(number_slot_t), intent(out) :: slot
+        character(*), intent(in) :: name !! `group.key`
+        type(number_slot_t), intent(out) :: slot !! the element, if there is no problem
         character(:), allocatable, intent(out) :: problem !! what is wrong with the name, or ''
         integer :: number, row, column
 
@@ -246,7 +254,7 @@ contains
             end if
             if (parameter%kind == kind_real) then
                 call slot%bind_real(parameter%real_target(row, column), parameter%range)
-            else
+            else if (parameter%kind == kind_integer) then
                 call slot%bind_integer(parameter%integer_target(row, column), parameter%range)
             end if
             slot%rule = parameter%rule // parameter%in_other_units()
@@ -256,7 +264,7 @@ contains
     !> Whether the input gave the parameter, or the element, of that name.
     logical function is_given(self, name)
         class(parameter_table_t), intent(in) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name !! `group.key`
         character(:), allocatable :: problem
         integer :: number, row, column
 
@@ -270,11 +278,11 @@ contains
         if (is_given) is_given = self%parameters(number)%is_given(row, column)
     end function is_given
 
-    !> The place for a message about a parameter, an element or a group: where it
-    !> was given, or else its group, or else the input as a whole.
+    !> The place for a message about a parameter, an element or a group: where it was given, else its group,
+    !> else the input as a whole.
     type(place_t) function place_of(self, name) result(place)
         class(parameter_table_t), intent(in) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name !! `group.key`
         character(:), allocatable :: problem
         integer :: number, row, column
 
@@ -301,10 +309,10 @@ contains
         end if
     end function place_of
 
-    !> Where the key of a parameter stands, or what place_of says if it was not given.
+    !> The place of the key of a parameter, or the result of place_of if it was not given.
     type(place_t) function key_place_of(self, name) result(place)
         class(parameter_table_t), intent(in) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name !! `group.key`
         place = self%place_of(name)
         if (self%find(name) == 0) return
         if (self%is_given(name)) place = self%parameters(self%find(name))%key_place
@@ -335,8 +343,8 @@ contains
                 problem = problem // '; ' // unit_hint(self, name(:open - 1))
                 return
             end if
-            if (nearest_word(name(:open - 1), names) /= '') problem = problem // &
-                '; did you mean ' // quoted(nearest_word(name(:open - 1), names)) // '?'
+            if (did_you_mean(name(:open - 1), names) /= '') problem = problem // '; ' &
+                // did_you_mean(name(:open - 1), names)
             return
         end if
 
@@ -362,7 +370,7 @@ contains
         end associate
     end subroutine locate
 
-    !> Whether a name says that it is in degrees.
+    !> Whether a name ends in the suffix for degrees.
     pure logical function ends_in_degrees(name)
         character(*), intent(in) :: name
         integer :: last
@@ -371,9 +379,9 @@ contains
         if (last > 0) ends_in_degrees = name(last + 1:len_trim(name)) == degrees
     end function ends_in_degrees
 
-    !> What to do where a parameter is named in degrees that is in radians; '' for other names.
+    !> The hint for a parameter in radians that is named as if it were in degrees; '' for other names.
     function unit_hint(table, name) result(hint)
-        class(parameter_table_t), intent(in) :: table
+        class(parameter_table_t), intent(in) :: table !! the parameters of an input
         character(*), intent(in) :: name !! `group.key`
         character(:), allocatable :: hint
         integer :: number
@@ -387,14 +395,5 @@ contains
                 // to_text(1 / degree) // ' deg' // parameter%unit(4:)
         end associate
     end function unit_hint
-
-    !> A positive number of at most nine digits; else 0.
-    pure subroutine read_subscript(text, value)
-        character(*), intent(in) :: text
-        integer, intent(out) :: value
-        value = 0
-        if (text == '' .or. len(text) > 9 .or. verify(text, '0123456789') > 0) return
-        read (text, '(i9)') value
-    end subroutine read_subscript
 
 end module spintop_parameters

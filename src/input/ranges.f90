@@ -1,4 +1,4 @@
-!> Ranges of numbers, written as a rule: `> 0`, `<= 1`, `[0, pi]`, `(0, 1]`; '' allows all.
+!> Ranges of numbers, written as rules: `> 0`, `<= 1`, `[0, pi]`, `(0, 1]`; '' allows all numbers.
 module spintop_ranges
     use spintop_kinds, only: dp, pi
     implicit none
@@ -18,7 +18,7 @@ contains
     !> Whether a number lies in the range. A NaN does not.
     elemental logical function range_contains(self, x)
         class(range_t), intent(in) :: self
-        real(dp), intent(in) :: x
+        real(dp), intent(in) :: x !! a number
         range_contains = x >= self%lower .and. x <= self%upper
         if (self%lower_open) range_contains = range_contains .and. x > self%lower
         if (self%upper_open) range_contains = range_contains .and. x < self%upper
@@ -26,8 +26,8 @@ contains
 
     !> Reads a rule. Numbers may be multiples of pi: `2 pi`, `-pi`.
     subroutine parse_range(rule, range, valid)
-        character(*), intent(in) :: rule
-        type(range_t), intent(out) :: range
+        character(*), intent(in) :: rule !! the range as written
+        type(range_t), intent(out) :: range !! the interval
         logical, intent(out) :: valid !! false if the rule cannot be read
         integer :: comma, last
 
@@ -54,7 +54,7 @@ contains
         end select
     end subroutine parse_range
 
-    !> What follows `>`, `>=`, `<` or `<=`.
+    !> The number after `>`, `>=`, `<` or `<=`.
     pure function after_sign(rule) result(bound)
         character(*), intent(in) :: rule
         character(:), allocatable :: bound

@@ -1,4 +1,4 @@
-!> Cuts the text of a namelist into tokens, each with its place.
+!> Divides the text of a namelist into tokens with their places.
 module spintop_scanner
     use spintop_diagnostics, only: place_t
     implicit none
@@ -12,7 +12,7 @@ module spintop_scanner
     !> `&name`
     integer, parameter :: token_group = 1
     integer, parameter :: token_slash = 2
-    !> A run of any other characters: a name, a number, `3*0.0`, `.true.`
+    !> A sequence of any other characters: a name, a number, `3*0.0`, `.true.`
     integer, parameter :: token_word = 3
     !> A text in quotes.
     integer, parameter :: token_string = 4
@@ -21,7 +21,7 @@ module spintop_scanner
     integer, parameter :: token_open = 7
     integer, parameter :: token_close = 8
     integer, parameter :: token_colon = 9
-    !> A character that is undefined in a namelist.
+    !> A character that has no meaning in a namelist.
     integer, parameter :: token_other = 10
 
     character, parameter :: tab = achar(9), line_feed = achar(10), carriage_return = achar(13)
@@ -31,22 +31,22 @@ module spintop_scanner
     character(*), parameter :: name_characters = letters // '0123456789_'
     character(*), parameter :: byte_order_mark = char(239) // char(187) // char(191)
 
-    !> A token: what it is, and where it stands.
+    !> A token: its kind and its place.
     type :: token_t
         integer :: kind = token_end
         integer :: first = 1, last = 0     !! bytes of the text
         type(place_t) :: place
-        logical :: starts_line = .false.   !! nothing but blanks before it on its line
-        logical :: touches = .false.       !! no blank between it and what is before
+        logical :: starts_line = .false.   !! only blanks precede it on its line
+        logical :: touches = .false.       !! no blank between it and the character before
         logical :: closed = .true.         !! a string has its closing quote
     end type token_t
 
-    !> Where the scanner stands in its text.
+    !> The position of the scanner in its text.
     type :: cursor_t
         integer :: position = 1, line = 1, line_start = 1
     end type cursor_t
 
-    !> Goes through a text token by token.
+    !> Reads a text token by token.
     type :: scanner_t
         character(:), allocatable :: text
         type(cursor_t), private :: at
@@ -71,7 +71,7 @@ contains
     !> Starts at the beginning of a text.
     subroutine start(self, text, source, comments)
         class(scanner_t), intent(inout) :: self
-        character(*), intent(in) :: text
+        character(*), intent(in) :: text !! the namelist
         integer, intent(in) :: source   !! number of the source for places
         logical, intent(in) :: comments !! whether `!` starts a comment
         self%text = text
@@ -87,7 +87,7 @@ contains
     !> Reads the next token.
     subroutine next(self, token)
         class(scanner_t), intent(inout) :: self
-        type(token_t), intent(out) :: token
+        type(token_t), intent(out) :: token !! the token
         integer :: before, length
 
         before = self%at%position
@@ -133,10 +133,10 @@ contains
         self%at%position = token%last + 1
     end subroutine next
 
-    !> The next token, without moving past it.
+    !> The next token, which remains the next one.
     subroutine peek(self, token)
         class(scanner_t), intent(inout) :: self
-        type(token_t), intent(out) :: token
+        type(token_t), intent(out) :: token !! the token
         type(cursor_t) :: here
 
         here = self%at
@@ -167,7 +167,7 @@ contains
         self%at = here
     end function key_follows
 
-    !> Whether the next token stands between characters that it touches on both sides.
+    !> Whether the next token touches characters on both sides.
     logical function is_inside_word(self)
         class(scanner_t), intent(inout) :: self
         type(cursor_t) :: here
@@ -180,14 +180,14 @@ contains
         self%at = here
     end function is_inside_word
 
-    !> All that has not been read.
+    !> The text that has not been read.
     pure function rest(self)
         class(scanner_t), intent(in) :: self
         character(:), allocatable :: rest
         rest = self%text(self%at%position:)
     end function rest
 
-    !> Length of the run of characters from a position on that are in a set (or are not).
+    !> Number of consecutive characters from a position that are in a set (or are not).
     pure integer function run(self, position, set, inside)
         class(scanner_t), intent(in) :: self
         integer, intent(in) :: position
@@ -204,15 +204,15 @@ contains
     !> The characters of a token.
     pure function word(self, token)
         class(scanner_t), intent(in) :: self
-        type(token_t), intent(in) :: token
+        type(token_t), intent(in) :: token !! the token
         character(:), allocatable :: word
         word = self%text(token%first:token%last)
     end function word
 
-    !> The text inside a string token, doubled quotes made single.
+    !> The text of a string token, without quotes, and with doubled quotes made single.
     pure function string(self, token)
         class(scanner_t), intent(in) :: self
-        type(token_t), intent(in) :: token
+        type(token_t), intent(in) :: token !! the token
         character(:), allocatable :: string
         character :: quote
         integer :: from, to, last
@@ -235,13 +235,13 @@ contains
     !> Whether a token is a name: a letter, then letters, digits and underscores.
     pure logical function is_name(self, token)
         class(scanner_t), intent(in) :: self
-        type(token_t), intent(in) :: token
+        type(token_t), intent(in) :: token !! the token
         is_name = token%kind == token_word
         if (is_name) is_name = verify(self%text(token%first:token%first), letters) == 0 .and. &
             verify(self%text(token%first:token%last), name_characters) == 0
     end function is_name
 
-    !> Goes to the next byte that is neither blank nor in a comment.
+    !> Moves to the next byte that is neither blank nor in a comment.
     subroutine skip_blanks(self, new_line)
         class(scanner_t), intent(inout) :: self
         logical, intent(out) :: new_line !! whether that byte is the first of its line

@@ -9,10 +9,10 @@ module spintop_suggestions
 
 contains
 
-    !> The group that is meant, or the list of all.
+    !> The most similar group, or the list of all groups.
     function suggest_group(table, name) result(hint)
-        type(parameter_table_t), intent(in) :: table
-        character(*), intent(in) :: name
+        type(parameter_table_t), intent(in) :: table !! the parameters of an input
+        character(*), intent(in) :: name !! the unknown name
         character(:), allocatable :: hint
         type(string_t) :: names(size(table%groups))
         integer :: i
@@ -22,10 +22,10 @@ contains
         hint = suggest_word('&' // name, names)
     end function suggest_group
 
-    !> The key of a group that is meant, or the list of all its keys.
+    !> The most similar key of a group, or the list of all its keys.
     function suggest_key(table, group, key) result(hint)
-        type(parameter_table_t), intent(in) :: table
-        character(*), intent(in) :: group, key
+        type(parameter_table_t), intent(in) :: table !! the parameters of an input
+        character(*), intent(in) :: group, key !! group and key as written
         character(:), allocatable :: hint
         type(string_t) :: keys(size(table%parameters))
         integer :: i, found
@@ -42,8 +42,8 @@ contains
 
     !> The groups that have a key: '&top or &span', '' if none has.
     function homes_of(table, key) result(homes)
-        type(parameter_table_t), intent(in) :: table
-        character(*), intent(in) :: key
+        type(parameter_table_t), intent(in) :: table !! the parameters of an input
+        character(*), intent(in) :: key !! the key
         character(:), allocatable :: homes
         integer :: i
         homes = ''
@@ -54,12 +54,12 @@ contains
         end do
     end function homes_of
 
-    !> The candidate that is meant, or the list of all. Each alias, `other=own`,
-    !> names its candidate behind the equals sign.
+    !> The most similar candidate, or the list of all. Each alias, `other=own`, stands for the candidate after
+    !> its equals sign.
     function suggest_word(word, candidates, aliases) result(hint)
-        character(*), intent(in) :: word
-        type(string_t), intent(in) :: candidates(:)
-        character(*), intent(in), optional :: aliases(:)
+        character(*), intent(in) :: word !! the word
+        type(string_t), intent(in) :: candidates(:) !! possible words
+        character(*), intent(in), optional :: aliases(:) !! each `other=own`
         character(:), allocatable :: hint
         hint = ''
         if (present(aliases)) hint = own_name(word, aliases)
@@ -73,7 +73,7 @@ contains
 
     !> The candidate that an alias stands for; '' for words that are not aliases.
     pure function own_name(word, aliases) result(name)
-        character(*), intent(in) :: word
+        character(*), intent(in) :: word !! the word
         character(*), intent(in) :: aliases(:) !! each `other=own`
         character(:), allocatable :: name
         integer :: i, equals

@@ -1,4 +1,4 @@
-!> The values behind an equals sign.
+!> The values after an equals sign.
 module spintop_value_list
     use spintop_assignment, only: assignment_t
     use spintop_diagnostics, only: diagnostics_t
@@ -14,14 +14,14 @@ module spintop_value_list
 
 contains
 
-    !> Reads the values behind an equals sign, each into the parameter.
+    !> Reads the values after an equals sign into the parameter.
     subroutine read_values(scanner, group, table, parameter, assignment, diagnostics)
-        type(scanner_t), intent(inout) :: scanner
-        character(*), intent(in) :: group
-        type(parameter_table_t), intent(in) :: table
-        type(parameter_t), intent(inout) :: parameter
-        type(assignment_t), intent(inout) :: assignment
-        type(diagnostics_t), intent(inout) :: diagnostics
+        type(scanner_t), intent(inout) :: scanner !! the scanner, after the equals sign
+        character(*), intent(in) :: group !! the group
+        type(parameter_table_t), intent(in) :: table !! the parameters of an input
+        type(parameter_t), intent(inout) :: parameter !! the parameter
+        type(assignment_t), intent(inout) :: assignment !! the assignment
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(token_t) :: token
         logical :: after_value
 
@@ -76,23 +76,23 @@ contains
             call assignment%put(parameter, token, scanner%string(token), repeats, diagnostics)
         else
             call assignment%refuse(parameter, diagnostics, token%place, &
-                'no value behind ' // abbreviate(word))
+                'no value after ' // abbreviate(word))
         end if
     end subroutine read_word
 
     !> Skips values of an unknown key.
     subroutine skip_values(scanner, group, table)
-        type(scanner_t), intent(inout) :: scanner
-        character(*), intent(in) :: group
-        type(parameter_table_t), intent(in) :: table
+        type(scanner_t), intent(inout) :: scanner !! the scanner, after the equals sign
+        character(*), intent(in) :: group !! the group
+        type(parameter_table_t), intent(in) :: table !! the parameters of an input
         type(token_t) :: token
         do while (.not. at_end_of_values(scanner, group, table, .true.))
             call scanner%next(token)
         end do
     end subroutine skip_values
 
-    !> Whether the values of an assignment end here: at the end of the group, at the next
-    !> `key =`, or at a name that starts a line and can be no value (the equals sign is missing).
+    !> Whether the values of an assignment end here: at the end of the group, at the next `key =`, or at a
+    !> name at the beginning of a line that cannot be a value (its equals sign is missing).
     logical function at_end_of_values(scanner, group, table, words_expected) result(at_end)
         type(scanner_t), intent(inout) :: scanner
         character(*), intent(in) :: group

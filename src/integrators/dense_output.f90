@@ -1,9 +1,9 @@
-!> Dense output for Runge-Kutta methods without their own.
+!> Dense output for Runge-Kutta methods that have none.
 !>
-!> A step's ends and slopes give the cubic Hermite polynomial, with an error of order h^4. Slopes
-!> taken on it raise the degree: level m puts m slopes between the ends, taken on the polynomial of
-!> level m-1, and has an error of order h^(m+4) (Enright, Jackson, Norsett and Thomsen, ACM TOMS 12,
-!> 1986). Up to level m that costs m(m+1)/2 function evaluations per step, whatever the number of samples.
+!> The states and slopes at both ends of a step determine the cubic Hermite polynomial, with an error of order
+!> h^4. Additional slopes increase the degree: level m uses m slopes inside the step, evaluated on the
+!> polynomial of level m-1, and has an error of order h^(m+4) (Enright, Jackson, Norsett and Thomsen, ACM TOMS
+!> 12, 1986). Up to level m this takes m(m+1)/2 function evaluations per step, for any number of samples.
 module spintop_dense_output
     use spintop_kinds, only: dp
     use spintop_formulation, only: formulation_t, max_states
@@ -16,17 +16,18 @@ module spintop_dense_output
 
     !> Highest level, and degree of its polynomial.
     integer, parameter :: max_level = 4, max_degree = max_level + 3
-    !> Coefficients that the conditions at the nodes and at the end of the step determine.
+    !> Maximum number of coefficients that are determined by the conditions at the nodes and at the end of the
+    !> step.
     integer, parameter :: max_unknowns = max_level + 2
 
-    !> The polynomial of one step, and what it takes to find it.
+    !> The polynomial of one step, and the factors for its computation.
     type :: dense_output_t
         private
         integer :: level = 0
         !> Factors of the conditions of each level.
         real(dp) :: factors(max_unknowns, max_unknowns, 0:max_level) = 0
         integer :: pivots(max_unknowns, 0:max_level) = 0
-        !> The polynomial is sum_k coefficient(:, k) s^k, s = 0 .. 1 over the step.
+        !> The polynomial is sum_k coefficient(:, k) s^k, with s = 0 .. 1 over the step.
         real(dp) :: coefficient(max_states, 0:max_degree) = 0
         integer :: degree = 3
     contains
@@ -37,17 +38,17 @@ module spintop_dense_output
 
 contains
 
-    !> Prepares for a method of an order: the error within a step gets that order too.
+    !> Prepares for a method of an order: the error within a step gets the same order.
     subroutine set_order(self, order)
         class(dense_output_t), intent(inout) :: self
-        integer, intent(in) :: order
+        integer, intent(in) :: order !! order of the method
         integer :: level, node, k, failure
 
         self%level = max(0, min(order - 4, max_level))
         do level = 0, self%level
             associate (conditions => self%factors(:, :, level))
-                ! The unknowns are the coefficients of s^2, s^3, ...: row 1 is the value at the
-                ! end, row 2 the slope there, the others the slopes between.
+                ! The unknowns are the coefficients of s^2, s^3, ...: row 1 is the value at the end, row 2 the
+                ! slope at the end, the other rows are the slopes inside.
                 conditions(1, 1:level + 2) = 1
                 do k = 2, level + 3
                     conditions(2, k - 1) = k
@@ -61,21 +62,20 @@ contains
         end do
     end subroutine set_order
 
-    !> Where a node lies in the step. An odd number of nodes is shifted: with symmetric ones the
-    !> slopes alone would give the value at the end (Simpson's rule), and the conditions depend on
-    !> each other.
+    !> Position of a node in the step. An odd number of nodes is shifted: for symmetric nodes the slopes alone
+    !> would determine the value at the end (Simpson's rule), and the conditions would be dependent.
     pure real(dp) function place(node, level)
         integer, intent(in) :: node, level
         place = (node - mod(level, 2) / 3.0_dp) / (level + 1)
     end function place
 
-    !> Finds the polynomial of the last step of `work`, which began with the slope `slope_last`.
-    !> Where a slope between does not exist, the degree stays what it is by then.
+    !> Computes the polynomial of the last step of `work`, which began with the slope `slope_last`. If a slope
+    !> inside does not exist, the degree reached so far is kept.
     subroutine fit(self, formulation, work, slope_last)
         class(dense_output_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        real(dp), intent(in) :: slope_last(max_states)
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        real(dp), intent(in) :: slope_last(max_states) !! slope at the beginning of the step
         real(dp) :: h, slope(max_states), conditions(max_unknowns, max_states)
         integer :: level, node, status, failure
 
@@ -87,7 +87,8 @@ contains
             conditions(1, :) = work%y - work%y_last - h * slope_last
             conditions(2, :) = h * (work%slope - slope_last)
             do node = 1, level
-                call work%evaluate(formulation, self%at(place(node, level)), slope, status)
+                call work%evaluate(formulation, work%t_last + h * place(node, level), &
+                                   self%at(place(node, level)), slope, status)
                 if (status /= status_ok) return
                 conditions(node + 2, :) = h * (slope - slope_last)
             end do
@@ -101,7 +102,7 @@ contains
     !> The state at a fraction of the step.
     pure function at(self, fraction) result(y)
         class(dense_output_t), intent(in) :: self
-        real(dp), intent(in) :: fraction
+        real(dp), intent(in) :: fraction !! position in the step, from 0 to 1
         real(dp) :: y(max_states)
         integer :: k
         y = self%coefficient(:, self%degree)

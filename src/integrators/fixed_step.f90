@@ -8,43 +8,60 @@ module spintop_fixed_step
     use spintop_status, only: status_ok, status_outside, status_non_finite, status_step_too_small
     implicit none
     private
-    public :: fixed_step_t, grid_workspace_t, begin_on_grid, advance_on_grid, grid_time, off_grid
-    public :: share_of_time_left
+    public :: grid_stepper_t, fixed_step_t, grid_workspace_t, begin_on_grid, advance_on_grid, longest_step
 
-    !> Mark in `workspace_t%grid` of a run that has left the grid of fixed step size.
+    !> Value of `workspace_t%grid` for a run that has left the grid of fixed step size.
     integer, parameter :: off_grid = -1
-    !> Near the end of its equations a run may take this share of the time left in one step.
+    !> Near the end of its equations a run steps by at most this fraction of the time left.
     real(dp), parameter :: share_of_time_left = 0.25_dp
 
-    !> A method with one step formula and the grid t_begin + n (t_end - t_begin)/steps.
-    type, extends(stepper_t), abstract :: fixed_step_t
+    !> A method that can follow the grid t_begin + n (t_end - t_begin)/steps.
+    type, extends(stepper_t), abstract :: grid_stepper_t
     contains
-        procedure :: new_workspace
         procedure :: begin => begin_on_grid
         procedure :: advance => advance_on_grid
-        procedure :: interpolate
+        procedure(try_step), deferred :: try_step
+    end type grid_stepper_t
+
+    !> A method with one step formula.
+    type, extends(grid_stepper_t), abstract :: fixed_step_t
+    contains
+        procedure :: new_workspace
+        procedure :: try_step => try_formula
+        procedure :: state_within
         procedure(step), deferred :: step
         procedure :: starts_from_slope
     end type fixed_step_t
 
-    !> Keeps the polynomial of the last step, once a time within it was asked for.
+    !> Keeps the polynomial of the last step after dense output was needed.
     type, extends(workspace_t) :: grid_workspace_t
         type(dense_output_t) :: dense
-        !> End of the step that the polynomial is of, s.
+        !> End of the step to which the polynomial belongs, s.
         real(dp) :: t_fitted = -huge(1.0_dp)
     end type grid_workspace_t
 
     abstract interface
-        !> How the state `work%y`, whose slope is `work%slope` for methods that start from it, changes
-        !> within a time `h`.
+        !> A step of the size `h` to the time `t_new`. After `status_outside`, which leaves the state as it is,
+        !> a shorter one is tried.
+        subroutine try_step(self, formulation, work, h, t_new, status)
+            import :: grid_stepper_t, formulation_t, workspace_t, dp
+            class(grid_stepper_t), intent(in) :: self
+            class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+            class(workspace_t), intent(inout) :: work !! state and workspace of the run
+            real(dp), intent(in) :: h, t_new !! s
+            integer, intent(out) :: status !! `status_ok`, or why there is no such step
+        end subroutine try_step
+
+        !> Change of the state `work%y` over a time `h`. `work%slope` is the slope for methods whose steps
+        !> start from it.
         subroutine step(self, formulation, work, h, change, status)
             import :: fixed_step_t, formulation_t, workspace_t, dp, max_states
             class(fixed_step_t), intent(in) :: self
-            class(formulation_t), intent(in) :: formulation
-            class(workspace_t), intent(inout) :: work
-            real(dp), intent(in) :: h
-            real(dp), intent(out) :: change(max_states)
-            integer, intent(out) :: status
+            class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+            class(workspace_t), intent(inout) :: work !! state and workspace of the run
+            real(dp), intent(in) :: h !! step size, s
+            real(dp), intent(out) :: change(max_states) !! change of the state
+            integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         end subroutine step
     end interface
 
@@ -53,13 +70,13 @@ contains
     !> A workspace with room for dense output.
     subroutine new_workspace(self, work)
         class(fixed_step_t), intent(in) :: self
-        class(workspace_t), allocatable, intent(out) :: work
+        class(workspace_t), allocatable, intent(out) :: work !! workspace of the type that the method needs
         associate (unused => self)
         end associate
         allocate (grid_workspace_t :: work)
     end subroutine new_workspace
 
-    !> Whether steps start from the slope; if not, slopes are taken for dense output only.
+    !> Whether steps start from the slope; otherwise slopes are evaluated for dense output only.
     pure logical function starts_from_slope(self)
         class(fixed_step_t), intent(in) :: self
         associate (unused => self)
@@ -67,28 +84,26 @@ contains
         starts_from_slope = .true.
     end function starts_from_slope
 
-    !> Takes the first slope and, for a fixed step size, sets it.
+    !> Evaluates the first slope and, for a fixed step size, sets the size.
     subroutine begin_on_grid(self, formulation, work, status)
-        class(fixed_step_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        integer, intent(out) :: status
+        class(grid_stepper_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
 
         if (self%controls%steps > 0) work%h = (work%t_end - work%t_begin) / self%controls%steps
-        call work%evaluate(formulation, work%y, work%slope, status)
+        call work%evaluate(formulation, work%t, work%y, work%slope, status)
     end subroutine begin_on_grid
 
-    !> One step: on the grid while the equations last, in ever shorter ones as they end.
+    !> One step: on the grid, or ever shorter ones where the equations end.
     subroutine advance_on_grid(self, formulation, work, status)
-        class(fixed_step_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        integer, intent(out) :: status
-        real(dp) :: h, t_new, change(max_states), slope(max_states)
-        logical :: changed, sloped
+        class(grid_stepper_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        real(dp) :: h, t_new
 
-        sloped = self%starts_from_slope()
-        h = min(work%h, share_of_time_left * formulation%time_left(work%y))
+        h = min(work%h, longest_step(formulation, work%y))
         if (h < work%h) work%grid = off_grid
         do
             if (work%grid == off_grid) then
@@ -98,55 +113,75 @@ contains
                 work%grid = work%grid + 1
                 t_new = grid_time(work, self%controls%steps)
             end if
-            call self%step(formulation, work, h, change, status)
-            ! Not by is_finite, as in `evaluate`.
-            if (status == status_ok .and. .not. all(abs(change) <= huge(1.0_dp))) then
-                status = status_non_finite
-            end if
-            if (status == status_ok .and. sloped) then
-                call work%evaluate(formulation, work%y + (change + work%rest), slope, status)
-            end if
-            if (status /= status_outside) exit
+            call self%try_step(formulation, work, h, t_new, status)
+            if (status /= status_outside) return
             work%grid = off_grid
-            work%counts%rejected = work%counts%rejected + 1
             h = h / 2
-            if (h <= 2 * spacing(work%t)) status = status_step_too_small
-            if (status == status_step_too_small) exit
+            if (h <= 2 * spacing(work%t)) exit
         end do
+        status = status_step_too_small
+    end subroutine advance_on_grid
+
+    !> Longest step from a state: near the end of its equations, if they have one, a share of the time left.
+    pure real(dp) function longest_step(formulation, y)
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        real(dp), intent(in) :: y(max_states) !! state
+        longest_step = huge(longest_step)
+        if (allocated(formulation%ends)) longest_step = share_of_time_left * formulation%ends%time_left(y)
+    end function longest_step
+
+    !> A step by the formula of the method. A method that starts from the slope needs one at the end, too.
+    subroutine try_formula(self, formulation, work, h, t_new, status)
+        class(fixed_step_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        real(dp), intent(in) :: h, t_new !! step size, s, and time at its end, s
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        real(dp) :: change(max_states), slope(max_states)
+        logical :: changed, sloped
+
+        sloped = self%starts_from_slope()
+        call self%step(formulation, work, h, change, status)
+        ! Not with is_finite, as in `evaluate`.
+        if (status == status_ok .and. .not. all(abs(change) <= huge(1.0_dp))) status = status_non_finite
+        if (status == status_ok .and. sloped) then
+            call work%evaluate(formulation, t_new, work%y + (change + work%rest), slope, status)
+        end if
+        if (status == status_outside) work%counts%rejected = work%counts%rejected + 1
         if (status /= status_ok) return
         call work%settle_change(formulation, t_new, change, changed)
         if (.not. sloped) return
-        if (changed) call work%evaluate(formulation, work%y, slope, status)
+        if (changed) call work%evaluate(formulation, t_new, work%y, slope, status)
         work%slope = slope
-    end subroutine advance_on_grid
+    end subroutine try_formula
 
-    !> Time of the grid point that a run in so many steps of fixed size has reached, without summing steps.
+    !> Time of the current grid point of a run with so many steps of fixed size, computed without summing
+    !> steps.
     pure real(dp) function grid_time(work, steps)
-        class(workspace_t), intent(in) :: work
-        integer, intent(in) :: steps
+        class(workspace_t), intent(in) :: work !! workspace of the run
+        integer, intent(in) :: steps !! number of steps
         grid_time = work%t_end
         if (work%grid < steps) then
             grid_time = work%t_begin + (work%t_end - work%t_begin) * work%grid / steps
         end if
     end function grid_time
 
-    !> The state at a time within the last step, to the order of the method (at least 4, at most 8).
-    function interpolate(self, formulation, work, t) result(y)
+    !> The state within the last step, to the order of the method (at least 4, at most 8).
+    function state_within(self, formulation, work, t) result(y)
         class(fixed_step_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        real(dp), intent(in) :: t
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states)
         integer :: status
 
         y = work%y
-        if (t >= work%t) return
         select type (work)
         class is (grid_workspace_t)
             if (.not. is_equal(work%t_fitted, work%t)) then
                 if (.not. self%starts_from_slope()) then
-                    call work%evaluate(formulation, work%y_last, work%slope_last, status)
-                    call work%evaluate(formulation, work%y, work%slope, status)
+                    call work%evaluate(formulation, work%t_last, work%y_last, work%slope_last, status)
+                    call work%evaluate(formulation, work%t, work%y, work%slope, status)
                 end if
                 call work%dense%set_order(self%order())
                 call work%dense%fit(formulation, work, work%slope_last)
@@ -154,6 +189,6 @@ contains
             end if
             y = work%dense%at((t - work%t_last) / (work%t - work%t_last))
         end select
-    end function interpolate
+    end function state_within
 
 end module spintop_fixed_step

@@ -1,4 +1,4 @@
-!> Carries a motion from its start to the end of the span and shows it to an observer on the way.
+!> Integrates a motion from its start to the end of the span, and passes it to an observer.
 module spintop_integration
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
@@ -8,34 +8,34 @@ module spintop_integration
     use spintop_stepper, only: stepper_t, workspace_t, counts_t
     use spintop_suitability, only: call_status
     use spintop_status, only: status_ok, status_outside, status_step_too_small, &
-        status_step_limit, status_turning_point, status_not_converged
+        status_step_limit, status_turning_point, status_not_converged, status_too_many_events
     implicit none
     private
     public :: integrate, observer_t, outcome_t
 
-    !> Looks at the motion at the sample times.
+    !> Receives the motion at the sample times.
     type, abstract :: observer_t
         !> Set by the observer to end the run.
         logical :: has_enough = .false.
-        !> Wants phi and psi to count their turns, for which every step is looked at; else the angles it is
-        !> shown are next to those of the start.
+        !> Whether phi and psi count their turns, which requires an evaluation in every step; otherwise the
+        !> angles are the values nearest to those of the start.
         logical :: counts_turns = .true.
     contains
         procedure(observe), deferred :: observe
     end type observer_t
 
     abstract interface
-        !> The state `y` of a formulation at time `t`, and angles next to which those of the motion
-        !> lie; the times come in rising order.
+        !> Receives the state `y` of a formulation at time `t`, and angles near those of the motion. The times
+        !> are increasing.
         subroutine observe(self, formulation, t, y, near)
             import :: observer_t, formulation_t, dp, max_states
             class(observer_t), intent(inout) :: self
-            class(formulation_t), intent(in) :: formulation
-            real(dp), intent(in) :: t, y(max_states), near(3)
+            class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+            real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
         end subroutine observe
     end interface
 
-    !> The angles, followed through every step, or left as they are.
+    !> The angles, followed through every step, or constant.
     type :: follower_t
         real(dp) :: t = 0, y(max_states) = 0, angle(3) = 0
         logical :: is_idle = .false.
@@ -49,22 +49,22 @@ module spintop_integration
         class(formulation_t), pointer :: formulation => null()
         class(stepper_t), pointer :: stepper => null()
         class(workspace_t), pointer :: work => null()
-        !> At the start of the step, and at the two latest times asked for: from the last of these before
-        !> a time the angles are followed to it.
+        !> Angles at the start of the step, and at the two latest times of evaluation. They are followed to a
+        !> new time from the latest of these before it.
         type(follower_t) :: seen(3)
     contains
         procedure :: at => motion_in_step
         procedure :: is_spent => step_is_spent
     end type step_path_t
 
-    !> A run under way: what carries it, and which samples are still to be shown.
+    !> A run in progress: formulation, stepper, workspace, and the samples not yet shown.
     type :: run_t
         class(formulation_t), pointer :: formulation => null()
         class(stepper_t), pointer :: stepper => null()
         class(workspace_t), pointer :: work => null()
         class(observer_t), pointer :: observer => null()
         real(dp), pointer :: samples(:) => null()
-        !> The first sample that was not shown, and their number.
+        !> Index of the first sample that was not shown, and the number of samples.
         integer :: next = 1, last = 0
         type(follower_t) :: follower
     contains
@@ -79,43 +79,45 @@ module spintop_integration
         procedure :: check_arrival
     end type run_t
 
-    !> How a run ended.
+    !> Outcome of a run.
     type :: outcome_t
-        !> One of `spintop_status`: `status_ok`, or what ended the run before its time.
+        !> `status_ok`, or the reason for an early end, from `spintop_status`.
         integer :: status = status_ok
-        !> Time reached, s: that of an event which ended the run.
+        !> Time reached, s: that of the event that ended the run, if there was one.
         real(dp) :: t = 0
-        !> What it cost.
+        !> Cost of the run.
         type(counts_t) :: counts
     end type outcome_t
 
     !> With less than this share of the time gone left, a run arrives at the end of its equations;
-    !> with less than `close` of the span, one that is stuck has arrived too.
+    !> with less than `close`, one that is stuck has arrived too. Shares of the span would be none of the
+    !> motion, which may be as much shorter as one likes.
     real(dp), parameter :: arrival = 1.0e-4_dp, close = 1.0e-2_dp
-    !> A sample of a fixed-step method this share of a step away is at the step.
+    !> A sample of a fixed-step method within this fraction of a step is at the step.
     real(dp), parameter :: grid_slack = 1.0e-6_dp
-    !> A pole passed within this share of a step is passed on either side.
+    !> A pole that is passed within this fraction of a step is passed on an arbitrary side.
     real(dp), parameter :: shortest_pace = 1.0e-12_dp
 
 contains
 
-    !> Integrates a formulation from its start over `t_end` seconds. The observer sees the sample
-    !> times (rising, from 0 to t_end): all of them by dense output of an adaptive method, those
-    !> that are steps of a fixed-step one; and the turning point where the equations end at one.
-    !> `watch` looks for events on the way; the motion at one that ends the run is shown last.
+    !> Integrates a formulation from its start over `t_end` seconds. The observer receives the motion at the
+    !> sample times (increasing, from 0 to t_end): an adaptive method has dense output for all of them, a
+    !> fixed-step method gives those that are steps. If the equations end at a turning point, the observer
+    !> receives that too. `watch` searches for events; the motion at an event that ends the run is shown last.
     !>
-    !> The arguments are checked first (`call_status`, `event_watch_t%check`): an invalid call ends with a
-    !> status that says why, and the observer sees nothing.
+    !> The arguments are checked first (`call_status`, `event_watch_t%check`). An invalid call returns the
+    !> reason as status, and the observer receives nothing.
     subroutine integrate(formulation, stepper, body, start, t_end, samples, observer, outcome, watch)
         class(formulation_t), target, intent(inout) :: formulation
-        class(stepper_t), target, intent(in) :: stepper
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
-        real(dp), intent(in) :: t_end
-        real(dp), target, intent(in) :: samples(:) !! s, from the start on, whatever its `t`
-        class(observer_t), target, intent(inout) :: observer
-        type(outcome_t), intent(out) :: outcome
-        class(event_watch_t), intent(inout), optional :: watch
+            !! the equations of motion; prepared by this procedure
+        class(stepper_t), target, intent(in) :: stepper !! the method with its settings
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        real(dp), intent(in) :: t_end !! length of the span, s
+        real(dp), target, intent(in) :: samples(:) !! s after the start, whatever its `t`
+        class(observer_t), target, intent(inout) :: observer !! receives the motion
+        type(outcome_t), intent(out) :: outcome !! status, time reached and cost
+        class(event_watch_t), intent(inout), optional :: watch !! search for events
         class(workspace_t), allocatable, target :: work
         type(run_t) :: run
         type(step_path_t) :: path
@@ -154,12 +156,12 @@ contains
         outcome%counts = work%counts
     end subroutine integrate
 
-    !> Begins the run: the state at the start, the samples there, the first look for events.
+    !> Begins the run: the state at the start, the samples there, and the search for events.
     subroutine begin_run(self, body, start, path, status, watch)
         class(run_t), intent(inout) :: self
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
-        type(step_path_t), intent(inout) :: path !! on which `watch` looks
+        type(step_path_t), intent(inout) :: path !! the path that `watch` searches
         integer, intent(out) :: status
         class(event_watch_t), intent(inout), optional :: watch
         logical :: is_idle
@@ -184,7 +186,7 @@ contains
     end subroutine begin_run
 
     !> Looks for events in the last step. The run ends at one that ends the motion, or as far as the
-    !> steps that are allowed suffice for the search.
+    !> steps that are allowed suffice for the search, and the events that can be counted.
     subroutine look_for_events(self, path, watch, status, ends)
         class(run_t), intent(inout) :: self
         type(step_path_t), intent(inout) :: path
@@ -194,14 +196,14 @@ contains
         path%seen = self%follower
         call watch%look(path, self%work%t)
         ends = watch%has_enough
-        if (.not. ends .and. path%is_spent() .and. watch%t < self%work%t) then
-            status = status_step_limit
+        if (.not. ends .and. (path%is_spent() .or. watch%is_full) .and. watch%t < self%work%t) then
+            status = merge(status_too_many_events, status_step_limit, watch%is_full)
             ends = .true.
         end if
         if (ends) call self%show_end(watch%t)
     end subroutine look_for_events
 
-    !> Shows the samples not yet shown up to a time within the last step.
+    !> Shows the samples up to a time within the last step.
     subroutine show_until(self, t)
         class(run_t), intent(inout) :: self
         real(dp), intent(in) :: t
@@ -244,7 +246,7 @@ contains
         call self%show()
     end subroutine show_within
 
-    !> Shows the motion that the follower has come to.
+    !> Shows the motion at the time of the follower.
     subroutine show(self)
         class(run_t), intent(inout) :: self
         call self%observer%observe(self%formulation, self%follower%t, self%follower%y, self%follower%angle)
@@ -264,13 +266,13 @@ contains
         if (t > self%seen(3)%t) self%seen(2:3) = [self%seen(3), follower]
     end subroutine motion_in_step
 
-    !> Whether the work of the case is used up.
+    !> Whether the allowed work of the case is used up.
     logical function step_is_spent(self)
         class(step_path_t), intent(in) :: self
         step_is_spent = self%work%is_spent(self%stepper%controls%max_steps)
     end function step_is_spent
 
-    !> Goes on to a later time and state.
+    !> Moves to a later time and state.
     subroutine go_to(self, formulation, t, y)
         class(follower_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
@@ -281,8 +283,8 @@ contains
         self%y = y
     end subroutine go_to
 
-    !> Goes on to a state within the last step, in short paces where the axis passes a pole and the
-    !> states between are known.
+    !> Moves to a state within the last step, in small increments where the axis passes a pole and the states
+    !> in between are known.
     recursive subroutine walk_to(self, formulation, stepper, work, t, y)
         class(follower_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
@@ -295,8 +297,8 @@ contains
         angle = self%angle
         sure = self%is_idle
         if (.not. sure) call formulation%follow(self%t, self%y, t, y, angle, sure)
-        sure = sure .or. t - self%t <= max(shortest_pace * (work%t - work%t_last), 2 * spacing(t)) &
-               .or. work%is_spent(stepper%controls%max_steps)
+        if (.not. sure) sure = t - self%t <= max(shortest_pace * (work%t - work%t_last), 2 * spacing(t)) &
+                               .or. work%is_spent(stepper%controls%max_steps)
         if (sure) then
             self%t = t
             self%y = y
@@ -310,32 +312,33 @@ contains
         end if
     end subroutine walk_to
 
-    !> The derivative must exist at the start.
+    !> Checks that the derivative exists at the start.
     subroutine check_start(formulation, work, status)
         class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(inout) :: work
         integer, intent(out) :: status
         real(dp) :: slope(max_states)
-        call work%evaluate(formulation, work%y, slope, status)
+        call work%evaluate(formulation, work%t, work%y, slope, status)
     end subroutine check_start
 
-    !> Leaves a start on which the equations alone would rest: the first step of a fixed-step
-    !> method, or a short time before an adaptive one begins.
+    !> Leaves a start at which the right-hand side vanishes although the motion does not rest: by the first
+    !> step of a fixed-step method, or by a short time before an adaptive one begins.
     subroutine leave_rest(self)
         class(run_t), intent(inout) :: self
         real(dp) :: h, y(max_states)
         logical :: departed
 
+        if (.not. allocated(self%formulation%ends)) return
         associate (work => self%work, steps => self%stepper%controls%steps)
             h = 0
             if (steps > 0) h = work%t_end / steps
             y = work%y
-            call self%formulation%depart(y, h, departed)
+            call self%formulation%ends%depart(y, h, departed)
             if (.not. departed) return
             if (h > work%t_end) then
                 h = work%t_end
                 y = work%y
-                call self%formulation%depart(y, h, departed)
+                call self%formulation%ends%depart(y, h, departed)
             end if
             do while (steps == 0 .and. self%next <= self%last .and. .not. self%observer%has_enough)
                 if (self%samples(self%next) >= h) exit
@@ -349,7 +352,7 @@ contains
         end associate
     end subroutine leave_rest
 
-    !> Shows the motion at a time shortly after a start on which the equations alone would rest.
+    !> Shows the motion at a time shortly after such a start.
     subroutine show_departure(self, t)
         class(run_t), intent(inout) :: self
         real(dp), intent(in) :: t
@@ -357,29 +360,30 @@ contains
         logical :: unused
         time = t
         y_then = self%work%y
-        call self%formulation%depart(y_then, time, unused)
+        call self%formulation%ends%depart(y_then, time, unused)
         call self%follower%go_to(self%formulation, t, y_then)
         call self%show()
     end subroutine show_departure
 
-    !> Ends a run that has come to where its equations end: at the turning point, not beyond.
+    !> Ends a run that is close to the end of its equations: at the turning point, not beyond.
     subroutine check_arrival(self, status)
         class(run_t), intent(inout) :: self
         integer, intent(inout) :: status
         real(dp) :: left, y(max_states)
 
+        if (.not. allocated(self%formulation%ends)) return
         associate (formulation => self%formulation, work => self%work)
-            left = formulation%time_left(work%y)
+            left = formulation%ends%time_left(work%y)
             select case (status)
             case (status_ok)
                 if (left > arrival * work%t) return
             case (status_outside, status_step_too_small, status_not_converged)
-                if (left > close * work%t_end) return
+                if (left > close * work%t) return
             case default
                 return
             end select
             y = work%y
-            call formulation%arrive(y, left)
+            call formulation%ends%arrive(y, left)
             if (work%t + left > work%t_end) return
             work%y = y
             work%t = work%t + left

@@ -1,10 +1,10 @@
-!> What other programs and textbooks call the methods.
+!> Names of the methods in other programs and in textbooks.
 module spintop_method_aliases
     implicit none
     private
     public :: method_aliases
 
-    !> Each `other=own`: a name, and the method here that it means.
+    !> Each `other=own`: another name, and the name here.
     character(*), parameter :: method_aliases(*) = [character(40) :: &
         'rk45=ode45', 'rkdp=ode45', 'rkdp45=ode45', 'dopri=ode45', 'dopri5=ode45', 'dormand_prince=ode45', &
         'dp5=ode45', 'rkf45=ode45', 'dop8=dop853', 'dopri8=dop853', 'dopri853=dop853', 'rk8=dop853', &

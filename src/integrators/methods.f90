@@ -1,4 +1,5 @@
-!> The registry of methods: one entry each; lists, help, checks and tests derive from it.
+!> The registry of methods: one entry each; lists, help, checks and tests derive from it. It is built once,
+!> at the first question, and shared by all threads.
 module spintop_methods
     use spintop_stepper, only: stepper_t, method_info_t
     use spintop_butcher, only: euler_table, midpoint_table, classical_table, dormand_prince_table
@@ -23,9 +24,10 @@ module spintop_methods
     private
     public :: method_infos, create_stepper, exact_info
 
-    !> The exact solution, which takes no steps, in the list of methods.
+    !> The exact solution, which has no steps, as an entry in the list of methods.
     type(method_info_t), parameter :: exact_info = method_info_t( &
-        'exact', 'closed-form solution of the undamped symmetric top: any time, no steps')
+        'exact', 'closed-form solution of the undamped symmetric top and of the free body: any time, no steps', &
+        family='closed form')
 
     type :: entry_t
         class(stepper_t), allocatable :: prototype
@@ -35,21 +37,36 @@ module spintop_methods
     type :: registry_t
         integer :: size = 0
         type(entry_t), allocatable :: entry(:)
+        !> The family of the methods that are added.
+        character(24) :: family = ''
     contains
         procedure :: add
     end type registry_t
 
+    type(registry_t), target :: registry
+
 contains
 
-    !> Fills the registry: what there is, stands here.
+    !> The registry. Who finds it unbuilt builds it; the others wait for that.
+    function known_methods() result(known)
+        type(registry_t), pointer :: known
+        !$omp critical (methods_registry)
+        if (registry%size == 0) call list_methods(registry)
+        !$omp end critical (methods_registry)
+        known => registry
+    end function known_methods
+
+    !> Fills the registry: what there is, stands here, by families.
     subroutine list_methods(known)
         type(registry_t), intent(out) :: known
+        known%family = 'explicit Runge-Kutta'
         call known%add(runge_kutta_t(table=euler_table(), info=method_info_t( &
             'euler_forward', 'explicit Euler method', order=1, fixed_step=.true., caught_by_reset=.true.)))
         call known%add(runge_kutta_t(table=midpoint_table(), info=method_info_t( &
             'rk2', 'explicit midpoint rule (the paper, Appendix C)', order=2, fixed_step=.true.)))
         call known%add(runge_kutta_t(table=classical_table(), info=method_info_t( &
             'rk4', 'classical Runge-Kutta method (Kutta 1901)', order=4, fixed_step=.true.)))
+        known%family = 'implicit Runge-Kutta'
         call known%add(implicit_runge_kutta_t(table=theta_table(0.5_dp), info=method_info_t( &
             'crank_nicolson_1', 'trapezoidal rule (the paper, Appendix D)', &
             order=2, fixed_step=.true., implicit=.true., symmetric=.true.)))
@@ -62,6 +79,7 @@ contains
         call known%add(implicit_runge_kutta_t(table=theta_table(1.0_dp), info=method_info_t( &
             'euler_backward', 'implicit Euler method (Appendix D)', &
             order=1, fixed_step=.true., implicit=.true., caught_by_reset=.true.)))
+        known%family = 'Gauss-Legendre'
         call known%add(implicit_runge_kutta_t(table=gauss_table(2), info=method_info_t( &
             'gauss_4', 'Gauss-Legendre collocation with 2 stages, symplectic', &
             order=4, fixed_step=.true., implicit=.true., symmetric=.true.)))
@@ -71,12 +89,14 @@ contains
         call known%add(implicit_runge_kutta_t(table=gauss_table(4), info=method_info_t( &
             'gauss_8', 'Gauss-Legendre collocation with 4 stages, symplectic', &
             order=8, fixed_step=.true., implicit=.true., symmetric=.true.)))
+        known%family = 'Lie group'
         call known%add(munthe_kaas_t(table=classical_table(), info=method_info_t( &
             'rkmk_4', 'Runge-Kutta-Munthe-Kaas method on the rotation group', &
             order=4, fixed_step=.true., needs=structure_group)))
         call known%add(commutator_free_t(info=method_info_t( &
             'commutator_free_4', 'commutator-free method of Celledoni, Marthinsen and Owren', &
             order=4, fixed_step=.true., needs=structure_group)))
+        known%family = 'splitting'
         call known%add(splitting_t(nystrom=strang_table(), general=strang_table(), info=method_info_t( &
             'splitting_2', 'kick, drift, kick (Stoermer, Verlet, Strang)', &
             order=2, fixed_step=.true., symmetric=.true., needs=structure_split)))
@@ -89,12 +109,14 @@ contains
         call known%add(splitting_t(nystrom=composition_8_table(), general=composition_8_table(), &
             info=method_info_t('splitting_8', 'splitting of Kahan and Li (1997)', &
             order=8, fixed_step=.true., symmetric=.true., needs=structure_split)))
+        known%family = 'embedded Runge-Kutta'
         call known%add(ode45_t(table=dormand_prince_table(), info=method_info_t( &
             'ode45', "Dormand-Prince 5(4) with MATLAB's step control", order=5, adaptive=.true., &
             relative_tolerance=1.0e-3_dp, absolute_tolerance=1.0e-6_dp, refine=4)))
         call known%add(dop853_t(table=dop853_table(), info=method_info_t( &
             'dop853', 'Dormand-Prince 8(5,3) of Hairer, Norsett and Wanner', order=8, &
             fixed_step=.true., adaptive=.true.)))
+        known%family = 'Taylor series'
         call known%add(taylor_t(info=method_info_t( &
             'taylor', 'Taylor series of order 8 to 30, chosen by the tolerance', adaptive=.true., &
             needs=structure_series)))
@@ -102,6 +124,7 @@ contains
             'taylor_quadruple', 'Taylor series of order 30 in quadruple precision, for reference motions', &
             order=30, adaptive=.true., needs=structure_quadruple, relative_tolerance=1.0e-26_dp, &
             absolute_tolerance=1.0e-29_dp, finest_tolerance=1.0e-31_dp)))
+        known%family = 'embedded Runge-Kutta'
         call known%add(arkode_t(info=method_info_t( &
             'arkode_erk', 'explicit Runge-Kutta of SUNDIALS ARKODE', &
             fixed_step=.true., adaptive=.true., takes_table=.true.)))
@@ -126,29 +149,30 @@ contains
         end if
         self%size = self%size + 1
         allocate (self%entry(self%size)%prototype, source=prototype)
+        self%entry(self%size)%prototype%info%family = self%family
     end subroutine add
 
     !> Names and properties of all methods.
     function method_infos() result(infos)
         type(method_info_t), allocatable :: infos(:)
-        type(registry_t) :: known
+        type(registry_t), pointer :: known
         integer :: i
-        call list_methods(known)
+        known => known_methods()
         allocate (infos(known%size))
         do i = 1, known%size
             infos(i) = known%entry(i)%prototype%info
         end do
     end function method_infos
 
-    !> A method by its name, with default settings; unallocated, and `status_unknown_name`, if there is
-    !> none of that name.
+    !> The method of a name, with default settings; not allocated, with `status_unknown_name`, if there is
+    !> none.
     subroutine create_stepper(name, stepper, status)
-        character(*), intent(in) :: name
-        class(stepper_t), allocatable, intent(out) :: stepper
-        integer, intent(out), optional :: status
-        type(registry_t) :: known
+        character(*), intent(in) :: name !! as in an input
+        class(stepper_t), allocatable, intent(out) :: stepper !! not allocated if the name is unknown
+        integer, intent(out), optional :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        type(registry_t), pointer :: known
         integer :: i
-        call list_methods(known)
+        known => known_methods()
         do i = 1, known%size
             if (known%entry(i)%prototype%info%name /= name) cycle
             allocate (stepper, source=known%entry(i)%prototype)

@@ -1,7 +1,7 @@
-!> Projection of a state onto the invariants of the motion, on request of the user.
+!> Projection of a state onto the invariants of the motion, if the user requests it.
 !>
-!> The drift of an invariant measures the quality of a computation; so nothing is projected unless
-!> requested.
+!> The drift of an invariant is a measure of the quality of a computation, so nothing is projected without a
+!> request.
 module spintop_projection
     use spintop_kinds, only: dp, epsilon_dp
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states, max_invariants
@@ -11,7 +11,7 @@ module spintop_projection
     public :: projection_t, projection_names
     public :: project_nothing, project_unit, project_invariants
 
-    !> What is projected: nothing, the length of the quaternion, or all invariants.
+    !> Kinds of projection: none, onto unit quaternions, onto all invariants.
     integer, parameter :: project_nothing = 0, project_unit = 1, project_invariants = 2
     character(*), parameter :: projection_names(project_nothing:project_invariants) = &
         [character(10) :: 'none', 'unit', 'invariants']
@@ -31,22 +31,22 @@ module spintop_projection
 
 contains
 
-    !> Takes the invariants of the start `y`.
+    !> Stores the invariants of the start `y`.
     pure subroutine begin(self, kind, formulation, y)
         class(projection_t), intent(inout) :: self
-        integer, intent(in) :: kind
-        class(formulation_t), intent(in) :: formulation
-        real(dp), intent(in) :: y(max_states)
+        integer, intent(in) :: kind !! kind of projection
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        real(dp), intent(in) :: y(max_states) !! state at the start
         self%kind = kind
         if (kind == project_invariants) call formulation%invariants(y, self%target)
     end subroutine begin
 
-    !> Projects a state; `changed` says whether it changed.
+    !> Projects a state; `changed` reports whether it changed.
     subroutine apply(self, formulation, y, changed)
         class(projection_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        real(dp), intent(inout) :: y(max_states)
-        logical, intent(out) :: changed
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        real(dp), intent(inout) :: y(max_states) !! state, before and after the projection
+        logical, intent(out) :: changed !! whether the state was changed
         type(formulation_info_t) :: info
 
         changed = self%kind /= project_nothing
@@ -61,17 +61,17 @@ contains
         end if
     end subroutine apply
 
-    !> The nearest state with the invariants wanted, by Newton's method, each variable in units of how
-    !> large it becomes: each correction is the shortest that solves the linearised conditions (Hairer,
-    !> Lubich and Wanner, Geometric Numerical Integration, IV.4). An invariant that does not change to
-    !> first order there, as the energy of a sleeping top, is no condition.
+    !> The nearest state with the given invariants, by Newton's method, with each variable in units of its
+    !> scale. Each correction is the minimum-norm solution of the linearised conditions (Hairer, Lubich and
+    !> Wanner, Geometric Numerical Integration, IV.4). An invariant that is stationary at the state, such as
+    !> the energy of a sleeping top, is not a condition.
     subroutine restore_invariants(formulation, info, wanted, y)
         class(formulation_t), intent(in) :: formulation
         type(formulation_info_t), intent(in) :: info
         real(dp), intent(in) :: wanted(max_invariants)
         real(dp), intent(inout) :: y(max_states)
-        !> Conditions as dependent as that on others say nothing of their own: at an extremum of the
-        !> energy, for one.
+        !> Conditions that are linearly dependent to this tolerance are not independent: at an extremum of the
+        !> energy, for example.
         real(dp), parameter :: dependent = 1.0e-6_dp
         real(dp) :: values(max_invariants), matrix(max_invariants, max_states)
         real(dp) :: correction(max_states), noise(max_invariants), row_norm, work(64)
@@ -100,9 +100,9 @@ contains
         end do
     end subroutine restore_invariants
 
-    !> The gradients of the invariants by the variables in units of how large they become, one a row,
-    !> by central differences; and how large one may be that is none: what second derivatives and
-    !> rounding make of the differences of an invariant that is stationary.
+    !> Gradients of the invariants with respect to the variables in units of their scales, one per row, by
+    !> central differences; and a bound of the computed gradient of a stationary invariant, due to second
+    !> derivatives and rounding errors.
     subroutine find_gradients(formulation, states, y, gradient, noise)
         class(formulation_t), intent(in) :: formulation
         integer, intent(in) :: states

@@ -1,7 +1,7 @@
 !> The interface of integrators: one step at a time through any formulation.
 !>
-!> A stepper holds settings only and is immutable during a run; what changes sits in a workspace.
-!> So one stepper serves all threads, each with a workspace of its own.
+!> A stepper contains settings only and does not change during a run; a workspace contains what changes. One
+!> stepper therefore serves all threads, each with its own workspace.
 module spintop_stepper
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
@@ -13,77 +13,82 @@ module spintop_stepper
     private
     public :: stepper_t, method_info_t, controls_t, workspace_t, counts_t, looks_per_step
 
-    !> This many evaluations of the motion within steps count as one step towards `max_steps`.
+    !> So many evaluations of the motion within steps count as one step of `max_steps`.
     integer, parameter :: looks_per_step = 16
 
     !> Registry entry of a method.
     type :: method_info_t
         !> Name, as it stands in inputs.
         character(20) :: name = ''
-        !> What it is, in a few words.
+        !> Short description.
         character(112) :: what = ''
-        !> Order of convergence; 0 where it depends on the Butcher table chosen by name.
+        !> Order of convergence; 0 if it depends on the selected Butcher table.
         integer :: order = 0
         !> Has a variant with a fixed step size.
         logical :: fixed_step = .false.
         !> Has a variant with adaptive steps, chosen by tolerances.
         logical :: adaptive = .false.
-        !> Has equations to solve in each step.
+        !> Solves equations in each step.
         logical :: implicit = .false.
-        !> Unchanged when h and the ends of the step are exchanged, so reversible in time.
+        !> Symmetric, that is reversible in time: a step back from the end leads to the beginning.
         logical :: symmetric = .false.
-        !> The structure that a formulation must offer to it.
+        !> Structure that a formulation must offer.
         integer :: needs = structure_none
         !> Takes a Butcher table by name.
         logical :: takes_table = .false.
-        !> Tolerances of its own where the user gives none (0: the program's).
+        !> Default tolerances of the method (0: those of the program).
         real(dp) :: relative_tolerance = 0, absolute_tolerance = 0
         !> Smallest relative tolerance that its arithmetic resolves.
         real(dp) :: finest_tolerance = 1.0e-17_dp
-        !> Caught at a turning point where the speed is reset after each step: see `passes_turns`.
+        !> Stays at a turning point if the speed is reset after each step: see `passes_turns`.
         logical :: caught_by_reset = .false.
-        !> Output points per step by its own convention (ode45: 4); 0 without one.
+        !> Output points per step by its own convention (ode45: 4); 0 if there is none.
         integer :: refine = 0
+        !> Methods that are alike, for lists and figures; the registry sets it.
+        character(24) :: family = ''
     end type method_info_t
 
-    !> What a user may set on a method.
+    !> Settings of a method.
     type :: controls_t
         !> Number of steps of fixed size; 0 lets an adaptive method choose its steps.
         integer :: steps = 0
-        !> Error that a step may make: as a share of each state variable (of a radian, for angles that
-        !> count their turns and on which nothing depends), and beside that, in radians for the attitude
-        !> and as a share of the motion's largest rate and largest momentum for those. With `ode45` and
-        !> the paper's formulations the second has MATLAB's meaning: in the unit of each variable.
+        !> Admissible error of a step: the relative part, with respect to each state variable (to one radian,
+        !> for angles that count turns and on which the motion does not depend); and the absolute part, in
+        !> radians for the attitude, and relative to the largest rate and momentum of the motion for those.
+        !> With `ode45` and the formulations of the paper the absolute part has MATLAB's meaning: in the unit
+        !> of each variable.
         real(dp) :: relative_tolerance = 1.0e-9_dp, absolute_tolerance = 1.0e-12_dp
-        !> Most work of one run, in steps: tried or taken, and for so many looks within steps one each.
+        !> Maximum work of one run, in steps: accepted and rejected ones; so many evaluations within steps
+        !> count as one.
         integer(int64) :: max_steps = 1000000
         !> Solve implicit steps by fixed-point iteration instead of Newton's.
         logical :: fixed_point = .false.
-        !> What is projected after each step: see `spintop_projection`.
+        !> Projection after each step: see `spintop_projection`.
         integer :: project = project_nothing
-        !> Name of a Butcher table; empty for the method's default.
+        !> Name of a Butcher table; blank for the default of the method.
         character(40) :: table = ''
     end type controls_t
 
-    !> What a run cost.
+    !> Cost of a run.
     type :: counts_t
         !> Accepted and rejected steps.
         integer(int64) :: steps = 0, rejected = 0
-        !> Evaluations of the motion within steps, to find events and the turns of angles.
+        !> Evaluations of the motion within steps, for events and for the turns of angles.
         integer(int64) :: looks = 0
-        !> Evaluations of the right-hand side and of the Jacobian matrix.
+        !> Evaluations of the right-hand side and of its Jacobian.
         integer(int64) :: evaluations = 0, jacobians = 0
-        !> Inadmissible values that `after_step` had to cut.
+        !> Inadmissible values that the reset of a formulation had to clip.
         integer(int64) :: clipped = 0
     contains
         procedure :: add
+        procedure :: work => work_done
     end type counts_t
 
     !> A run in progress.
     type :: workspace_t
         !> The span, s.
         real(dp) :: t_begin = 0, t_end = 0
-        !> Time and state reached, and the slope y' there.
+        !> Current time and state, and the slope y' there.
         real(dp) :: t = 0, y(max_states) = 0, slope(max_states) = 0
         !> Compensation term of the state (Kahan): the state is y + rest.
         real(dp) :: rest(max_states) = 0
@@ -91,13 +96,13 @@ module spintop_stepper
         real(dp) :: t_last = 0, y_last(max_states) = 0, slope_last(max_states) = 0
         !> Size of the next step, s.
         real(dp) :: h = 0
-        !> Steps done on the grid of a fixed-step method; -1 once it has left the grid.
+        !> Number of steps on the grid of a fixed-step method; -1 after it has left the grid.
         integer :: grid = 0
-        !> Weights of step errors, set as an adaptive method begins.
+        !> Weights of step errors, set at the beginning of a run of an adaptive method.
         type(error_weight_t) :: weight
         !> Projection of each new state.
         type(projection_t) :: projection
-        !> What the run has cost so far.
+        !> Cost of the run so far.
         type(counts_t) :: counts
     contains
         procedure :: evaluate
@@ -108,62 +113,63 @@ module spintop_stepper
 
     !> A method of integration.
     type, abstract :: stepper_t
-        !> What the method is.
+        !> Properties of the method.
         type(method_info_t) :: info = method_info_t()
-        !> What its user set.
+        !> Settings of the user.
         type(controls_t) :: controls = controls_t()
     contains
         procedure(new_workspace), deferred :: new_workspace
         procedure(begin), deferred :: begin
         procedure(advance), deferred :: advance
-        procedure(interpolate), deferred :: interpolate
+        procedure(state_within), deferred :: state_within
+        procedure, non_overridable :: interpolate
         procedure :: order
         procedure :: set_weight
     end type stepper_t
 
     abstract interface
-        !> A workspace of the kind this method needs.
+        !> Creates a workspace of the type that this method needs.
         subroutine new_workspace(self, work)
             import :: stepper_t, workspace_t
             class(stepper_t), intent(in) :: self
-            class(workspace_t), allocatable, intent(out) :: work
+            class(workspace_t), allocatable, intent(out) :: work !! workspace of the type that the method needs
         end subroutine new_workspace
 
         !> Begins a run at `work%t`, `work%y` (set by the caller, with the span).
         subroutine begin(self, formulation, work, status)
             import :: stepper_t, workspace_t, formulation_t
             class(stepper_t), intent(in) :: self
-            class(formulation_t), intent(in) :: formulation
-            class(workspace_t), intent(inout) :: work
-            integer, intent(out) :: status
+            class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+            class(workspace_t), intent(inout) :: work !! state and workspace of the run
+            integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         end subroutine begin
 
-        !> Takes one step, never beyond `work%t_end`. On failure the state is the last good one.
+        !> Takes one step, never beyond `work%t_end`. On failure the state is the last valid one.
         subroutine advance(self, formulation, work, status)
             import :: stepper_t, workspace_t, formulation_t
             class(stepper_t), intent(in) :: self
-            class(formulation_t), intent(in) :: formulation
-            class(workspace_t), intent(inout) :: work
-            integer, intent(out) :: status
+            class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+            class(workspace_t), intent(inout) :: work !! state and workspace of the run
+            integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         end subroutine advance
 
-        !> The state at a time within the last step.
-        function interpolate(self, formulation, work, t) result(y)
+        !> The state at a time before the end of the last step.
+        function state_within(self, formulation, work, t) result(y)
             import :: stepper_t, workspace_t, formulation_t, dp, max_states
             class(stepper_t), intent(in) :: self
-            class(formulation_t), intent(in) :: formulation
-            class(workspace_t), intent(inout) :: work
-            real(dp), intent(in) :: t
+            class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+            class(workspace_t), intent(inout) :: work !! state and workspace of the run
+            real(dp), intent(in) :: t !! time, s
             real(dp) :: y(max_states)
-        end function interpolate
+        end function state_within
     end interface
 
 contains
 
-    !> Adds what another run cost.
+    !> Adds the cost of another run.
     pure subroutine add(self, other)
         class(counts_t), intent(inout) :: self
-        type(counts_t), intent(in) :: other
+        type(counts_t), intent(in) :: other !! cost of the other run
         self%steps = self%steps + other%steps
         self%rejected = self%rejected + other%rejected
         self%looks = self%looks + other%looks
@@ -172,49 +178,67 @@ contains
         self%clipped = self%clipped + other%clipped
     end subroutine add
 
-    !> Order of convergence with the settings made.
+    !> The state at a time within the last step.
+    function interpolate(self, formulation, work, t) result(y)
+        class(stepper_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        real(dp), intent(in) :: t !! time, s
+        real(dp) :: y(max_states)
+        if (t < work%t) then
+            y = self%state_within(formulation, work, t)
+        else
+            y = work%y
+        end if
+    end function interpolate
+
+    !> The work that counts towards `max_steps`.
+    pure integer(int64) function work_done(self)
+        class(counts_t), intent(in) :: self
+        work_done = self%steps + self%rejected + self%looks / looks_per_step
+    end function work_done
+
+    !> Order of convergence with these settings.
     integer function order(self)
         class(stepper_t), intent(in) :: self
         order = self%info%order
     end function order
 
-    !> Prepares the run's error control for the tolerances.
+    !> Prepares the error control of the run for the tolerances.
     pure subroutine set_weight(self, formulation, work)
         class(stepper_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         call work%weight%set(formulation, self%controls%relative_tolerance, self%controls%absolute_tolerance)
     end subroutine set_weight
 
     !> Evaluates the right-hand side and counts it; an infinite or undefined slope is `status_non_finite`.
-    subroutine evaluate(self, formulation, y, dy, status)
+    subroutine evaluate(self, formulation, t, y, dy, status)
         class(workspace_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
-        real(dp), intent(in) :: y(max_states)
-        real(dp), intent(out) :: dy(max_states)
-        integer, intent(out) :: status
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+        real(dp), intent(out) :: dy(max_states) !! slope
+        integer, intent(out) :: status !! that of the right-hand side, or `status_non_finite`
         self%counts%evaluations = self%counts%evaluations + 1
-        call formulation%derivative(y, dy, status)
-        ! Not by is_finite: a call for each component would cost as much as a right-hand side.
+        call formulation%derivative(t, y, dy, status)
+        ! Not with is_finite: a call for each component would cost as much as an RHS evaluation.
         if (status == status_ok .and. .not. all(abs(dy) <= huge(1.0_dp))) status = status_non_finite
     end subroutine evaluate
 
     !> Whether the maximum number of steps is reached: accepted, rejected, and evaluations within steps.
     pure logical function is_spent(self, max_steps)
         class(workspace_t), intent(in) :: self
-        integer(int64), intent(in) :: max_steps
-        associate (counts => self%counts)
-            is_spent = counts%steps + counts%rejected + counts%looks / looks_per_step >= max_steps
-        end associate
+        integer(int64), intent(in) :: max_steps !! maximum number of steps
+        is_spent = self%counts%work() >= max_steps
     end function is_spent
 
-    !> Accepts the state `y_new` at `t_new`, after formulation and projection have projected it;
-    !> `changed` says whether they changed it. The slope is the caller's to renew.
+    !> Accepts the state `y_new` at `t_new` after formulation and projection have projected it; `changed`
+    !> reports whether they changed it. The caller renews the slope.
     subroutine settle(self, formulation, t_new, y_new, changed)
         class(workspace_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
-        real(dp), intent(in) :: t_new, y_new(max_states)
-        logical, intent(out) :: changed
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        real(dp), intent(in) :: t_new, y_new(max_states) !! time, s, and state
+        logical, intent(out) :: changed !! whether the state was changed
         logical :: clipped, projected
 
         self%t_last = self%t
@@ -222,21 +246,26 @@ contains
         self%slope_last = self%slope
         self%t = t_new
         self%y = y_new
-        call formulation%after_step(self%y, changed, clipped)
-        call self%projection%apply(formulation, self%y, projected)
-        changed = changed .or. projected
-        if (changed) self%rest = 0
         self%counts%steps = self%counts%steps + 1
-        if (clipped) self%counts%clipped = self%counts%clipped + 1
+        changed = allocated(formulation%reset)
+        if (changed) then
+            call formulation%reset%apply(self%y, clipped)
+            if (clipped) self%counts%clipped = self%counts%clipped + 1
+        end if
+        if (self%projection%kind /= project_nothing) then
+            call self%projection%apply(formulation, self%y, projected)
+            changed = changed .or. projected
+        end if
+        if (changed) self%rest = 0
     end subroutine settle
 
     !> Accepts the state reached by a change, summed with compensation (Kahan, Comm. ACM 8, 1965):
     !> the compensation term is kept for the next step.
     subroutine settle_change(self, formulation, t_new, change, changed)
         class(workspace_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
-        real(dp), intent(in) :: t_new, change(max_states)
-        logical, intent(out) :: changed
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        real(dp), intent(in) :: t_new, change(max_states) !! time, s, and change of the state
+        logical, intent(out) :: changed !! whether the state was changed
         real(dp) :: total(max_states), y_new(max_states)
         total = change + self%rest
         y_new = self%y + total

@@ -1,6 +1,6 @@
-!> The processes that a run consists of, its ranks. There are several where an MPI launcher starts a
-!> program that was built for MPI. Rank 0 is the writer: it alone writes files and messages,
-!> and it hands out the blocks of a sweep, which the others compute.
+!> The processes of a run, its ranks. There are several if an MPI launcher starts a program that was built for
+!> MPI. Rank 0 is the writer: only it writes files and messages. It assigns the blocks of a sweep, which the
+!> other ranks compute.
 !>
 !> The writer                                     The others, each of their threads
 !>
@@ -8,7 +8,7 @@
 !>     call ranks%answer(rank, number)                     ...
 !>     ...                                                 call ranks%sign_off()     ! once a rank
 !>
-!> What MPI does is in the submodule `ranks_mpi`; in a build without it `ranks_alone` is in its place.
+!> The MPI calls are in the submodule `ranks_mpi`; a build without MPI has `ranks_alone` instead.
 module spintop_ranks
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t
@@ -18,10 +18,10 @@ module spintop_ranks
     private
     public :: ranks_t, start_ranks, end_ranks, signed_off
 
-    !> What the writer receives in place of the number of a block from a rank that has signed off.
+    !> Received by the writer instead of the number of a block from a rank that has signed off.
     integer(int64), parameter :: signed_off = -2
 
-    !> By default a process that is alone.
+    !> By default a single process.
     type :: ranks_t
         integer :: number = 0 !! of this one
         integer :: count = 1  !! of all
@@ -40,14 +40,14 @@ module spintop_ranks
 
     interface
 
-        !> Joins the other ranks; the first thing a program does. It is an error where the threads of
-        !> a rank may not take turns in calling MPI.
+        !> Joins the other ranks; must be the first action of a program. It is an error if the MPI library
+        !> does not allow the threads of a rank to call it in turn.
         module subroutine start_ranks(ranks, error)
-            type(ranks_t), intent(out) :: ranks
-            type(error_t), allocatable, intent(out) :: error
+            type(ranks_t), intent(out) :: ranks !! the ranks of this run
+            type(error_t), allocatable, intent(out) :: error !! not allocated on success
         end subroutine start_ranks
 
-        !> Leaves the other ranks, when all have come here.
+        !> Leaves the other ranks, after all have called this.
         module subroutine end_ranks()
         end subroutine end_ranks
 
@@ -55,6 +55,7 @@ module spintop_ranks
         module subroutine agree(self, error)
             class(ranks_t), intent(in) :: self
             type(error_t), allocatable, intent(inout) :: error
+                !! of this rank on entry; of the first rank that has one on return
         end subroutine agree
 
         !> Broadcasts the numbers of the writer to all ranks. All ranks call it.
@@ -69,41 +70,41 @@ module spintop_ranks
             character(:), allocatable, intent(inout) :: text
         end subroutine broadcast_text
 
-        !> Gives the writer the sums over all ranks, and leaves the others what they have. All ranks
-        !> call it.
+        !> Sums values over all ranks: the writer gets the sums, the others keep their values. All ranks call
+        !> it.
         module subroutine reduce(self, values)
             class(ranks_t), intent(in) :: self
-            real(dp), intent(inout) :: values(:)
+            real(dp), intent(inout) :: values(:) !! of this rank on entry; the sums in the writer on return
         end subroutine reduce
 
-        !> Hands the rows of a block to the writer (`number` > 0), and takes what it answers. Threads
-        !> may call it at any time: they take turns.
+        !> Sends the rows of a block to the writer (`number` > 0), and receives the number of the next block.
+        !> Threads may call it at any time; the calls are serialised.
         module subroutine exchange(self, number, rows)
             class(ranks_t), intent(in) :: self
-            integer(int64), intent(inout) :: number
-            type(row_block_t), intent(in) :: rows
+            integer(int64), intent(inout) :: number !! computed block on entry (0 for none), next block on return
+            type(row_block_t), intent(in) :: rows !! the rows of the computed block
         end subroutine exchange
 
-        !> Signs this rank off: it has handed in all its blocks.
+        !> Signs this rank off, after it has sent all its blocks.
         module subroutine sign_off(self)
             class(ranks_t), intent(in) :: self
         end subroutine sign_off
 
-        !> Takes what another rank has handed in, if there is such a rank: the number of a block and
-        !> its rows, or none (`number` <= 0), or that it has `signed_off`. All but this wait for an answer.
+        !> Receives a message of another rank, if there is one: the number of a block and its rows, or no
+        !> block (`number` <= 0), or `signed_off`. All senders but the last kind wait for an answer.
         module subroutine receive(self, rank, number, rows, is_there)
             class(ranks_t), intent(in) :: self
-            integer, intent(out) :: rank
-            integer(int64), intent(out) :: number
-            type(row_block_t), intent(inout) :: rows
-            logical, intent(out) :: is_there
+            integer, intent(out) :: rank !! number of the rank
+            integer(int64), intent(out) :: number !! number of the block, or `signed_off`
+            type(row_block_t), intent(inout) :: rows !! the rows of the block
+            logical, intent(out) :: is_there !! whether there is a message
         end subroutine receive
 
-        !> Answers a rank that waits.
+        !> Answers a waiting rank.
         module subroutine answer(self, rank, number)
             class(ranks_t), intent(in) :: self
-            integer, intent(in) :: rank
-            integer(int64), intent(in) :: number
+            integer, intent(in) :: rank !! number of the rank
+            integer(int64), intent(in) :: number !! number of the next block
         end subroutine answer
 
     end interface

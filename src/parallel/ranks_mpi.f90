@@ -1,6 +1,6 @@
 #ifdef SPINTOP_MPI
-!> Ranks by MPI. An error in MPI itself ends all ranks (its default), and so does the end of a rank
-!> that has not come to `end_ranks`.
+!> Ranks by MPI. An error in MPI itself ends all ranks (its default), and so does the end of a rank that has
+!> not called `end_ranks`.
 submodule(spintop_ranks) ranks_mpi
     use mpi_f08, only: MPI_Allreduce, MPI_Bcast, MPI_Comm_rank, MPI_Comm_size, MPI_Finalize, MPI_Init_thread, &
         MPI_Iprobe, MPI_Recv, MPI_Reduce, MPI_Send, MPI_Status, MPI_ANY_SOURCE, MPI_CHARACTER, MPI_COMM_WORLD, &
@@ -10,12 +10,12 @@ submodule(spintop_ranks) ranks_mpi
     implicit none
 
     integer, parameter :: writer = 0
-    !> Kinds of message: what goes before the rows of a block, the rows as text, or else their cells,
-    !> and the answer.
-    integer, parameter :: tag_block = 1, tag_text = 2, tag_cells = 3, tag_answer = 4
-    !> Numbers that go before the rows: that of the block, bytes of text, columns and rows of cells; then
-    !> rows of each status.
-    integer, parameter :: numbers_before = 4
+    !> Kinds of message: the numbers before the rows of a block, the rows as text, the rows as cells, the
+    !> answer, what is gathered of the rows.
+    integer, parameter :: tag_block = 1, tag_text = 2, tag_cells = 3, tag_answer = 4, tag_digest = 5
+    !> Numbers that are sent before the rows: number of the block, bytes of text, columns and rows of cells, numbers
+    !> for each row and rows of what is gathered; then the number of rows with each status.
+    integer, parameter :: numbers_before = 6
 
 contains
 
@@ -25,8 +25,7 @@ contains
         call MPI_Comm_rank(MPI_COMM_WORLD, ranks%number)
         call MPI_Comm_size(MPI_COMM_WORLD, ranks%count)
         if (level < MPI_THREAD_SERIALIZED) then
-            error = input_error('spintop: this MPI does not let threads take turns in calling it &
-                &(MPI_THREAD_SERIALIZED)')
+            error = input_error('spintop: the MPI library does not support MPI_THREAD_SERIALIZED')
         end if
     end procedure start_ranks
 
@@ -70,17 +69,26 @@ contains
 
     module procedure exchange
         integer(int64) :: numbers(numbers_before + size(rows%counts))
+        integer :: length
 
+        length = 0
+        if (allocated(rows%digest)) length = size(rows%digest, 1)
         numbers = 0
         numbers(1) = number
-        if (number > 0) numbers(2:) = [int([rows%text%length, size(rows%cells, 1), rows%rows], int64), rows%counts]
+        if (number > 0) numbers(2:) = [int([rows%text%length, size(rows%cells, 1), rows%rows, length, &
+                                                  rows%digested], int64), rows%counts]
         !$omp critical (ranks)
         call MPI_Send(numbers, size(numbers), MPI_INTEGER8, writer, tag_block, MPI_COMM_WORLD)
         if (number > 0) then
-            if (rows%rows == 0) then
+            ! A table that keeps no rows has no text.
+            if (rows%rows == 0 .and. rows%text%length > 0) then
                 call MPI_Send(rows%text%room, rows%text%length, MPI_CHARACTER, writer, tag_text, MPI_COMM_WORLD)
-            else
+            else if (rows%rows > 0) then
                 call MPI_Send(rows%cells, size(rows%cells, 1) * rows%rows, MPI_DOUBLE_PRECISION, writer, tag_cells, &
+                              MPI_COMM_WORLD)
+            end if
+            if (rows%digested > 0) then
+                call MPI_Send(rows%digest, length * rows%digested, MPI_DOUBLE_PRECISION, writer, tag_digest, &
                               MPI_COMM_WORLD)
             end if
         end if
@@ -111,15 +119,20 @@ contains
         call MPI_Recv(numbers, size(numbers), MPI_INTEGER8, rank, tag_block, MPI_COMM_WORLD, MPI_STATUS_IGNORE)
         number = numbers(1)
         if (number <= 0) return
-        if (numbers(4) == 0) then
+        if (numbers(4) == 0 .and. numbers(2) > 0) then
             allocate (character(numbers(2)) :: text)
             call MPI_Recv(text, len(text), MPI_CHARACTER, rank, tag_text, MPI_COMM_WORLD, MPI_STATUS_IGNORE)
             call rows%text%append(text)
-        else
+        else if (numbers(4) > 0) then
             call rows%reserve(int(numbers(3)), int(numbers(4)))
             call MPI_Recv(rows%cells, int(product(numbers(3:4))), MPI_DOUBLE_PRECISION, rank, tag_cells, &
                           MPI_COMM_WORLD, MPI_STATUS_IGNORE)
             rows%rows = int(numbers(4))
+        end if
+        if (numbers(6) > 0) then
+            call rows%reserve_digest(int(numbers(5)), int(numbers(6)))
+            call MPI_Recv(rows%digest, int(product(numbers(5:6))), MPI_DOUBLE_PRECISION, rank, tag_digest, &
+                          MPI_COMM_WORLD, MPI_STATUS_IGNORE)
         end if
         rows%counts = numbers(numbers_before + 1:)
     end procedure receive

@@ -1,6 +1,6 @@
-!> Blocks of rows that are computed in any order, written in the order of their cases. The queue gives
-!> out the numbers of the blocks, from 1 on, and keeps those that come early. A thread that finds a block
-!> due writes it, while the others continue to compute, take and hand in blocks.
+!> A queue of blocks of rows, which are computed in any order and written in the order of their cases. It
+!> assigns the numbers of the blocks, from 1, and keeps blocks that arrive early. A thread that finds a block
+!> due writes it, while the others continue to compute.
 !>
 !>     call queue%start(room=8, blocks=100)     ! these by one thread at a time
 !>     call queue%take(number)                  ! a block to compute, or retry_later, or none_left
@@ -17,20 +17,20 @@ module spintop_row_queue
     private
     public :: row_queue_t, retry_later, none_left
 
-    !> Returned in place of a number: the threads are too far ahead of the slowest block, or there is
-    !> nothing more to do.
+    !> Returned instead of a number: the threads are too far ahead of the slowest block, or all blocks are
+    !> assigned.
     integer(int64), parameter :: retry_later = 0, none_left = -1
 
-    !> Blocks to compute, and those that wait until the ones before them are written.
+    !> Blocks to compute, and blocks that wait for earlier ones to be written.
     type :: row_queue_t
-        !> The first error in writing; after it nothing more is written, and no number given out.
+        !> The first error of writing. After it nothing more is written, and no number is assigned.
         type(error_t), allocatable :: error
-        !> Blocks there are; given out so far, and written so far: all up to these numbers.
+        !> Number of blocks; of those assigned so far, and of those written so far.
         integer(int64), private :: blocks = 0, taken = 0, written = 0
-        !> Blocks that came early, in a ring.
+        !> Blocks that arrived early, in a ring.
         type(row_block_t), allocatable, private :: waiting(:)
         logical, allocatable, private :: is_waiting(:)
-        !> Whether a thread is writing a block: the order of the rows allows no more than one.
+        !> Whether a thread is writing a block. Only one may do so, because of the order of the rows.
         logical, private :: in_write = .false.
     contains
         procedure :: start
@@ -39,15 +39,16 @@ module spintop_row_queue
         procedure :: begin_write
         procedure :: write_next
         procedure :: end_write
+        procedure :: is_writing
     end type row_queue_t
 
 contains
 
-    !> Starts an empty queue for so many blocks, with room for so many that come early.
+    !> Starts an empty queue for a number of blocks, with room for some that arrive early.
     subroutine start(self, room, blocks)
         class(row_queue_t), intent(inout) :: self
-        integer, intent(in) :: room
-        integer(int64), intent(in) :: blocks
+        integer, intent(in) :: room !! number of blocks that arrive early
+        integer(int64), intent(in) :: blocks !! number of blocks
         self%blocks = blocks
         self%taken = 0
         self%written = 0
@@ -55,10 +56,10 @@ contains
         self%is_waiting = .false.
     end subroutine start
 
-    !> Gives out the next number. There is room for the rows of all blocks that are given out.
+    !> Assigns the next number. There is room for the rows of all assigned blocks.
     subroutine take(self, number)
         class(row_queue_t), intent(inout) :: self
-        integer(int64), intent(out) :: number
+        integer(int64), intent(out) :: number !! number of a block, or `retry_later`, or `none_left`
         if (allocated(self%error) .or. self%taken == self%blocks) then
             number = none_left
         else if (self%taken - self%written == size(self%waiting)) then
@@ -69,47 +70,53 @@ contains
         end if
     end subroutine take
 
-    !> Takes the block of a number that was given out, and gives an empty one for it.
+    !> Takes an assigned block that was computed, and returns an empty one.
     subroutine hand_in(self, number, block)
         class(row_queue_t), intent(inout) :: self
-        integer(int64), intent(in) :: number
-        type(row_block_t), intent(inout) :: block
+        integer(int64), intent(in) :: number !! number of the block
+        type(row_block_t), intent(inout) :: block !! the computed block on entry; an empty one on return
         integer :: place
         place = place_of(self, number)
         call self%waiting(place)%swap(block)
         self%is_waiting(place) = .true.
     end subroutine hand_in
 
-    !> Whether the next block has come and nobody is writing: then the caller is to write it.
+    !> Whether the next block has arrived and no thread is writing; then the caller must write it.
     subroutine begin_write(self, is_due)
         class(row_queue_t), intent(inout) :: self
-        logical, intent(out) :: is_due
+        logical, intent(out) :: is_due !! whether the caller must write a block
         is_due = self%is_waiting(place_of(self, self%written + 1)) .and. .not. (self%in_write .or. allocated(self%error))
         if (is_due) self%in_write = .true.
     end subroutine begin_write
 
-    !> Writes the next block. Nobody else touches it: its place is free when the writing has ended.
+    !> Writes the next block. No other thread uses it; its place becomes free when the writing has ended.
     subroutine write_next(self, table, error)
         class(row_queue_t), intent(inout) :: self
-        class(row_table_t), intent(inout) :: table
-        type(error_t), allocatable, intent(out) :: error
+        class(row_table_t), intent(inout) :: table !! the table
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         integer :: place
         place = place_of(self, self%written + 1)
         call table%put(self%waiting(place), error)
         call self%waiting(place)%clear()
     end subroutine write_next
 
-    !> The block is written, or could not be.
+    !> Ends the writing of a block, successful or not.
     subroutine end_write(self, error)
         class(row_queue_t), intent(inout) :: self
-        type(error_t), allocatable, intent(inout) :: error
+        type(error_t), allocatable, intent(inout) :: error !! that of `write_next`; moved into the queue
         self%written = self%written + 1
         self%is_waiting(place_of(self, self%written)) = .false.
         self%in_write = .false.
         if (.not. allocated(self%error)) call move_alloc(error, self%error)
     end subroutine end_write
 
-    !> Place of a block in the ring.
+    !> Whether a thread is writing a block.
+    pure logical function is_writing(self)
+        class(row_queue_t), intent(in) :: self
+        is_writing = self%in_write
+    end function is_writing
+
+    !> Position of a block in the ring.
     pure integer function place_of(self, number)
         type(row_queue_t), intent(in) :: self
         integer(int64), intent(in) :: number

@@ -1,4 +1,4 @@
-!> The body that a scene describes.
+!> Makes the body of a scene, and checks its mass properties.
 module spintop_body_of_scene
     use spintop_kinds, only: dp
     use spintop_compare, only: is_zero
@@ -12,24 +12,24 @@ module spintop_body_of_scene
     private
     public :: make_body, is_set
 
-    !> Slack of the triangle inequality in units of rounding, for inertias that meet it exactly.
+    !> Tolerance of the triangle inequality in units of rounding, for inertias that satisfy it with equality.
     real(dp), parameter :: triangle_slack = 8 * epsilon(1.0_dp)
-    !> What problems are told of; not made where they are found, for threads make bodies: see `status_names`.
+    !> Names for messages. They are constants, because threads make bodies: see `status_names`.
     character(*), parameter :: inertia_names(3) = 'top.inertia(' // ['1', '2', '3'] // ')'
 
 contains
 
     !> Whether a number of a scene was given.
     elemental logical function is_set(x)
-        real(dp), intent(in) :: x
+        real(dp), intent(in) :: x !! a number
         is_set = x > unset
     end function is_set
 
-    !> The body of a scene, with what is wrong about it.
+    !> The body of a scene; problems of its description are reported.
     subroutine make_body(scene, body, problems)
-        type(scene_t), intent(in) :: scene
-        type(body_t), intent(out) :: body
-        type(problems_t), intent(inout) :: problems
+        type(scene_t), intent(in) :: scene !! contents of the input
+        type(body_t), intent(out) :: body !! mass properties about the fixed point; valid without errors in `problems`
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
         body%gravity = scene%gravity
         body%damping = scene%damping
         if (scene%shape == shape_by_inertia) then
@@ -39,7 +39,7 @@ contains
         end if
     end subroutine make_body
 
-    !> Mass properties given as such.
+    !> Mass properties that are given as numbers.
     subroutine take_inertia(scene, body, problems)
         type(scene_t), intent(in) :: scene
         type(body_t), intent(inout) :: body
@@ -76,7 +76,7 @@ contains
         if (scene%inertia_about == 'centre_of_mass') then
             body%inertia = scene%inertia + steiner(body)
             if (count(.not. is_zero(body%centre_of_mass)) > 1) then
-                call problems%add('top.centre_of_mass', 'the pivot lies off the principal axes, so the &
+                call problems%add('top.centre_of_mass', 'the pivot is not on a principal axis, so the &
                     &inertia about it is not along body x, y, z', &
                     'give the principal moments about the pivot instead')
             end if
@@ -100,12 +100,12 @@ contains
 
         subroutine refuse(name, why)
             character(*), intent(in) :: name, why
-            call problems%add(name, name // ' ' // why, "leave it out, or name a shape other than 'inertia'")
+            call problems%add(name, name // ' ' // why, "omit it, or name a shape other than 'inertia'")
         end subroutine refuse
 
     end subroutine take_inertia
 
-    !> Mass properties from a shape.
+    !> Mass properties of a shape.
     subroutine take_shape(scene, body, problems)
         type(scene_t), intent(in) :: scene
         type(body_t), intent(inout) :: body
@@ -132,7 +132,7 @@ contains
         if (is_set(scene%inner_radius) .and. is_set(scene%radius) &
             .and. scene%inner_radius >= scene%radius) then
             call problems%add('top.inner_radius', 'the inner radius is not smaller than the radius', &
-                              'the ring needs some width')
+                              'the radius of the hole is smaller than that of the ring')
         end if
         if (problems%any()) return
 
@@ -148,7 +148,7 @@ contains
 
     contains
 
-        !> A dimension must be there where the shape needs it, and only there.
+        !> Checks that a dimension is given if and only if the shape needs it.
         subroutine check(name, value, needed)
             character(*), intent(in) :: name
             real(dp), intent(in) :: value
@@ -157,19 +157,19 @@ contains
                 call problems%add('top', name // ' is not given', &
                                   'shape ' // trim(scene%shape) // ' needs it')
             else if (is_set(value) .and. .not. needed) then
-                call problems%add(name, name // ' is not for shape ' // trim(scene%shape), 'leave it out')
+                call problems%add(name, name // ' is not for shape ' // trim(scene%shape), 'omit it')
             end if
         end subroutine check
 
     end subroutine take_shape
 
-    !> Whether the largest moment exceeds the sum of the others, beyond rounding.
+    !> Whether the largest moment exceeds the sum of the others by more than rounding errors.
     pure logical function breaks_triangle(inertia)
         real(dp), intent(in) :: inertia(3)
         breaks_triangle = 2 * maxval(inertia) > sum(inertia) * (1 + triangle_slack)
     end function breaks_triangle
 
-    !> Moments of the mass at its centre about the pivot, kg m^2.
+    !> Moments of inertia about the pivot of the mass at the centre of mass (Steiner), kg m^2.
     pure function steiner(body) result(moments)
         type(body_t), intent(in) :: body
         real(dp) :: moments(3)

@@ -1,6 +1,8 @@
-!> A case: what a scene means, in numbers ready to compute with.
+!> A case: what a scene means, in numbers ready to compute with: the body, its start (attitude and angular
+!> velocity), and the time span.
 module spintop_case
-    use spintop_kinds, only: dp, pi
+    use spintop_kinds, only: degree, dp, epsilon_dp, pi
+    use spintop_attitude, only: angles_from_quaternion, omega_from_rates, quaternion_from_angles, rates_from_omega
     use spintop_compare, only: is_zero, is_finite
     use spintop_body, only: body_t
     use spintop_body_turn, only: body_turn_t, find_body_turn
@@ -10,18 +12,30 @@ module spintop_case
     use spintop_problems, only: problems_t
     use spintop_quantities, only: kinetic_energy
     use spintop_scene, only: scene_t
-    use spintop_start_of_scene, only: make_start
     use spintop_status, only: status_ok
+    use spintop_steady_motion, only: steady_rates, steady_rates_at_spin
+    use spintop_text, only: to_text
     implicit none
     private
-    public :: case_t, make_case
+    public :: case_t, make_case, attitude_parameters
 
-    !> A body, its start, and how long to follow it.
+    !> The parameters on which the attitude depends.
+    character(*), parameter :: attitude_parameters(7) = [character(18) :: 'initial.phi', 'initial.theta', &
+        'initial.psi', 'initial.phi_deg', 'initial.theta_deg', 'initial.psi_deg', 'initial.quaternion']
+
+    character(*), parameter :: angle_names(3) = [character(13) :: &
+        'initial.phi', 'initial.theta', 'initial.psi']
+    !> Largest deviation of the norm of a quaternion from 1 that counts as rounding of its digits.
+    real(dp), parameter :: unit_slack = 1.0e-6_dp
+    !> The same for a unit quaternion whose elements are rounded doubles: it is used as given.
+    real(dp), parameter :: rounding_of_length = 4 * epsilon_dp
+
+    !> A body, its start, and the time span.
     type :: case_t
         !> Body and start in the axes of the computation.
         type(body_t) :: body
         type(motion_t) :: start
-        !> Body and start in the axes in which they were given, and the turn from those.
+        !> Body and start in the axes in which they were given, and the rotation from these.
         type(body_t) :: given_body
         type(motion_t) :: given_start
         type(body_turn_t) :: turn
@@ -31,13 +45,13 @@ module spintop_case
 
 contains
 
-    !> The case of a scene; without errors in `problems`, empty at first, it is complete. With `same_body` the body
-    !> that the case has is kept, with `same_attitude` the attitude of its start.
+    !> Makes the case of a scene. It is complete if there are no errors in `problems`, which is empty at
+    !> first. With `same_body` the body of the case is kept, with `same_attitude` the attitude of its start.
     subroutine make_case(scene, case, problems, same_body, same_attitude)
-        type(scene_t), intent(in) :: scene
-        type(case_t), intent(inout) :: case
-        type(problems_t), intent(inout) :: problems
-        logical, intent(in), optional :: same_body, same_attitude
+        type(scene_t), intent(in) :: scene !! contents of the input
+        type(case_t), intent(inout) :: case !! the case; complete without errors in `problems`
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        logical, intent(in), optional :: same_body, same_attitude !! whether body and attitude of the case are kept
         logical :: keep
 
         keep = .false.
@@ -61,19 +75,182 @@ contains
         call make_span(scene, case, problems)
     end subroutine make_case
 
-    !> Energies beyond the largest number are no motion that numbers could follow.
+    !> The start of a scene; problems of its description are reported. If the body is not known, only what
+    !> does not depend on it is checked. With `same_attitude` the attitude of `start` is kept.
+    subroutine make_start(scene, body, body_is_known, start, problems, same_attitude)
+        type(scene_t), intent(in) :: scene
+        type(body_t), intent(in) :: body
+        logical, intent(in) :: body_is_known
+        type(motion_t), intent(inout) :: start
+        type(problems_t), intent(inout) :: problems
+        logical, intent(in), optional :: same_attitude
+        logical :: keep
+
+        keep = .false.
+        if (present(same_attitude)) keep = same_attitude
+        if (.not. keep) then
+            start = motion_t()
+            call take_attitude(scene, start, problems)
+        end if
+        if (all(is_set(scene%omega))) then
+            call take_omega(scene, start, problems)
+        else
+            call take_rates(scene, body, body_is_known, start, problems)
+        end if
+    end subroutine make_start
+
+    !> Attitude from the angles, in radians or degrees, or from the quaternion.
+    subroutine take_attitude(scene, start, problems)
+        type(scene_t), intent(in) :: scene
+        type(motion_t), intent(inout) :: start
+        type(problems_t), intent(inout) :: problems
+        integer :: i
+
+        if (all(is_set(scene%quaternion))) then
+            if (any(is_set(scene%angle)) .or. any(is_set(scene%angle_deg))) then
+                call problems%add('initial.quaternion', 'the attitude is given twice', &
+                                  'give either the quaternion or the angles')
+            end if
+            associate (length => norm2(scene%quaternion))
+                if (abs(length - 1) > unit_slack) then
+                    ! Threads make cases: see `status_names`.
+                    !$omp critical (texts)
+                    call problems%add('initial.quaternion', 'the norm of the quaternion is ' // to_text(length) // ', not 1', &
+                                      'an attitude is a unit quaternion: divide it by its norm')
+                    !$omp end critical (texts)
+                    return
+                end if
+                start%quaternion = scene%quaternion
+                if (abs(length - 1) > rounding_of_length) start%quaternion = scene%quaternion / length
+                start%gives_quaternion = .true.
+            end associate
+            start%angle = angles_from_quaternion(start%quaternion, [0.0_dp, 0.0_dp, 0.0_dp])
+            return
+        end if
+        do i = 1, 3
+            if (is_set(scene%angle(i)) .and. is_set(scene%angle_deg(i))) then
+                call problems%add(trim(angle_names(i)) // '_deg', 'the angle is given twice', &
+                                  'give it either in radians or in degrees')
+            else if (is_set(scene%angle(i))) then
+                start%angle(i) = scene%angle(i)
+            else if (is_set(scene%angle_deg(i))) then
+                start%angle(i) = scene%angle_deg(i) * degree
+            else if (i == 2) then
+                call problems%add('initial', 'the attitude is not given', &
+                                  'give theta, theta_deg or quaternion(4)')
+            end if
+        end do
+        start%quaternion = quaternion_from_angles(start%angle)
+    end subroutine take_attitude
+
+    !> Angular velocity in body axes.
+    subroutine take_omega(scene, start, problems)
+        type(scene_t), intent(in) :: scene
+        type(motion_t), intent(inout) :: start
+        type(problems_t), intent(inout) :: problems
+        if (any(is_set(scene%rate)) .or. is_set(scene%omega3) .or. is_set(scene%spin_ratio) &
+            .or. scene%steady_precession /= 'none') then
+            call problems%add('initial.omega', 'the angular velocity is given twice', &
+                              'give either omega(3), or the rates with omega3 or spin_ratio')
+        end if
+        start%omega = scene%omega
+        start%gives_omega = .true.
+        start%rate = rates_from_omega(start%angle, start%omega)
+    end subroutine take_omega
+
+    !> Rates of the angles: the spin in one of three ways, the precession given or steady.
+    subroutine take_rates(scene, body, body_is_known, start, problems)
+        type(scene_t), intent(in) :: scene
+        type(body_t), intent(in) :: body
+        logical, intent(in) :: body_is_known
+        type(motion_t), intent(inout) :: start
+        type(problems_t), intent(inout) :: problems
+        real(dp) :: omega3
+        logical :: by_omega3
+
+        if (count(is_set([scene%rate(3), scene%omega3, scene%spin_ratio])) > 1) then
+            call problems%add(merge('initial.spin_ratio', 'initial.omega3    ', is_set(scene%spin_ratio)), &
+                              'the spin is given twice', 'give one of psi_rate, omega3 and spin_ratio')
+            return
+        end if
+        if (.not. body_is_known) return
+        by_omega3 = is_set(scene%omega3) .or. is_set(scene%spin_ratio)
+        if (is_set(scene%omega3)) omega3 = scene%omega3
+        if (is_set(scene%spin_ratio)) then
+            if (body%mgl() <= 0) then
+                call problems%add('initial.spin_ratio', 'm g l is not positive, so omega3 over &
+                    &sqrt(4 m g l/I3) is undefined', 'give omega3 or psi_rate')
+                return
+            end if
+            omega3 = scene%spin_ratio * sqrt(4 * body%mgl() / body%inertia(3))
+        end if
+
+        start%rate = merge(scene%rate, 0.0_dp, is_set(scene%rate))
+        if (scene%steady_precession /= 'none' .and. .not. problems%any()) then
+            call take_steady_rate(scene, body, by_omega3, omega3, start, problems)
+            if (problems%any()) return
+        end if
+        if (by_omega3) start%rate(3) = omega3 - start%rate(1) * cos(start%angle(2))
+        start%omega = omega_from_rates(start%angle, start%rate)
+        if (by_omega3) start%omega(3) = omega3
+        start%gives_omega = .false.
+        start%gives_omega3 = by_omega3
+    end subroutine take_rates
+
+    !> phi' of steady precession (Eq 25).
+    subroutine take_steady_rate(scene, body, by_omega3, omega3, start, problems)
+        type(scene_t), intent(in) :: scene
+        type(body_t), intent(in) :: body
+        logical, intent(in) :: by_omega3
+        real(dp), intent(in) :: omega3
+        type(motion_t), intent(inout) :: start
+        type(problems_t), intent(inout) :: problems
+        real(dp) :: rates(2)
+        integer :: count, wanted
+
+        if (is_set(scene%rate(1))) then
+            call problems%add('initial.phi_rate', 'steady_precession computes phi_rate', 'omit one of them')
+        end if
+        if (.not. is_zero(start%rate(2))) then
+            call problems%add('initial.theta_rate', 'the inclination of steady precession is constant', &
+                              'omit theta_rate')
+        end if
+        if (.not. body%is_lagrange()) then
+            call problems%add('initial.steady_precession', 'steady precession is computed for an undamped &
+                &symmetric top about body z', 'give the rates themselves')
+        end if
+        if (problems%any()) return
+        if (by_omega3) then
+            call steady_rates(body, start%angle(2), omega3, rates, count)
+        else
+            call steady_rates_at_spin(body, start%angle(2), start%rate(3), rates, count)
+        end if
+        wanted = merge(1, 2, scene%steady_precession == 'slow')
+        ! The cosine of a right angle is not zero but a rounding error.
+        if (abs(cos(start%angle(2))) <= epsilon_dp) count = min(count, 1)
+        if (count == 0) then
+            call problems%add('initial.steady_precession', 'the spin is too slow for steady precession at &
+                &this inclination', 'it needs omega3^2 >= 4 I1 m g l cos(theta)/I3^2')
+        else if (count < wanted) then
+            call problems%add('initial.steady_precession', 'a horizontal axis has no fast precession', "use 'slow'")
+        else
+            start%rate(1) = rates(wanted)
+        end if
+    end subroutine take_steady_rate
+
+    !> Reports energies that exceed the range of numbers.
     subroutine check_magnitudes(case, problems)
         type(case_t), intent(in) :: case
         type(problems_t), intent(inout) :: problems
         if (.not. (all(is_finite(case%given_body%weight_moment())) .and. all(is_finite(case%given_body%inertia)))) then
-            call problems%add('top', 'the weight times its distance, or the inertia, is too large for a number', &
+            call problems%add('top', 'the weight times its distance, or the inertia, is outside the range of numbers', &
                               'use moderate units')
         else if (.not. is_finite(kinetic_energy(case%given_body, case%given_start))) then
-            call problems%add('initial', 'the kinetic energy is too large for a number', 'use moderate units')
+            call problems%add('initial', 'the kinetic energy is outside the range of numbers', 'use moderate units')
         end if
     end subroutine check_magnitudes
 
-    !> The time span, in seconds or in periods of the motion.
+    !> The time span, given in seconds or in periods of the motion.
     subroutine make_span(scene, case, problems)
         type(scene_t), intent(in) :: scene
         type(case_t), intent(inout) :: case
@@ -85,7 +262,7 @@ contains
             call problems%add('span', 'the time span is not given', ways)
         case (1)
             if (is_set(scene%t_end)) case%t_end = scene%t_end
-            if (problems%any()) return ! the other spans need a body and a start
+            if (problems%any()) return ! the other kinds of span need a body and a start
             if (is_set(scene%nutations)) call count_nutations(scene%nutations, case, problems)
             if (is_set(scene%precessions)) call count_precessions(scene%precessions, case, problems)
         case default
@@ -94,7 +271,7 @@ contains
         end select
     end subroutine make_span
 
-    !> Span of so many nutation periods.
+    !> A span of a number of nutation periods.
     subroutine count_nutations(nutations, case, problems)
         real(dp), intent(in) :: nutations
         type(case_t), intent(inout) :: case
@@ -102,7 +279,7 @@ contains
         type(nutation_t) :: nutation
         integer :: status
         if (.not. case%body%is_lagrange()) then
-            call problems%add('span.nutations', 'the nutation period is known for an undamped symmetric &
+            call problems%add('span.nutations', 'the nutation period is known only for an undamped symmetric &
                 &top about body z', 'give t_end')
             return
         end if
@@ -113,7 +290,7 @@ contains
         end if
     end subroutine count_nutations
 
-    !> Span of so many of the paper's precession periods T_p.
+    !> A span of a number of precession periods T_p of the paper.
     subroutine count_precessions(precessions, case, problems)
         real(dp), intent(in) :: precessions
         type(case_t), intent(inout) :: case

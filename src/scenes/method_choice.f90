@@ -1,4 +1,4 @@
-!> Methods and formulations as an input names them for a comparison: `method` or `method/formulation`.
+!> Methods and formulations as they are named in an input for a comparison: `method` or `method/formulation`.
 module spintop_method_choice
     use spintop_formulation, only: formulation_info_t
     use spintop_formulations, only: formulation_infos
@@ -9,12 +9,12 @@ module spintop_method_choice
     use spintop_scene, only: scene_t
     use spintop_stepper, only: method_info_t
     use spintop_suggestions, only: own_name
-    use spintop_text, only: string_t, nearest_word, to_text
+    use spintop_text, only: did_you_mean, to_text
     implicit none
     private
     public :: method_choice_t, take_methods, refuse_name, set_adaptive, set_steps
 
-    !> A method under a formulation.
+    !> A method with a formulation.
     type :: method_choice_t
         type(method_info_t) :: method
         character(16) :: formulation = 'auto'
@@ -22,15 +22,15 @@ module spintop_method_choice
 
 contains
 
-    !> Finds the methods that are named, and adds them to the choices. What has no formulation of its
-    !> own is taken under each of `formulations`.
+    !> Finds the named methods, and adds them to the choices. A method without a formulation is combined with
+    !> each of `formulations`.
     subroutine take_methods(key, names, known, formulations, choices, problems)
-        character(*), intent(in) :: key !! list that holds the names
-        character(*), intent(in) :: names(:) !! blank ones are left out
-        type(method_info_t), intent(in) :: known(:)
-        character(*), intent(in) :: formulations(:)
-        type(method_choice_t), allocatable, intent(inout) :: choices(:)
-        type(problems_t), intent(inout) :: problems
+        character(*), intent(in) :: key !! parameter with the list of names
+        character(*), intent(in) :: names(:) !! blank ones are skipped
+        type(method_info_t), intent(in) :: known(:) !! all methods
+        character(*), intent(in) :: formulations(:) !! names of formulations for methods without one
+        type(method_choice_t), allocatable, intent(inout) :: choices(:) !! the choices are appended
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(formulation_info_t), allocatable :: forms(:)
         character(16) :: formulation
         integer :: i, k, slash, place
@@ -54,11 +54,11 @@ contains
         end do
     end subroutine take_methods
 
-    !> Has a scene computed by a method that chooses its steps; a tolerance that is unset is the method's own.
+    !> Sets an adaptive method in a scene; an unset tolerance means the default of the method.
     pure subroutine set_adaptive(scene, choice, tolerance)
-        type(scene_t), intent(inout) :: scene
-        type(method_choice_t), intent(in) :: choice
-        real(dp), intent(in) :: tolerance
+        type(scene_t), intent(inout) :: scene !! method and tolerances are set
+        type(method_choice_t), intent(in) :: choice !! method and formulation
+        real(dp), intent(in) :: tolerance !! relative tolerance
         scene%method = choice%method%name
         scene%formulation = choice%formulation
         scene%steps = unset_integer
@@ -66,30 +66,26 @@ contains
         scene%relative_tolerance = tolerance
     end subroutine set_adaptive
 
-    !> Has a scene computed by a method in equal steps.
+    !> Sets a method with a fixed step size in a scene.
     pure subroutine set_steps(scene, choice, steps)
-        type(scene_t), intent(inout) :: scene
-        type(method_choice_t), intent(in) :: choice
-        integer, value :: steps !! a copy, for it may be that of the scene
+        type(scene_t), intent(inout) :: scene !! method and number of steps are set
+        type(method_choice_t), intent(in) :: choice !! method and formulation
+        integer, value :: steps !! a copy, because it may be that of the scene
         call set_adaptive(scene, choice, unset)
         scene%absolute_tolerance = unset
         scene%steps = steps
     end subroutine set_steps
 
-    !> There is no such case, method or formulation.
+    !> Reports a case, method or formulation that does not exist.
     subroutine refuse_name(key, noun, name, known, problems)
         character(*), intent(in) :: key, noun, name, known(:)
-        type(problems_t), intent(inout) :: problems
-        type(string_t) :: words(size(known))
+            !! parameter; what the name should be, such as 'method'; the name; possible names
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
         character(:), allocatable :: hint
-        integer :: i
-        do i = 1, size(known)
-            words(i)%text = trim(known(i))
-        end do
         hint = ''
         if (noun == 'method') hint = own_name(name, method_aliases)
-        if (hint == '') hint = nearest_word(name, words)
-        if (hint /= '') hint = "did you mean '" // hint // "'?"
+        if (hint /= '') hint = did_you_mean(hint, [character(len(hint)) :: hint])
+        if (hint == '') hint = did_you_mean(name, known)
         if (hint == '') hint = '`spintop list ' // noun // 's` shows them all'
         call problems%add(key, 'there is no ' // noun // " '" // name // "'", hint)
     end subroutine refuse_name

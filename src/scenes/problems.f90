@@ -1,4 +1,4 @@
-!> What is wrong with a scene, before it is known where the scene was written down.
+!> Errors and warnings of a scene, with the names of the parameters concerned instead of places in a file.
 module spintop_problems
     use spintop_diagnostics, only: diagnostics_t
     use spintop_parameters, only: parameter_table_t
@@ -7,7 +7,7 @@ module spintop_problems
     public :: problems_t
 
     type :: problem_t
-        !> Parameter (or group) that the problem concerns.
+        !> The parameter (or group) concerned.
         character(:), allocatable :: name
         character(:), allocatable :: message
         character(:), allocatable :: hint
@@ -31,17 +31,17 @@ module spintop_problems
 
 contains
 
-    !> Adds an error: the parameter concerned, what is wrong, what would be right.
+    !> Adds an error: the parameter concerned, what is wrong, what is expected.
     subroutine add(self, name, message, hint)
         class(problems_t), intent(inout) :: self
-        character(*), intent(in) :: name, message, hint
+        character(*), intent(in) :: name, message, hint !! parameter or group concerned; what is wrong; what is expected
         call self%append(problem_t(name, message, hint, .true.))
     end subroutine add
 
     !> Adds a warning.
     subroutine warn(self, name, message, hint)
         class(problems_t), intent(inout) :: self
-        character(*), intent(in) :: name, message, hint
+        character(*), intent(in) :: name, message, hint !! parameter or group concerned; what is wrong; what is expected
         call self%append(problem_t(name, message, hint, .false.))
     end subroutine warn
 
@@ -72,13 +72,13 @@ contains
         if (allocated(self%list)) any_warning = .not. all(self%list%is_error)
     end function any_warning
 
-    !> Takes over the warnings among other problems, with what comes before each message; `found` tells
-    !> whether there are any.
+    !> Adds the warnings among other problems, with a prefix for each message; `found` reports whether there
+    !> are any.
     subroutine take_warnings(self, other, before, found)
         class(problems_t), intent(inout) :: self
-        class(problems_t), intent(in) :: other
-        character(*), intent(in) :: before
-        logical, intent(out) :: found
+        class(problems_t), intent(in) :: other !! their warnings are added
+        character(*), intent(in) :: before !! prefix of each message
+        logical, intent(out) :: found !! whether there are warnings
         integer :: i
         found = .false.
         if (.not. allocated(other%list)) return
@@ -89,7 +89,7 @@ contains
         end do
     end subroutine take_warnings
 
-    !> The first error in one line, for a table; empty without one.
+    !> The first error in one line, for a table; empty if there is none.
     pure function first(self) result(text)
         class(problems_t), intent(in) :: self
         character(:), allocatable :: text
@@ -101,13 +101,13 @@ contains
         end do
     end function first
 
-    !> Shows the problems at the places where the input gave their parameters. Where the input could
-    !> not be read in full, those are left out that may follow from it: what is said to be missing
-    !> (the name is that of a group), and what is said of a value that could not be read.
+    !> Shows the problems at the places where the input gave their parameters. If the input could not be read
+    !> completely, problems that may follow from that are omitted: missing values (the name is that of a
+    !> group), and values that could not be read.
     subroutine report_to(self, table, diagnostics)
         class(problems_t), intent(in) :: self
-        type(parameter_table_t), intent(in) :: table
-        type(diagnostics_t), intent(inout) :: diagnostics
+        type(parameter_table_t), intent(in) :: table !! the parameters of an input
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         logical :: unread
         integer :: i
         if (.not. allocated(self%list)) return

@@ -1,18 +1,18 @@
-!> The stepper that costs least for a tolerance, as work-precision studies measured it.
+!> The method of least cost for a tolerance, from work-precision studies.
 !>
-!> The closed form comes first: where there is one nothing else is chosen unless it is asked for. (A span
-!> that one or two steps cover costs a microsecond less by steps.) The rows below were found with the hard
-!> cases (`spintop list cases`) and are checked on other bodies and tops by `input/recommendation.nml` and
-!> `input/recommendation_lagrange.nml`, whose summaries tell how far from the cheapest they are:
+!> The exact solution comes first: where it exists, another method is used only on request. (For a span of one
+!> or two steps a numerical method costs a microsecond less.) The rows below were determined with the hard
+!> cases (`spintop list cases`). They are checked with other bodies and tops by `input/recommendation.nml` and
+!> `input/recommendation_lagrange.nml`, whose summaries give the ratio to the cheapest method:
 !>
-!> * Taylor's method is the cheapest at any tolerance where the equations have a power series; at worst,
-!>   for 1e-2 rad of some bodies without symmetry, splitting costs a fifth less.
-!> * Below 1e-15 double precision gains nothing any more.
-!> * Without a series ode45 costs a half to the same as dop853 down to errors of 1e-4 rad, which it
-!>   reaches at tolerances of about 1e-5, and two to ten times as much at 1e-8 rad.
-!> * In equal steps splitting_6 costs half as much as dop853 on the slow top of Example 1
-!>   (`spintop --set work_precision.methods=dop853,splitting_6 --set work_precision.steps=40,80,160,320
-!>   input/work_precision_slow_top.nml`), and more on the one body without symmetry that was tried.
+!> * Taylor's method is the cheapest at any tolerance where the equations have a power series; at worst, for
+!>   errors of 1e-2 rad of some bodies without symmetry, splitting costs one fifth less.
+!> * Below 1e-15 double precision is not sufficient.
+!> * Without a series ode45 costs half as much as dop853, or the same, down to errors of 1e-4 rad, which it
+!>   reaches at tolerances of about 1e-5; for 1e-8 rad it costs two to ten times as much.
+!> * With a fixed step size splitting_6 costs half as much as dop853 for the slow top of Example 1 (`spintop
+!>   --set work_precision.methods=dop853,splitting_6 --set work_precision.steps=40,80,160,320
+!>   input/work_precision_slow_top.nml`), and more for the one body without symmetry that was tested.
 module spintop_recommendation
     use spintop_formulation, only: formulation_info_t, structure_split
     use spintop_kinds, only: dp
@@ -23,34 +23,35 @@ module spintop_recommendation
     private
     public :: recommend_adaptive, recommend_steps
 
-    !> A method, the tolerance from which on it is recommended, and why.
+    !> A method, the smallest tolerance for which it is recommended, and the reason.
     type :: recommendation_t
         character(20) :: method
         real(dp) :: least
         character(96) :: why
     end type recommendation_t
 
-    !> The first that the equations can carry, and whose least tolerance is not above the one wanted.
+    !> The first one is used that the equations support and whose smallest tolerance is not above the
+    !> requested one.
     type(recommendation_t), parameter :: recommendations(*) = [ &
         recommendation_t('taylor', 1.0e-15_dp, 'the cheapest at any tolerance where the equations have a power series'), &
-        recommendation_t('taylor_quadruple', 0.0_dp, 'double precision cannot keep a tolerance below 1e-15'), &
-        recommendation_t('ode45', 1.0e-5_dp, 'the cheapest at tolerances from 1e-5 on without a power series'), &
-        recommendation_t('dop853', 0.0_dp, 'of high order, so cheap where the motion is smooth and the tolerance tight')]
+        recommendation_t('taylor_quadruple', 0.0_dp, 'double precision cannot reach a tolerance below 1e-15'), &
+        recommendation_t('ode45', 1.0e-5_dp, 'the cheapest at tolerances of 1e-5 and above without a power series'), &
+        recommendation_t('dop853', 0.0_dp, 'its high order makes it cheap for smooth motions and tight tolerances')]
 
-    !> For equal steps: of symmetric tops whose equations can be split, and of others.
+    !> For a fixed step size: symmetric tops whose equations can be split, and others.
     type(recommendation_t), parameter :: for_split_tops = recommendation_t( &
-        'splitting_6', 0.0_dp, 'the cheapest in equal steps where symmetric tops are split, and without drift'), &
+        'splitting_6', 0.0_dp, 'the cheapest with a fixed step size for tops that can be split, without energy drift'), &
         for_steps = recommendation_t( &
-        'dop853', 0.0_dp, 'the cheapest in equal steps, of high order')
+        'dop853', 0.0_dp, 'the cheapest with a fixed step size, of high order')
 
 contains
 
     !> The stepper for a tolerance with these equations.
     subroutine recommend_adaptive(tolerance, info, stepper, why)
-        real(dp), intent(in) :: tolerance
-        type(formulation_info_t), intent(in) :: info
-        class(stepper_t), allocatable, intent(out) :: stepper
-        character(:), allocatable, intent(out) :: why
+        real(dp), intent(in) :: tolerance !! relative tolerance
+        type(formulation_info_t), intent(in) :: info !! properties of the formulation
+        class(stepper_t), allocatable, intent(out) :: stepper !! the recommended method
+        character(:), allocatable, intent(out) :: why !! reason for the recommendation
         integer :: i
 
         do i = 1, size(recommendations)
@@ -61,11 +62,11 @@ contains
         end do
     end subroutine recommend_adaptive
 
-    !> The stepper for equal steps with these equations.
+    !> The stepper for a fixed step size with these equations.
     subroutine recommend_steps(info, stepper, why)
-        type(formulation_info_t), intent(in) :: info
-        class(stepper_t), allocatable, intent(out) :: stepper
-        character(:), allocatable, intent(out) :: why
+        type(formulation_info_t), intent(in) :: info !! properties of the formulation
+        class(stepper_t), allocatable, intent(out) :: stepper !! the recommended method
+        character(:), allocatable, intent(out) :: why !! reason for the recommendation
         type(recommendation_t) :: recommendation
         recommendation = for_steps
         if (info%symmetric_only .and. info%offers(structure_split)) recommendation = for_split_tops

@@ -1,70 +1,82 @@
-!> The plan of a computation, as data: model, method, steps and rows.
+!> The plan of a computation: model, method, steps and rows.
 module spintop_run_plan
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
-    use spintop_formulation, only: formulation_t
+    use spintop_formulation, only: formulation_info_t, formulation_t
     use spintop_stepper, only: stepper_t
     implicit none
     private
     public :: plan_t, default_samples, sample_time, sample_times
 
-    !> Rows of a trajectory of an adaptive method when their number is not given.
+    !> Number of rows of a trajectory of an adaptive method, if it is not given.
     integer, parameter :: default_samples = 1001
-    !> More fixed steps than this are not counted.
+    !> Maximum number of fixed steps.
     real(dp), parameter :: most_steps = 1.0e9_dp
-    !> A span this close to a whole number of steps has that number.
+    !> A span that is this close to an integer number of steps has that number.
     real(dp), parameter :: step_slack = 1.0e-9_dp
 
-    !> How a case is computed.
+    !> The settings of a computation.
     type :: plan_t
-        !> By the exact motion; without formulation and stepper then.
+        !> Whether the exact solution is used, without formulation and stepper.
         logical :: exact = .false.
         class(formulation_t), allocatable :: formulation
         class(stepper_t), allocatable :: stepper
-        !> Largest size of fixed steps, s; 0 if their number is given.
+        !> Largest fixed step size, s; 0 if the number of steps is given.
         real(dp) :: step = 0
-        !> Rows of the table.
+        !> Number of rows of the table.
         integer :: samples = default_samples
-        !> Most work of a case, in steps (`controls_t`).
+        !> Maximum work of a case, in steps (`controls_t`).
         integer(int64) :: max_steps = 1000000
-        !> What was chosen, and why, in sentences.
+        !> Selected model and method, and the reasons, in sentences.
         character(:), allocatable :: model, method, reason
     contains
         procedure :: fit_steps
         procedure :: is_adaptive
+        procedure :: formulation_name
     end type plan_t
 
 contains
 
-    !> Number of equal steps of a span when their largest size is given.
+    !> Number of steps of fixed size in a span, if their largest size is given.
     pure subroutine fit_steps(self, t_end)
         class(plan_t), intent(inout) :: self
-        real(dp), intent(in) :: t_end
+        real(dp), intent(in) :: t_end !! length of the span, s
         if (self%step > 0) then
             self%stepper%controls%steps = max(1, ceiling(min(t_end / self%step * (1 - step_slack), &
                                                              most_steps)))
         end if
     end subroutine fit_steps
 
-    !> Whether rows can lie anywhere between steps.
+    !> Whether rows may lie between steps.
     pure logical function is_adaptive(self)
         class(plan_t), intent(in) :: self
         is_adaptive = self%exact
         if (allocated(self%stepper)) is_adaptive = self%stepper%controls%steps == 0
     end function is_adaptive
 
-    !> Time of row `i` of `samples` equally spaced ones from 0 to `t_end`, both included.
+    !> Name of the formulation; '' if there is none.
+    function formulation_name(self) result(name)
+        class(plan_t), intent(in) :: self
+        character(16) :: name
+        type(formulation_info_t) :: info
+        name = ''
+        if (.not. allocated(self%formulation)) return
+        info = self%formulation%info()
+        name = info%name
+    end function formulation_name
+
+    !> Time of row `i` of `samples` equally spaced rows from 0 to `t_end`, both included.
     elemental real(dp) function sample_time(t_end, samples, i)
-        real(dp), intent(in) :: t_end
-        integer, intent(in) :: samples, i
+        real(dp), intent(in) :: t_end !! end of the span, s
+        integer, intent(in) :: samples, i !! number of rows, and index of the row, from 1
         sample_time = t_end
         if (i < samples) sample_time = t_end * (i - 1) / (samples - 1)
     end function sample_time
 
     !> The times of all rows.
     pure function sample_times(t_end, samples) result(times)
-        real(dp), intent(in) :: t_end
-        integer, intent(in) :: samples
+        real(dp), intent(in) :: t_end !! end of the span, s
+        integer, intent(in) :: samples !! number of rows
         real(dp), allocatable :: times(:)
         integer :: i
         allocate (times(samples))

@@ -1,34 +1,39 @@
-!> Everything a user can say in an input file, as plain data, and the table that describes it.
+!> The contents of an input file as plain data, and the table that describes them.
 !>
-!> The default initialisation of a component is the parameter's default; the table binds each
-!> component to its name, unit, range and meaning. Reading, checking, printing the resolved input
-!> and `spintop list parameters` derive from it.
+!> The default initialisation of a component is the default of the parameter. The table binds each component
+!> to its name, unit, range and meaning; the range of theta_deg, for example, is checked by it. Reading,
+!> checking, printing the resolved input and `spintop list parameters` use the table.
 module spintop_scene
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_checksum, only: checksum_width
+    use spintop_distributions, only: law_names
     use spintop_kinds, only: dp
     use spintop_projection, only: projection_names, project_nothing
     use spintop_parameters, only: parameter_table_t, unset, unset_integer, any_elements, leading_elements
     use spintop_formulations, only: formulation_infos
     use spintop_method_aliases, only: method_aliases
     use spintop_methods, only: method_infos
-    use spintop_reference_kinds, only: reference_auto, reference_names
+    use spintop_scene_words, only: combination_names, combine_grid, kind_trajectory, reference_auto, reference_names, &
+        study_kinds
     use spintop_shapes, only: shape_infos, shape_by_inertia
-    use spintop_sweep_axes, only: combination_names, combine_grid
     use spintop_text, only: join
     implicit none
     private
-    public :: scene_t, describe_scene, max_axes, max_axis_values, event_length
+    public :: scene_t, describe_scene, max_axes, max_grid_axes, max_axis_values, max_over, event_length
 
-    !> Most axes of a sweep, most values listed on one.
-    integer, parameter :: max_axes = 4, max_axis_values = 1000
+    !> Maximum number of axes of a sweep, of a grid and of those with listed values, and of listed values of an axis. (More
+    !> lists would make scenes too large for small stacks.)
+    integer, parameter :: max_axes = 16, max_grid_axes = 4, max_axis_values = 1000
     integer, parameter :: word = 32, line = 256
-    !> Longest text of an event.
+    !> Maximum number of quantities over which statistics have bins.
+    integer, parameter :: max_over = 2
+    !> Maximum length of the text of an event.
     integer, parameter :: event_length = 64
 
-    !> The content of an input file.
+    !> The contents of an input file.
     type :: scene_t
         ! &study
-        character(word) :: kind = 'trajectory'
+        character(word) :: kind = study_kinds(kind_trajectory)
         character(line) :: title = ''
         ! &top
         character(word) :: shape = shape_by_inertia
@@ -76,18 +81,33 @@ module spintop_scene
         character(word) :: columns(64) = ''
         character(word) :: format = 'csv'
         character(event_length) :: events(32) = ''
+        character(word) :: rows = ''
         ! &sweep
         character(word) :: parameter(max_axes) = ''
-        real(dp) :: values(max_axes, max_axis_values) = unset
+        real(dp) :: values(max_grid_axes, max_axis_values) = unset
         real(dp) :: from(max_axes) = unset
         real(dp) :: to(max_axes) = unset
         integer :: count(max_axes) = unset_integer
-        character(word) :: spacing(max_axes) = 'linear'
+        character(word) :: spacing(max_axes) = ''
+        character(word) :: distribution(max_axes) = ''
+        real(dp) :: mean(max_axes) = unset
+        real(dp) :: deviation(max_axes) = unset
+        real(dp) :: covariance(max_axes, max_axes) = unset
         character(word) :: combine = combination_names(combine_grid)
-        integer :: cases = unset_integer
+        integer(int64) :: cases = unset_integer
         integer :: seed = 1
         character(line) :: sweep_table = ''
         character(checksum_width) :: sweep_table_checksum = ''
+        ! &statistics
+        character(word) :: statistics_columns(64) = ''
+        character(word) :: over(max_over) = ''
+        integer :: bins(max_over) = unset_integer
+        real(dp) :: bins_from(max_over) = unset
+        real(dp) :: bins_to(max_over) = unset
+        character(word) :: bins_spacing(max_over) = ''
+        real(dp) :: quantiles(32) = unset
+        character(word) :: quantiles_of = ''
+        character(word) :: indices = ''
         ! &work_precision
         character(2 * word) :: precision_methods(64) = ''
         character(word) :: precision_formulations(16) = ''
@@ -104,11 +124,26 @@ contains
 
     !> Binds every component of a scene to its row of the parameter table.
     subroutine describe_scene(scene, table)
-        type(scene_t), target, intent(inout) :: scene
-        type(parameter_table_t), intent(out) :: table
+        type(scene_t), target, intent(inout) :: scene !! its components are bound; it must exist as long as the table
+        type(parameter_table_t), intent(out) :: table !! bound to the components of the scene
 
-        call table%add('study.kind', scene%kind, 'trajectory|sweep|work_precision|stability', 'what to compute')
-        call table%add('study.title', scene%title, what='one line on the scene, for tables and figures')
+        call table%add('study.kind', scene%kind, join(study_kinds, '|'), 'what to compute')
+        call table%add('study.title', scene%title, what='title of the scene, for tables and figures')
+        call describe_top(scene, table)
+        call describe_initial(scene, table)
+        call describe_span(scene, table)
+        call describe_integration(scene, table)
+        call describe_output(scene, table)
+        call describe_sweep(scene, table)
+        call describe_statistics(scene, table)
+        call describe_precision(scene, table)
+        call describe_stability(scene, table)
+    end subroutine describe_scene
+
+    !> The body, by its mass properties or by a shape.
+    subroutine describe_top(scene, table)
+        type(scene_t), target, intent(inout) :: scene
+        type(parameter_table_t), intent(inout) :: table
 
         call table%add('top.shape', scene%shape, &
                        shape_by_inertia // '|' // join(shape_infos%name, '|'), &
@@ -131,14 +166,20 @@ contains
         call table%add('top.gravity', scene%gravity, 'm/s^2', '>= 0', 'acceleration of gravity')
         call table%add('top.damping', scene%damping, 'N m s', '>= 0', &
                        'viscous damping coefficients about body x, y, z')
+    end subroutine describe_top
 
-        call add_each('initial.', ['phi  ', 'theta', 'psi  '], '', scene%angle, 'rad', &
+    !> The start: attitude and angular velocity.
+    subroutine describe_initial(scene, table)
+        type(scene_t), target, intent(inout) :: scene
+        type(parameter_table_t), intent(inout) :: table
+
+        call add_each(table, 'initial.', ['phi  ', 'theta', 'psi  '], '', scene%angle, 'rad', &
                       ['            ', '[0, pi]     ', '            '], &
                       ['precession angle', 'inclination     ', 'spin angle      '])
-        call add_each('initial.', ['phi  ', 'theta', 'psi  '], '_deg', scene%angle_deg, 'deg', &
+        call add_each(table, 'initial.', ['phi  ', 'theta', 'psi  '], '_deg', scene%angle_deg, 'deg', &
                       ['        ', '[0, 180]', '        '], &
                       ['precession angle', 'inclination     ', 'spin angle      '])
-        call add_each('initial.', ['phi  ', 'theta', 'psi  '], '_rate', scene%rate, 'rad/s', &
+        call add_each(table, 'initial.', ['phi  ', 'theta', 'psi  '], '_rate', scene%rate, 'rad/s', &
                       [' ', ' ', ' '], ['precession rate', 'nutation rate  ', 'spin rate      '])
         call table%add('initial.omega3', scene%omega3, 'rad/s', '', &
                        'angular velocity about body z, instead of psi_rate')
@@ -150,6 +191,12 @@ contains
                        'angular velocity in body axes, instead of the rates')
         call table%add('initial.steady_precession', scene%steady_precession, 'none|slow|fast', &
                        'computes phi_rate for a constant inclination')
+    end subroutine describe_initial
+
+    !> How long the motion is followed, and what ends it.
+    subroutine describe_span(scene, table)
+        type(scene_t), target, intent(inout) :: scene
+        type(parameter_table_t), intent(inout) :: table
 
         call table%add('span.t_end', scene%t_end, 's', '> 0', 'time span')
         call table%add('span.nutations', scene%nutations, '', '> 0', 'time span in nutation periods')
@@ -157,9 +204,14 @@ contains
                        'time span in periods 2 pi I3 omega3/(m g l)')
         call table%add('span.samples', scene%samples, '', '>= 2', &
                        'number of rows, equally spaced in time, both ends included (1001; fixed step size: every step)')
-
         call table%add('span.stop_at', scene%stop_at, what='the event that ends the motion, as in output.events')
         call table%add('span.stop_after', scene%stop_after, '', '>= 1', 'which of these events ends the motion (1)')
+    end subroutine describe_span
+
+    !> Formulation, method, and what the method takes.
+    subroutine describe_integration(scene, table)
+        type(scene_t), target, intent(inout) :: scene
+        type(parameter_table_t), intent(inout) :: table
 
         associate (forms => formulation_infos(), methods => method_infos())
             call table%add('integration.formulation', scene%formulation, &
@@ -182,65 +234,121 @@ contains
         call table%add('integration.solver', scene%solver, 'newton|fixed_point', &
                        'solver of the equations of implicit steps')
         call table%add('integration.project', scene%project, join(projection_names, '|'), &
-                       'projection after each step: of the length of the quaternion, or of all invariants')
+                       'projection after each step: onto unit quaternions, or onto all invariants')
+    end subroutine describe_integration
+
+    !> The tables.
+    subroutine describe_output(scene, table)
+        type(scene_t), target, intent(inout) :: scene
+        type(parameter_table_t), intent(inout) :: table
 
         call table%add('output.file', scene%file, what='name of the table (default: that of the input)')
         call table%add('output.columns', scene%columns, what='columns of the table, or all')
         call table%add('output.format', scene%format, 'csv|netcdf', &
                        'format of the table; netcdf: sweeps only, in builds with NetCDF')
         call table%add('output.events', scene%events, &
-                       what='events for a table of their own: `spintop list events` says which')
+                       what='events for the table of events; see `spintop list events`')
+        call table%add('output.rows', scene%rows, 'all|none', &
+                       'whether a sweep writes the rows of its cases, or only their statistics (all)')
+    end subroutine describe_output
+
+    !> The axes of a sweep, or the table of its cases.
+    subroutine describe_sweep(scene, table)
+        type(scene_t), target, intent(inout) :: scene
+        type(parameter_table_t), intent(inout) :: table
 
         call table%add('sweep.parameter', scene%parameter, &
                        what='numeric keys to vary, such as initial.spin_ratio or top.inertia(2)')
-        call table%add('sweep.values', scene%values, '', '', 'values of an axis, one by one')
+        call table%add('sweep.values', scene%values, '', '', 'values of one of the first axes, one by one')
         call table%add('sweep.from', scene%from, '', '', 'first value of an axis', elements=any_elements)
         call table%add('sweep.to', scene%to, '', '', 'last value of an axis', elements=any_elements)
         call table%add('sweep.count', scene%count, '', '>= 1', 'number of values of an axis', &
                        elements=any_elements)
         call table%add('sweep.spacing', scene%spacing, 'linear|log', &
-                       'spacing of the values, or of the range of random values', elements=any_elements)
+                       'spacing of the values, or of the range of random values (linear)', elements=any_elements)
+        call table%add('sweep.distribution', scene%distribution, join(law_names, '|'), &
+                       'distribution of random values; sphere: a random attitude or direction (uniform)', elements=any_elements)
+        call table%add('sweep.mean', scene%mean, '', '', 'mean of a normal value, or of the logarithm of a log-normal ' // &
+                       'one; magnitude of a vector of random direction', elements=any_elements)
+        call table%add('sweep.deviation', scene%deviation, '', '> 0', 'standard deviation of the same', &
+                       elements=any_elements)
+        call table%add('sweep.covariance', scene%covariance, '', '', 'covariance of the normal values of two axes', &
+                       elements=any_elements)
         call table%add('sweep.combine', scene%combine, join(combination_names, '|'), &
-                       'combination of the axes: all combinations, side by side, or a random sample')
-        call table%add('sweep.cases', scene%cases, '', '>= 1', 'number of random cases')
-        call table%add('sweep.seed', scene%seed, '', '', 'seed of the random values')
+                       'combination of the axes: all combinations, side by side, or a sample')
+        call table%add('sweep.cases', scene%cases, '', '[1, 1e15]', 'number of cases of a sample')
+        call table%add('sweep.seed', scene%seed, '', '', "seed of a sample; 0: a Sobol' sequence without scrambling")
         call table%add('sweep.table', scene%sweep_table, &
                        what='CSV file instead of axes: parameters as columns, one case per row (path from the input)')
         call table%add('sweep.table_checksum', scene%sweep_table_checksum, &
                        what='checksum of the table; a table with another checksum is refused (computed)')
+    end subroutine describe_sweep
+
+    !> Statistics of the cases of a sweep.
+    subroutine describe_statistics(scene, table)
+        type(scene_t), target, intent(inout) :: scene
+        type(parameter_table_t), intent(inout) :: table
+
+        call table%add('statistics.columns', scene%statistics_columns, &
+                       what='columns of the sweep of which statistics are computed')
+        call table%add('statistics.over', scene%over, &
+                       what='one or two swept parameters or columns over which the cases are binned', elements=leading_elements)
+        call table%add('statistics.bins', scene%bins, '', '>= 1', &
+                       'number of bins (the values of a grid axis, else 50)', elements=any_elements)
+        call table%add('statistics.from', scene%bins_from, '', '', &
+                       'lower end of the first bin (of a parameter: that of its axis)', elements=any_elements)
+        call table%add('statistics.to', scene%bins_to, '', '', &
+                       'upper end of the last bin (of a parameter: that of its axis)', elements=any_elements)
+        call table%add('statistics.spacing', scene%bins_spacing, 'linear|log', &
+                       'spacing of the ends of the bins (that of the axis, else linear)', elements=any_elements)
+        call table%add('statistics.quantiles', scene%quantiles, '', '[0, 1]', &
+                       'quantiles (0.05, 0.25, 0.5, 0.75, 0.95)', elements=leading_elements)
+        call table%add('statistics.quantiles_of', scene%quantiles_of, 'all|bins', &
+                       'cases of which quantiles are computed: all, or those of each bin as well (all)')
+        call table%add('statistics.indices', scene%indices, 'sobol', &
+                       "first-order and total Sobol' indices of the columns, with sweep.combine = 'saltelli'")
+    end subroutine describe_statistics
+
+    !> Methods, their settings and the reference of a work-precision study.
+    subroutine describe_precision(scene, table)
+        type(scene_t), target, intent(inout) :: scene
+        type(parameter_table_t), intent(inout) :: table
 
         call table%add('work_precision.methods', scene%precision_methods, &
-                       what='methods, exact among them, alone or as method/formulation (all)')
+                       what='methods, including exact, by name or as method/formulation (all)')
         call table%add('work_precision.formulations', scene%precision_formulations, &
-                       what='formulations for methods named alone (the one that suits the body)')
+                       what='formulations for methods given by name (the one that suits the body)')
         call table%add('work_precision.tolerances', scene%precision_tolerances, '', '[1e-31, 1]', &
-                       'relative tolerances of methods with step control (1e-3 to 1e-14)', elements=leading_elements)
+                       'relative tolerances of adaptive methods (1e-3 to 1e-14)', elements=leading_elements)
         call table%add('work_precision.steps', scene%precision_steps, '', '>= 1', &
-                       'numbers of fixed steps of the others, and without tolerances of all that can (100 to 25600)', &
+                       'numbers of fixed steps of the other methods; without tolerances, of all that can (100 to 25600)', &
                        elements=leading_elements)
         call table%add('work_precision.repeats', scene%precision_repeats, '', '>= 1', &
-                       'number of runs, of which the fastest counts (5; fewer where they take seconds)')
+                       'number of timed runs; the fastest counts (5; fewer if they take seconds)')
         call table%add('work_precision.reference', scene%precision_reference, what='reference of the errors: ' &
                        // join(reference_names, ', ') // ', or a table with t, q0 to q3, omega1 to omega3')
+    end subroutine describe_precision
+
+    !> Cases and methods of a stability study.
+    subroutine describe_stability(scene, table)
+        type(scene_t), target, intent(inout) :: scene
+        type(parameter_table_t), intent(inout) :: table
 
         call table%add('stability.cases', scene%stability_cases, &
                        what="cases of the catalogue, or 'input' for the case of this file (all but long ones)")
         call table%add('stability.methods', scene%stability_methods, &
-                       what='methods, alone or as method/formulation (all, some under more than one formulation)')
+                       what='methods, by name or as method/formulation (all, some with several formulations)')
+    end subroutine describe_stability
 
-    contains
-
-        !> One row for each component of a vector whose components have names.
-        subroutine add_each(group, names, suffix, vector, unit, ranges, whats)
-            character(*), intent(in) :: group, names(3), suffix, unit, ranges(3), whats(3)
-            real(dp), target, intent(inout) :: vector(3)
-            integer :: i
-            do i = 1, 3
-                call table%add(group // trim(names(i)) // suffix, vector(i), unit, trim(ranges(i)), &
-                               trim(whats(i)))
-            end do
-        end subroutine add_each
-
-    end subroutine describe_scene
+    !> One row for each component of a vector whose components have names.
+    subroutine add_each(table, group, names, suffix, vector, unit, ranges, whats)
+        type(parameter_table_t), intent(inout) :: table
+        character(*), intent(in) :: group, names(3), suffix, unit, ranges(3), whats(3)
+        real(dp), target, intent(inout) :: vector(3)
+        integer :: i
+        do i = 1, 3
+            call table%add(group // trim(names(i)) // suffix, vector(i), unit, trim(ranges(i)), trim(whats(i)))
+        end do
+    end subroutine add_each
 
 end module spintop_scene

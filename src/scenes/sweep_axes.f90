@@ -1,25 +1,31 @@
-!> The axes of a sweep: how they combine into cases, and the values of each case. Any case is computed
-!> by itself, at a cost and in a memory that do not grow with the number of cases.
+!> The axes of a sweep: the values that each takes, how they combine into cases, and the scene of a case.
+!> Any case is computed by itself, at a cost and in a memory that do not grow with the number of cases.
+!>
+!>     call swept%copy(scene, axes)            ! once: the scene that describes the axes
+!>     call axes%find_values(number, values)   ! for each case: its numbers,
+!>     call swept%put(values)                  ! put into
+!>     call make_case(swept%scene, ...)        ! its scene
 module spintop_sweep_axes
+    use, intrinsic :: iso_c_binding, only: c_loc
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: parameter_table_t
-    use spintop_permutation, only: make_permutation, permutation_t
-    use spintop_random, only: uniform
+    use spintop_distributions, only: law_lognormal, law_normal, law_sphere, law_uniform, normal_value
+    use spintop_sample_design, only: design_latin_hypercube, design_random, design_saltelli, design_sobol, &
+        sample_design_t
+    use spintop_scene, only: scene_t
+    use spintop_scene_words, only: combine_grid, combine_latin_hypercube, combine_random, combine_saltelli, &
+        combine_sobol, combine_zip
     use spintop_sweep_axis, only: axis_t
     use spintop_text, only: to_text
     implicit none
     private
-    public :: axes_t, put_values, combination_names, combine_grid, combine_zip, combine_random, &
-        combine_latin_hypercube
+    public :: axes_t, axis_t, swept_scene_t
 
-    !> All combinations, the last axis varying fastest; the values of all axes side by side;
-    !> independent draws; draws of which each stratum of each axis, of as many as there are cases, has
-    !> one (M. D. McKay, R. J. Beckman and W. J. Conover, Technometrics 21, 1979).
-    integer, parameter :: combine_grid = 1, combine_zip = 2, combine_random = 3, combine_latin_hypercube = 4
-    !> The words for these in an input.
-    character(*), parameter :: combination_names(4) = [character(15) :: 'grid', 'zip', 'random', 'latin_hypercube']
+    !> Designs of the samples, by combination from `combine_random`.
+    integer, parameter :: designs(combine_random:combine_saltelli) = [design_random, design_latin_hypercube, design_sobol, &
+        design_saltelli]
 
     !> Axes and their combination.
     type :: axes_t
@@ -27,30 +33,43 @@ module spintop_sweep_axes
         integer(int64) :: cases = 0
         integer :: combination = combine_grid
         integer(int64) :: seed = 1
-        !> The strata of a Latin hypercube in the order of the cases, and for axes of a number of values
-        !> the place in all strata: then no value is drawn more than once oftener than another.
-        type(permutation_t), allocatable, private :: strata(:)
-        real(dp), allocatable, private :: place_in_stratum(:)
+        !> The points of a sample; the coordinate of each axis, the first of several.
+        type(sample_design_t) :: design
+        integer, allocatable, private :: coordinate(:)
+        !> The axes with normal values, or whose logarithms are normal, and the factor of their covariance.
+        integer, allocatable, private :: normal(:)
+        real(dp), allocatable, private :: factor(:, :)
     contains
         procedure :: combine
+        procedure :: correlate
+        procedure :: out_of_range
         procedure :: values_of
         procedure :: find_values
-        procedure :: slots_in
         procedure :: place_of
         procedure :: varies
         procedure :: varies_any
         procedure :: in_words
     end type axes_t
 
+    !> A copy of the scene that describes some axes, which takes the values of one case after another. It must stay
+    !> where it was made a copy, and be a target there.
+    type :: swept_scene_t
+        type(scene_t) :: scene
+        !> Where the value of each axis goes.
+        type(number_slot_t), allocatable, private :: slots(:)
+    contains
+        procedure :: copy => copy_scene
+        procedure :: put => put_values
+    end type swept_scene_t
+
 contains
 
-    !> Fixes the number of cases: that of a grid is the product of the axes' numbers of values, of a zip
-    !> the number that all have. A grid of more than can be counted is left without cases.
+    !> Sets the number of cases: that of a grid is the product of the numbers of values, that of a zip the
+    !> common number. A grid with too many cases to count has none.
     pure subroutine combine(self, combination, cases, seed)
         class(axes_t), intent(inout) :: self
-        integer, intent(in) :: combination
-        integer(int64), intent(in) :: cases, seed !! of what is drawn
-        integer(int64) :: i
+        integer, intent(in) :: combination !! one of the combination constants
+        integer(int64), intent(in) :: cases, seed !! number of cases, and seed of random samples
 
         self%combination = combination
         self%seed = seed
@@ -63,38 +82,73 @@ contains
             end if
         case (combine_zip)
             self%cases = self%axis(1)%count
-        case (combine_latin_hypercube)
-            self%strata = [(make_permutation(cases, seed, stream_of_strata(i)), i=1, size(self%axis))]
-            self%place_in_stratum = [(uniform(seed, 0_int64, stream_of_values(i)), i=1, size(self%axis))]
+        case default
+            call start_design(self)
         end select
     end subroutine combine
 
-    !> The streams of random numbers of an axis.
-    elemental integer(int64) function stream_of_values(axis)
-        integer(int64), intent(in) :: axis
-        stream_of_values = 2 * axis
-    end function stream_of_values
+    !> Gives each axis its coordinates in the points of a sample, and starts the sample. Each axis is a factor, or all
+    !> components of a vector together.
+    pure subroutine start_design(self)
+        type(axes_t), intent(inout) :: self
+        logical :: whole(sum(self%axis%dimensions()))
+        integer :: factor(size(whole)), i, last, factors
 
-    elemental integer(int64) function stream_of_strata(axis)
-        integer(int64), intent(in) :: axis
-        stream_of_strata = 2 * axis + 1
-    end function stream_of_strata
+        allocate (self%coordinate(size(self%axis)), source=0)
+        last = 0
+        factors = 0
+        do i = 1, size(self%axis)
+            associate (axis => self%axis(i), first => last + 1)
+                if (axis%component == 1) factors = factors + 1
+                self%coordinate(i) = first
+                last = last + axis%dimensions()
+                whole(first:last) = axis%is_discrete()
+                factor(first:last) = factors
+            end associate
+        end do
+        call self%design%start(designs(self%combination), self%cases, self%seed, whole, factor)
+        call self%correlate(reshape([real(dp) ::], [0, 0]))
+    end subroutine start_design
+
+    !> Sets the axes with normal values, and the lower triangular factor of their covariance; with an empty one their
+    !> values are independent.
+    pure subroutine correlate(self, factor)
+        class(axes_t), intent(inout) :: self
+        real(dp), intent(in) :: factor(:, :) !! as many rows and columns as there are such axes, or none
+        integer :: i
+        self%normal = pack([(i, i=1, size(self%axis))], any_normal(self%axis%law))
+        if (allocated(self%factor)) deallocate (self%factor)
+        if (size(factor) > 0) then
+            self%factor = factor
+            return
+        end if
+        allocate (self%factor(size(self%normal), size(self%normal)), source=0.0_dp)
+        do i = 1, size(self%normal)
+            self%factor(i, i) = self%axis(self%normal(i))%deviation
+        end do
+    end subroutine correlate
+
+    !> Whether values, or their logarithms, are normal.
+    elemental logical function any_normal(law)
+        integer, intent(in) :: law
+        any_normal = law == law_normal .or. law == law_lognormal
+    end function any_normal
 
     !> The values of the axes in case `number`, from 1.
     pure function values_of(self, number) result(values)
         class(axes_t), intent(in) :: self
-        integer(int64), intent(in) :: number
+        integer(int64), intent(in) :: number !! number of the block
         real(dp) :: values(size(self%axis))
         call self%find_values(number, values)
     end function values_of
 
-    !> The same into memory of the caller, for those who ask for millions.
+    !> The same into memory of the caller, for loops over millions of cases.
     pure subroutine find_values(self, number, values)
         class(axes_t), intent(in) :: self
-        integer(int64), intent(in) :: number
-        real(dp), intent(out) :: values(:)
-        integer(int64) :: rest, n, i
-        real(dp) :: place
+        integer(int64), intent(in) :: number !! number of the block
+        real(dp), intent(out) :: values(:) !! one value for each axis
+        integer(int64) :: rest, n
+        integer :: i
 
         select case (self%combination)
         case (combine_grid)
@@ -106,40 +160,60 @@ contains
             end do
         case (combine_zip)
             values = self%axis%value(int(number))
-        case (combine_random)
-            do i = 1, size(self%axis)
-                values(i) = self%axis(i)%draw(uniform(self%seed, number, stream_of_values(i)))
-            end do
-        case (combine_latin_hypercube)
-            do i = 1, size(self%axis)
-                if (self%axis(i)%is_discrete()) then
-                    place = self%place_in_stratum(i)
-                else
-                    place = uniform(self%seed, number, stream_of_values(i))
-                end if
-                values(i) = self%axis(i)%draw((self%strata(i)%place(number - 1) + place) / self%cases)
-            end do
+        case default
+            call draw_values(self, number, values)
         end select
     end subroutine find_values
 
-    !> Where the values of the axes go in the scene that a table describes.
-    function slots_in(self, table) result(slots)
-        class(axes_t), intent(in) :: self
-        type(parameter_table_t), intent(in) :: table
-        type(number_slot_t), allocatable :: slots(:)
-        character(:), allocatable :: problem
-        integer :: i
-        allocate (slots(size(self%axis)))
-        do i = 1, size(slots)
-            call table%find_number(self%axis(i)%name, slots(i), problem)
-        end do
-    end function slots_in
+    !> The values of a case of a sample.
+    pure subroutine draw_values(self, number, values)
+        type(axes_t), intent(in) :: self
+        integer(int64), intent(in) :: number
+        real(dp), intent(out) :: values(:)
+        real(dp) :: fractions(self%design%dimensions), standard(size(self%normal))
+        integer :: i, k
 
-    !> Place of the parameter of an axis in a table.
+        call self%design%find_fractions(number, fractions)
+        do i = 1, size(self%axis)
+            associate (axis => self%axis(i), first => self%coordinate(i))
+                if (axis%law == law_uniform) then
+                    values(i) = axis%draw(fractions(first))
+                else if (axis%law == law_sphere .and. axis%component == 1) then
+                    call axis%draw_on_sphere(fractions(first:first + axis%dimensions() - 1), &
+                                             values(i:i + axis%components - 1))
+                end if
+            end associate
+        end do
+        if (size(self%normal) == 0) return
+        standard = normal_value(fractions(self%coordinate(self%normal)))
+        do k = 1, size(self%normal)
+            i = self%normal(k)
+            values(i) = self%axis(i)%mean + dot_product(self%factor(k, :k), standard(:k))
+            if (self%axis(i)%law == law_lognormal) values(i) = exp(values(i))
+        end do
+    end subroutine draw_values
+
+    !> Number of the first axis whose value in a case is not in the range of its parameter, which a normal distribution
+    !> does not know; 0 if there is none.
+    pure integer function out_of_range(self, values)
+        class(axes_t), intent(in) :: self
+        real(dp), intent(in) :: values(:) !! one value for each axis
+        integer :: k
+        out_of_range = 0
+        if (.not. allocated(self%normal)) return
+        do k = 1, size(self%normal)
+            associate (i => self%normal(k))
+                if (.not. self%axis(i)%slot%accepts(values(i))) out_of_range = i
+            end associate
+            if (out_of_range > 0) return
+        end do
+    end function out_of_range
+
+    !> Index of the parameter of an axis in a table.
     integer function place_of(self, i, table)
         class(axes_t), intent(in) :: self
-        integer, intent(in) :: i
-        type(parameter_table_t), intent(in) :: table
+        integer, intent(in) :: i !! number of the axis
+        type(parameter_table_t), intent(in) :: table !! the parameters of an input
         place_of = table%find(base_of(self%axis(i)%name))
     end function place_of
 
@@ -150,20 +224,10 @@ contains
         base = name(:index(name // '(', '(') - 1)
     end function base_of
 
-    !> Puts the values of a case into the slots of a scene.
-    subroutine put_values(slots, values)
-        type(number_slot_t), intent(in) :: slots(:)
-        real(dp), intent(in) :: values(:)
-        integer :: i
-        do i = 1, size(slots)
-            call slots(i)%put(values(i))
-        end do
-    end subroutine put_values
-
     !> Whether a parameter of a group varies.
     pure logical function varies(self, group)
         class(axes_t), intent(in) :: self
-        character(*), intent(in) :: group
+        character(*), intent(in) :: group !! the group
         integer :: i
         varies = .false.
         do i = 1, size(self%axis)
@@ -171,10 +235,10 @@ contains
         end do
     end function varies
 
-    !> Whether one of these parameters varies, or an element of one.
+    !> Whether one of these parameters, or an element of one, varies.
     pure logical function varies_any(self, names)
         class(axes_t), intent(in) :: self
-        character(*), intent(in) :: names(:)
+        character(*), intent(in) :: names(:) !! the names
         integer :: i
         varies_any = .false.
         do i = 1, size(self%axis)
@@ -182,7 +246,7 @@ contains
         end do
     end function varies_any
 
-    !> How the cases come about, for a reader.
+    !> Description of the cases.
     function in_words(self) result(text)
         class(axes_t), intent(in) :: self
         character(:), allocatable :: text
@@ -198,10 +262,47 @@ contains
         case (combine_zip)
             text = text // 'the values of all axes side by side'
         case (combine_random)
-            text = text // 'drawn independently with seed ' // to_text(self%seed)
+            text = text // 'a random sample with seed ' // to_text(self%seed)
         case (combine_latin_hypercube)
-            text = text // 'a Latin hypercube, drawn with seed ' // to_text(self%seed)
+            text = text // 'a Latin hypercube sample with seed ' // to_text(self%seed)
+        case (combine_sobol)
+            text = text // "points of a Sobol' sequence, " // scrambling(self%seed)
+        case (combine_saltelli)
+            text = text // to_text(self%cases / (self%design%factors + 2)) // ' groups of ' // &
+                   to_text(self%design%factors + 2) // " for sensitivity indices, from a Sobol' sequence, " // &
+                   scrambling(self%seed)
         end select
     end function in_words
+
+    pure function scrambling(seed) result(text)
+        integer(int64), intent(in) :: seed
+        character(:), allocatable :: text
+        text = 'not scrambled'
+        if (seed /= 0) text = 'scrambled with seed ' // to_text(seed)
+    end function scrambling
+
+    !> Makes it a copy of the scene that describes the axes. Nothing is looked up by name: each number is where it
+    !> was in that scene, of which it is a part (`find_swept` refuses others).
+    subroutine copy_scene(self, scene, axes)
+        class(swept_scene_t), target, intent(inout) :: self
+        type(scene_t), target, intent(in) :: scene !! where it was when the axes were made
+        type(axes_t), intent(in) :: axes !! the axes
+        integer :: i
+        self%scene = scene
+        allocate (self%slots(size(axes%axis)))
+        do i = 1, size(self%slots)
+            self%slots(i) = axes%axis(i)%slot%in_copy(c_loc(scene), c_loc(self%scene), storage_size(scene))
+        end do
+    end subroutine copy_scene
+
+    !> Puts the values of a case, in the order of the axes, into the scene.
+    subroutine put_values(self, values)
+        class(swept_scene_t), target, intent(inout) :: self
+        real(dp), intent(in) :: values(:) !! one value for each axis
+        integer :: i
+        do i = 1, size(self%slots)
+            call self%slots(i)%put(values(i))
+        end do
+    end subroutine put_values
 
 end module spintop_sweep_axes

@@ -1,6 +1,6 @@
 !> Stability of periodic motions by Floquet multipliers.
 module spintop_floquet
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, no_number
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite
     use spintop_euler_poisson, only: euler_poisson_state, euler_poisson_rate, invariant_gradients, &
@@ -9,13 +9,13 @@ module spintop_floquet
     use spintop_spectrum, only: find_spectrum
     use spintop_status, only: status_ok, status_bad_input, status_unsuitable
     use spintop_tangent_flow, only: carry_tangents
-    use spintop_validity, only: body_status, motion_status, no_number
+    use spintop_validity, only: body_status, motion_status
     use spintop_vectors, only: cross
     implicit none
     private
     public :: find_multipliers, find_monodromy
 
-    !> How far a motion may be from its start after a period, relative to its scale.
+    !> Largest distance of a motion from its start after a period, relative to its scale.
     real(dp), parameter :: slack = 1.0e-9_dp
 
 contains
@@ -24,17 +24,19 @@ contains
     !> the body about its axis of symmetry: each a factor by which a perturbation grows per
     !> period. Those that belong to invariants, symmetries and the time of the start are 1 and come
     !> last. `status_unsuitable`: the motion does not return by then; `status_bad_input`: no positive
-    !> period; `status_non_finite`, `status_bad_body`, `status_bad_start`: no body or no motion.
-    subroutine find_multipliers(body, start, period, multipliers, status)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
-        real(dp), intent(in) :: period
-        complex(dp), intent(out) :: multipliers(6)
-        integer, intent(out) :: status
+    !> period; `status_non_finite`, `status_bad_body`, `status_bad_start`: no body or no motion. A period
+    !> of more than `max_steps` steps is abandoned.
+    subroutine find_multipliers(body, start, period, multipliers, status, max_steps)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        real(dp), intent(in) :: period !! length of the period, s
+        complex(dp), intent(out) :: multipliers(6) !! Floquet multipliers
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        integer, intent(in), optional :: max_steps !! maximum number of steps
         real(dp) :: monodromy(6, 6), turn, x(6), forms(6, 4), directions(6, 2)
 
         multipliers = 1
-        call find_monodromy(body, start, period, monodromy, turn, status)
+        call find_monodromy(body, start, period, monodromy, turn, status, max_steps)
         if (status /= status_ok) return
         x = euler_poisson_state(body, start)
         forms = invariant_gradients(body, x)
@@ -45,13 +47,15 @@ contains
 
     !> The monodromy matrix, which maps a perturbation (of Gamma and Pi) over a period,
     !> and the turn about the axis of symmetry that closes the motion, rad; it is part of the matrix.
-    !> `status` as in `find_multipliers`.
-    subroutine find_monodromy(body, start, period, monodromy, turn, status)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
-        real(dp), intent(in) :: period
+    !> `status` as in `find_multipliers`; both are NaN unless it is `status_ok` or `status_unsuitable`.
+    subroutine find_monodromy(body, start, period, monodromy, turn, status, max_steps)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        real(dp), intent(in) :: period !! length of the period, s
         real(dp), intent(out) :: monodromy(6, 6), turn
-        integer, intent(out) :: status
+            !! monodromy matrix, and rotation angle that closes the motion, rad
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        integer, intent(in), optional :: max_steps !! maximum number of steps
         real(dp) :: columns(6, 7), x(6), unit(6), axis(3)
         integer :: i
 
@@ -68,17 +72,18 @@ contains
         do i = 1, 6
             columns(i, i + 1) = 1
         end do
-        call carry_tangents(body, period, columns, status)
+        call carry_tangents(body, period, columns, status, max_steps)
+        if (status /= status_ok) return
         axis = body%symmetry_axis()
         turn = closing_turn(axis, columns(:, 1) / unit, x / unit)
         do i = 1, 7
             columns(:, i) = [turned(axis, turn, columns(1:3, i)), turned(axis, turn, columns(4:6, i))]
         end do
         monodromy = columns(:, 2:)
-        if (status == status_ok .and. norm2((columns(:, 1) - x) / unit) > slack) status = status_unsuitable
+        if (.not. norm2((columns(:, 1) - x) / unit) <= slack) status = status_unsuitable
     end subroutine find_monodromy
 
-    !> The turn about an axis (none: 0) that brings one state nearest to another, rad.
+    !> The rotation angle about an axis that brings one state nearest to another, rad; 0 without an axis.
     pure real(dp) function closing_turn(axis, from, to) result(turn)
         real(dp), intent(in) :: axis(3), from(6), to(6)
         real(dp) :: rate(6)
@@ -87,7 +92,7 @@ contains
         if (norm2(rate) > 0) turn = atan2(dot_product(to, rate), -dot_product(to, turning_about(axis, rate)))
     end function closing_turn
 
-    !> A vector turned about an axis (Rodrigues).
+    !> A vector rotated about an axis (Rodrigues' formula).
     pure function turned(axis, angle, vector) result(image)
         real(dp), intent(in) :: axis(3), angle, vector(3)
         real(dp) :: image(3), sideways(3)

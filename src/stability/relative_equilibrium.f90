@@ -1,9 +1,8 @@
-!> Stability of motions that look the same at all times: a top at rest, sleeping or in steady
-!> precession, a body in permanent rotation about the vertical (Staude, J. reine angew. Math. 113,
-!> 1894) or about a principal axis.
+!> Stability of relative equilibria: a top at rest, sleeping or in steady precession, and a body in permanent
+!> rotation about the vertical (Staude, J. reine angew. Math. 113, 1894) or about a principal axis.
 !>
-!> In axes that follow the body, but for its turning about an axis of symmetry, vertical and momentum
-!> stand still. The eigenvalues are those of the Euler-Poisson equations linearised there.
+!> In axes that follow the body, except for its rotation about a symmetry axis, vertical and momentum are
+!> constant. The eigenvalues are those of the Euler-Poisson equations, linearised in these axes.
 module spintop_relative_equilibrium
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
@@ -19,20 +18,20 @@ module spintop_relative_equilibrium
     private
     public :: find_equilibrium_eigenvalues
 
-    !> Tolerance of the equilibrium, relative to the terms that balance each other: ten digits suffice.
+    !> Tolerance of the equilibrium, relative to the terms that balance each other; ten digits suffice.
     real(dp), parameter :: slack = 1.0e-10_dp
 
 contains
 
-    !> Eigenvalues of the motion linearised about a relative equilibrium, 1/s: the largest real part
-    !> is the growth rate of perturbations. Those that belong to invariants and symmetries
-    !> are zero and come last. `status_unsuitable`: the motion is no relative equilibrium;
-    !> `status_non_finite`, `status_bad_body`, `status_bad_start`: no body or no motion.
+    !> Eigenvalues of the motion linearised about a relative equilibrium, 1/s. The largest real part is the
+    !> growth rate of perturbations. Eigenvalues that belong to invariants and symmetries are zero and come
+    !> last. `status_unsuitable`: the motion is not a relative equilibrium; `status_non_finite`,
+    !> `status_bad_body`, `status_bad_start`: body or motion is not valid.
     subroutine find_equilibrium_eigenvalues(body, motion, eigenvalues, status)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: motion
-        complex(dp), intent(out) :: eigenvalues(6)
-        integer, intent(out) :: status
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! any instant of the motion
+        complex(dp), intent(out) :: eigenvalues(6) !! 1/s
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: x(6), unit(6), axis(3), spin, matrix(6, 6), forms(6, 4), directions(6, 1)
 
         eigenvalues = 0
@@ -40,7 +39,7 @@ contains
         if (status == status_ok) status = motion_status(motion)
         if (status /= status_ok) return
         x = euler_poisson_state(body, motion)
-        ! Without weight any direction may be called vertical; that of the momentum stands still.
+        ! Without weight any direction may be the vertical; that of the momentum is constant.
         if (.not. norm2(body%weight_moment()) > 0 .and. norm2(x(4:6)) > 0) x(1:3) = x(4:6) / norm2(x(4:6))
         unit = state_units(body, x)
         axis = body%symmetry_axis()
@@ -55,7 +54,7 @@ contains
         call find_spectrum(matrix, unit, 0.0_dp, forms, directions, eigenvalues, status)
     end subroutine find_equilibrium_eigenvalues
 
-    !> The rate of the turning about the axis of symmetry that leaves the state where it is, rad/s.
+    !> The rate of the rotation about the symmetry axis that leaves the state unchanged, rad/s.
     pure subroutine find_spin(body, x, unit, axis, spin, status)
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: x(6), unit(6), axis(3)
@@ -69,7 +68,7 @@ contains
             if (norm2(turning) > slack) then
                 spin = -dot_product(rate, turning) / dot_product(turning, turning)
             else
-                ! Upright or hanging: of all turnings, that which leaves the axes at rest in space.
+                ! Upright or hanging: of all such rotations, the one for which the axes are at rest in space.
                 spin = dot_product(axis, omega)
             end if
             terms = norm2(omega) + (norm2(body%weight_moment()) + norm2(body%damping * omega)) / unit(6)

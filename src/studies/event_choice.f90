@@ -1,11 +1,11 @@
-!> The events that a scene asks for.
+!> Selects the events of a motion from the texts in a scene.
 module spintop_event_choice
     use spintop_case, only: case_t
-    use spintop_columns, only: trajectory_columns, needs_exact_motion
     use spintop_event_text, only: column_event_t, read_event
     use spintop_parameters, only: unset_integer
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
+    use spintop_study, only: study_info_t
     use spintop_text, only: to_text
     implicit none
     private
@@ -13,21 +13,22 @@ module spintop_event_choice
 
 contains
 
-    !> The events of the table, and those that end the motion; one that does both stands there once.
-    subroutine choose_events(scene, case, events, problems)
-        type(scene_t), intent(in) :: scene
-        type(case_t), intent(in) :: case
-        type(column_event_t), allocatable, intent(out) :: events(:)
-        type(problems_t), intent(inout) :: problems
+    !> The events for the table, and those that end the motion. An event that is both occurs once.
+    subroutine choose_events(study, scene, case, events, problems)
+        type(study_info_t), intent(in) :: study !! the kind of study
+        type(scene_t), intent(in) :: scene !! contents of the input
+        type(case_t), intent(in) :: case !! body, start and span
+        type(column_event_t), allocatable, intent(out) :: events(:) !! events to search for
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(column_event_t), allocatable :: some(:)
         character(*), parameter :: stop_key = 'span.stop_at'
         character(:), allocatable :: key
         integer :: i, k
 
         allocate (events(0))
-        if (scene%kind /= 'trajectory' .and. any(scene%events /= '')) then
+        if ((.not. study%has_events) .and. any(scene%events /= '')) then
             call problems%add('output.events', 'only a trajectory has a table of events', &
-                              "leave it out, or set study.kind = 'trajectory'")
+                              "omit it, or set study.kind = 'trajectory'")
             return
         end if
         do i = 1, size(scene%events)
@@ -63,12 +64,15 @@ contains
             character(*), intent(in) :: name, text
             character(:), allocatable :: problem, hint
             call read_event(text, some, problem, hint)
-            if (problem == '' .and. any(needs_exact_motion(trajectory_columns(some%column)))) then
-                if (scene%kind == 'sweep' .or. .not. (problems%any() .or. case%body%is_lagrange())) then
-                    problem = 'this event compares with the exact motion, and '
-                    if (scene%kind == 'sweep') problem = problem // 'a sweep keeps none'
-                    if (scene%kind /= 'sweep') problem = problem // 'this body has none'
-                    hint = 'take another column'
+            if (problem == '' .and. any(some%column%needs_exact_motion)) then
+                if (.not. study%keeps_exact_motion .or. .not. (problems%any() .or. case%body%has_closed_form())) then
+                    problem = 'this event needs the exact solution, which '
+                    if (study%keeps_exact_motion) then
+                        problem = problem // 'this body does not have'
+                    else
+                        problem = problem // study%phrase // ' does not use'
+                    end if
+                    hint = 'use another column'
                 end if
             end if
             if (problem /= '') call problems%add(name, problem, hint)

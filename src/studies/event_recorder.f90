@@ -1,39 +1,42 @@
-!> Looks for the events that a scene asks for, writes those of its table, and ends the motion.
+!> Searches for the events of a scene, writes the table of events, and ends the motion.
 module spintop_event_recorder
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
-    use spintop_columns, only: column_t, column_computer_t, trajectory_columns, varies_near_poles
     use spintop_errors, only: error_t
     use spintop_event_text, only: column_event_t
     use spintop_events, only: event_watch_t, path_t
-    use spintop_exact_motion, only: exact_motion_t
+    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t
+    use spintop_row_maker, only: row_maker_t
+    use spintop_table_column, only: column_t
     use spintop_table_file, only: table_file_t
     use spintop_text, only: string_t
     use spintop_text_buffer, only: text_buffer_t
+    use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
     private
     public :: event_recorder_t, exact_path_t, event_columns
 
     !> The columns of a table of events before those of the trajectory.
     type(column_t), parameter :: event_columns(*) = [ &
-        column_t('event', '', 'what happened', 0), &
-        column_t('number', '', 'how often by then', 0)]
+        column_t('event', '', 'the event'), &
+        column_t('number', '', 'number of this event so far')]
 
-    !> Looks for events of columns.
+    !> Searches for events of columns.
     type, extends(event_watch_t) :: event_recorder_t
-        !> Events written to the table.
+        !> Number of events in the table.
         integer :: rows = 0
-        !> An error in writing; it ends the motion, too.
+        !> An error of writing, which also ends the motion.
         type(error_t), allocatable :: error
-        !> Number of the event that ended the motion; 0 if none did.
+        !> Index of the event that ended the motion; 0 if there is none.
         integer :: ended_by = 0
         logical, allocatable, private :: is_listed(:), ends(:)
-        !> Events left until the motion ends.
+        !> Number of events until the motion ends.
         integer, private :: left = 1
-        !> The quantities of the events, the azimuth of the start, and the row of the table.
-        type(column_computer_t), private :: quantity, row
+        !> Computers of the quantities of the events and of the row of the table, and the azimuth of the
+        !> start.
+        type(row_maker_t), private :: quantity, row
         real(dp), private :: azimuth = 0
         type(table_file_t), private :: file
     contains
@@ -45,23 +48,26 @@ module spintop_event_recorder
         procedure :: meet
     end type event_recorder_t
 
-    !> The exact motion, any time; looks at it are counted.
+    !> The exact solution as a path; its evaluations are counted.
     type, extends(path_t) :: exact_path_t
         type(exact_motion_t) :: exact
         integer(int64) :: looks = 0, most_looks = huge(1_int64)
+        !> The last instant; the turns of the angles are counted from there.
+        type(motion_t), private :: last
     contains
+        procedure :: begin
         procedure :: at
         procedure :: is_spent
     end type exact_path_t
 
 contains
 
-    !> Looks for these events of a case; the motion ends at the n-th that ends it.
+    !> Sets the events of a case. The motion ends at the n-th event that may end it.
     subroutine set(self, events, n, case)
         class(event_recorder_t), intent(inout) :: self
-        type(column_event_t), intent(in) :: events(:)
-        integer, intent(in) :: n
-        type(case_t), intent(in) :: case
+        type(column_event_t), intent(in) :: events(:) !! the events
+        integer, intent(in) :: n !! number of the event that ends the motion
+        type(case_t), intent(in) :: case !! body, start and span
         self%events = events%event
         self%is_listed = events%is_listed
         self%ends = events%ends
@@ -70,7 +76,7 @@ contains
         self%azimuth = case%given_start%angle(1)
         call self%quantity%set(events%column, case)
         self%pole_axis = 0
-        if (any(varies_near_poles(trajectory_columns(events%column)))) then
+        if (any(events%column%varies_near_poles)) then
             self%pole_axis = case%turn%vector([0.0_dp, 0.0_dp, 1.0_dp])
         end if
     end subroutine set
@@ -78,10 +84,10 @@ contains
     !> Starts the table of the listed events, with these columns of the trajectory.
     subroutine open_table(self, path, head, columns, case, error)
         class(event_recorder_t), intent(inout) :: self
-        character(*), intent(in) :: path, head
-        integer, intent(in) :: columns(:)
-        type(case_t), intent(in) :: case
-        type(error_t), allocatable, intent(out) :: error
+        character(*), intent(in) :: path, head !! path of the table, and its header
+        type(trajectory_column_t), intent(in) :: columns(:) !! indices of the columns of the trajectory
+        type(case_t), intent(in) :: case !! body, start and span
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call self%row%set(columns, case)
         call self%file%create(path, head, error)
     end subroutine open_table
@@ -89,8 +95,8 @@ contains
     !> Ends the table.
     subroutine close_table(self, trailer, error)
         class(event_recorder_t), intent(inout) :: self
-        type(string_t), intent(in) :: trailer(:)
-        type(error_t), allocatable, intent(out) :: error
+        type(string_t), intent(in) :: trailer(:) !! comment lines after the last row
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         if (allocated(self%error)) then
             error = self%error
         else
@@ -98,26 +104,26 @@ contains
         end if
     end subroutine close_table
 
-    !> Gives the table up.
+    !> Discards the table.
     subroutine discard_table(self)
         class(event_recorder_t), intent(inout) :: self
         call self%file%discard()
     end subroutine discard_table
 
-    !> The columns, or how far the azimuth is from its start.
+    !> The columns of the events, or the change of azimuth since the start.
     subroutine quantities(self, motion, values)
         class(event_recorder_t), intent(inout) :: self
-        type(motion_t), intent(in) :: motion
-        real(dp), intent(out) :: values(:)
+        type(motion_t), intent(in) :: motion !! the motion at an instant
+        real(dp), intent(out) :: values(:) !! one value for each event
         values = self%quantity%row(motion)
         where (self%events(:size(values))%turn_by_turn) values = abs(values - self%azimuth)
     end subroutine quantities
 
-    !> Writes an event, and ends the motion if it is time.
+    !> Writes an event, and ends the motion if this is the event that ends it.
     subroutine meet(self, number, motion)
         class(event_recorder_t), intent(inout) :: self
-        integer, intent(in) :: number
-        type(motion_t), intent(in) :: motion
+        integer, intent(in) :: number !! index of the event in `events`
+        type(motion_t), intent(in) :: motion !! the motion at the event
         type(text_buffer_t) :: line
 
         if (self%is_listed(number)) then
@@ -136,16 +142,28 @@ contains
         self%has_enough = self%ended_by > 0 .or. allocated(self%error)
     end subroutine meet
 
-    !> The exact motion at a time.
+    !> Prepares the exact solution of a case; the work is at most `most_looks` instants.
+    subroutine begin(self, case, most_looks, status)
+        class(exact_path_t), intent(inout) :: self
+        type(case_t), intent(in) :: case !! body, start and span
+        integer(int64), intent(in) :: most_looks !! bound of the work
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        call prepare_exact_motion(case%body, case%start, self%exact, status)
+        self%looks = 0
+        self%most_looks = most_looks
+        self%last = case%start
+    end subroutine begin
+
+    !> The exact solution at a time.
     subroutine at(self, t, motion)
         class(exact_path_t), intent(inout) :: self
-        real(dp), intent(in) :: t
-        type(motion_t), intent(out) :: motion
-        motion = self%exact%at(t)
-        self%looks = self%looks + 1
+        real(dp), intent(in) :: t !! time, s
+        type(motion_t), intent(out) :: motion !! the motion at that time
+        call self%exact%follow(self%last, t, motion, self%looks, self%most_looks)
+        if (.not. self%is_spent()) self%last = motion
     end subroutine at
 
-    !> Whether the work of the case is used up.
+    !> Whether the allowed work of the case is used up.
     logical function is_spent(self)
         class(exact_path_t), intent(in) :: self
         is_spent = self%looks >= self%most_looks

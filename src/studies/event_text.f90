@@ -1,13 +1,13 @@
-!> Events as a user names them: `turning_points`, `theta_deg = 30 rising`, `psi = 0 every turn`.
+!> Events in the notation of the input: `turning_points`, `theta_deg = 30 rising`, `psi = 0 every turn`.
 !>
-!> Each is a column of the trajectory table that passes a value, rising or falling. A name stands for
-!> events of the table below; a text without a direction stands for two, one of each.
+!> Each is a column of the trajectory that passes a value, rising or falling. A name stands for events of the
+!> table below; a text without a direction stands for two events, one for each direction.
 module spintop_event_text
     use spintop_kinds, only: dp, degree
-    use spintop_columns, only: trajectory_columns, place_of_column
     use spintop_events, only: event_t
     use spintop_literals, only: read_real
-    use spintop_text, only: string_t, lower_case, nearest_word, join
+    use spintop_text, only: string_t, lower_case, did_you_mean, join
+    use spintop_trajectory_columns, only: find_trajectory_column, trajectory_column_t, trajectory_columns
     implicit none
     private
     public :: column_event_t, read_event, named_event_t, named_events, event_grammar
@@ -15,13 +15,12 @@ module spintop_event_text
     !> An event of a column.
     type :: column_event_t
         type(event_t) :: event
-        !> Place in `trajectory_columns`.
-        integer :: column = 0
-        !> Whether it has a row in the table of events, and whether it ends the motion.
+        type(trajectory_column_t) :: column
+        !> Whether it is written to the table of events, and whether it ends the motion.
         logical :: is_listed = .false., ends = .false.
     end type column_event_t
 
-    !> An event with a name of its own, and what it stands for.
+    !> An event with a name, and the event it stands for.
     type :: named_event_t
         character(20) :: name
         character(20) :: in_table
@@ -31,19 +30,19 @@ module spintop_event_text
         character(72) :: what
     end type named_event_t
 
-    !> A name may stand for several.
+    !> A name may stand for several events.
     type(named_event_t), parameter :: named_events(*) = [ &
         named_event_t('turning_points', 'upper_turning_point', 'axis_z_rate', -1, .false., &
-                      'both of the next two'), &
+                      'both kinds of turning points'), &
         named_event_t('turning_points', 'lower_turning_point', 'axis_z_rate', 1, .false., ''), &
         named_event_t('upper_turning_points', 'upper_turning_point', 'axis_z_rate', -1, .false., &
-                      'theta turns from falling to rising'), &
+                      'theta changes from falling to rising'), &
         named_event_t('lower_turning_points', 'lower_turning_point', 'axis_z_rate', 1, .false., &
-                      'theta turns from rising to falling'), &
+                      'theta changes from rising to falling'), &
         named_event_t('azimuth_turns', 'azimuth_turn', 'phi', 1, .true., &
-                      'phi is one more full turn away from its start, on either side')]
+                      'phi completes another full turn from its start, either way')]
 
-    !> What else may be written, for help and messages.
+    !> The general notation, for help and messages.
     character(*), parameter :: event_grammar = &
         'COLUMN = VALUE [every turn] [rising|falling], COLUMN one of a trajectory or phi_deg, theta_deg, psi_deg'
 
@@ -52,11 +51,12 @@ module spintop_event_text
 
 contains
 
-    !> The events that a text stands for; or else what is wrong, and what would be right.
+    !> The events for a text; or else an error and the expected text.
     subroutine read_event(text, events, problem, hint)
-        character(*), intent(in) :: text
-        type(column_event_t), allocatable, intent(out) :: events(:)
+        character(*), intent(in) :: text !! the event in the notation of the input
+        type(column_event_t), allocatable, intent(out) :: events(:) !! the events; not allocated on an error
         character(:), allocatable, intent(out) :: problem, hint
+            !! what is wrong, and what is expected; '' without an error
         character(:), allocatable :: left, right
         integer :: equals
 
@@ -73,7 +73,7 @@ contains
         end if
     end subroutine read_event
 
-    !> The events of a name.
+    !> The events for a name.
     subroutine take_named(name, events, problem, hint)
         character(*), intent(in) :: name
         type(column_event_t), allocatable, intent(inout) :: events(:)
@@ -81,44 +81,49 @@ contains
         type(column_event_t) :: one
         type(named_event_t) :: row
         integer :: i
+        logical :: found
 
         do i = 1, size(named_events)
             row = named_events(i)
             if (row%name /= name) cycle
             one%event = event_t(row%in_table, row%direction, turn_by_turn=row%turn_by_turn)
-            one%column = place_of_column(row%column)
+            call find_trajectory_column(row%column, one%column, found)
             events = [events, one]
         end do
         if (size(events) > 0) return
         problem = "there is no event '" // name // "'"
-        hint = meant(name, named_events%name)
+        hint = did_you_mean(name, named_events%name)
         if (hint == '') hint = 'an event is ' // join(pack(named_events%name, named_events%what /= ''), ', ') &
                                // ' or ' // event_grammar
     end subroutine take_named
 
-    !> The events of `COLUMN = VALUE [every turn] [rising|falling]`.
+    !> The events for `COLUMN = VALUE [every turn] [rising|falling]`.
     subroutine take_column(left, right, events, problem, hint)
         character(*), intent(in) :: left, right
         type(column_event_t), allocatable, intent(inout) :: events(:)
         character(:), allocatable, intent(inout) :: problem, hint
         type(column_event_t) :: one
+        type(trajectory_column_t), allocatable :: known(:)
         character(:), allocatable :: column, number, rest, label
         real(dp) :: unit
         integer :: last, direction
+        logical :: found
 
         column = left
         unit = 1
         last = len(left) - len(suffix)
-        if (last > 0 .and. place_of_column(left) == 0) then
+        call find_trajectory_column(left, one%column, found)
+        if (last > 0 .and. .not. found) then
             if (left(last + 1:) == suffix .and. index(' phi theta psi ', ' ' // left(:last) // ' ') > 0) then
                 column = left(:last)
                 unit = degree
             end if
         end if
-        one%column = place_of_column(column)
-        if (one%column == 0) then
+        if (column /= left) call find_trajectory_column(column, one%column, found)
+        if (.not. found) then
             problem = "there is no column '" // left // "'"
-            hint = meant(left, trajectory_columns%name)
+            allocate (known, source=trajectory_columns())
+            hint = did_you_mean(left, known%name)
             if (hint == '') hint = '`spintop list columns` shows them all'
             return
         end if
@@ -134,14 +139,14 @@ contains
             label = label // ' every turn'
             rest = trim(adjustl(rest(len('every turn') + 1:)))
             if (all(turning_columns /= column)) then
-                problem = "'every turn' is for the angles that turn, " // join(turning_columns, ' and ')
-                hint = "leave 'every turn' out"
+                problem = "'every turn' is only for " // join(turning_columns, ' and ')
+                hint = "omit 'every turn'"
                 return
             end if
         end if
         if (rest /= '' .and. rest /= 'rising' .and. rest /= 'falling') then
-            problem = "'" // rest // "' is no direction"
-            hint = meant(rest, [character(10) :: 'rising', 'falling', 'every turn'])
+            problem = "'" // rest // "' is not a direction"
+            hint = did_you_mean(rest, [character(10) :: 'rising', 'falling', 'every turn'])
             if (hint == '') hint = 'an event is ' // event_grammar
             return
         end if
@@ -152,18 +157,5 @@ contains
             events = [events, one]
         end do
     end subroutine take_column
-
-    !> `did you mean ...?`, or nothing where no word is near.
-    function meant(word, words) result(hint)
-        character(*), intent(in) :: word, words(:)
-        character(:), allocatable :: hint
-        type(string_t) :: known(size(words))
-        integer :: i
-        do i = 1, size(words)
-            known(i)%text = trim(words(i))
-        end do
-        hint = nearest_word(word, known)
-        if (hint /= '') hint = "did you mean '" // hint // "'?"
-    end function meant
 
 end module spintop_event_text

@@ -1,9 +1,8 @@
-!> What a computed motion is judged by: the exact motion where there is one, else a motion computed in
-!> quadruple precision, which tells how converged it is.
+!> The reference for computed motions: the exact solution where it exists, else a motion in quadruple
+!> precision, whose convergence is measured.
 module spintop_reference_motion
-    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_kinds, only: dp, epsilon_dp
+    use spintop_kinds, only: dp, epsilon_dp, no_number
     use spintop_attitude, only: rotation_angle
     use spintop_case, only: case_t
     use spintop_conditioning, only: conditioning_t, prepare_conditioning
@@ -14,7 +13,7 @@ module spintop_reference_motion
     use spintop_methods, only: create_stepper
     use spintop_motion, only: motion_t
     use spintop_plan, only: sample_times
-    use spintop_reference_kinds, only: reference_auto, reference_exact
+    use spintop_scene_words, only: reference_auto, reference_exact
     use spintop_status, only: status_ok
     use spintop_stepper, only: stepper_t
     implicit none
@@ -24,21 +23,21 @@ module spintop_reference_motion
     !> A reference motion at equally spaced times.
     type :: reference_t
         type(motion_t), allocatable :: motions(:)
-        !> How far rounding of the data alone turns the attitude, rad, at each time.
+        !> Inherent error of the attitude, rad, at each time.
         real(dp), allocatable :: floor(:)
-        !> What the motion comes from.
+        !> Source of the motion.
         character(24) :: source = ''
-        !> Computed by the method in quadruple precision.
+        !> Whether it was computed in quadruple precision.
         logical :: is_computed = .false.
-        !> How far apart two computations of it are, rad; zero for the exact motion, no number for a stored one.
+        !> Difference of two computations, rad; zero for the exact solution, NaN for a stored motion.
         real(dp) :: uncertainty = 0
-        !> What it was checked with, a motion by other means, and how far apart they are, rad; blank and
-        !> no number where that motion gave up.
+        !> The method of an independent computation, and the difference from it, rad; blank and NaN if that
+        !> computation failed.
         character(24) :: check = ''
         real(dp) :: disagreement = 0
     end type reference_t
 
-    !> Keeps every motion it is shown.
+    !> Keeps every motion.
     type, extends(observer_t) :: keeper_t
         type(motion_t), allocatable :: motions(:)
         integer :: count = 0
@@ -48,40 +47,40 @@ module spintop_reference_motion
 
     !> Tolerances of a computed reference, and of the computation it is compared with.
     real(dp), parameter :: fine = 1.0e-24_dp, coarse = 1.0e-20_dp
-    !> Tolerance of a motion that checks a reference, as small as its arithmetic allows.
+    !> Tolerance of an independent computation: the smallest one of its arithmetic.
     real(dp), parameter :: finest = 1.0e-15_dp
 
 contains
 
     !> The reference of a case at `samples` equally spaced times, both ends included.
     subroutine find_reference(case, samples, kind, max_steps, reference, status)
-        type(case_t), intent(in) :: case
-        integer, intent(in) :: samples, kind
-        integer(int64), intent(in) :: max_steps !! that each computation of it may take
-        type(reference_t), intent(out) :: reference
-        integer, intent(out) :: status
-        if (kind == reference_exact .or. (kind == reference_auto .and. case%body%is_lagrange())) then
+        type(case_t), intent(in) :: case !! body, start and span
+        integer, intent(in) :: samples, kind !! number of times; kind of reference (`reference_names`)
+        integer(int64), intent(in) :: max_steps !! for each computation of the reference
+        type(reference_t), intent(out) :: reference !! the reference motion
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        if (kind == reference_exact .or. (kind == reference_auto .and. case%body%has_closed_form())) then
             call take_exact(case, sample_times(case%t_end, samples), reference, status)
         else
             call compute_twice(case, sample_times(case%t_end, samples), max_steps, reference, status)
         end if
     end subroutine find_reference
 
-    !> Compares a reference with a motion by other means: the exact motion, or a Runge-Kutta method for
-    !> bodies without one; and the exact motion with Taylor's method.
+    !> Compares a reference with an independent computation: the exact solution or, for bodies without one, a
+    !> Runge-Kutta method; for the exact solution, Taylor's method.
     subroutine check_reference(case, max_steps, reference)
-        type(case_t), intent(in) :: case
-        integer(int64), intent(in) :: max_steps !! that the other motion may take
-        type(reference_t), intent(inout) :: reference
+        type(case_t), intent(in) :: case !! body, start and span
+        integer(int64), intent(in) :: max_steps !! for the independent computation
+        type(reference_t), intent(inout) :: reference !! the result of the check is added
         type(reference_t) :: other
         integer :: status
 
-        if (case%body%is_lagrange() .and. reference%is_computed) then
+        if (case%body%has_closed_form() .and. reference%is_computed) then
             call take_exact(case, reference%motions%t, other, status)
             reference%check = other%source
         else
             reference%check = 'dop853'
-            if (case%body%is_lagrange()) reference%check = 'taylor'
+            if (case%body%has_closed_form()) reference%check = 'taylor'
             call compute(case, case%start, reference%motions%t, trim(reference%check), finest, max_steps, &
                          other%motions, status)
         end if
@@ -89,11 +88,11 @@ contains
             reference%disagreement = maxval(apart(reference%motions, other%motions))
         else
             reference%check = ''
-            reference%disagreement = ieee_value(reference%disagreement, ieee_quiet_nan)
+            reference%disagreement = no_number
         end if
     end subroutine check_reference
 
-    !> The exact motion of a symmetric top.
+    !> The exact solution.
     subroutine take_exact(case, times, reference, status)
         type(case_t), intent(in) :: case
         real(dp), intent(in) :: times(:)
@@ -103,7 +102,7 @@ contains
         type(conditioning_t) :: conditioning
         integer :: i
 
-        reference%source = 'exact motion'
+        reference%source = 'exact solution'
         call prepare_exact_motion(case%body, case%start, exact, status)
         if (status == status_ok) call prepare_conditioning(case%body, case%start, conditioning, status)
         if (status /= status_ok) return
@@ -114,8 +113,8 @@ contains
         end do
     end subroutine take_exact
 
-    !> A motion in quadruple precision, the same with a coarser tolerance, and one from a start whose
-    !> numbers are moved by one unit in the last place.
+    !> A motion in quadruple precision, the same with a larger tolerance, and one from a start whose numbers
+    !> differ by one unit in the last place.
     subroutine compute_twice(case, times, max_steps, reference, status)
         type(case_t), intent(in) :: case
         real(dp), intent(in) :: times(:)
@@ -141,7 +140,7 @@ contains
         reference%floor = apart(again, moved) / 2
     end subroutine compute_twice
 
-    !> A motion by a method with step control.
+    !> A motion by an adaptive method.
     subroutine compute(case, start, times, method, tolerance, max_steps, motions, status)
         type(case_t), intent(in) :: case
         type(motion_t), intent(in) :: start
@@ -166,7 +165,7 @@ contains
         call move_alloc(keeper%motions, motions)
     end subroutine compute
 
-    !> Angles between the attitudes of two motions, rad.
+    !> Rotation angles between the attitudes of two motions, rad.
     pure function apart(first, second) result(angle)
         type(motion_t), intent(in) :: first(:), second(:)
         real(dp) :: angle(size(first))
@@ -176,7 +175,7 @@ contains
         end do
     end function apart
 
-    !> Keeps what it is shown.
+    !> Keeps the motion.
     subroutine observe(self, formulation, t, y, near)
         class(keeper_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation

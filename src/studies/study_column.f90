@@ -1,14 +1,28 @@
-!> A column of a study whose table has columns of its own.
+!> Description of a column, common to all tables.
+!>
+!> A kind of study extends the type by the procedure that gives the value of the column, and by what else it
+!> has to know of it. Its registry has a line per column.
 module spintop_study_column
+    use spintop_table_column, only: column_t
     implicit none
     private
-    public :: study_column_t
+    public :: study_column_t, place_of
 
-    !> Name, unit, and what it is.
-    type :: study_column_t
-        character(24) :: name
-        character(8) :: unit
-        character(96) :: what
+    !> A column of a table of a study.
+    type, extends(column_t) :: study_column_t
+        !> Columns of a group are about the same thing, or are computed together.
+        character(12) :: group = ''
     end type study_column_t
+
+contains
+
+    !> Index of a column in a list, 0 if there is none of that name.
+    pure integer function place_of(columns, name) result(place)
+        class(study_column_t), intent(in) :: columns(:) !! the columns
+        character(*), intent(in) :: name !! its name
+        do place = size(columns), 1, -1
+            if (columns(place)%name == name) return
+        end do
+    end function place_of
 
 end module spintop_study_column

@@ -1,25 +1,30 @@
-!> The short summary of a study on standard output.
+!> The summary of a study on standard output.
 module spintop_summary
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp, degree
     use spintop_compare, only: is_finite
     use spintop_case, only: case_t
     use spintop_fast_top, only: fast_top_t, fast_top
+    use spintop_free_motion, only: free_motion_t, prepare_free_motion
     use spintop_nutation, only: nutation_t, find_nutation, class_name, class_meaning
+    use spintop_plain_text, only: escaped
     use spintop_plan, only: plan_t
     use spintop_quantities, only: kinetic_energy, potential_energy, vertical_momentum
     use spintop_steady_motion, only: critical_omega3
+    use spintop_statistics_plan, only: statistics_plan_t
     use spintop_status, only: status_ok
     use spintop_stepper, only: counts_t
     use spintop_sweep_axes, only: axes_t
     use spintop_text, only: to_text, string_t
     implicit none
     private
-    public :: summary_t, decimal, rounded
+    public :: summary_t, decimal, rounded, text_column
 
-    !> Before a line, and the least width of its keyword and what parts it from the text.
+    !> Indentation of a line, minimum width of its keyword, and the separator.
     character(*), parameter :: indent = '  '
     integer, parameter :: keyword_width = 10
+    !> Blanks before the text of a line, which is below that of the line before it.
+    integer, parameter :: text_column = len(indent) + keyword_width
 
     !> Lines of text, each with a keyword.
     type :: summary_t
@@ -31,31 +36,32 @@ module spintop_summary
         procedure :: describe_plan
         procedure :: describe_motion
         procedure :: describe_axes
+        procedure :: describe_statistics
         procedure :: describe_cost
     end type summary_t
 
 contains
 
-    !> The first line.
+    !> The first line. Names of files in it may hold anything.
     subroutine headline(self, text)
         class(summary_t), intent(inout) :: self
-        character(*), intent(in) :: text
-        self%lines = [string_t(text)]
+        character(*), intent(in) :: text !! the first line
+        self%lines = [string_t(escaped(text))]
     end subroutine headline
 
-    !> A line with its keyword.
+    !> Adds a line with its keyword.
     subroutine add(self, keyword, text)
         class(summary_t), intent(inout) :: self
-        character(*), intent(in) :: keyword, text
+        character(*), intent(in) :: keyword, text !! keyword, and text of the line
         character(max(keyword_width, len(keyword) + 1)) :: column
         column = keyword
-        self%lines = [self%lines, string_t(indent // column // text)]
+        self%lines = [self%lines, string_t(indent // column // escaped(text))]
     end subroutine add
 
-    !> A line by itself, its keyword with a colon.
+    !> A line without indentation, with a colon after its keyword.
     function sentence(self, i) result(text)
         class(summary_t), intent(in) :: self
-        integer, intent(in) :: i
+        integer, intent(in) :: i !! number of the line
         character(:), allocatable :: text
         integer, parameter :: first = len(indent) + 1, last = len(indent) + keyword_width
         associate (line => self%lines(i)%text)
@@ -64,25 +70,25 @@ contains
         end associate
     end function sentence
 
-    !> Model and method, and why.
+    !> Model and method, with the reasons.
     subroutine describe_plan(self, plan)
         class(summary_t), intent(inout) :: self
-        type(plan_t), intent(in) :: plan
+        type(plan_t), intent(in) :: plan !! model, method and settings
         call self%add('model', plan%model)
         call self%add('method', plan%method)
     end subroutine describe_plan
 
-    !> What is known of the motion without following it.
+    !> Quantities of the motion that are known without integration.
     subroutine describe_motion(self, case)
         class(summary_t), intent(inout) :: self
-        type(case_t), intent(in) :: case
+        type(case_t), intent(in) :: case !! body, start and span
         type(nutation_t) :: nutation
         type(fast_top_t) :: fast
         character(:), allocatable :: momentum, energy
         integer :: status
 
         if (case%turn%is_turned()) then
-            call self%add('axes', 'the lines below are for the body turned inside, its centre of mass above the pivot')
+            call self%add('axes', 'the lines below are for the rotated body, with its centre of mass above the pivot')
         end if
         associate (body => case%body, start => case%start)
             momentum = decimal(vertical_momentum(body, start)) // ' J s'
@@ -92,6 +98,7 @@ contains
             else
                 call self%add('constants', 'c1 = Lz = ' // momentum // ', c2 = E = ' // energy)
             end if
+            if (body%is_free() .and. .not. body%is_lagrange()) call describe_free_motion(self, case)
             if (.not. body%is_lagrange()) return
             call find_nutation(body, start, nutation, status)
             if (status /= status_ok) return
@@ -104,7 +111,7 @@ contains
             end if
             call self%add('nutation', 'period ' // decimal(nutation%period) // ' s, precession ' &
                 // decimal(nutation%precession / degree) // ' deg and spin ' &
-                // decimal(nutation%spin / degree) // ' deg a nutation')
+                // decimal(nutation%spin / degree) // ' deg per nutation')
             if (.not. body%mgl() > 0) return
             call self%add('upright', 'a sleeping top is stable from omega3 = ' &
                 // decimal(critical_omega3(body)) // ' rad/s; here omega3 = ' // decimal(start%omega(3)))
@@ -115,10 +122,34 @@ contains
         end associate
     end subroutine describe_motion
 
-    !> The cases of a sweep, its axes, and what the first and the last case have of them.
+    !> Class, period and turn of a free body.
+    subroutine describe_free_motion(self, case)
+        class(summary_t), intent(inout) :: self
+        type(case_t), intent(in) :: case
+        type(free_motion_t) :: free
+        integer :: status
+        call prepare_free_motion(case%body, case%start, free, status)
+        if (status /= status_ok) return
+        if (free%about == 0) then
+            call self%add('motion', 'turns about one axis, at ' // decimal(norm2(case%start%omega)) // ' rad/s')
+            return
+        end if
+        associate (inertia => case%body%inertia)
+            call self%add('motion', 'the momentum circulates about body axis ' // to_text(free%about) // ', that of ' &
+                // trim(merge('smallest', 'largest ', inertia(free%about) <= minval(inertia))) // ' inertia')
+        end associate
+        if (is_finite(free%period)) then
+            call self%add('period', decimal(free%period) // ' s; meanwhile that axis turns by ' &
+                // decimal(free%turn / degree) // ' deg about the momentum')
+        else
+            call self%add('period', 'none: on the separatrix the body tends to a rotation about its intermediate axis')
+        end if
+    end subroutine describe_free_motion
+
+    !> The cases of a sweep, its axes, and the values of the first and the last case.
     subroutine describe_axes(self, axes)
         class(summary_t), intent(inout) :: self
-        type(axes_t), intent(in) :: axes
+        type(axes_t), intent(in) :: axes !! the axes
         real(dp) :: first(size(axes%axis)), last(size(axes%axis))
         integer :: i
         first = axes%values_of(1_int64)
@@ -130,22 +161,45 @@ contains
         end do
     end subroutine describe_axes
 
+    !> What statistics are gathered, and their memory.
+    subroutine describe_statistics(self, plan)
+        class(summary_t), intent(inout) :: self
+        type(statistics_plan_t), intent(in) :: plan !! what is gathered
+        character(:), allocatable :: text
+        integer :: i
+
+        text = 'over all cases'
+        if (size(plan%over) > 0) text = to_text(plan%bin_count()) // ' bins'
+        call self%add('statistics', text // ', ' // to_text(size(plan%numbers) + size(plan%categories)) &
+                      // ' columns, about ' // rounded(plan%bytes() / 1.0e6_dp, 3) // ' MB of memory')
+        do i = 1, size(plan%over)
+            associate (bins => plan%over(i)%bins)
+                call self%add('', trim(plan%over(i)%column%name) // ': ' // to_text(bins%count()) // ' bins from ' &
+                              // to_text(bins%edge(1)) // ' to ' // to_text(bins%edge(bins%count() + 1)))
+            end associate
+        end do
+        if (plan%has_indices()) then
+            call self%add('', "Sobol' indices of " // to_text(size(plan%factors)) // ' factors from ' // to_text(plan%groups) &
+                          // ' groups of ' // to_text(size(plan%factors) + 2) // ' cases')
+        end if
+    end subroutine describe_statistics
+
     !> Steps and evaluations of a run; output points of a method with its own convention for them.
     subroutine describe_cost(self, counts, refine)
         class(summary_t), intent(inout) :: self
-        type(counts_t), intent(in) :: counts
-        integer, intent(in) :: refine
+        type(counts_t), intent(in) :: counts !! cost of a run
+        integer, intent(in) :: refine !! output points per step by the convention of the method; 0 if there is none
         character(:), allocatable :: text
         text = to_text(counts%steps) // ' steps, ' // to_text(counts%rejected) // ' rejected, ' &
-               // to_text(counts%evaluations) // ' right-hand sides'
+               // to_text(counts%evaluations) // ' RHS evaluations'
         if (counts%jacobians > 0) text = text // ', ' // to_text(counts%jacobians) // ' Jacobians'
         if (counts%clipped > 0) text = text // ', ' // to_text(counts%clipped) // ' negative radicands clipped'
-        if (refine > 0) text = text // ', ' // to_text(refine * counts%steps + 1) // ' output points at ' &
-                               // to_text(refine) // ' a step'
+        if (refine > 0) text = text // ', ' // to_text(refine * counts%steps + 1) // ' output points, ' &
+                               // to_text(refine) // ' per step'
         call self%add('cost', text)
     end subroutine describe_cost
 
-    !> A number with the letter of its exponent, which Fortran leaves out before three digits.
+    !> A number with the letter of its exponent, which Fortran omits for three digits.
     pure function with_letter(number) result(text)
         character(*), intent(in) :: number
         character(:), allocatable :: text
@@ -155,9 +209,9 @@ contains
         if (place > 1 .and. index(number, 'E') == 0) text = number(:place - 1) // 'E' // number(place:)
     end function with_letter
 
-    !> A number with the digits a reader wants, in decimal or scientific form.
+    !> A number with readable precision, in decimal or scientific form.
     function decimal(value) result(text)
-        real(dp), intent(in) :: value
+        real(dp), intent(in) :: value !! the value
         character(:), allocatable :: text
         character(40) :: buffer
         if (abs(value) > 0 .and. (abs(value) < 1.0e-3_dp .or. abs(value) >= 1.0e6_dp)) then
@@ -168,10 +222,10 @@ contains
         text = with_letter(trim(adjustl(buffer)))
     end function decimal
 
-    !> A measured number with as many digits as measurements mean, four unless told.
+    !> A measured number with the precision of measurements, four digits by default.
     function rounded(value, digits) result(text)
-        real(dp), intent(in) :: value
-        integer, intent(in), optional :: digits
+        real(dp), intent(in) :: value !! the value
+        integer, intent(in), optional :: digits !! number of significant digits
         character(:), allocatable :: text
         integer :: significant
         character(32) :: buffer

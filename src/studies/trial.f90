@@ -1,4 +1,4 @@
-!> One motion computed by one method, measured against a reference.
+!> One motion computed by one method, compared with a reference.
 module spintop_trial
     use spintop_clock, only: seconds
     use spintop_kinds, only: dp, pi
@@ -20,40 +20,41 @@ module spintop_trial
     private
     public :: trial_t, errors_t, run_trial
 
-    !> Sizes of the differences from the reference.
+    !> Magnitudes of the differences from the reference.
     type :: errors_t
-        !> Angle of the turn between the attitudes, rad, and distance of the axis tips.
+        !> Rotation angle between the attitudes, rad, and distance of the axis tips.
         real(dp) :: orientation = 0, tip = 0
-        !> Energy over (kinetic energy at the start + m g |r|), momenta about the vertical and about
-        !> body z over (momentum at the start + square root of m g |r| times largest inertia).
+        !> Error of the energy over (kinetic energy at the start + m g |r|); errors of the momenta about the
+        !> vertical and about body z over (momentum at the start + square root of m g |r| times the largest
+        !> inertia).
         real(dp) :: energy = 0, vertical = 0, axial = 0
-        !> Length of the quaternion less 1.
+        !> Norm error abs(q) - 1 of the quaternion.
         real(dp) :: quaternion = 0
-        !> phi, theta, psi, rad, phi and psi within half a turn; and their rates, rad/s, where those of
-        !> the reference are finite.
+        !> phi, theta, psi, rad, phi and psi within half a turn; and their rates, rad/s, if those of the
+        !> reference are finite.
         real(dp) :: angle(3) = 0, rate(3) = 0
     end type errors_t
 
-    !> What became of a computation.
+    !> Result of a computation.
     type :: trial_t
         integer :: status = status_ok
         !> Time reached, s.
         real(dp) :: t = 0
-        !> Largest at the times of the reference, and those at the last time seen.
+        !> Largest errors at the times of the reference, and errors at the last time reached.
         type(errors_t) :: errors, last
         type(counts_t) :: counts
-        !> Seconds it took, comparisons left out.
+        !> Computing time without comparisons, s.
         real(dp) :: time = 0
     end type trial_t
 
-    !> Compares the motion it is shown with the reference, time by time.
+    !> Compares a motion with the reference at its times.
     type, extends(observer_t) :: judge_t
         type(case_t) :: case
         type(reference_t) :: reference
         integer :: seen = 0
         real(dp) :: energy_scale = 1, momentum_scale = 1
         type(errors_t) :: errors, last
-        !> Seconds spent on comparisons.
+        !> Time for comparisons, s.
         real(dp) :: comparing = 0
     contains
         procedure :: begin
@@ -63,12 +64,12 @@ module spintop_trial
 
 contains
 
-    !> Computes a case as planned, with steps at or dense output for the times of the reference.
+    !> Computes a case with a plan, with steps at, or dense output for, the times of the reference.
     subroutine run_trial(case, plan, reference, trial)
-        type(case_t), intent(in) :: case
-        type(plan_t), intent(inout) :: plan
-        type(reference_t), intent(in) :: reference
-        type(trial_t), intent(out) :: trial
+        type(case_t), intent(in) :: case !! body, start and span
+        type(plan_t), intent(inout) :: plan !! model, method and settings
+        type(reference_t), intent(in) :: reference !! the reference motion
+        type(trial_t), intent(out) :: trial !! result of the computation
         type(judge_t) :: judge
         type(outcome_t) :: outcome
         real(dp) :: began
@@ -89,7 +90,7 @@ contains
         trial%last = judge%last
     end subroutine run_trial
 
-    !> The exact motion at the times of the reference.
+    !> The exact solution at the times of the reference.
     subroutine judge_exact_motion(judge, outcome)
         type(judge_t), intent(inout) :: judge
         type(outcome_t), intent(out) :: outcome
@@ -104,7 +105,7 @@ contains
         end do
     end subroutine judge_exact_motion
 
-    !> Takes the case, the reference, and the scales of their energy and momenta.
+    !> Sets the case, the reference, and the scales of their energy and momenta.
     subroutine begin(self, case, reference)
         class(judge_t), intent(inout) :: self
         type(case_t), intent(in) :: case
@@ -132,7 +133,7 @@ contains
         self%comparing = self%comparing + (seconds() - began)
     end subroutine observe
 
-    !> Compares a motion with the next of the reference.
+    !> Compares a motion with the next one of the reference.
     subroutine compare(self, motion)
         class(judge_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion
@@ -171,7 +172,7 @@ contains
         type(motion_t) :: computed, true
         real(dp) :: difference(3)
 
-        ! Angles that a state holds may have left 0 <= theta <= pi; those of the attitude have not.
+        ! Angles of a state may have left 0 <= theta <= pi; those of the attitude have not.
         computed = motion_from_quaternion(motion%t, motion%quaternion, motion%omega, motion%angle)
         computed = case%turn%back(computed, case%given_start%angle)
         true = case%turn%back(truth, case%given_start%angle)
@@ -182,7 +183,7 @@ contains
         call enlarge(errors%rate, difference)
     end subroutine compare_angles
 
-    !> The larger of an error and a new one; one that is not a number is the largest of all.
+    !> The larger of an error and a new one; NaN counts as the largest.
     elemental subroutine enlarge(error, difference)
         real(dp), intent(inout) :: error
         real(dp), intent(in) :: difference

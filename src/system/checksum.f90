@@ -1,14 +1,14 @@
-!> A checksum of bytes that come in pieces of any size; see checksum.c.
+!> A checksum of bytes that are given in pieces of any size; see checksum.c.
 module spintop_checksum
     use, intrinsic :: iso_c_binding, only: c_char, c_int64_t, c_long_long
     implicit none
     private
     public :: checksum_t, add_to_checksum, checksum_text, checksum_width
 
-    !> Characters of a checksum as text.
+    !> Number of characters of a checksum as text.
     integer, parameter :: checksum_width = 16
 
-    !> The state: a copy continues as the original would.
+    !> State of a checksum. A copy continues independently.
     type, bind(C) :: checksum_t
         private
         integer(c_int64_t) :: lane(4) = [1_c_int64_t, 2_c_int64_t, 3_c_int64_t, 4_c_int64_t]
@@ -32,16 +32,16 @@ module spintop_checksum
 
 contains
 
-    !> Takes more bytes.
+    !> Adds bytes to the checksum.
     subroutine add_to_checksum(self, text)
-        type(checksum_t), intent(inout) :: self
-        character(*), intent(in) :: text
+        type(checksum_t), intent(inout) :: self !! the checksum
+        character(*), intent(in) :: text !! bytes
         call c_add(self, text, len(text, c_long_long))
     end subroutine add_to_checksum
 
     !> The checksum of all bytes so far, as hexadecimal digits.
     function checksum_text(self) result(text)
-        type(checksum_t), intent(in) :: self
+        type(checksum_t), intent(in) :: self !! the checksum
         character(checksum_width) :: text
         write (text, '(z16.16)') c_value(self)
     end function checksum_text

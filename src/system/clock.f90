@@ -1,4 +1,4 @@
-!> The clock: time that has passed, and the date.
+!> The clock: elapsed time and the date.
 module spintop_clock
     use spintop_kinds, only: dp
     use spintop_posix, only: c_pause, c_seconds, c_utc, up_to_null
@@ -8,18 +8,18 @@ module spintop_clock
 
 contains
 
-    !> Seconds of a clock that never goes back.
+    !> Time of a monotonic clock, s.
     real(dp) function seconds()
         seconds = c_seconds()
     end function seconds
 
-    !> Lets other threads and processes have the processor for a number of seconds.
+    !> Suspends the calling thread, so that others can use the processor.
     subroutine pause_for(seconds)
         real(dp), intent(in) :: seconds !! s
         call c_pause(seconds)
     end subroutine pause_for
 
-    !> Date and time: `2024-05-31T12:34:56Z`.
+    !> Date and time in UTC: `2024-05-31T12:34:56Z`.
     function utc_now() result(text)
         character(:), allocatable :: text
         character(64) :: room

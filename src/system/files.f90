@@ -1,4 +1,4 @@
-!> Files and folders: reading, and writing that is known to be on the disk.
+!> Files and folders: reading, and writing with confirmation that the data are on the disk.
 module spintop_files
     use, intrinsic :: iso_c_binding, only: c_int, c_long_long, c_null_char
     use, intrinsic :: iso_fortran_env, only: int64
@@ -22,8 +22,8 @@ module spintop_files
         procedure :: close => close_input
     end type input_file_t
 
-    !> A file open for writing at its end, which no other run can write meanwhile. It must be
-    !> closed: that is when the last errors show.
+    !> A file open for appending, locked against other runs. It must be closed, because the system may report
+    !> an error of writing only then.
     type :: output_file_t
         character(:), allocatable :: path
         integer(c_int), private :: descriptor = no_file
@@ -39,52 +39,52 @@ module spintop_files
 
 contains
 
-    !> Opens a file to write at its end, and makes it where it is missing. An error if another run has it
-    !> open for writing.
+    !> Opens a file for appending, and creates it if it is missing. It is an error if another run has it open
+    !> for writing.
     subroutine open_output(self, path, error)
         class(output_file_t), intent(inout) :: self
-        character(*), intent(in) :: path
-        type(error_t), allocatable, intent(out) :: error
+        character(*), intent(in) :: path !! path of the file
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         self%path = path
         call check_call(c_open_locked(path // c_null_char, self%descriptor), 'write', path, error)
     end subroutine open_output
 
-    !> Makes an empty file, or empties the one that is there.
+    !> Creates an empty file, or empties an existing one.
     subroutine create(self, path, error)
         class(output_file_t), intent(inout) :: self
-        character(*), intent(in) :: path
-        type(error_t), allocatable, intent(out) :: error
+        character(*), intent(in) :: path !! path of the file
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call self%open(path, error)
         if (.not. allocated(error)) call self%truncate(0_int64, error)
     end subroutine create
 
-    !> Writes all of a text.
+    !> Appends a text.
     subroutine write_bytes(self, text, error)
         class(output_file_t), intent(in) :: self
-        character(*), intent(in) :: text
-        type(error_t), allocatable, intent(out) :: error
+        character(*), intent(in) :: text !! the text
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call check_call(c_write(self%descriptor, text, len(text, int64)), 'write', self%path, error)
     end subroutine write_bytes
 
-    !> Cuts the file to a size in bytes.
+    !> Truncates the file to a size in bytes.
     subroutine truncate(self, size, error)
         class(output_file_t), intent(in) :: self
-        integer(int64), intent(in) :: size
-        type(error_t), allocatable, intent(out) :: error
+        integer(int64), intent(in) :: size !! size in bytes
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call check_call(c_truncate(self%descriptor, size), 'truncate', self%path, error)
     end subroutine truncate
 
-    !> Waits until what was written is on the disk.
+    !> Waits until the written bytes are on the disk.
     subroutine sync(self, error)
         class(output_file_t), intent(in) :: self
-        type(error_t), allocatable, intent(out) :: error
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call check_call(c_sync(self%descriptor), 'write', self%path, error)
     end subroutine sync
 
-    !> Closes the file; errors in writing that the system kept back show here.
+    !> Closes the file, and reports delayed errors of writing.
     subroutine close_file(self, error)
         class(output_file_t), intent(inout) :: self
-        type(error_t), allocatable, intent(out) :: error
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         if (.not. self%is_open()) return
         call check_call(c_close(self%descriptor), 'write', self%path, error)
         self%descriptor = no_file
@@ -96,33 +96,33 @@ contains
         is_open = self%descriptor >= 0
     end function is_open
 
-    !> Waits until the entry of a file in its folder is on the disk.
+    !> Waits until the directory entry of a file is on the disk.
     subroutine sync_folder_of(path, error)
-        character(*), intent(in) :: path
-        type(error_t), allocatable, intent(out) :: error
+        character(*), intent(in) :: path !! path of the file
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         character(:), allocatable :: folder
         folder = path(:index(path, '/', back=.true.)) // '.'
         call check_call(c_sync_folder(folder // c_null_char), 'write to folder', folder, error)
     end subroutine sync_folder_of
 
-    !> Renames a file, and replaces one of the new name.
+    !> Renames a file; an existing file of the new name is replaced.
     subroutine rename_file(from, to, error)
-        character(*), intent(in) :: from, to
-        type(error_t), allocatable, intent(out) :: error
+        character(*), intent(in) :: from, to !! old and new path
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call check_call(c_rename(from // c_null_char, to // c_null_char), 'create', to, error)
     end subroutine rename_file
 
     !> Removes a file.
     subroutine remove_file(path, error)
-        character(*), intent(in) :: path
-        type(error_t), allocatable, intent(out) :: error
+        character(*), intent(in) :: path !! path of the file
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call check_call(c_remove(path // c_null_char), 'remove', path, error)
     end subroutine remove_file
 
-    !> Makes a folder and those above it, where they are missing; what was made is on the disk then.
+    !> Creates a folder and its missing parents, and waits until they are on the disk.
     subroutine make_folder(path, error)
-        character(*), intent(in) :: path
-        type(error_t), allocatable, intent(out) :: error
+        character(*), intent(in) :: path !! path of the folder
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         integer :: i
         integer(c_int) :: status
 
@@ -133,7 +133,7 @@ contains
             end if
             if (is_folder(path(:i - 1))) cycle
             status = c_make_folder(path(:i - 1) // c_null_char)
-            ! Another process may have been faster.
+            ! Another process may have created the folder meanwhile.
             if (is_folder(path(:i - 1))) status = 0
             if (status /= 0) exit
             call sync_folder_of(path(:i - 1), error)
@@ -142,11 +142,10 @@ contains
         call check_call(status, 'make folder', path, error)
     end subroutine make_folder
 
-    !> Puts a text in the place of a file: whenever the machine stops, the file holds either what
-    !> it held before or all of the text.
+    !> Replaces the contents of a file. After a crash the file has either its old contents or all of the text.
     subroutine replace_file(path, text, error)
-        character(*), intent(in) :: path, text
-        type(error_t), allocatable, intent(out) :: error
+        character(*), intent(in) :: path, text !! path of the file, and its new contents
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(output_file_t) :: file
         type(error_t), allocatable :: ignored
 
@@ -160,11 +159,11 @@ contains
         if (.not. allocated(error)) call sync_folder_of(path, error)
     end subroutine replace_file
 
-    !> Opens a file to read it. The errors of reading are input errors.
+    !> Opens a file for reading. Its errors are input errors.
     subroutine open_input(self, path, error)
         class(input_file_t), intent(inout) :: self
-        character(*), intent(in) :: path
-        type(error_t), allocatable, intent(out) :: error
+        character(*), intent(in) :: path !! path of the file
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         self%path = path
         if (is_folder(path)) then
             error = input_error('cannot read ' // path // ': it is a folder')
@@ -173,12 +172,13 @@ contains
         end if
     end subroutine open_input
 
-    !> Fills a text from where the last one ended; less than all of it only at the end of the file.
+    !> Reads from the current position into a text. `length` is less than its length only at the end of the
+    !> file.
     subroutine read_bytes(self, text, length, error)
         class(input_file_t), intent(in) :: self
-        character(*), intent(inout) :: text
+        character(*), intent(inout) :: text !! the bytes are at its beginning
         integer, intent(out) :: length !! bytes read
-        type(error_t), allocatable, intent(out) :: error
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         integer(c_long_long) :: got
         call check_call(c_read(self%descriptor, text, len(text, c_long_long), got), 'read', self%path, error, &
                         reading=.true.)
@@ -193,13 +193,12 @@ contains
         self%descriptor = no_file
     end subroutine close_input
 
-    !> Reads a whole file, or all that a pipe gives, of at most `limit` bytes. Its errors are
-    !> input errors.
+    !> Reads a whole file or pipe of at most `limit` bytes. Errors are input errors.
     subroutine read_file(path, limit, text, error)
-        character(*), intent(in) :: path
-        integer, intent(in) :: limit
-        character(:), allocatable, intent(out) :: text
-        type(error_t), allocatable, intent(out) :: error
+        character(*), intent(in) :: path !! path of the file
+        integer, intent(in) :: limit !! maximum size, bytes
+        character(:), allocatable, intent(out) :: text !! contents of the file
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(input_file_t) :: file
         character(:), allocatable :: block, more
         integer, parameter :: first_room = 65536
@@ -227,22 +226,22 @@ contains
         end if
     end subroutine read_file
 
-    !> Whether there is a file or a folder of that name.
+    !> Whether a file or a folder of that name exists.
     logical function file_exists(path)
-        character(*), intent(in) :: path
+        character(*), intent(in) :: path !! path of the file
         file_exists = file_size(path) >= 0
     end function file_exists
 
-    !> Size in bytes; -1 if there is nothing of that name.
+    !> Size of a file in bytes; -1 if it does not exist.
     integer(int64) function file_size(path)
-        character(*), intent(in) :: path
+        character(*), intent(in) :: path !! path of the file
         integer(c_int) :: folder
         call c_inspect(path // c_null_char, file_size, folder)
     end function file_size
 
-    !> Whether there is a folder of that name.
+    !> Whether a folder of that name exists.
     logical function is_folder(path)
-        character(*), intent(in) :: path
+        character(*), intent(in) :: path !! path of the folder
         integer(c_long_long) :: size
         integer(c_int) :: folder
         call c_inspect(path // c_null_char, size, folder)

@@ -179,6 +179,11 @@ long long spintop_peak_memory(void) {
     return 1024LL * usage.ru_maxrss;
 }
 
+// Memory of the machine, in bytes.
+long long spintop_physical_memory(void) {
+    return (long long)sysconf(_SC_PHYS_PAGES) * sysconf(_SC_PAGESIZE);
+}
+
 void spintop_reason(int number, char *text, int room) {
     if (number == in_use) {
         snprintf(text, (size_t)room, "another run is writing it");

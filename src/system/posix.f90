@@ -1,4 +1,5 @@
-!> The functions of posix.c. Those that can fail return 0, or a number of which `check_call` makes an error.
+!> Interfaces of the functions of posix.c. Those that can fail return 0, or a number from which `check_call`
+!> makes an error.
 module spintop_posix
     use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_long_long, c_null_char
     use spintop_errors, only: error_t, exit_input, output_error
@@ -6,95 +7,95 @@ module spintop_posix
     private
     public :: c_open, c_open_locked, c_write, c_read, c_sync, c_sync_folder, c_truncate, c_close, c_rename, &
         c_remove, c_make_folder, c_inspect, c_is_terminal, c_seconds, c_pause, c_utc, &
-        c_host, c_peak_memory, check_call, up_to_null
+        c_host, c_peak_memory, c_physical_memory, check_call, up_to_null
 
     interface
         !> Opens a file for reading.
         integer(c_int) function c_open(path, file) bind(C, name='spintop_open')
             import :: c_char, c_int
-            character(c_char), intent(in) :: path(*)
-            integer(c_int), intent(out) :: file
+            character(c_char), intent(in) :: path(*) !! path, terminated by a null character
+            integer(c_int), intent(out) :: file !! file descriptor
         end function c_open
 
-        !> Opens a file for writing at its end, makes it where it is missing, and locks it until it is closed.
+        !> Opens a file for appending, creates it if it is missing, and locks it until it is closed.
         integer(c_int) function c_open_locked(path, file) bind(C, name='spintop_open_locked')
             import :: c_char, c_int
-            character(c_char), intent(in) :: path(*)
-            integer(c_int), intent(out) :: file
+            character(c_char), intent(in) :: path(*) !! path, terminated by a null character
+            integer(c_int), intent(out) :: file !! file descriptor
         end function c_open_locked
 
-        !> Writes so many bytes.
+        !> Writes `count` bytes.
         integer(c_int) function c_write(file, bytes, count) bind(C, name='spintop_write')
             import :: c_char, c_int, c_long_long
-            integer(c_int), value :: file
-            character(c_char), intent(in) :: bytes(*)
-            integer(c_long_long), value :: count
+            integer(c_int), value :: file !! file descriptor
+            character(c_char), intent(in) :: bytes(*) !! the bytes
+            integer(c_long_long), value :: count !! number of bytes
         end function c_write
 
-        !> Reads until the end of the file or until the room is full.
+        !> Reads up to `room` bytes; fewer only at the end of the file.
         integer(c_int) function c_read(file, bytes, room, count) bind(C, name='spintop_read')
             import :: c_char, c_int, c_long_long
-            integer(c_int), value :: file
-            character(c_char), intent(inout) :: bytes(*)
-            integer(c_long_long), value :: room
-            integer(c_long_long), intent(out) :: count
+            integer(c_int), value :: file !! file descriptor
+            character(c_char), intent(inout) :: bytes(*) !! the bytes
+            integer(c_long_long), value :: room !! maximum number of bytes
+            integer(c_long_long), intent(out) :: count !! number of bytes that were read
         end function c_read
 
-        !> Returns when what was written is on the disk.
+        !> Waits until the written bytes are on the disk.
         integer(c_int) function c_sync(file) bind(C, name='spintop_sync')
             import :: c_int
-            integer(c_int), value :: file
+            integer(c_int), value :: file !! file descriptor
         end function c_sync
 
-        !> Returns when the names in a folder are on the disk.
+        !> Waits until the entries of a folder are on the disk.
         integer(c_int) function c_sync_folder(path) bind(C, name='spintop_sync_folder')
             import :: c_char, c_int
-            character(c_char), intent(in) :: path(*)
+            character(c_char), intent(in) :: path(*) !! path, terminated by a null character
         end function c_sync_folder
 
-        !> Cuts a file to a size, bytes.
+        !> Truncates a file to a size in bytes.
         integer(c_int) function c_truncate(file, size) bind(C, name='spintop_truncate')
             import :: c_int, c_long_long
-            integer(c_int), value :: file
-            integer(c_long_long), value :: size
+            integer(c_int), value :: file !! file descriptor
+            integer(c_long_long), value :: size !! size in bytes
         end function c_truncate
 
         !> Closes a file.
         integer(c_int) function c_close(file) bind(C, name='spintop_close')
             import :: c_int
-            integer(c_int), value :: file
+            integer(c_int), value :: file !! file descriptor
         end function c_close
 
-        !> Gives a file another name; one of that name is replaced.
+        !> Renames a file; an existing file of the new name is replaced.
         integer(c_int) function c_rename(from, to) bind(C, name='spintop_rename')
             import :: c_char, c_int
-            character(c_char), intent(in) :: from(*), to(*)
+            character(c_char), intent(in) :: from(*), to(*) !! old and new path, terminated by a null character
         end function c_rename
 
         !> Removes a file.
         integer(c_int) function c_remove(path) bind(C, name='spintop_remove')
             import :: c_char, c_int
-            character(c_char), intent(in) :: path(*)
+            character(c_char), intent(in) :: path(*) !! path, terminated by a null character
         end function c_remove
 
-        !> Makes a folder.
+        !> Creates a folder.
         integer(c_int) function c_make_folder(path) bind(C, name='spintop_make_folder')
             import :: c_char, c_int
-            character(c_char), intent(in) :: path(*)
+            character(c_char), intent(in) :: path(*) !! path, terminated by a null character
         end function c_make_folder
 
-        !> Size in bytes, -1 where there is nothing of that name, and whether it is a folder.
+        !> Size in bytes, or -1 if the file does not exist; and whether it is a folder.
         subroutine c_inspect(path, size, is_folder) bind(C, name='spintop_inspect')
             import :: c_char, c_int, c_long_long
-            character(c_char), intent(in) :: path(*)
-            integer(c_long_long), intent(out) :: size
-            integer(c_int), intent(out) :: is_folder
+            character(c_char), intent(in) :: path(*) !! path, terminated by a null character
+            integer(c_long_long), intent(out) :: size !! size in bytes; -1 if there is no such file
+            integer(c_int), intent(out) :: is_folder !! nonzero for a folder
         end subroutine c_inspect
 
-        !> Not 0 for a file that is a terminal.
+        !> Nonzero if the file is a terminal.
         integer(c_int) function c_is_terminal(file) bind(C, name='spintop_is_terminal')
             import :: c_int
-            integer(c_int), value :: file
+            integer(c_int), value :: file !! file descriptor
         end function c_is_terminal
 
         !> A monotonic clock, s.
@@ -102,24 +103,24 @@ module spintop_posix
             import :: c_double
         end function c_seconds
 
-        !> Waits, s.
+        !> Suspends the calling thread.
         subroutine c_pause(seconds) bind(C, name='spintop_pause')
             import :: c_double
-            real(c_double), value :: seconds
+            real(c_double), value :: seconds !! s
         end subroutine c_pause
 
-        !> Date and time (UTC), ended by a zero byte.
+        !> Date and time (UTC), terminated by a null character.
         subroutine c_utc(text, room) bind(C, name='spintop_utc')
             import :: c_char, c_int
-            character(c_char), intent(inout) :: text(*)
-            integer(c_int), value :: room
+            character(c_char), intent(inout) :: text(*) !! the text, terminated by a null character
+            integer(c_int), value :: room !! size of `text`
         end subroutine c_utc
 
-        !> Name of this machine, ended by a zero byte.
+        !> Name of this machine, terminated by a null character.
         subroutine c_host(text, room) bind(C, name='spintop_host')
             import :: c_char, c_int
-            character(c_char), intent(inout) :: text(*)
-            integer(c_int), value :: room
+            character(c_char), intent(inout) :: text(*) !! the text, terminated by a null character
+            integer(c_int), value :: room !! size of `text`
         end subroutine c_host
 
         !> Peak memory of the program, bytes.
@@ -127,7 +128,12 @@ module spintop_posix
             import :: c_long_long
         end function c_peak_memory
 
-        !> What a number returned by one of these means, ended by a zero byte.
+        !> Memory of the machine, bytes.
+        integer(c_long_long) function c_physical_memory() bind(C, name='spintop_physical_memory')
+            import :: c_long_long
+        end function c_physical_memory
+
+        !> Message for a number that one of these functions returned, terminated by a null character.
         subroutine c_reason(number, text, room) bind(C, name='spintop_reason')
             import :: c_char, c_int
             integer(c_int), value :: number
@@ -138,13 +144,13 @@ module spintop_posix
 
 contains
 
-    !> Makes an error of a returned number that is not 0: an output error unless it came in reading.
+    !> Makes an error of a nonzero returned number: an input error if `reading`, else an output error.
     subroutine check_call(number, action, path, error, reading)
         integer(c_int), intent(in) :: number         !! what a function of posix.c returned
         character(*), intent(in) :: action, path     !! for the message: cannot ACTION PATH
-        type(error_t), allocatable, intent(out) :: error
-        logical, intent(in), optional :: reading
-        ! Threads write, too: see `status_names` in spintop_status.
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        logical, intent(in), optional :: reading !! whether the call was one of reading
+        ! This is also called by threads: see `status_names` in spintop_status.
         character(256) :: reason
         if (number == 0) return
         call c_reason(number, reason, len(reason))
@@ -152,9 +158,9 @@ contains
         if (present(reading)) error%code = exit_input
     end subroutine check_call
 
-    !> The text before the zero byte that ends it, or all of it.
+    !> The text before the first null character, or all of it.
     pure function up_to_null(room) result(text)
-        character(*), intent(in) :: room
+        character(*), intent(in) :: room !! characters, terminated by a null character
         character(:), allocatable :: text
         text = room(:index(room // c_null_char, c_null_char) - 1)
     end function up_to_null

@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 enum { standard_input, standard_output, standard_error };
@@ -26,6 +27,12 @@ static atomic_int is_planned;
 static char before[8192], after[16384];
 static atomic_int is_watching;
 static atomic_llong rows_kept;
+
+// Whether a thread ends the process after a signal, when it has kept what is to be kept; the signal; and the time after
+// which the process ends in any case.
+static atomic_int has_keeper;
+static atomic_int wanted;
+static const struct itimerval longest_wait = {.it_value = {.tv_usec = 900000}};
 
 // Signals that end a process from outside and leave it time for a message.
 static const int ending_signals[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
@@ -49,6 +56,7 @@ static void end_unplanned(void) {
     _exit(exit_internal);
 }
 
+// Ends the process by a signal, after its message.
 static void tell_and_end(int number) {
     if (atomic_exchange(&is_watching, 0)) {
         char digits[24];
@@ -64,8 +72,25 @@ static void tell_and_end(int number) {
         complain(first, (size_t)(digits + sizeof digits - first));
         complain(after, strlen(after));
     }
-    // The handler is gone (SA_RESETHAND): this ends the process when the handler returns.
+    // In the handler of this signal it ends the process when the handler returns.
+    signal(number, SIG_DFL);
     raise(number);
+}
+
+// The first signal is left to the keeper, if there is one; a second one ends the process at once.
+static void answer(int number) {
+    if (has_keeper && wanted == 0) {
+        wanted = number;
+        setitimer(ITIMER_REAL, &longest_wait, NULL);
+        return;
+    }
+    tell_and_end(number);
+}
+
+// The keeper has taken too long.
+static void end_of_wait(int number) {
+    if (wanted != 0) tell_and_end(wanted);
+    (void)number;
 }
 
 // Without this a file opened later could take the number of a closed stream, and output to the
@@ -93,14 +118,31 @@ void spintop_begin_process(void) {
     sigaction(SIGXFSZ, &ignored, NULL);
 
     memset(&ending, 0, sizeof ending);
-    ending.sa_handler = tell_and_end;
-    ending.sa_flags = (int)(SA_RESETHAND | SA_RESTART);
+    ending.sa_handler = answer;
+    ending.sa_flags = SA_RESTART;
     for (i = 0; i < sizeof ending_signals / sizeof *ending_signals; ++i) {
         // What the parent has had ignored (nohup) stays so.
         if (sigaction(ending_signals[i], NULL, &old) == 0 && old.sa_handler == SIG_DFL) {
             sigaction(ending_signals[i], &ending, NULL);
         }
     }
+    ending.sa_handler = end_of_wait;
+    sigaction(SIGALRM, &ending, NULL);
+}
+
+// Whether from now on a keeper ends the process after a signal, by `spintop_end_by_signal`.
+void spintop_set_keeper(int there_is_one) {
+    has_keeper = there_is_one;
+}
+
+// Whether a signal is to end the process.
+int spintop_end_is_wanted(void) {
+    return wanted != 0;
+}
+
+// Ends the process by that signal.
+void spintop_end_by_signal(void) {
+    tell_and_end(wanted);
 }
 
 void spintop_end_process(int code) {

@@ -1,26 +1,26 @@
-!> The process itself: its standard streams, its message on a signal, its limits, and how it ends.
+!> The process: standard streams, messages on signals, limits, and its end.
 module spintop_process
     use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long_long, c_null_char
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, input_error
-    use spintop_posix, only: c_close, c_host, c_peak_memory, c_write, check_call, up_to_null
+    use spintop_posix, only: c_close, c_host, c_peak_memory, c_physical_memory, c_write, check_call, up_to_null
     use spintop_text, only: to_text
     implicit none
     private
     public :: begin_process, end_process, check_stacks, show_text, complain_of, end_output
-    public :: watch_signals, keep_rows, watch_no_more
-    public :: host_name, peak_memory
+    public :: watch_signals, keep_rows, watch_no_more, set_keeper, end_is_wanted, end_by_signal
+    public :: host_name, peak_memory, physical_memory
 
     !> Numbers of the standard streams.
     integer(c_int), parameter :: standard_output = 1, standard_error = 2
 
-    !> Least stack of a thread, bytes: twice the 224 kB that the costliest sweep was seen to take.
+    !> Minimum stack of a thread, bytes: twice the 224 kB measured for the most demanding sweep.
     integer(int64), parameter :: least_stack = 448 * 1024
 
     interface
-        !> Makes sure that no file replaces a closed standard stream, that a file that may not grow is an
-        !> error of writing, and that signals and errors of the run-time libraries end the process as is
-        !> documented. To be called once, before anything is opened.
+        !> Opens closed standard streams, so that no other file takes their numbers; makes an exceeded
+        !> file-size limit an error of writing; and installs the handlers of signals and of errors of the
+        !> run-time libraries. To be called once, before any file is opened.
         subroutine begin_process() bind(C, name='spintop_begin_process')
         end subroutine begin_process
 
@@ -40,7 +40,20 @@ module spintop_process
             integer(c_long_long), value :: rows
         end subroutine c_keep
 
-        !> Signals print no message any more.
+        subroutine c_set_keeper(there_is_one) bind(C, name='spintop_set_keeper')
+            import :: c_int
+            integer(c_int), value :: there_is_one
+        end subroutine c_set_keeper
+
+        integer(c_int) function c_end_is_wanted() bind(C, name='spintop_end_is_wanted')
+            import :: c_int
+        end function c_end_is_wanted
+
+        !> Ends the process by the signal that wants it to end.
+        subroutine end_by_signal() bind(C, name='spintop_end_by_signal')
+        end subroutine end_by_signal
+
+        !> Ends the messages on signals.
         subroutine watch_no_more() bind(C, name='spintop_watch_no_more')
         end subroutine watch_no_more
 
@@ -57,13 +70,13 @@ contains
 
     !> Ends the process with an exit code.
     subroutine end_process(code)
-        integer, intent(in) :: code
+        integer, intent(in) :: code !! exit code
         call c_end_process(int(code, c_int))
     end subroutine end_process
 
-    !> Whether the stacks of all threads are large enough.
+    !> Checks that the stacks of all threads are large enough.
     subroutine check_stacks(error)
-        type(error_t), allocatable, intent(out) :: error
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         integer(int64) :: limit
 
         limit = c_stack_limit()
@@ -90,37 +103,50 @@ contains
 
     !> Writes a text to standard output.
     subroutine show_text(text, error)
-        character(*), intent(in) :: text
-        type(error_t), allocatable, intent(out) :: error
+        character(*), intent(in) :: text !! the text
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call check_call(c_write(standard_output, text, len(text, int64)), 'write to', 'standard output', error)
     end subroutine show_text
 
     !> Writes a text to standard error; a failure is ignored.
     subroutine complain_of(text)
-        character(*), intent(in) :: text
+        character(*), intent(in) :: text !! the text
         type(error_t), allocatable :: ignored
         call check_call(c_write(standard_error, text, len(text, int64)), 'write to', 'standard error', ignored)
     end subroutine complain_of
 
-    !> Flushes standard output: delayed errors of the system appear here.
+    !> Flushes standard output, and reports delayed errors of writing.
     subroutine end_output(error)
-        type(error_t), allocatable, intent(out) :: error
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call check_call(c_close(standard_output), 'write to', 'standard output', error)
     end subroutine end_output
 
-    !> From now on a signal that ends the process prints how many rows are kept, `head ROWS tail`; where
-    !> `rows` is negative, the tail only. The texts are of one process: one table at a time.
+    !> Sets the message that a signal prints when it ends the process: `head ROWS tail`, or only `tail` if
+    !> `rows` is negative. A process has one message, for one table at a time.
     subroutine watch_signals(head, tail, rows)
-        character(*), intent(in) :: head, tail
-        integer(int64), intent(in) :: rows
+        character(*), intent(in) :: head, tail !! text before and after the number of rows
+        integer(int64), intent(in) :: rows !! number of kept rows; negative for a message without it
         call c_watch(head // c_null_char, tail // c_null_char, int(rows, c_long_long))
     end subroutine watch_signals
 
-    !> So many rows are kept now. Any thread may call it.
+    !> Sets the number of kept rows in that message. Any thread may call it.
     subroutine keep_rows(rows)
-        integer(int64), intent(in) :: rows
+        integer(int64), intent(in) :: rows !! number of kept rows
         call c_keep(int(rows, c_long_long))
     end subroutine keep_rows
+
+    !> Sets whether a thread of this process looks for `end_is_wanted`, keeps what is to be kept, and then calls
+    !> `end_by_signal`. After a signal it has nine tenths of a second. Without such a thread, and at a second signal, the
+    !> process ends at once.
+    subroutine set_keeper(there_is_one)
+        logical, intent(in) :: there_is_one !! whether there is such a thread
+        call c_set_keeper(merge(1_c_int, 0_c_int, there_is_one))
+    end subroutine set_keeper
+
+    !> Whether a signal wants the process to end.
+    logical function end_is_wanted()
+        end_is_wanted = c_end_is_wanted() /= 0
+    end function end_is_wanted
 
     !> Name of the machine on which the process runs.
     function host_name() result(text)
@@ -130,9 +156,14 @@ contains
         text = up_to_null(room)
     end function host_name
 
-    !> Most memory that the process has held so far, bytes.
+    !> Peak memory of the process so far, bytes.
     integer(int64) function peak_memory()
         peak_memory = c_peak_memory()
     end function peak_memory
+
+    !> Memory of the machine, bytes.
+    integer(int64) function physical_memory()
+        physical_memory = c_physical_memory()
+    end function physical_memory
 
 end module spintop_process

@@ -1,29 +1,42 @@
-!> Progress of a long computation, on standard error: one line that is overwritten on a terminal,
-!> or plain lines every so often in a log.
+!> Progress of a long computation on standard error: one line that is overwritten on a terminal, or a line
+!> every few seconds in a log.
 module spintop_progress
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_clock, only: seconds
-    use spintop_plain_text, only: visible
+    use spintop_plain_text, only: escaped
     use spintop_kinds, only: dp
     use spintop_process, only: complain_of
-    use spintop_terminal, only: error_is_terminal
+    use spintop_terminal, only: error_is_terminal, message_width
     use spintop_text, only: to_text
+    use spintop_wrapping, only: characters
     implicit none
     private
-    public :: progress_t, progress_text
+    public :: progress_t, progress_text, bar, fitted
 
     !> Seconds between two lines.
     real(dp), parameter :: terminal_pause = 0.2_dp, log_pause = 10
 
+    !> The time left is that of the mean rate, or between it and that of the recent rate where they differ by
+    !> more than this factor.
+    real(dp), parameter :: uneven = 1.5_dp
+    !> Recent is a part of the elapsed time: at least one and at most two of these, and at least so many seconds.
+    real(dp), parameter :: recent_part = 0.2_dp, recent_least = 1
+
+    !> Characters of the bar.
+    integer, parameter :: bar_length = 20
+
     integer, parameter :: silent = 0, terminal = 1, log = 2
 
-    !> To be updated by one thread at a time.
+    !> Progress of one computation. Only one thread at a time may update it.
     type :: progress_t
         private
         character(:), allocatable :: name, noun
         integer(int64) :: total = 0, before = 0
         integer :: mode = silent
         real(dp) :: started = 0, shown = 0
+        !> Times of two marks, and the number of finished items at each.
+        real(dp) :: marked(2) = 0
+        integer(int64) :: done_at_mark(2) = 0
     contains
         procedure :: start
         procedure :: note
@@ -33,17 +46,17 @@ module spintop_progress
 
 contains
 
-    !> Starts the clock. Nothing is shown if `quiet`, nor where standard error is no terminal
-    !> unless `forced`.
+    !> Starts the clock. Nothing is shown if `quiet`, or if standard error is not a terminal and `forced` is
+    !> false.
     subroutine start(self, name, noun, total, quiet, forced, before)
         class(progress_t), intent(inout) :: self
         character(*), intent(in) :: name          !! stands before the progress
         character(*), intent(in) :: noun          !! what is counted: `cases`
-        integer(int64), intent(in) :: total
-        logical, intent(in) :: quiet, forced
+        integer(int64), intent(in) :: total !! number of all items
+        logical, intent(in) :: quiet, forced !! whether to show nothing; whether to show progress without a terminal
         integer(int64), intent(in), optional :: before !! of the total, done by an earlier run
 
-        self%name = name
+        self%name = escaped(name)
         self%noun = noun
         self%total = total
         self%before = 0
@@ -58,29 +71,39 @@ contains
         end if
         self%started = seconds()
         self%shown = self%started
+        self%marked = self%started
+        self%done_at_mark = self%before
     end subroutine start
 
-    !> Shows a line that stays, where progress is shown.
+    !> Shows a line that is not overwritten, where progress is shown.
     subroutine note(self, text)
         class(progress_t), intent(in) :: self
-        character(*), intent(in) :: text
+        character(*), intent(in) :: text !! the text
         if (self%mode == silent) return
-        call show(self, visible(self%name) // ': ' // text)
+        call show(self, self%name // ': ' // text)
         if (self%mode == terminal) call complain_of(new_line('a'))
     end subroutine note
 
-    !> Shows how much is done, if the last line is old enough.
+    !> Shows the progress, if the last line is old enough.
     subroutine update(self, done)
         class(progress_t), intent(inout) :: self
-        integer(int64), intent(in) :: done
+        integer(int64), intent(in) :: done !! number of finished items
+        character(:), allocatable :: text
         real(dp) :: now
 
         if (self%mode == silent) return
         now = seconds()
         if (now - self%shown < merge(terminal_pause, log_pause, self%mode == terminal)) return
         self%shown = now
-        call show(self, visible(self%name) // ': ' // &
-            progress_text(done, self%total, now - self%started, self%noun, self%before))
+        text = progress_text(done, self%total, now - self%started, self%noun, self%before, &
+                             (done - self%done_at_mark(1)) / max(now - self%marked(1), tiny(now)))
+        if (self%mode == terminal .and. characters(self%name // text) + bar_length + 5 < message_width()) then
+            text = bar(done, self%total) // ' ' // text
+        end if
+        call show(self, self%name // ': ' // text)
+        if (now - self%marked(2) < max(recent_least, recent_part * (now - self%started))) return
+        self%marked = [self%marked(2), now]
+        self%done_at_mark = [self%done_at_mark(2), done]
     end subroutine update
 
     !> Removes the line from a terminal.
@@ -95,18 +118,43 @@ contains
         character(*), intent(in) :: line
         character(*), parameter :: carriage_return = achar(13), erase_line = achar(27) // '[K'
         if (self%mode == terminal) then
-            call complain_of(carriage_return // line // erase_line)
+            call complain_of(carriage_return // fitted(line, message_width() - 1) // erase_line)
         else
             call complain_of(line // new_line('a'))
         end if
     end subroutine show
 
-    !> `45 %, 450 of 1000 cases, 120 cases/s, 0:04 left`
-    function progress_text(done, total, elapsed, noun, before) result(text)
-        integer(int64), intent(in) :: done, total
+    !> `[#########...........]`
+    pure function bar(done, total) result(text)
+        integer(int64), intent(in) :: done, total !! number of finished items, and of all
+        character(bar_length + 2) :: text
+        integer :: full
+        full = int(bar_length * (real(min(done, total), dp) / max(total, 1_int64)))
+        text = '[' // repeat('#', full) // repeat('.', bar_length - full) // ']'
+    end function bar
+
+    !> The beginning of a line that has room in so many columns: a longer line could not be overwritten.
+    pure function fitted(line, columns) result(text)
+        character(*), intent(in) :: line !! in UTF-8
+        integer, intent(in) :: columns !! room for it
+        character(:), allocatable :: text
+        integer :: i, used
+        used = 0
+        do i = 1, len(line)
+            if (iand(iachar(line(i:i)), 192) /= 128) used = used + 1 ! the first byte of a character
+            if (used > columns) exit
+        end do
+        text = line(:i - 1)
+    end function fitted
+
+    !> `45 %, 450 of 1000 cases, 120 cases/s, 0:04 left`; where items take longer or less long of late, from the
+    !> one estimate of the time left to the other: `0:04 to 0:12 left`.
+    function progress_text(done, total, elapsed, noun, before, recent) result(text)
+        integer(int64), intent(in) :: done, total !! number of finished items, and of all
         real(dp), intent(in) :: elapsed      !! seconds
-        character(*), intent(in) :: noun
+        character(*), intent(in) :: noun !! name of the items: `cases`
         integer(int64), intent(in) :: before !! done when the time began
+        real(dp), intent(in), optional :: recent !! items per second of late
         character(:), allocatable :: text
         real(dp) :: rate
 
@@ -115,10 +163,33 @@ contains
             to_text(done) // ' of ' // to_text(total) // ' ' // noun
         if (done == before .or. elapsed <= 0) return
         text = text // ', ' // rate_text(rate) // ' ' // noun // '/s, ' // &
-            duration_text((total - done) / rate) // ' left'
+            left_text(total - done, rate, recent)
     end function progress_text
 
-    !> Three digits are enough.
+    !> The time left for items at their mean rate, and at the recent rate where that is another.
+    function left_text(items, rate, recent) result(text)
+        integer(int64), intent(in) :: items
+        real(dp), intent(in) :: rate
+        real(dp), intent(in), optional :: recent
+        character(:), allocatable :: text
+        real(dp) :: slow, fast
+
+        slow = rate
+        fast = rate
+        if (present(recent)) then
+            slow = min(rate, recent)
+            fast = max(rate, recent)
+        end if
+        if (items == 0 .or. fast <= uneven * slow) then
+            text = duration_text(items / rate) // ' left'
+        else if (slow <= 0) then
+            text = 'more than ' // duration_text(items / rate) // ' left'
+        else
+            text = duration_text(items / fast) // ' to ' // duration_text(items / slow) // ' left'
+        end if
+    end function left_text
+
+    !> A rate with three digits.
     function rate_text(rate) result(text)
         real(dp), intent(in) :: rate
         character(:), allocatable :: text

@@ -1,8 +1,8 @@
-!> A table that grows for a long time and survives an interrupted run: a signal, a full disk, a power
-!> cut. The journal beside its part says how much of the part is on the disk; a later run cuts the part
-!> back to that and resumes there.
+!> A table that grows for a long time and survives an interrupted run: a signal, a full disk, a power failure.
+!> The journal next to the part records how many bytes of the part are on the disk. A later run truncates the
+!> part to that size and resumes there.
 !>
-!>     call table%start(path, head, resume, restart, error)   ! and on as in spintop_row_table
+!> call table%start(path, head, resume, restart, error)   ! then as in spintop_row_table
 module spintop_growing_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_checksum, only: add_to_checksum, checksum_t, checksum_text
@@ -22,8 +22,8 @@ module spintop_growing_table
     private
     public :: growing_table_t
 
-    !> Seconds between two entries of the journal, or, where the disk is slow, so many times what
-    !> the last entry took: they cost one thread less than a twentieth of its time.
+    !> Seconds between two entries of the journal, or, if the disk is slow, this multiple of the duration of
+    !> the last entry: entries take less than a twentieth of the time of one thread.
     real(dp), parameter :: first_pause = 0.05_dp, entry_pause = 0.5_dp, entry_times_pause = 20
 
     !> Bytes that are read at once.
@@ -31,17 +31,29 @@ module spintop_growing_table
 
     !> A table of a sweep as CSV, with its journal.
     type, extends(row_table_t) :: growing_table_t
+        !> Whether the rows are written. Otherwise the part has only the header, the journal still counts the rows,
+        !> and another file is made of them, which `finish` leaves as it is.
+        logical :: keeps_rows = .true.
+        !> Whether that file begins with the header, so that it can be recognised.
+        logical :: has_head = .true.
+        !> The entry with which the table was resumed.
+        type(journal_entry_t) :: resumed
         type(table_file_t), private :: table
-        !> When the next entry is due; whether one is being written, and since when.
+        !> Time at which the next entry is due; whether an entry is being written, and since when.
         real(dp), private :: due = 0, entry_began = 0
         logical, private :: in_entry = .false.
+        !> Rows in the last entry.
+        integer(int64), private :: kept = 0
     contains
         procedure :: start
+        procedure :: is_due
+        procedure :: set_pause
         procedure :: format => format_block
         procedure :: put
         procedure :: take_entry
         procedure :: keep_entry
         procedure :: end_entry
+        procedure :: is_keeping
         procedure :: finish
         procedure :: abandon
         procedure, private :: start_anew
@@ -50,14 +62,14 @@ module spintop_growing_table
 
 contains
 
-    !> Starts a table, or resumes one (`resume`): the header, which names program, build and input, must
-    !> then be that of the earlier run. The rows of an interrupted run are discarded on request only
+    !> Starts a table, or resumes one (`resume`): its header, which contains program, build and input, must
+    !> then be that of the earlier run. The rows of an interrupted run are discarded only on request
     !> (`restart`).
     subroutine start(self, path, head, resume, restart, error)
         class(growing_table_t), intent(inout) :: self
-        character(*), intent(in) :: path, head
-        logical, intent(in) :: resume, restart
-        type(error_t), allocatable, intent(out) :: error
+        character(*), intent(in) :: path, head !! path of the table, and its header
+        logical, intent(in) :: resume, restart !! whether to resume, or to discard, an interrupted run
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         character(:), allocatable :: problem
         logical :: had_part
 
@@ -67,7 +79,7 @@ contains
         if (resume .and. had_part .and. file_exists(journal_of(path))) then
             call self%table%reserve(path, error)
             if (.not. allocated(error)) call self%resume(head, error)
-        else if (resume .and. file_exists(path)) then
+        else if (resume .and. self%has_head .and. file_exists(path)) then
             call compare_with_file(path, head, problem)
             if (problem /= '') then
                 error = refusal(path, problem)
@@ -87,7 +99,7 @@ contains
         self%due = seconds() + first_pause
     end subroutine start
 
-    !> Starts from the beginning, with an entry that says so. The rows of an earlier run are discarded.
+    !> Starts from the beginning, with an entry of no rows. The rows of an earlier run are discarded.
     subroutine start_anew(self, head, resume, error)
         class(growing_table_t), intent(inout) :: self
         character(*), intent(in) :: head
@@ -103,7 +115,7 @@ contains
                 call read_journal(path, entry, problem)
                 self%remark = 'discards an interrupted run of ' // to_text(sum(entry%counts)) // ' rows'
             end if
-            ! A journal must never say more than its part has.
+            ! A journal must never record more bytes than its part has.
             call remove_journal(path, error)
             if (.not. allocated(error)) call self%table%begin(head, error)
             if (.not. allocated(error)) call self%table%sync(error)
@@ -115,7 +127,7 @@ contains
         end associate
     end subroutine start_anew
 
-    !> Resumes where the journal says, if the part holds the bytes that the journal says.
+    !> Resumes at the size in the journal, if the bytes of the part have the checksum in the journal.
     subroutine resume(self, head, error)
         class(growing_table_t), intent(inout) :: self
         character(*), intent(in) :: head
@@ -138,83 +150,110 @@ contains
                 return
             end if
         end associate
+        self%resumed = entry
         self%counts = entry%counts
         self%taken_over = entry%counts
+        self%kept = self%rows()
         self%remark = 'resumes after ' // to_text(sum(entry%counts)) // ' rows of an interrupted run'
     end subroutine resume
 
-    !> Makes the text of a block.
+    !> Formats the rows of a block as text.
     subroutine format_block(self, block)
         class(growing_table_t), intent(in) :: self
-        type(row_block_t), intent(inout) :: block
-        call block%format(self%columns)
+        type(row_block_t), intent(inout) :: block !! its cells become text
+        if (self%keeps_rows) then
+            call block%format(self%columns)
+        else
+            block%rows = 0
+        end if
     end subroutine format_block
 
     !> Adds rows.
     subroutine put(self, block, error)
         class(growing_table_t), intent(inout) :: self
-        type(row_block_t), intent(in) :: block
-        type(error_t), allocatable, intent(out) :: error
-        call self%table%put(block%text%room(:block%text%length), error)
+        type(row_block_t), intent(in) :: block !! rows in their order
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        if (self%keeps_rows) call self%table%put(block%text%room(:block%text%length), error)
         self%counts = self%counts + block%counts
     end subroutine put
 
-    !> Notes how far the table is, where the last entry is old enough.
+    !> Whether an entry of the current size is due.
+    logical function is_due(self)
+        class(growing_table_t), intent(in) :: self
+        is_due = .not. self%in_entry .and. seconds() >= self%due
+    end function is_due
+
+    !> Sets the time of the first entry, where more than rows is to be written with it.
+    subroutine set_pause(self, pause)
+        class(growing_table_t), intent(inout) :: self
+        real(dp), intent(in) :: pause !! from now, s
+        self%due = seconds() + pause
+    end subroutine set_pause
+
+    !> Makes an entry of the current size, if there are new rows and the last entry is old enough.
     subroutine take_entry(self, entry, due, error)
         class(growing_table_t), intent(inout) :: self
-        type(journal_entry_t), intent(inout) :: entry
-        logical, intent(out) :: due
-        type(error_t), allocatable, intent(inout) :: error
+        type(journal_entry_t), intent(inout) :: entry !! the current size of the table, if an entry is due
+        logical, intent(out) :: due !! whether an entry is due
+        type(error_t), allocatable, intent(inout) :: error !! not changed if it is allocated on entry
 
         due = .false.
-        if (self%in_entry .or. allocated(error)) return
+        if (self%in_entry .or. allocated(error) .or. self%rows() == self%kept) return
+        if (seconds() < self%due .and. .not. self%entry_wanted) return
         self%entry_began = seconds()
-        if (self%entry_began < self%due) return
         call self%table%write_pending(error)
         if (allocated(error)) return
         due = .true.
         self%in_entry = .true.
+        self%kept = self%rows()
         entry = journal_entry_t(self%table%bytes, checksum_text(self%table%checksum), self%counts)
     end subroutine take_entry
 
-    !> Makes sure that the rows of an entry are on the disk, and then the entry. Other threads may
-    !> put rows meanwhile.
+    !> Waits until the rows of an entry are on the disk, and then writes the entry. Other threads may add rows
+    !> meanwhile.
     subroutine keep_entry(self, entry, error)
         class(growing_table_t), intent(in) :: self
-        type(journal_entry_t), intent(in) :: entry
-        type(error_t), allocatable, intent(out) :: error
+        type(journal_entry_t), intent(in) :: entry !! entry of the journal
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call self%table%sync(error)
         if (.not. allocated(error)) call write_journal(self%table%path, entry, error)
         if (.not. allocated(error)) call keep_rows(sum(entry%counts))
     end subroutine keep_entry
 
-    !> The entry taken is kept: sets the time of the next one.
+    !> Called after an entry was written: sets the time of the next one.
     subroutine end_entry(self)
         class(growing_table_t), intent(inout) :: self
         self%in_entry = .false.
         self%due = seconds() + max(entry_pause, entry_times_pause * (seconds() - self%entry_began))
     end subroutine end_entry
 
-    !> Gives the table its name and removes the journal.
+    !> Whether an entry is being written.
+    pure logical function is_keeping(self)
+        class(growing_table_t), intent(in) :: self
+        is_keeping = self%in_entry
+    end function is_keeping
+
+    !> Renames the part to the table, and removes the journal.
     subroutine finish(self, error)
         class(growing_table_t), intent(inout) :: self
-        type(error_t), allocatable, intent(out) :: error
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(string_t) :: no_lines(0)
-        call self%table%finish(no_lines, error)
+        if (self%keeps_rows) call self%table%finish(no_lines, error)
         if (.not. allocated(error)) call remove_journal(self%table%path, error)
+        if (.not. self%keeps_rows) call self%table%discard()
     end subroutine finish
 
     !> Keeps part and journal for a later run, and adds that to the message of the error.
     subroutine abandon(self, error)
         class(growing_table_t), intent(inout) :: self
-        type(error_t), intent(inout) :: error
+        type(error_t), intent(inout) :: error !! its message is completed
         call self%table%abandon()
         if (.not. file_exists(journal_of(self%table%path))) return
         error%message = error%message // new_line('a') // 'the complete rows of ' // self%table%path // &
                         ' are kept; --resume resumes the run'
     end subroutine abandon
 
-    !> Whether a file begins with a header; `problem` says where it differs, and is empty if it does not.
+    !> Whether a file begins with a header; `problem` describes the difference, and is empty if there is none.
     subroutine compare_with_file(path, head, problem)
         character(*), intent(in) :: path, head
         character(:), allocatable, intent(out) :: problem
@@ -236,7 +275,7 @@ contains
         end if
     end subroutine compare_with_file
 
-    !> Whether a part has the bytes of an entry. `checksum` has taken them all.
+    !> Whether a part has the bytes of an entry. `checksum` is updated with them.
     subroutine check_part(part, entry, checksum, problem)
         character(*), intent(in) :: part
         type(journal_entry_t), intent(in) :: entry
@@ -262,7 +301,7 @@ contains
         if (allocated(error)) then
             problem = error%message
         else if (left > 0) then
-            problem = part // ' is shorter than its journal says'
+            problem = part // ' is shorter than its journal records'
         else if (checksum_text(checksum) /= entry%checksum) then
             problem = part // ' was changed after it was written: its checksum differs from that in its journal'
         end if

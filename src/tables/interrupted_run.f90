@@ -1,4 +1,5 @@
-!> The rows of an interrupted run that its journal says are on the disk. They are discarded on request only.
+!> Rows of an interrupted run that are on the disk according to its journal. They are discarded only on
+!> request.
 module spintop_interrupted_run
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: file_exists, output_file_t
@@ -11,10 +12,10 @@ module spintop_interrupted_run
 
 contains
 
-    !> An error if an interrupted run has left rows of a table, or a journal that cannot be read.
+    !> Returns an error if an interrupted run has left rows of a table, or a journal that cannot be read.
     subroutine refuse_to_discard(path, error)
         character(*), intent(in) :: path !! of the table
-        type(error_t), allocatable, intent(out) :: error
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(journal_entry_t) :: entry
         character(:), allocatable :: problem, rows
 
@@ -27,10 +28,10 @@ contains
                             '--resume resumes it; --restart discards it and computes all from the beginning')
     end subroutine refuse_to_discard
 
-    !> The same, unless a run is writing the table: its rows are in no danger, and it cannot be resumed.
+    !> The same, except if a run is writing the table: its rows are not in danger, and it cannot be resumed.
     subroutine refuse_to_discard_idle(path, error)
         character(*), intent(in) :: path !! of the table
-        type(error_t), allocatable, intent(out) :: error
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(error_t), allocatable :: in_use, ignored
         type(output_file_t) :: part
 

@@ -1,11 +1,12 @@
-!> The journal of a growing table: how much of its part is on the disk. It is the file `NAME.journal`
-!> beside the part and is replaced as a whole. The header of the part itself identifies the table:
-!> program, build, input and shard.
+!> The format of the journal of a growing table, which records how many bytes of its part are on the disk. It
+!> is the file `NAME.journal` next to the part and is replaced as a whole. The header of the part identifies
+!> the table: program, build, input and shard.
 !>
-!>     spintop journal 1
+!>     spintop journal 2
 !>     bytes: 1048701
 !>     checksum: 6A09E667F3BCC908        (of these bytes)
 !>     rows: 2171 0 12 0 0 0 0 0 0 0 0   (of each status)
+!>     state: 1 BB67AE8584CAA73B         (only where the rows are gathered: a file of what was, and its checksum)
 !>     end: BB67AE8584CAA73B             (checksum of the lines above)
 module spintop_journal
     use, intrinsic :: iso_fortran_env, only: int64
@@ -17,41 +18,49 @@ module spintop_journal
     private
     public :: journal_entry_t, journal_of, write_journal, read_journal, remove_journal
 
-    character(*), parameter :: first_line = 'spintop journal 1'
+    !> The format is the number in the first line. It increases when a status is added, for the rows are counted
+    !> by status.
+    character(*), parameter :: first_words = 'spintop journal ', first_line = first_words // '2'
 
-    !> How much of a part is on the disk.
+    !> The line of the state.
+    character(*), parameter :: state_key = 'state: ', state_format = '(i1, 1x, a)'
+
+    !> An entry: the bytes of a part that are on the disk.
     type :: journal_entry_t
         integer(int64) :: bytes = 0
         character(checksum_width) :: checksum = ''  !! of these bytes
         integer(int64) :: counts(0:last_status) = 0 !! rows of each status
+        !> Number of the file with what was gathered of these rows (0: none), and its checksum.
+        integer :: state = 0
+        character(checksum_width) :: state_checksum = ''
     end type journal_entry_t
 
 contains
 
     !> The name of the journal of a table.
     pure function journal_of(path) result(journal)
-        character(*), intent(in) :: path
+        character(*), intent(in) :: path !! path of the table
         character(:), allocatable :: journal
         journal = path // '.journal'
     end function journal_of
 
-    !> Writes an entry in the place of the last one, and waits until it is on the disk.
+    !> Replaces the entry of a table, and waits until the new one is on the disk.
     subroutine write_journal(path, entry, error)
         character(*), intent(in) :: path !! of the table
-        type(journal_entry_t), intent(in) :: entry
-        type(error_t), allocatable, intent(out) :: error
+        type(journal_entry_t), intent(in) :: entry !! entry of the journal
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         character(:), allocatable :: text
         call compose(entry, text)
         call replace_file(journal_of(path), text, error)
     end subroutine write_journal
 
-    !> Reads the entry of a table; `problem` says why there is none, and is empty if there is one.
+    !> Reads the entry of a table; `problem` is the reason why there is none, or empty.
     subroutine read_journal(path, entry, problem)
         character(*), intent(in) :: path !! of the table
-        type(journal_entry_t), intent(out) :: entry
-        character(:), allocatable, intent(out) :: problem
+        type(journal_entry_t), intent(out) :: entry !! entry of the journal
+        character(:), allocatable, intent(out) :: problem !! why there is no entry; '' if there is one
         type(error_t), allocatable :: error
-        character(:), allocatable :: text, again
+        character(:), allocatable :: text, again, found, number
         integer, parameter :: longest = 65536
         integer :: status
 
@@ -61,16 +70,26 @@ contains
             problem = error%message
             return
         end if
+        found = text(:index(text // new_line('a'), new_line('a')) - 1)
+        number = found(min(len(first_words), len(found)) + 1:)
+        if (index(found, first_words) == 1 .and. number /= '' .and. verify(number, '0123456789') == 0 &
+            .and. found /= first_line) then
+            problem = journal_of(path) // ' has another format (' // found // ') than this program reads (' // first_line // ')'
+            return
+        end if
         read (text(behind('bytes:'):), *, iostat=status) entry%bytes
         if (status == 0) read (text(behind('checksum: '):), '(a)', iostat=status) entry%checksum
         if (status == 0) read (text(behind('rows:'):), *, iostat=status) entry%counts
-        ! Only what this program would write is taken for an entry.
+        if (status == 0 .and. index(text, state_key) > 0) then
+            read (text(behind(state_key):), state_format, iostat=status) entry%state, entry%state_checksum
+        end if
+        ! Only a text that this program would write is accepted as an entry.
         call compose(entry, again)
         if (status /= 0 .or. text /= again .or. len(text) /= len(again)) problem = journal_of(path) // ' is damaged'
 
     contains
 
-        !> Where the value of a key begins; the end of the text where it has no such key.
+        !> Position of the value of a key; the end of the text if there is no such key.
         integer function behind(key)
             character(*), intent(in) :: key
             behind = index(text, key) + len(key)
@@ -79,10 +98,10 @@ contains
 
     end subroutine read_journal
 
-    !> Removes the journal of a table that needs it no more.
+    !> Removes the journal of a table, if there is one.
     subroutine remove_journal(path, error)
         character(*), intent(in) :: path !! of the table
-        type(error_t), allocatable, intent(out) :: error
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         if (.not. file_exists(journal_of(path))) return
         call remove_file(journal_of(path), error)
         if (.not. allocated(error)) call sync_folder_of(path, error)
@@ -102,6 +121,10 @@ contains
         text = text // trim(room) // nl // 'checksum: ' // entry%checksum // nl
         write (room, '("rows:", *(1x, i0))') (entry%counts(i), i=0, last_status)
         text = text // trim(room) // nl
+        if (entry%state > 0) then
+            write (room, state_format) entry%state, entry%state_checksum
+            text = text // state_key // trim(room) // nl
+        end if
         call add_to_checksum(checksum, text)
         text = text // 'end: ' // checksum_text(checksum) // nl
     end subroutine compose

@@ -1,4 +1,4 @@
-!> Parts of a sweep's table joined into the table of the whole.
+!> Joins the tables of the parts of a sweep.
 module spintop_merge
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, input_error
@@ -6,11 +6,11 @@ module spintop_merge
     use spintop_interrupted_run, only: refuse_to_discard_idle
     use spintop_shard, only: read_shard_line, shard_t
     use spintop_table_file, only: table_file_t
-    use spintop_table_head, only: compare_heads, first_line_of, read_head
+    use spintop_table_head, only: check_format, compare_heads, first_line_of, read_head
     use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: merge_tables
+    public :: merge_tables, order_parts
 
     !> Bytes that are copied at once.
     integer, parameter :: block_size = 1024 * 1024
@@ -19,14 +19,14 @@ module spintop_merge
 
 contains
 
-    !> Joins the tables of all parts of a sweep, given in any order, into the table that a single run
-    !> would have written, byte for byte. Nothing is written unless the parts are all of the same
-    !> sweep and each is there once.
+    !> Joins the tables of all parts of a sweep, given in any order, into the table that a single run would
+    !> have written, byte for byte. Nothing is written unless the parts belong to the same sweep and each
+    !> occurs once.
     subroutine merge_tables(path, parts, cases, error)
-        character(*), intent(in) :: path
-        type(string_t), intent(in) :: parts(:)
+        character(*), intent(in) :: path !! path of the whole table
+        type(string_t), intent(in) :: parts(:) !! paths of the tables of the parts
         integer(int64), intent(out) :: cases !! in the whole table
-        type(error_t), allocatable, intent(out) :: error
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(table_file_t) :: table
         type(string_t), allocatable :: no_lines(:)
         type(shard_t) :: shard
@@ -49,15 +49,15 @@ contains
         if (allocated(error)) call table%discard()
     end subroutine merge_tables
 
-    !> Finds which file is which part. `head` is the header of the whole table: the header of the parts
-    !> without the first line, which names the part.
+    !> Identifies the parts. `head` is the header of the whole table: the header of the parts without the
+    !> first line, which names the part.
     subroutine order_parts(path, parts, head, cases, part_at, error)
-        character(*), intent(in) :: path
-        type(string_t), intent(in) :: parts(:)
-        character(:), allocatable, intent(out) :: head
-        integer(int64), intent(out) :: cases
-        integer, allocatable, intent(out) :: part_at(:)
-        type(error_t), allocatable, intent(out) :: error
+        character(*), intent(in) :: path !! path of the whole
+        type(string_t), intent(in) :: parts(:) !! paths of the parts
+        character(:), allocatable, intent(out) :: head !! header of the whole
+        integer(int64), intent(out) :: cases !! in the whole
+        integer, allocatable, intent(out) :: part_at(:) !! where each part stands among the paths
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(shard_t) :: shard
         character(:), allocatable :: this_head, line, difference
         integer(int64) :: cases_here
@@ -72,6 +72,7 @@ contains
                     return
                 end if
                 call read_head(part, this_head, error)
+                if (.not. allocated(error)) call check_format(part, this_head, error)
                 if (allocated(error)) return
                 line = first_line_of(this_head)
                 call read_shard_line(line, shard, cases_here, valid)
@@ -106,7 +107,7 @@ contains
 
     contains
 
-        !> Numbers of the missing parts, the first few of many.
+        !> Numbers of the missing parts; the first few if there are many.
         function missing() result(text)
             character(:), allocatable :: text
             integer, parameter :: enough = 20
@@ -125,11 +126,11 @@ contains
 
     end subroutine order_parts
 
-    !> Adds the rows of a part to the table; a part that was cut or has grown is refused.
+    !> Adds the rows of a part to the table. A part that is shorter or longer than expected is refused.
     subroutine copy_rows(part, head_length, rows, table, error)
         character(*), intent(in) :: part
         integer, intent(in) :: head_length
-        integer(int64), intent(in) :: rows !! that the part should have
+        integer(int64), intent(in) :: rows !! expected number of rows of the part
         type(table_file_t), intent(inout) :: table
         type(error_t), allocatable, intent(out) :: error
         type(input_file_t) :: file
@@ -155,7 +156,7 @@ contains
         call file%close()
         if (allocated(error)) return
         if (found /= rows .or. last /= nl) then
-            error = input_error('cannot merge ' // part // ': it holds ' // to_text(found) // ' whole rows, not ' // &
+            error = input_error('cannot merge ' // part // ': it has ' // to_text(found) // ' complete rows, not ' // &
                                 to_text(rows))
         end if
     end subroutine copy_rows

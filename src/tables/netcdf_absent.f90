@@ -1,5 +1,5 @@
 #ifndef SPINTOP_NETCDF
-!> NetCDF tables in a build without the library: there are none.
+!> NetCDF tables in a build without the library: none can be started.
 submodule(spintop_netcdf_table) netcdf_absent
     use spintop_errors, only: output_error
     implicit none

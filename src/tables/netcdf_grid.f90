@@ -1,14 +1,14 @@
-!> The grid of a NetCDF table: its axes, its parts as boxes of an array, and the names of the CF conventions.
+!> The grid of a NetCDF table: its axes, its rows as boxes of an array, and names by the CF conventions.
 module spintop_netcdf_grid
     use, intrinsic :: iso_fortran_env, only: int64
     implicit none
     private
     public :: netcdf_axis_t, netcdf_name, netcdf_unit, netcdf_word, most_netcdf_rows, find_box
 
-    !> Rows that a column can have: in the format with 64-bit offsets a variable is below 4 GiB.
+    !> Maximum number of rows: in the format with 64-bit offsets a variable is smaller than 4 GiB.
     integer(int64), parameter :: most_netcdf_rows = 2_int64**29 - 1
 
-    !> An axis of the grid, which is also a dimension; the last varies fastest from row to row.
+    !> An axis of the grid, which is also a dimension; the last one varies fastest from row to row.
     type :: netcdf_axis_t
         character(64) :: name = ''
         integer :: length = 0
@@ -19,7 +19,7 @@ contains
     !> A name that the CF conventions allow, of letters, digits and underscores: `top_inertia_2` for
     !> `top.inertia(2)`.
     pure function netcdf_name(name)
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name !! any name
         character(len_trim(name)) :: netcdf_name
         integer :: i
         netcdf_name = name
@@ -29,18 +29,18 @@ contains
         if (index(name, ')') > 0) netcdf_name(len(netcdf_name):) = ' '
     end function netcdf_name
 
-    !> A unit that UDUNITS knows.
+    !> A unit in the form of UDUNITS.
     pure function netcdf_unit(unit) result(known)
-        character(*), intent(in) :: unit
+        character(*), intent(in) :: unit !! unit of a column
         character(:), allocatable :: known
         known = trim(unit)
         if (unit == '') known = '1'
         if (unit == 'deg') known = 'degree'
     end function netcdf_unit
 
-    !> A phrase as a word of `flag_meanings`, which are parted by blanks.
+    !> A phrase as a word of `flag_meanings`, which are separated by blanks.
     pure function netcdf_word(phrase)
-        character(*), intent(in) :: phrase
+        character(*), intent(in) :: phrase !! any words
         character(len_trim(phrase)) :: netcdf_word
         integer :: i
         netcdf_word = phrase
@@ -49,15 +49,14 @@ contains
         end do
     end function netcdf_word
 
-    !> The largest box of an array that begins with an element and holds nothing but it and some of
-    !> the next `elements - 1`, in order: all along the first dimensions, a part of the next, one
-    !> index in the others.
+    !> The largest box of an array that begins with an element and contains only this and some of the next
+    !> `elements - 1`, in order: all of the first dimensions, a part of the next one, one index in the others.
     pure subroutine find_box(extent, first, elements, start, count)
         integer, intent(in) :: extent(:)           !! of the array; the first varies fastest
         integer(int64), intent(in) :: first        !! number of the element, from 1
-        integer(int64), intent(in) :: elements     !! most of the box, within the array
+        integer(int64), intent(in) :: elements     !! maximum size of the box, within the array
         integer, intent(out) :: start(size(extent)) !! where the box begins
-        integer, intent(out) :: count(size(extent)) !! what it has along each dimension
+        integer, intent(out) :: count(size(extent)) !! extent of the box along each dimension
         integer(int64) :: rest, below
         integer :: i
 

@@ -1,21 +1,21 @@
 #ifdef SPINTOP_NETCDF
-!> NetCDF tables by netcdf-fortran: the only file that needs the library.
+!> NetCDF tables by netcdf-fortran.
 submodule(spintop_netcdf_table) netcdf_written
-    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use, intrinsic :: iso_fortran_env, only: int8
     use netcdf, only: nf90_64bit_offset, nf90_byte, nf90_close, nf90_clobber, nf90_create, nf90_def_dim, nf90_def_var, &
         nf90_double, nf90_enddef, nf90_global, nf90_int, nf90_noerr, nf90_nofill, nf90_put_att, nf90_put_var, &
         nf90_set_fill, nf90_strerror
     use spintop_errors, only: output_error
+    use spintop_kinds, only: no_number
     use spintop_netcdf_grid, only: find_box, netcdf_name, netcdf_unit, netcdf_word
     use spintop_table_column, only: column_of_notes, column_of_reals, column_of_words, table_column_t
     use spintop_table_file, only: part_of
     use spintop_text, only: join
     implicit none
 
-    !> Rows that are gathered, so that each variable is written in long pieces, and yet few enough that the
-    !> other threads find room for their rows while these are written; bytes that the library hands to the
-    !> system at once.
+    !> Rows that are collected before they are written: enough for long pieces of each variable, and few
+    !> enough that the other threads find room for their rows meanwhile; and bytes that the library writes at
+    !> once.
     integer, parameter :: most_pending = 16384, bytes_at_once = 65536
 
 contains
@@ -24,7 +24,7 @@ contains
         has_netcdf = .true.
     end procedure has_netcdf
 
-    !> Starts a table of the columns set over a grid. Columns along an axis are its coordinate.
+    !> Starts a table with the current columns over a grid. Columns along an axis are its coordinate.
     module procedure start
         integer :: dimensions(size(axes)), i, status, chunk, old_mode
 
@@ -35,7 +35,7 @@ contains
         if (allocated(error)) return
         chunk = bytes_at_once
         status = nf90_create(part_of(path), ior(nf90_clobber, nf90_64bit_offset), self%id, chunksize=chunk)
-        ! Every value is written: to fill the file beforehand would write it twice.
+        ! Every value is written, so filling the file beforehand would write it twice.
         if (status == nf90_noerr) status = nf90_set_fill(self%id, nf90_nofill, old_mode)
         call add_text(self%id, nf90_global, 'Conventions', 'CF-1.8', status)
         do i = 1, size(facts)
@@ -49,7 +49,7 @@ contains
         end do
         do i = 1, size(self%columns)
             call define_variable(self%id, self%columns(i), dimensions, self%variables(i), status)
-            ! The number of the row is known beside its place on the grid.
+            ! The number of the case is an auxiliary coordinate of the grid.
             if (i > 1 .and. self%columns(i)%axis == 0 .and. all(axes%name /= self%columns(1)%name)) then
                 call add_text(self%id, self%variables(i), 'coordinates', netcdf_name(self%columns(1)%name), status)
             end if
@@ -83,13 +83,13 @@ contains
         case (column_of_reals)
             call add_text(id, variable, 'units', netcdf_unit(column%unit), status)
             if (column%axis > 0 .or. status /= nf90_noerr) return
-            status = nf90_put_att(id, variable, '_FillValue', ieee_value(0.0_dp, ieee_quiet_nan))
+            status = nf90_put_att(id, variable, '_FillValue', no_number)
         case (column_of_words, column_of_notes)
             call add_flags(id, variable, column, trim(flags(column%kind)), status)
         end select
     end subroutine define_variable
 
-    !> Adds the meanings of the values of words, or of the bits of notes.
+    !> Adds the meanings of the values of a categorical column, or of the bits of notes.
     subroutine add_flags(id, variable, column, name, status)
         integer, intent(in) :: id, variable
         type(table_column_t), intent(in) :: column
@@ -135,7 +135,7 @@ contains
         self%counts = self%counts + block%counts
     end procedure put
 
-    !> Writes the gathered rows by the library, one variable after the other.
+    !> Writes the collected rows, one variable after the other.
     subroutine write_pending(self, error)
         type(netcdf_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error
@@ -171,7 +171,7 @@ contains
         end do
     end subroutine write_boxes
 
-    !> Writes what is new of the coordinate of an axis: where the row is the first with its value.
+    !> Writes the new values of the coordinate of an axis: at rows that are the first with their value.
     subroutine write_coordinate(self, column, status)
         type(netcdf_table_t), intent(in) :: self
         integer, intent(in) :: column
@@ -190,7 +190,7 @@ contains
                               [int(first) + 1], [int(last - first) + 1])
     end subroutine write_coordinate
 
-    !> Gives the table its name, once it is on the disk.
+    !> Renames the file to the table, when it is on the disk.
     module procedure finish
         type(string_t) :: no_lines(0)
         integer :: status
@@ -202,7 +202,7 @@ contains
         if (.not. allocated(error)) call self%file%finish(no_lines, error)
     end procedure finish
 
-    !> Removes what was written: it has no journal with which a later run could resume.
+    !> Removes the file: it has no journal with which a later run could resume.
     module procedure abandon
         integer :: ignored
         if (self%id >= 0) ignored = nf90_close(self%id)
@@ -211,7 +211,7 @@ contains
         error%message = error%message // new_line('a') // 'nothing is kept of ' // self%file%path
     end procedure abandon
 
-    !> Makes an error of a status of the library.
+    !> Makes an error from a status of the library.
     subroutine check(self, status, error)
         type(netcdf_table_t), intent(in) :: self
         integer, intent(in) :: status

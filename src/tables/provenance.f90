@@ -4,13 +4,15 @@ module spintop_provenance
     use, intrinsic :: iso_fortran_env, only: compiler_options, compiler_version
     use spintop_clock, only: utc_now
     use spintop_line_list, only: line_list_t
+    use spintop_table_column, only: column_t
+    use spintop_table_head, only: format_key, table_format
     use spintop_text, only: string_t
     implicit none
     private
     public :: fact_t, fact_count, program_version, program_revision, gather_facts, describe_provenance
 
-    !> One item of the metadata of a table.
-    integer, parameter :: fact_count = 9
+    !> Number of items of the metadata of a table.
+    integer, parameter :: fact_count = 10
 
     !> A key and its value.
     type :: fact_t
@@ -21,7 +23,7 @@ module spintop_provenance
     character(*), parameter :: program_version = '0.1.0'
 
     interface
-        !> The git revision of the sources, ended by a null character.
+        !> The git revision of the sources, terminated by a null character.
         function c_revision() bind(C, name='spintop_revision')
             import :: c_ptr
             type(c_ptr) :: c_revision
@@ -30,7 +32,7 @@ module spintop_provenance
 
 contains
 
-    !> The git revision that was built, or 'unknown'.
+    !> The git revision of the build, or 'unknown'.
     function program_revision() result(revision)
         character(:), allocatable :: revision
         integer, parameter :: longest = 128
@@ -45,10 +47,10 @@ contains
         end do
     end function program_revision
 
-    !> Compiler options without folders and macros, which change no number: a build with MPI writes the
-    !> same tables as one without, wherever either is made.
+    !> Compiler options without folders and macros, which do not change numbers: a build with MPI writes the
+    !> same tables as one without, wherever it is made.
     pure function options_that_matter(options) result(text)
-        character(*), intent(in) :: options !! each begins with ` -`, but for the first
+        character(*), intent(in) :: options !! each begins with ` -`, except the first
         character(:), allocatable :: text
         integer :: first, next
 
@@ -68,16 +70,17 @@ contains
 
     !> The metadata of a table, in this order; a value may be empty.
     subroutine gather_facts(title, model, method, dated, facts, body)
-        character(*), intent(in) :: title
-        character(*), intent(in) :: model, method !! what computed the table
-        logical, intent(in) :: dated              !! whether to give the date
-        type(fact_t), intent(out) :: facts(fact_count)
-        character(*), intent(in), optional :: body !! mass properties, where all rows are of one body
+        character(*), intent(in) :: title !! title of the study
+        character(*), intent(in) :: model, method !! computation of the table
+        logical, intent(in) :: dated              !! whether to include the date
+        type(fact_t), intent(out) :: facts(fact_count) !! items of the metadata
+        character(*), intent(in), optional :: body !! mass properties, if all rows belong to one body
         integer :: n
 
         n = 0
         call add('title', trim(title))
         call add('program', 'spintop ' // program_version)
+        call add(format_key, table_format)
         call add('revision', program_revision())
         call add('compiler', compiler_version())
         call add('options', options_that_matter(compiler_options()))
@@ -100,11 +103,11 @@ contains
     end subroutine gather_facts
 
     !> The comment lines in the header of a table: `key: value`, then the input, then the columns.
-    subroutine describe_provenance(facts, input, names, units, meanings, lines)
-        type(fact_t), intent(in) :: facts(fact_count)
+    subroutine describe_provenance(facts, input, columns, lines)
+        type(fact_t), intent(in) :: facts(fact_count) !! items of the metadata
         type(string_t), intent(in) :: input(:) !! the resolved namelist
-        character(*), intent(in) :: names(:), units(:), meanings(:) !! of the columns
-        type(string_t), allocatable, intent(out) :: lines(:)
+        class(column_t), intent(in) :: columns(:) !! columns of the table
+        type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
         type(line_list_t) :: text
         character(:), allocatable :: unit
         integer :: i
@@ -117,10 +120,10 @@ contains
             call text%add('    ' // input(i)%text)
         end do
         call text%add('columns:')
-        do i = 1, size(names)
+        do i = 1, size(columns)
             unit = ''
-            if (units(i) /= '') unit = ' [' // trim(units(i)) // ']'
-            call text%add('    ' // trim(names(i)) // unit // ': ' // trim(meanings(i)))
+            if (columns(i)%unit /= '') unit = ' [' // trim(columns(i)%unit) // ']'
+            call text%add('    ' // trim(columns(i)%name) // unit // ': ' // trim(columns(i)%what))
         end do
         call text%get(lines)
     end subroutine describe_provenance

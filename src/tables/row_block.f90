@@ -1,4 +1,4 @@
-!> Rows of consecutive cases, as one thread hands them to another.
+!> Rows of consecutive cases, which one thread passes to another.
 module spintop_row_block
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
@@ -13,18 +13,23 @@ module spintop_row_block
 
     !> Rows of consecutive cases, as cells or as text.
     type :: row_block_t
-        !> Rows that stand as cells; none where they were made to text.
+        !> Number of rows as cells; 0 after they were formatted as text.
         integer :: rows = 0
-        !> The cells of column i in row k: `cells(i, k)`; see spintop_table_column.
+        !> The cell of column i in row k is `cells(i, k)`; see spintop_table_column.
         real(dp), allocatable :: cells(:, :)
-        !> The notes of each row, which the cells have as bits only; not allocated where there are none.
+        !> The notes of each row, of which the cells contain only bits; not allocated if there are none.
         type(string_t), allocatable :: notes(:)
-        !> The rows as text, for a table of texts.
+        !> The rows as text.
         type(text_buffer_t) :: text
-        !> Rows of each status.
+        !> What is gathered of each row, beside its cells or its text: of row k `digest(:, k)`.
+        real(dp), allocatable :: digest(:, :)
+        !> Number of rows of which it is there.
+        integer :: digested = 0
+        !> Number of rows with each status.
         integer(int64) :: counts(0:last_status) = 0
     contains
         procedure :: reserve
+        procedure :: reserve_digest
         procedure :: clear
         procedure :: set_note
         procedure :: format
@@ -33,10 +38,10 @@ module spintop_row_block
 
 contains
 
-    !> Empties the block, and sees that it has room.
+    !> Empties the block, and makes room for rows.
     subroutine reserve(self, columns, rows)
         class(row_block_t), intent(inout) :: self
-        integer, intent(in) :: columns, rows
+        integer, intent(in) :: columns, rows !! numbers of columns and rows
         call self%clear()
         if (allocated(self%cells)) then
             if (size(self%cells, 2) >= rows) return
@@ -45,19 +50,32 @@ contains
         allocate (self%cells(columns, rows), self%notes(rows))
     end subroutine reserve
 
-    !> Empties the block, but keeps its memory.
+    !> Makes room for what is gathered of rows.
+    subroutine reserve_digest(self, length, rows)
+        class(row_block_t), intent(inout) :: self
+        integer, intent(in) :: length, rows !! numbers for each row, and number of rows
+        self%digested = rows
+        if (allocated(self%digest)) then
+            if (size(self%digest, 1) == length .and. size(self%digest, 2) >= rows) return
+            deallocate (self%digest)
+        end if
+        allocate (self%digest(length, rows))
+    end subroutine reserve_digest
+
+    !> Empties the block, and keeps its memory.
     subroutine clear(self)
         class(row_block_t), intent(inout) :: self
         self%rows = 0
+        self%digested = 0
         call self%text%clear()
         self%counts = 0
     end subroutine clear
 
-    !> Sets the notes of the last row; none if `text` is not allocated. Few rows have any, and those
-    !> that have none cost no memory.
+    !> Sets the notes of the last row; none if `text` is not allocated. Few rows have notes, and those without
+    !> cost no memory.
     subroutine set_note(self, text)
         class(row_block_t), intent(inout) :: self
-        character(:), allocatable, intent(in) :: text
+        character(:), allocatable, intent(in) :: text !! notes; none if not allocated
         associate (note => self%notes(self%rows))
             if (allocated(text)) then
                 note%text = text
@@ -67,13 +85,14 @@ contains
         end associate
     end subroutine set_note
 
-    !> Makes the text of the rows from their cells, which are then discarded.
+    !> Formats the cells as text, and discards them.
     subroutine format(self, columns)
         class(row_block_t), intent(inout) :: self
-        type(table_column_t), intent(in) :: columns(:)
+        type(table_column_t), intent(in) :: columns(:) !! the columns
         integer :: last(size(columns)), i, k
 
-        ! Reals are written fastest many at once: where the reals that begin with a column end.
+        ! Consecutive reals are formatted together, which is faster: this finds the last of the reals that
+        ! begin with a column.
         do i = size(columns), 1, -1
             last(i) = i
             if (columns(i)%kind /= column_of_reals .or. i == size(columns)) cycle
@@ -106,19 +125,21 @@ contains
     !> Exchanges the rows with another block.
     subroutine swap(self, other)
         class(row_block_t), intent(inout) :: self
-        type(row_block_t), intent(inout) :: other
+        type(row_block_t), intent(inout) :: other !! the other block
         type(row_block_t) :: third
         call move(self, third)
         call move(other, self)
         call move(third, other)
     end subroutine swap
 
-    !> Moves the rows of a block to another, whose own are lost.
+    !> Moves the rows of a block to another one, whose own rows are lost.
     subroutine move(from, to)
         class(row_block_t), intent(inout) :: from, to
         to%rows = from%rows
         to%counts = from%counts
+        to%digested = from%digested
         call move_alloc(from%cells, to%cells)
+        call move_alloc(from%digest, to%digest)
         call move_alloc(from%notes, to%notes)
         call to%text%swap(from%text)
     end subroutine move

@@ -1,4 +1,4 @@
-!> A table that takes its rows in the order of their cases, block by block.
+!> A table whose rows are added in the order of their cases, block by block.
 !>
 !>     call table%format(block)                      ! by any thread
 !>     call table%put(block, error)                  ! by one thread at a time, as
@@ -17,16 +17,18 @@ module spintop_row_table
     private
     public :: row_table_t
 
-    !> What tables of every format have in common.
+    !> The common part of tables of all formats.
     type, abstract :: row_table_t
         type(table_column_t), allocatable :: columns(:)
-        !> Rows of each status: written so far, and those of them kept from an earlier run.
+        !> Number of rows with each status: written so far, and those of them from an earlier run.
         integer(int64) :: counts(0:last_status) = 0, taken_over(0:last_status) = 0
-        !> Whether an interrupted run keeps its rows.
+        !> Whether the rows of an interrupted run are kept.
         logical :: is_resumable = .false.
-        !> The table already exists and is complete.
+        !> Whether the table already exists and is complete.
         logical :: is_complete = .false.
-        !> What was found of earlier runs, ready to print; empty if nothing.
+        !> Whether an entry of the journal is wanted at once, however old the last one is.
+        logical :: entry_wanted = .false.
+        !> A remark on earlier runs, ready to print; may be empty.
         character(:), allocatable :: remark
     contains
         procedure :: rows
@@ -35,6 +37,7 @@ module spintop_row_table
         procedure :: take_entry => take_no_entry
         procedure :: keep_entry => keep_no_entry
         procedure :: end_entry => end_no_entry
+        procedure :: is_keeping => keeps_nothing
         procedure(finish), deferred :: finish
         procedure(abandon), deferred :: abandon
     end type row_table_t
@@ -44,70 +47,78 @@ module spintop_row_table
         subroutine put(self, block, error)
             import :: row_table_t, row_block_t, error_t
             class(row_table_t), intent(inout) :: self
-            type(row_block_t), intent(in) :: block
-            type(error_t), allocatable, intent(out) :: error
+            type(row_block_t), intent(in) :: block !! rows in their order
+            type(error_t), allocatable, intent(out) :: error !! not allocated on success
         end subroutine put
 
-        !> Gives the table its name, once all of it is on the disk.
+        !> Renames the file to the table, when all data are on the disk.
         subroutine finish(self, error)
             import :: row_table_t, error_t
             class(row_table_t), intent(inout) :: self
-            type(error_t), allocatable, intent(out) :: error
+            type(error_t), allocatable, intent(out) :: error !! not allocated on success
         end subroutine finish
 
-        !> Abandons the table after an error; the message then says what is kept of the table.
+        !> Ends the table after an error; the message is completed with what is kept of the table.
         subroutine abandon(self, error)
             import :: row_table_t, error_t
             class(row_table_t), intent(inout) :: self
-            type(error_t), intent(inout) :: error
+            type(error_t), intent(inout) :: error !! its message is completed
         end subroutine abandon
     end interface
 
 contains
 
-    !> Rows so far.
+    !> Number of rows so far.
     pure integer(int64) function rows(self)
         class(row_table_t), intent(in) :: self
         rows = sum(self%counts)
     end function rows
 
-    !> Formats the cells of a block for the table; here nothing is to be done.
+    !> Formats the cells of a block for the table; by default nothing is done.
     subroutine leave_rows(self, block)
         class(row_table_t), intent(in) :: self
-        type(row_block_t), intent(inout) :: block
+        type(row_block_t), intent(inout) :: block !! not changed
         associate (unused => self, also_unused => block)
         end associate
     end subroutine leave_rows
 
-    !> Notes how far the table is, where it keeps a journal and the last entry is old enough: here
-    !> it keeps none.
+    !> Makes an entry of the current size, if the table has a journal and the last entry is old enough; by
+    !> default there is no journal.
     subroutine take_no_entry(self, entry, due, error)
         class(row_table_t), intent(inout) :: self
-        type(journal_entry_t), intent(inout) :: entry
-        logical, intent(out) :: due
-        type(error_t), allocatable, intent(inout) :: error
+        type(journal_entry_t), intent(inout) :: entry !! not changed
+        logical, intent(out) :: due !! whether an entry is due
+        type(error_t), allocatable, intent(inout) :: error !! allocated on failure
         associate (unused => self, also_unused => entry)
         end associate
         due = .false.
         if (allocated(error)) return
     end subroutine take_no_entry
 
-    !> Makes sure that the rows of an entry are on the disk, and then the entry. Other threads may
-    !> put rows meanwhile.
+    !> Waits until the rows of an entry are on the disk, and then writes the entry. Other threads may add rows
+    !> meanwhile.
     subroutine keep_no_entry(self, entry, error)
         class(row_table_t), intent(in) :: self
-        type(journal_entry_t), intent(in) :: entry
-        type(error_t), allocatable, intent(out) :: error
+        type(journal_entry_t), intent(in) :: entry !! entry of the journal
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         associate (unused => self, also_unused => entry)
         end associate
         if (allocated(error)) return
     end subroutine keep_no_entry
 
-    !> The entry taken is kept.
+    !> Called after an entry was written.
     subroutine end_no_entry(self)
         class(row_table_t), intent(inout) :: self
         associate (unused => self)
         end associate
     end subroutine end_no_entry
+
+    !> Whether an entry is being written.
+    pure logical function keeps_nothing(self)
+        class(row_table_t), intent(in) :: self
+        associate (unused => self)
+        end associate
+        keeps_nothing = .false.
+    end function keeps_nothing
 
 end module spintop_row_table

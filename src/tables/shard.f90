@@ -6,10 +6,10 @@ module spintop_shard
     private
     public :: shard_t, read_shard, read_shard_line
 
-    !> Most parts of a sweep.
+    !> Maximum number of parts of a sweep.
     integer, parameter :: most_shards = 1000000
 
-    !> Part `number` of `count`; by default the whole.
+    !> Part `number` of `count`; by default the whole sweep.
     type :: shard_t
         integer :: number = 1, count = 1
     contains
@@ -22,34 +22,35 @@ module spintop_shard
 
 contains
 
-    !> Whether it is not the whole.
+    !> Whether it is a part, and not the whole.
     pure logical function is_part(self)
         class(shard_t), intent(in) :: self
         is_part = self%count > 1
     end function is_part
 
-    !> First of so many cases. The parts follow each other in order, and differ by a case at most.
+    !> First case of the part, for a number of cases. The parts are consecutive, and their sizes differ by at
+    !> most one case.
     pure integer(int64) function first(self, cases)
         class(shard_t), intent(in) :: self
-        integer(int64), intent(in) :: cases
+        integer(int64), intent(in) :: cases !! number of cases of the whole sweep
         first = last_before(self%number, self%count, cases) + 1
     end function first
 
-    !> Last of so many cases; less than the first where there are more parts than cases.
+    !> Last case of the part; less than the first if there are more parts than cases.
     pure integer(int64) function last(self, cases)
         class(shard_t), intent(in) :: self
-        integer(int64), intent(in) :: cases
+        integer(int64), intent(in) :: cases !! number of cases of the whole sweep
         last = last_before(self%number + 1, self%count, cases)
     end function last
 
-    !> Cases before part `number`.
+    !> Number of cases before part `number`.
     pure integer(int64) function last_before(number, count, cases)
         integer, intent(in) :: number, count
         integer(int64), intent(in) :: cases
         last_before = (number - 1) * (cases / count) + min(number - 1_int64, mod(cases, int(count, int64)))
     end function last_before
 
-    !> What the name of its table has behind the name of the whole: `.2-of-3`.
+    !> Suffix of the name of its table: `.2-of-3`.
     pure function suffix(self)
         class(shard_t), intent(in) :: self
         character(:), allocatable :: suffix
@@ -68,9 +69,9 @@ contains
 
     !> Reads `I/N`.
     subroutine read_shard(text, shard, valid)
-        character(*), intent(in) :: text
-        type(shard_t), intent(out) :: shard
-        logical, intent(out) :: valid
+        character(*), intent(in) :: text !! `I/N`
+        type(shard_t), intent(out) :: shard !! the part, if the text is valid
+        logical, intent(out) :: valid !! whether it is valid
         integer :: slash, status
 
         slash = index(text, '/')
@@ -83,12 +84,12 @@ contains
                 .and. shard%count <= most_shards
     end subroutine read_shard
 
-    !> Reads the first line of a part's table.
+    !> Reads the first line of the table of a part.
     subroutine read_shard_line(text, shard, cases, valid)
-        character(*), intent(in) :: text
-        type(shard_t), intent(out) :: shard
+        character(*), intent(in) :: text !! the first line, without its `# `
+        type(shard_t), intent(out) :: shard !! the part, if the line is valid
         integer(int64), intent(out) :: cases !! of the whole
-        logical, intent(out) :: valid
+        logical, intent(out) :: valid !! whether it is valid
         integer :: colon, status
 
         cases = 0
@@ -99,7 +100,7 @@ contains
         call read_pair(text(len('part '):colon - 1))
         if (.not. valid) return
         read (text(index(text, ' ', back=.true.) + 1:), *, iostat=status) cases
-        ! Only the line that would be written is taken for one.
+        ! Only a line that this program would write is accepted.
         valid = status == 0 .and. shard%line(cases) == text
 
     contains

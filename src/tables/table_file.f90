@@ -1,12 +1,12 @@
-!> CSV tables that are either complete or not there. The rows go to `NAME.part`, which takes the
-!> name of the table when everything is on the disk.
+!> CSV tables that are either complete or absent. The rows are written to `NAME.part`, which is renamed to the
+!> table when all data are on the disk.
 !>
 !>     call table%create('output/scene.csv', table_head(comments, ['t    ', 'theta']), error)
 !>     call table%add_row([0.0_dp, 0.3_dp], error)    ! a row of numbers, or
 !>     call table%put(text, error)                    ! rows made elsewhere
 !>     call table%finish(trailer, error)
 !>
-!> After an error call `discard`, or `abandon` where the part is worth keeping.
+!> After an error call `discard`, or `abandon` if the part is to be kept.
 module spintop_table_file
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_checksum, only: add_to_checksum, checksum_t
@@ -21,7 +21,7 @@ module spintop_table_file
     private
     public :: table_file_t, part_of
 
-    !> Bytes that are gathered before they are written.
+    !> Bytes that are collected before they are written.
     integer, parameter :: block_size = 1024 * 1024
 
     !> A CSV table that is being written.
@@ -48,32 +48,32 @@ module spintop_table_file
 
 contains
 
-    !> The name that a table has before it is complete.
+    !> The name of a table before it is complete.
     pure function part_of(path) result(part)
-        character(*), intent(in) :: path
+        character(*), intent(in) :: path !! path of the table
         character(:), allocatable :: part
         part = path // '.part'
     end function part_of
 
-    !> Starts a table. A table of that name stays as it is until `finish`.
+    !> Starts a table. An existing table of that name is not changed before `finish`.
     subroutine create(self, path, head, error)
         class(table_file_t), intent(inout) :: self
-        character(*), intent(in) :: path
+        character(*), intent(in) :: path !! path of the table
         character(*), intent(in) :: head !! ready to write
-        type(error_t), allocatable, intent(out) :: error
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call self%reserve(path, error)
-        ! That of another kind of run would say more than the part has.
+        ! The journal of another kind of run would record more bytes than the part has.
         if (.not. allocated(error)) call remove_journal(path, error)
         if (.not. allocated(error)) call self%begin(head, error)
         if (allocated(error)) call self%discard()
     end subroutine create
 
-    !> Takes hold of the part, and leaves it as it is: no other run can write it meanwhile. It is
-    !> made where it is missing.
+    !> Opens and locks the part, without changing it; no other run can write it meanwhile. It is created if it
+    !> is missing.
     subroutine reserve(self, path, error)
         class(table_file_t), intent(inout) :: self
-        character(*), intent(in) :: path
-        type(error_t), allocatable, intent(out) :: error
+        character(*), intent(in) :: path !! path of the table
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
 
         self%path = path
         self%bytes = 0
@@ -87,22 +87,23 @@ contains
         self%unfinished = .not. allocated(error)
     end subroutine reserve
 
-    !> Empties the part, and writes the header. A place that is not writable is found now, not after the computation.
+    !> Empties the part, and writes the header. A folder that is not writable is detected here, not after the
+    !> computation.
     subroutine begin(self, head, error)
         class(table_file_t), intent(inout) :: self
-        character(*), intent(in) :: head
-        type(error_t), allocatable, intent(out) :: error
+        character(*), intent(in) :: head !! the header, ready to write
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call self%file%truncate(0_int64, error)
         if (.not. allocated(error)) call self%put(head, error)
         if (.not. allocated(error)) call self%write_pending(error)
     end subroutine begin
 
-    !> Cuts the part to its first `bytes`, of which the caller knows the checksum; writing continues there.
+    !> Truncates the part to its first `bytes`, whose checksum is given; writing continues there.
     subroutine go_on(self, bytes, checksum, error)
         class(table_file_t), intent(inout) :: self
-        integer(int64), intent(in) :: bytes
-        type(checksum_t), intent(in) :: checksum
-        type(error_t), allocatable, intent(out) :: error
+        integer(int64), intent(in) :: bytes !! size in bytes
+        type(checksum_t), intent(in) :: checksum !! checksum of these bytes
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         self%bytes = bytes
         self%checksum = checksum
         call self%file%truncate(bytes, error)
@@ -111,8 +112,8 @@ contains
     !> Adds a row of numbers.
     subroutine add_row(self, values, error)
         class(table_file_t), intent(inout) :: self
-        real(dp), intent(in), contiguous :: values(:)
-        type(error_t), allocatable, intent(out) :: error
+        real(dp), intent(in), contiguous :: values(:) !! numbers
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         integer :: before
 
         before = self%pending%length
@@ -122,21 +123,21 @@ contains
         if (self%pending%length >= block_size) call self%write_pending(error)
     end subroutine add_row
 
-    !> Adds rows made elsewhere.
+    !> Adds rows as text.
     subroutine put(self, text, error)
         class(table_file_t), intent(inout) :: self
-        character(*), intent(in) :: text
-        type(error_t), allocatable, intent(out) :: error
+        character(*), intent(in) :: text !! the text
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
 
         call self%pending%append(text)
         self%bytes = self%bytes + len(text)
         if (self%pending%length >= block_size) call self%write_pending(error)
     end subroutine put
 
-    !> Hands all that was put to the system.
+    !> Passes all collected bytes to the system.
     subroutine write_pending(self, error)
         class(table_file_t), intent(inout) :: self
-        type(error_t), allocatable, intent(out) :: error
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         if (self%pending%length == 0) return
         call self%file%write(self%pending%room(:self%pending%length), error)
         call add_to_checksum(self%checksum, self%pending%room(:self%pending%length))
@@ -146,20 +147,20 @@ contains
     !> Waits until all written bytes are on the disk. Other threads may continue to add rows.
     subroutine sync(self, error)
         class(table_file_t), intent(in) :: self
-        type(error_t), allocatable, intent(out) :: error
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call self%file%sync(error)
     end subroutine sync
 
-    !> Ends the table with comment lines, and gives it its name once it is on the disk.
+    !> Ends the table with comment lines, and renames it when it is on the disk.
     subroutine finish(self, trailer, error)
         class(table_file_t), intent(inout) :: self
         type(string_t), intent(in) :: trailer(:) !! comment lines, without the `#`
-        type(error_t), allocatable, intent(out) :: error
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
 
         call self%put(comment_lines(trailer), error)
         if (.not. allocated(error)) call self%write_pending(error)
         if (.not. allocated(error)) call self%file%sync(error)
-        ! Closed it would be free for another run, which might empty it under its new name.
+        ! Renamed before it is closed: otherwise another run might lock and empty it under its new name.
         if (.not. allocated(error)) call rename_file(self%file%path, self%path, error)
         if (allocated(error)) return
         self%unfinished = .false.
@@ -167,7 +168,7 @@ contains
         if (.not. allocated(error)) call sync_folder_of(self%path, error)
     end subroutine finish
 
-    !> Discards the table: what was written is removed, as far as that is possible.
+    !> Discards the table: the part is removed, if possible.
     subroutine discard(self)
         class(table_file_t), intent(inout) :: self
         type(error_t), allocatable :: ignored
@@ -176,7 +177,7 @@ contains
         call self%abandon()
     end subroutine discard
 
-    !> Keeps the part, so that a later run can resume it.
+    !> Closes the part and keeps it, so that a later run can resume it.
     subroutine abandon(self)
         class(table_file_t), intent(inout) :: self
         type(error_t), allocatable :: ignored

@@ -1,5 +1,5 @@
-!> The header of a table: `#` lines with metadata, and the names of the columns. Two tables with the
-!> same header come from the same program, build and input.
+!> The header of a table: `#` lines with metadata, and the names of the columns. Two tables with equal headers
+!> come from the same program, build and input.
 module spintop_table_head
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: input_file_t
@@ -7,9 +7,14 @@ module spintop_table_head
     implicit none
     private
     public :: table_head, comment_lines, read_head, first_line_of, compare_heads
+    public :: format_key, table_format, check_format
+
+    !> Format of the tables that this program writes, and its key in the header. The number increases when a
+    !> column is renamed or its meaning changes, or the header changes. Tables of version 0.1.0 have no number.
+    character(*), parameter :: format_key = 'format', table_format = '1'
 
     character, parameter :: nl = new_line('a')
-    !> Bytes of a line that a message quotes at most.
+    !> Maximum number of bytes of a line that a message quotes.
     integer, parameter :: longest_line = 200
 
 contains
@@ -17,14 +22,14 @@ contains
     !> The header: comment lines and the names of the columns.
     function table_head(comments, columns) result(head)
         type(string_t), intent(in) :: comments(:) !! without the `#`
-        character(*), intent(in) :: columns(:)
+        character(*), intent(in) :: columns(:) !! names of the columns
         character(:), allocatable :: head
         head = comment_lines(comments) // join(columns, ',') // nl
     end function table_head
 
-    !> Comment lines as they stand in tables.
+    !> Comment lines as in tables.
     function comment_lines(lines) result(text)
-        type(string_t), intent(in) :: lines(:)
+        type(string_t), intent(in) :: lines(:) !! lines of text
         character(:), allocatable :: text
         integer :: i
         text = ''
@@ -35,9 +40,9 @@ contains
 
     !> The header of a table in a file.
     subroutine read_head(path, head, error)
-        character(*), intent(in) :: path
-        character(:), allocatable, intent(out) :: head
-        type(error_t), allocatable, intent(out) :: error
+        character(*), intent(in) :: path !! path of the table
+        character(:), allocatable, intent(out) :: head !! the header
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         integer, parameter :: largest_head = 16 * 1024 * 1024, piece = 64 * 1024
         type(input_file_t) :: file
         character(:), allocatable :: block
@@ -67,14 +72,51 @@ contains
         if (.not. allocated(error)) error = input_error(path // ' is not a table: it has no line with column names')
     end subroutine read_head
 
+    !> An error if a table of this program has another format than this version writes. Tables from elsewhere
+    !> have no format.
+    subroutine check_format(path, text, error)
+        character(*), intent(in) :: path !! path of the table, for the message
+        character(*), intent(in) :: text !! the table, or its header
+        type(error_t), allocatable, intent(out) :: error !! not allocated if the format is the right one
+        character(:), allocatable :: head, found
+        integer :: length, break
+
+        length = 0
+        do while (length < len(text))
+            if (text(length + 1:length + 1) /= '#') exit
+            break = index(text(length + 1:), nl)
+            if (break == 0) exit
+            length = length + break
+        end do
+        head = text(:length)
+        if (value_of('program', head) == '') return
+        found = value_of(format_key, head)
+        if (found == table_format) return
+        if (found == '') found = '0 (' // value_of('program', head) // ')'
+        error = input_error(path // ' is a table of format ' // found // '; this program reads format ' // &
+                            table_format // ': write the table again with this version')
+    end subroutine check_format
+
+    !> The value of a key in a header; '' if it has none.
+    pure function value_of(key, head) result(value)
+        character(*), intent(in) :: key, head
+        character(:), allocatable :: value
+        integer :: first
+        value = ''
+        first = index(nl // head, nl // '# ' // key // ': ')
+        if (first == 0) return
+        value = head(first + len('# ' // key // ': '):)
+        value = value(:index(value // nl, nl) - 1)
+    end function value_of
+
     !> The first line of a header, without its `# `.
     pure function first_line_of(head) result(line)
-        character(*), intent(in) :: head
+        character(*), intent(in) :: head !! a header
         character(:), allocatable :: line
         line = head(3:index(head // nl, nl) - 1)
     end function first_line_of
 
-    !> The first line in which two headers differ, ready to print; '' where they are the same.
+    !> The first line in which two headers differ, ready to print; '' if they are equal.
     pure function compare_heads(first, first_name, second, second_name) result(difference)
         character(*), intent(in) :: first, second           !! headers
         character(*), intent(in) :: first_name, second_name !! what they are called in print
@@ -92,7 +134,7 @@ contains
                      nl // '    ' // second_name // ': ' // line_at(second, line)
     end function compare_heads
 
-    !> The line that begins at a place, without the mark of a comment.
+    !> The line that begins at a position, without the mark of a comment.
     pure function line_at(text, first) result(line)
         character(*), intent(in) :: text
         integer, intent(in) :: first

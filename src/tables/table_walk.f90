@@ -1,4 +1,4 @@
-!> Reads the cells of a CSV table one by one, and knows the place of each for messages.
+!> Reads the cells of a CSV table one by one, with their places for messages.
 !>
 !>     # drawn elsewhere
 !>     initial.spin_ratio, "top.inertia(2)"
@@ -12,31 +12,32 @@ module spintop_table_walk
     use spintop_files, only: read_file
     use spintop_kinds, only: dp
     use spintop_literals, only: read_real
+    use spintop_table_head, only: check_format
     implicit none
     private
     public :: table_walk_t, table_cursor_t
 
-    !> No table may be larger (bytes).
+    !> Maximum size of a table, bytes.
     integer, parameter :: largest_table = 2**30 - 1
     character(*), parameter :: blanks = ' ' // achar(9) // achar(13)
     character(*), parameter :: byte_order_mark = char(239) // char(187) // char(191)
 
     !> A place in a table.
     type :: table_cursor_t
-        !> The line: its number, its first byte and its last.
+        !> The line: its number, its first and its last byte.
         integer :: line = 0, first = 1, last = 0
-        !> The cell: its first and last byte, without blanks and quotes; and where the next one
-        !> begins, more than one byte behind the line if there is none.
+        !> The cell: its first and last byte, without blanks and quotes; and the beginning of the next cell,
+        !> more than one byte after the line if there is none.
         integer :: from = 1, to = 0, next = 1
-        !> Quotes stand around the whole cell, or nowhere.
+        !> Whether quotes are around the whole cell, or absent.
         logical :: is_quoted_well = .true.
     end type table_cursor_t
 
-    !> A walk through the cells of a table.
+    !> The state of reading a table.
     type :: table_walk_t
         character(:), allocatable :: path, text
         type(table_cursor_t) :: at
-        !> Number of the table among the sources of the diagnostics, once something is wrong with it.
+        !> Number of the table among the sources of the diagnostics, if it has errors.
         integer :: source = 0
     contains
         procedure :: open
@@ -50,20 +51,21 @@ module spintop_table_walk
 
 contains
 
-    !> Reads a table whose path is relative to the folder of an input, and goes to its first line. A file
-    !> that cannot be read is an error; what is wrong with its text goes to the diagnostics.
+    !> Opens a table whose path is relative to the folder of an input, and moves to its first line. A file
+    !> that cannot be read is an error; errors of its text are added to the diagnostics.
     subroutine open(self, input, path, diagnostics, has_lines, error)
         class(table_walk_t), intent(out) :: self
         character(*), intent(in) :: input !! path of the input
-        character(*), intent(in) :: path
-        type(diagnostics_t), intent(inout) :: diagnostics
-        logical, intent(out) :: has_lines
-        type(error_t), allocatable, intent(out) :: error
+        character(*), intent(in) :: path !! path of the table, relative to the folder of `input`
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
+        logical, intent(out) :: has_lines !! whether there is a line with cells
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
 
         has_lines = .false.
         self%path = trim(path)
-        if (self%path(1:1) /= '/') self%path = input(:index(input, '/', back=.true.)) // self%path
+        if (index(self%path, '/') /= 1) self%path = input(:index(input, '/', back=.true.)) // self%path
         call read_file(self%path, largest_table, self%text, error)
+        if (.not. allocated(error)) call check_format(self%path, self%text, error)
         if (allocated(error)) return
         if (index(self%text, byte_order_mark) == 1) self%at%last = len(byte_order_mark)
         if (index(self%text, achar(0)) > 0) then
@@ -73,10 +75,10 @@ contains
         has_lines = self%next_line()
         if (has_lines) return
         self%at = table_cursor_t()
-        call self%refuse(diagnostics, 'the table is empty', 'it begins with a line of names')
+        call self%refuse(diagnostics, 'the table is empty', 'expected a line of names')
     end subroutine open
 
-    !> Goes to the next line that holds cells; false if there is none.
+    !> Moves to the next line with cells; false if there is none.
     logical function next_line(self) result(found)
         class(table_walk_t), intent(inout) :: self
         integer :: length, start
@@ -104,7 +106,7 @@ contains
         has_cell = self%at%next <= self%at%last + 1
     end function has_cell
 
-    !> Goes to the next cell.
+    !> Moves to the next cell.
     pure subroutine next_cell(self)
         class(table_walk_t), intent(inout) :: self
         integer :: closing, start, comma
@@ -117,7 +119,7 @@ contains
             start = at%from
             closing = 0
             if (is_in('"', start)) then
-                ! A comma inside quotes parts no cells.
+                ! A comma inside quotes does not separate cells.
                 closing = start + index(text(start + 1:at%last), '"')
                 start = closing + 1
             end if
@@ -155,22 +157,23 @@ contains
         cell = self%text(self%at%from:self%at%to)
     end function cell
 
-    !> The number in the cell, or what is wrong with it.
+    !> Reads the number in the cell; `problem` and `hint` describe an error.
     subroutine read_number(self, name, value, problem, hint)
         class(table_walk_t), intent(in) :: self
         character(*), intent(in) :: name !! of the column
-        real(dp), intent(out) :: value
+        real(dp), intent(out) :: value !! the value, if there is no problem
         character(:), allocatable, intent(out) :: problem, hint
+            !! what is wrong, and what is expected; '' without an error
         call read_real(self%cell(), value, problem, hint)
         if (self%at%to < self%at%from) problem = 'no value for ' // name
-        if (.not. self%at%is_quoted_well) problem = 'quotes stand around a whole cell or not at all'
+        if (.not. self%at%is_quoted_well) problem = 'quotes must be around the whole cell'
     end subroutine read_number
 
-    !> Shows what is wrong with the cell, or with the table where no line was reached.
+    !> Reports an error in the cell, or in the table if no line was reached.
     subroutine refuse(self, diagnostics, message, hint)
         class(table_walk_t), intent(inout) :: self
-        type(diagnostics_t), intent(inout) :: diagnostics
-        character(*), intent(in) :: message, hint
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
+        character(*), intent(in) :: message, hint !! what is wrong, and what is expected
         if (self%source == 0) call diagnostics%add_source(self%path, self%text, self%source)
         associate (at => self%at)
             call diagnostics%error(place_t(self%source, at%line, at%from - at%first + 1, &

@@ -1,4 +1,4 @@
-!> Rows of a table as text, in memory. Independent of any file: threads may each fill their own.
+!> Rows of a table as text in memory, independent of any file. Each thread may have its own.
 !>
 !>     call rows%put_integer(number)
 !>     call rows%put_reals(values)
@@ -12,10 +12,10 @@ module spintop_text_buffer
     private
     public :: text_buffer_t
 
-    !> Rows of a table as text, made cell by cell.
+    !> Rows of a table as text.
     type :: text_buffer_t
-        integer :: length = 0                !! bytes so far
-        character(:), allocatable :: room    !! has them at its beginning
+        integer :: length = 0                !! number of bytes so far
+        character(:), allocatable :: room    !! memory, which begins with them
         logical, private :: in_row = .false.
     contains
         procedure :: put_reals
@@ -32,10 +32,11 @@ module spintop_text_buffer
 
 contains
 
-    !> Real cells, in the shortest form that reads back to the same bits; `nan` and `inf` as such.
+    !> Adds real cells, in the shortest form that gives the same bits when it is read; `nan` and `inf` if not
+    !> finite.
     subroutine put_reals(self, values)
         class(text_buffer_t), intent(inout) :: self
-        real(dp), intent(in), contiguous :: values(:)
+        real(dp), intent(in), contiguous :: values(:) !! numbers
         integer :: written
 
         if (size(values) == 0) return
@@ -45,10 +46,10 @@ contains
         self%length = self%length + written
     end subroutine put_reals
 
-    !> An integer cell.
+    !> Adds an integer cell.
     subroutine put_integer(self, value)
         class(text_buffer_t), intent(inout) :: self
-        integer(int64), intent(in) :: value
+        integer(int64), intent(in) :: value !! the value
         integer :: written
         call self%start_cell()
         call self%reserve(real_width)
@@ -56,11 +57,11 @@ contains
         self%length = self%length + written
     end subroutine put_integer
 
-    !> A text cell. It is plain: a comma becomes a semicolon, quotes a back quote, and what else
-    !> would break a table (`#`, line ends, control characters) a blank.
+    !> Adds a text cell. A comma becomes a semicolon, a quote a back quote, and other characters that would
+    !> break a table (`#`, line ends, control characters) a blank.
     subroutine put_text(self, text)
         class(text_buffer_t), intent(inout) :: self
-        character(*), intent(in) :: text
+        character(*), intent(in) :: text !! the text
         character(len(text)) :: cell
         integer :: i
 
@@ -86,10 +87,10 @@ contains
         self%in_row = .false.
     end subroutine end_row
 
-    !> Any text, as it is.
+    !> Adds a text without a change.
     subroutine append(self, text)
         class(text_buffer_t), intent(inout) :: self
-        character(*), intent(in) :: text
+        character(*), intent(in) :: text !! the text
         call self%reserve(len(text))
         self%room(self%length + 1:self%length + len(text)) = text
         self%length = self%length + len(text)
@@ -103,7 +104,7 @@ contains
         if (self%length > 0) text = self%room(:self%length)
     end function contents
 
-    !> Empties the buffer, but keeps its memory.
+    !> Empties the buffer, and keeps its memory.
     subroutine clear(self)
         class(text_buffer_t), intent(inout) :: self
         self%length = 0
@@ -113,7 +114,7 @@ contains
     !> Exchanges the contents with another buffer.
     subroutine swap(self, other)
         class(text_buffer_t), intent(inout) :: self
-        type(text_buffer_t), intent(inout) :: other
+        type(text_buffer_t), intent(inout) :: other !! the other buffer
         character(:), allocatable :: room
         integer :: length
         call move_alloc(self%room, room)
@@ -132,7 +133,7 @@ contains
         self%in_row = .true.
     end subroutine start_cell
 
-    !> Makes sure that there is room for more bytes.
+    !> Makes room for more bytes.
     subroutine reserve(self, more)
         class(text_buffer_t), intent(inout) :: self
         integer, intent(in) :: more

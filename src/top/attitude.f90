@@ -1,7 +1,7 @@
 !> Attitude and its rates: Euler angles z-x-z (Goldstein), unit quaternion, body axes.
 !>
-!> Angles are `angle = (phi, theta, psi)`, precession, inclination, spin; the quaternion has its
-!> scalar first and turns body into space axes. Conventions: Provatidis (2012), Eqs 1-10.
+!> Angles are `angle = (phi, theta, psi)`: precession, inclination, spin. The quaternion has its scalar part
+!> first and transforms body axes to space axes. Conventions: Provatidis (2012), Eqs 1-10.
 module spintop_attitude
     use spintop_compare, only: is_zero
     use spintop_kinds, only: dp, pi, xp
@@ -11,7 +11,7 @@ module spintop_attitude
     public :: quaternion_from_angles, angles_from_quaternion
     public :: omega_from_rates, rates_from_omega, omega_rate_from_accelerations
     public :: quaternion_product, conjugate_quaternion, to_space, vertical_from_quaternion
-    public :: rotation_angle, nearest_turn, follow_angles, rotation_minus_one
+    public :: rotation_angle, nearest_turn, follow_angles, may_meet_pole, rotation_minus_one
 
     !> pi in extended precision.
     real(xp), parameter :: half_of_turn = acos(-1.0_xp)
@@ -20,7 +20,7 @@ contains
 
     !> Unit quaternion of the angles.
     pure function quaternion_from_angles(angle) result(q)
-        real(dp), intent(in) :: angle(3)
+        real(dp), intent(in) :: angle(3) !! phi, theta, psi, rad
         real(dp) :: q(4), plus(2), minus(2)
         plus = circular_of_half(angle(1), angle(3))
         minus = circular_of_half(angle(1), -angle(3))
@@ -29,61 +29,66 @@ contains
         end associate
     end function quaternion_from_angles
 
-    !> cos((a + b)/2) and sin((a + b)/2): of many turns the rounding of the sum would be all that matters.
+    !> cos((a + b)/2) and sin((a + b)/2), with the rounding error of a + b corrected: after many turns it
+    !> would dominate.
     pure function circular_of_half(a, b) result(circular)
         real(dp), intent(in) :: a, b
         real(dp) :: circular(2), total, part, lost, c, s
         total = a + b
         part = total - a
-        lost = ((a - (total - part)) + (b - part)) / 2 ! of the sum by its rounding, exactly (Knuth)
+        lost = ((a - (total - part)) + (b - part)) / 2 ! half the rounding error of the sum, exact (Knuth)
         c = cos(total / 2)
         s = sin(total / 2)
         circular = [c - lost * s, s + lost * c]
     end function circular_of_half
 
-    !> Angles of a quaternion (of any length, either sign): theta in [0, pi]; phi and psi are the
-    !> values next to those of `near`, so they stay continuous along a motion. At a pole only
-    !> phi + psi or phi - psi exists; the other combination is kept from `near`.
+    !> Angles of a quaternion (of any norm, either sign). theta is in [0, pi]; phi and psi are the values
+    !> nearest to those of `near`, so they are continuous along a motion. At a pole only phi + psi or phi -
+    !> psi exists; the other combination is taken from `near`.
     pure function angles_from_quaternion(q, near) result(angle)
-        real(dp), intent(in) :: q(4), near(3)
+        real(dp), intent(in) :: q(4), near(3) !! quaternion, and angles near the result, rad
         real(dp) :: angle(3), upper, lower
         real(xp) :: plus, minus, offset(2), flipped(2)
 
         upper = hypot(q(1), q(4))
         lower = hypot(q(2), q(3))
-        ! In extended precision, so that many turns are rounded once: in the result.
+        ! In extended precision: the result is rounded once, for any number of turns.
         plus = (real(near(1), xp) + near(3)) / 2
         minus = (real(near(1), xp) - near(3)) / 2
         offset = 0
         if (upper > 0) offset(1) = least_turn(atan2(q(4), q(1)) - plus)
         if (lower > 0) offset(2) = least_turn(atan2(q(3), q(2)) - minus)
-        ! q and -q are one attitude: both half angles, where they exist, may move by pi together.
-        flipped = merge(least_turn(offset + half_of_turn), 0.0_xp, [upper, lower] > 0)
+        ! q and -q are the same attitude: both half angles, where they exist, may change by pi together.
+        flipped = merge(offset - sign(half_of_turn, offset), 0.0_xp, [upper, lower] > 0)
         if (sum(abs(flipped)) < sum(abs(offset))) offset = flipped
         plus = plus + offset(1)
         minus = minus + offset(2)
         angle = [real(plus + minus, dp), 2 * atan2(lower, upper), real(plus - minus, dp)]
     end function angles_from_quaternion
 
-    !> Carries angles over a time h from the attitude `q_last`, which has them, to the attitude `q`:
-    !> phi and psi continuous, whatever the number of turns between, and to rounding; theta is kept.
-    !> Both quaternions are of one continuous motion, of any length; `omega_last` and `omega` are the
-    !> angular velocities in body axes, rad/s. `sure` means that the axis passed no pole so closely
-    !> that it is not clear on which side: phi and psi may then be a whole turn off, to and fro.
-    !> Turns by thousands of radians at once are not followed.
-    pure subroutine follow_angles(q_last, omega_last, q, omega, h, angle, sure)
-        real(dp), intent(in) :: q_last(4), omega_last(3), q(4), omega(3), h
+    !> Continues angles over a time h, from the attitude `q_last` to the attitude `q`. phi and psi stay
+    !> continuous to rounding, for any number of turns in between; theta is not changed. Both quaternions
+    !> belong to one continuous motion and may have any norm. `sure` is false if the axis passes so close to a
+    !> pole, or circles about it, that the side is not certain; phi and psi may then be wrong by whole turns of
+    !> opposite sign. Rotations by thousands of radians at once are not followed.
+    pure subroutine follow_angles(q_last, omega_last, q, omega, h, angle, sure, omega_rate)
+        real(dp), intent(in) :: q_last(4), omega_last(3), q(4), omega(3)
+            !! quaternion and angular velocity in body axes, rad/s, at the beginning; the same at the end
+        real(dp), intent(in) :: h !! time, s
         real(dp), intent(inout) :: angle(3)
-        logical, intent(out) :: sure
-        !> Turn over which the half angles are compared directly, rad: they change by less than half
-        !> a turn even if the axis passes a pole.
+            !! phi, theta, psi at the earlier state on entry, at the later one on return, rad
+        logical, intent(out) :: sure !! whether the turns are certain
+        real(dp), intent(in), optional :: omega_rate(3, 2)
+            !! rates of the angular velocity at the beginning and the end, rad/s^2; needed where the axis may
+            !! meet a pole
+        !> Largest rotation angle for which half angles are compared directly, rad: they change by less than
+        !> half a turn even if the axis passes a pole.
         real(dp), parameter :: largest_turn = pi / 2
-        !> Change of a half angle by more than that shows a pole, rad.
+        !> A larger change of a half angle indicates a pole, rad.
         real(dp), parameter :: sharp = 2
-        !> A longer turn is not followed: a computation that takes it in one step does not resolve the
-        !> turns between.
+        !> A larger rotation is not followed: a step of this size does not resolve the turns.
         real(dp), parameter :: endless_turn = 1.0e4_dp
-        real(dp) :: turn, half(2), change(2), here(4), there(4)
+        real(dp) :: turn, half(2), change(2), here(4), there(4), bend(2)
         integer :: pieces, i
 
         sure = .true.
@@ -95,8 +100,13 @@ contains
         half = [angle(1) + angle(3), angle(1) - angle(3)] / 2
         pieces = max(1, ceiling(turn / largest_turn))
         here = q_last
-        ! A longer turn goes one half of the time with the first angular velocity, the other with
-        ! the second.
+        if (present(omega_rate)) then
+            bend(1) = h * sqrt(max(sum((omega(1:2) - omega_last(1:2))**2), &
+                                h**2 * maxval(sum(omega_rate(1:2, :)**2, 1))))
+            bend(2) = h * max(abs(omega(3) - omega_last(3)), h * maxval(abs(omega_rate(3, :))))
+        end if
+        ! A larger rotation is divided in two: half of the time with the first angular velocity, half with the
+        ! second.
         do i = 1, pieces
             if (i == pieces) then
                 there = q
@@ -108,17 +118,21 @@ contains
             change = half_angle_change(here, there)
             half = half + change
             sure = sure .and. all(abs(change) < sharp)
+            if (sure .and. present(omega_rate)) then
+                sure = keeps_off(here(1:4:3), there(1:4:3), here(2:3), bend) &
+                       .and. keeps_off(here(2:3), there(2:3), here(1:4:3), bend)
+            end if
             here = there
         end do
         angle = [half(1) + half(2), angle(2), half(1) - half(2)]
-        ! At a pole one half angle begins anew, with the next turn of the axis.
+        ! At a pole one half angle does not exist; it starts anew.
         if (all(is_zero(q_last(1:4:3))) .or. all(is_zero(q_last(2:3)))) then
             angle = angles_from_quaternion(q, angle)
         end if
     end subroutine follow_angles
 
-    !> Change of (phi + psi)/2 and (phi - psi)/2 between two attitudes, each by less than half a
-    !> turn, rad; zero where it does not exist.
+    !> Change of (phi + psi)/2 and (phi - psi)/2 between two attitudes, rad, each by less than half a turn;
+    !> zero where the half angle does not exist.
     pure function half_angle_change(p, q) result(change)
         real(dp), intent(in) :: p(4), q(4)
         real(dp) :: change(2)
@@ -129,7 +143,41 @@ contains
         where (abs(along) + abs(across) > 0) change = atan2(across, along)
     end function half_angle_change
 
-    !> Unit quaternion of a turn about the direction of a vector by its length, rad.
+    !> Whether the axis is so close to a pole at one of two attitudes, or moves so far in between, that it may pass
+    !> the pole or circle about it. Each part of a quaternion moves at half the angular velocity; twice that is
+    !> admitted.
+    pure logical function may_meet_pole(q_last, omega_last, q, omega, h)
+        real(dp), intent(in) :: q_last(4), omega_last(3), q(4), omega(3), h
+            !! quaternion and angular velocity in body axes, rad/s, at the beginning; the same at the end;
+            !! time, s
+        real(dp) :: reach, least
+        reach = h**2 * max(sum(omega_last**2), sum(omega**2)) * max(sum(q_last**2), sum(q**2))
+        least = min(q_last(1)**2 + q_last(4)**2, q_last(2)**2 + q_last(3)**2, q(1)**2 + q(4)**2, q(2)**2 + q(3)**2)
+        may_meet_pole = .not. least > reach
+    end function may_meet_pole
+
+    !> Whether a part of the quaternion, the point whose argument is a half angle, stays clear of zero on its way
+    !> between two places. With a constant angular velocity the way is less than a quarter of an ellipse about zero,
+    !> on the far side of the chord. Accelerations bend it: those across body z by `bend(1)`/16 of the other part,
+    !> those about it by `bend(2)`/16 of this part; twice that is admitted. A part that is zero at an end has no
+    !> argument there.
+    pure logical function keeps_off(from, to, other, bend)
+        real(dp), intent(in) :: from(2), to(2), other(2), bend(2)
+        real(dp), parameter :: admitted = 0.125_dp
+        real(dp) :: along, squares(2), bent
+        squares = [sum(from**2), sum(to**2)]
+        along = dot_product(from, to)
+        bent = admitted * (bend(1) * sqrt(sum(other**2)) + bend(2) * sqrt(squares(1)))
+        if (along < minval(squares)) then
+            ! The point of the chord that is closest to zero lies between its ends.
+            keeps_off = abs(from(1) * to(2) - from(2) * to(1)) > bent * sqrt(sum((to - from)**2))
+        else
+            keeps_off = sqrt(minval(squares)) > bent
+        end if
+        keeps_off = keeps_off .or. any(is_zero(squares))
+    end function keeps_off
+
+    !> Unit quaternion of the rotation about a vector by the norm of the vector, rad.
     pure function turn_by(vector) result(q)
         real(dp), intent(in) :: vector(3)
         real(dp) :: q(4)
@@ -137,39 +185,40 @@ contains
         q(1) = q(1) + 1
     end function turn_by
 
-    !> The same less the quaternion 1: its products are the changes of an attitude by the turn.
+    !> The same quaternion minus 1. Its product with an attitude is the change of the attitude.
     pure function rotation_minus_one(vector) result(q)
-        real(dp), intent(in) :: vector(3)
+        real(dp), intent(in) :: vector(3) !! rotation vector, rad
         real(dp) :: q(4), sinc, drop
         call half_turn(sum((vector / 2)**2), sinc, drop)
         q = [drop, vector * (sinc / 2)]
     end function rotation_minus_one
 
-    !> The value next to `near` among `angle` + 2 pi n, rad.
+    !> The value nearest to `near` among `angle` + 2 pi n, rad.
     elemental real(dp) function nearest_turn(angle, near)
-        real(dp), intent(in) :: angle, near
+        real(dp), intent(in) :: angle, near !! angles, rad
         nearest_turn = real(near + least_turn(real(angle, xp) - near), dp)
     end function nearest_turn
 
-    !> The value next to zero among `angle` + 2 pi n, rad.
+    !> The value nearest to zero among `angle` + 2 pi n, rad.
     elemental real(xp) function least_turn(angle)
         real(xp), intent(in) :: angle
-        least_turn = angle - 2 * half_of_turn * anint(angle / (2 * half_of_turn))
+        least_turn = angle
+        if (.not. abs(angle) < half_of_turn) least_turn = angle - 2 * half_of_turn * anint(angle / (2 * half_of_turn))
     end function least_turn
 
-    !> Angular velocity in body axes of the rates of the angles, rad/s.
+    !> Angular velocity in body axes from the rates of the angles, rad/s.
     pure function omega_from_rates(angle, rate) result(omega)
-        real(dp), intent(in) :: angle(3), rate(3)
+        real(dp), intent(in) :: angle(3), rate(3) !! phi, theta, psi, rad, and their rates, rad/s
         real(dp) :: omega(3)
         omega(1) = rate(1) * sin(angle(2)) * sin(angle(3)) + rate(2) * cos(angle(3))
         omega(2) = rate(1) * sin(angle(2)) * cos(angle(3)) - rate(2) * sin(angle(3))
         omega(3) = rate(1) * cos(angle(2)) + rate(3)
     end function omega_from_rates
 
-    !> Rates of the angles of an angular velocity in body axes, rad/s. Not finite at a pole, where
-    !> phi and psi do not exist separately.
+    !> Rates of the angles from an angular velocity in body axes, rad/s. Not finite at a pole, where phi and
+    !> psi do not exist separately.
     pure function rates_from_omega(angle, omega) result(rate)
-        real(dp), intent(in) :: angle(3), omega(3)
+        real(dp), intent(in) :: angle(3), omega(3) !! phi, theta, psi, rad, and angular velocity in body axes, rad/s
         real(dp) :: rate(3)
         rate(1) = (omega(1) * sin(angle(3)) + omega(2) * cos(angle(3))) / sin(angle(2))
         rate(2) = omega(1) * cos(angle(3)) - omega(2) * sin(angle(3))
@@ -180,11 +229,11 @@ contains
     !> and theta and from that of omega3 (Eq 51).
     pure function omega_rate_from_accelerations(angle, rate, phi_acceleration, &
                                                 theta_acceleration, omega3_rate) result(omega_rate)
-        real(dp), intent(in) :: angle(3), rate(3)
-        real(dp), intent(in) :: phi_acceleration, theta_acceleration, omega3_rate
+        real(dp), intent(in) :: angle(3), rate(3) !! phi, theta, psi, rad, and their rates, rad/s
+        real(dp), intent(in) :: phi_acceleration, theta_acceleration, omega3_rate !! rad/s^2
         real(dp) :: omega_rate(3)
         real(dp) :: along, across
-        ! Components on the line of nodes and across it, both before the turn by psi.
+        ! Components along the line of nodes and across it, both before the rotation by psi.
         along = theta_acceleration + rate(1) * rate(3) * sin(angle(2))
         across = phi_acceleration * sin(angle(2)) + rate(1) * rate(2) * cos(angle(2)) &
                  - rate(2) * rate(3)
@@ -193,9 +242,9 @@ contains
         omega_rate(3) = omega3_rate
     end function omega_rate_from_accelerations
 
-    !> Product p q of two quaternions: first the turn q, then p.
+    !> Product p q of two quaternions: the rotation q followed by the rotation p.
     pure function quaternion_product(p, q) result(r)
-        real(dp), intent(in) :: p(4), q(4)
+        real(dp), intent(in) :: p(4), q(4) !! quaternions, scalar part first
         real(dp) :: r(4)
         r(1) = p(1) * q(1) - p(2) * q(2) - p(3) * q(3) - p(4) * q(4)
         r(2) = p(1) * q(2) + p(2) * q(1) + p(3) * q(4) - p(4) * q(3)
@@ -203,24 +252,30 @@ contains
         r(4) = p(1) * q(4) + p(2) * q(3) - p(3) * q(2) + p(4) * q(1)
     end function quaternion_product
 
-    !> Conjugate: the inverse turn of a unit quaternion.
+    !> Conjugate: the inverse rotation of a unit quaternion.
     pure function conjugate_quaternion(q) result(r)
-        real(dp), intent(in) :: q(4)
+        real(dp), intent(in) :: q(4) !! quaternion, scalar part first
         real(dp) :: r(4)
         r = [q(1), -q(2), -q(3), -q(4)]
     end function conjugate_quaternion
 
-    !> A vector of body axes in space axes.
+    !> Transforms a vector from body axes to space axes.
     pure function to_space(q, v) result(w)
-        real(dp), intent(in) :: q(4), v(3)
-        real(dp) :: w(3), r(4)
-        r = quaternion_product(quaternion_product(q, [0.0_dp, v]), conjugate_quaternion(q))
-        w = r(2:4)
+        real(dp), intent(in) :: q(4), v(3) !! quaternion from body to space axes, and vector in body axes
+        real(dp) :: w(3), r1, r2, r3, r4
+        ! The product q (0, v) q* written out: with function calls it would take three times the time.
+        r1 = -q(2) * v(1) - q(3) * v(2) - q(4) * v(3)
+        r2 = q(1) * v(1) + q(3) * v(3) - q(4) * v(2)
+        r3 = q(1) * v(2) - q(2) * v(3) + q(4) * v(1)
+        r4 = q(1) * v(3) + q(2) * v(2) - q(3) * v(1)
+        w(1) = -r1 * q(2) + r2 * q(1) - r3 * q(4) + r4 * q(3)
+        w(2) = -r1 * q(3) + r2 * q(4) + r3 * q(1) - r4 * q(2)
+        w(3) = -r1 * q(4) - r2 * q(3) + r3 * q(2) + r4 * q(1)
     end function to_space
 
     !> Upward vertical in body axes, "Gamma".
     pure function vertical_from_quaternion(q) result(gamma)
-        real(dp), intent(in) :: q(4)
+        real(dp), intent(in) :: q(4) !! quaternion, scalar part first
         real(dp) :: gamma(3)
         gamma(1) = 2 * (q(2) * q(4) - q(1) * q(3))
         gamma(2) = 2 * (q(3) * q(4) + q(1) * q(2))
@@ -229,7 +284,7 @@ contains
 
     !> Rotation angle between two attitudes, rad, in [0, pi]; exact to rounding for small turns.
     pure real(dp) function rotation_angle(p, q)
-        real(dp), intent(in) :: p(4), q(4)
+        real(dp), intent(in) :: p(4), q(4) !! unit quaternions, scalar part first
         real(dp) :: r(4)
         r = quaternion_product(conjugate_quaternion(p), q)
         rotation_angle = 2 * atan2(norm2(r(2:4)), abs(r(1)))

@@ -24,13 +24,15 @@ module spintop_body
         procedure :: weight_moment
         procedure :: is_symmetric
         procedure :: is_lagrange
+        procedure :: is_free
+        procedure :: has_closed_form
         procedure :: symmetry_axis
         procedure :: torque
     end type body_t
 
 contains
 
-    !> Weight times the height of the centre of mass on body z, N m ("m g l").
+    !> Weight times the height of the centre of mass along body z, N m ("m g l").
     pure real(dp) function mgl(self)
         class(body_t), intent(in) :: self
         mgl = self%mass * self%gravity * self%centre_of_mass(3)
@@ -56,8 +58,20 @@ contains
         is_lagrange = self%is_symmetric() .and. self%mgl() >= 0 .and. all(is_zero(self%damping))
     end function is_lagrange
 
-    !> Unit vector of an axis about which the body may be turned without a difference to inertia,
-    !> weight and damping; zero where there is none. Of a sphere it is that of the centre of mass.
+    !> Whether the body moves freely: without damping and without gravitational torque.
+    pure logical function is_free(self)
+        class(body_t), intent(in) :: self
+        is_free = all(is_zero(self%damping)) .and. all(is_zero(self%weight_moment()))
+    end function is_free
+
+    !> Whether its motion has a closed form: that of a Lagrange top, or of a free body.
+    pure logical function has_closed_form(self)
+        class(body_t), intent(in) :: self
+        has_closed_form = self%is_lagrange() .or. self%is_free()
+    end function has_closed_form
+
+    !> Unit vector of an axis about which inertia, weight and damping are symmetric; zero if there is none.
+    !> For a sphere it points to the centre of mass.
     pure function symmetry_axis(self) result(axis)
         class(body_t), intent(in) :: self
         real(dp) :: axis(3), moment(3)
@@ -90,7 +104,7 @@ contains
     !> vertical in body axes).
     pure function torque(self, gamma) result(moment)
         class(body_t), intent(in) :: self
-        real(dp), intent(in) :: gamma(3)
+        real(dp), intent(in) :: gamma(3) !! upward vertical in body axes
         real(dp) :: moment(3)
         moment = self%mass * self%gravity * cross(gamma, self%centre_of_mass)
     end function torque

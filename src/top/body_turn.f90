@@ -1,8 +1,8 @@
-!> Rotations of the body axes that turn a body into a Lagrange top: its axis of symmetry is body x or y,
-!> or its centre of mass lies below the pivot on body z.
+!> Rotations of the body axes that make a Lagrange top of a body whose symmetry axis is body x or y, or whose
+!> centre of mass lies below the pivot on body z.
 !>
-!> The turned axes have the symmetry along z and the centre of mass at or above the pivot; what is
-!> computed in them is turned back to the axes in which the body was given.
+!> The rotated axes have the symmetry axis along z and the centre of mass at or above the pivot. Results that
+!> are computed in them are rotated back to the axes in which the body was given.
 module spintop_body_turn
     use spintop_kinds, only: dp, pi
     use spintop_attitude, only: quaternion_product, conjugate_quaternion, &
@@ -13,11 +13,11 @@ module spintop_body_turn
     private
     public :: body_turn_t, find_body_turn
 
-    !> A turn of the body axes by a quaternion: v turned = p v conj(p).
+    !> A rotation of the body axes by a quaternion p: the vector v becomes p v conj(p).
     type :: body_turn_t
-        !> The axis of symmetry was body x, y or z (1, 2, 3); 0 for no turn at all.
+        !> The symmetry axis was body x, y or z (1, 2, 3); 0 if there is no rotation.
         integer :: axis = 0
-        !> The axis points the other way after the turn.
+        !> The direction of the axis is reversed by the rotation.
         logical :: flipped = .false.
         real(dp), private :: p(4) = [1, 0, 0, 0]
     contains
@@ -29,18 +29,18 @@ module spintop_body_turn
         procedure :: vector
     end type body_turn_t
 
-    !> Half a turn about x: y and z change sign.
+    !> Half a turn about x, which reverses y and z.
     real(dp), parameter :: flip(4) = [0, 1, 0, 0]
-    !> The cyclic exchanges that bring body x, y, z to z.
+    !> Cyclic permutations that bring body x, y, z to z.
     real(dp), parameter :: exchange(4, 3) = reshape([ &
         0.5_dp, -0.5_dp, -0.5_dp, -0.5_dp, 0.5_dp, 0.5_dp, 0.5_dp, 0.5_dp, &
         1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], [4, 3])
 
 contains
 
-    !> The rotation that turns the body into a Lagrange top; none if it is one, or cannot be one.
+    !> The rotation that makes a Lagrange top of the body; none if it is one already, or cannot be one.
     pure type(body_turn_t) function find_body_turn(body) result(turn)
-        type(body_t), intent(in) :: body
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(body_turn_t) :: trial
         type(body_t) :: turned
         integer :: axis, sense
@@ -60,22 +60,22 @@ contains
         end do
     end function find_body_turn
 
-    !> Whether there is a turn.
+    !> Whether there is a rotation.
     elemental logical function is_turned(self)
         class(body_turn_t), intent(in) :: self
         is_turned = self%axis > 0
     end function is_turned
 
-    !> Whether the axis of symmetry was not body z.
+    !> Whether the symmetry axis was not body z.
     elemental logical function exchanges_axes(self)
         class(body_turn_t), intent(in) :: self
         exchanges_axes = self%axis == 1 .or. self%axis == 2
     end function exchanges_axes
 
-    !> The body in turned axes.
+    !> The body in rotated axes.
     pure type(body_t) function turned_body(self, body) result(turned)
         class(body_turn_t), intent(in) :: self
-        type(body_t), intent(in) :: body
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
         turned = body
         if (self%axis == 0) return
         turned%inertia = exchanged(self%axis, body%inertia)
@@ -91,7 +91,7 @@ contains
         w = cshift(v, axis)
     end function exchanged
 
-    !> A vector in turned axes, without rounding.
+    !> A vector in rotated axes, without rounding errors.
     pure function vector(self, v) result(w)
         class(body_turn_t), intent(in) :: self
         real(dp), intent(in) :: v(3) !! in the axes in which the body was given
@@ -100,10 +100,10 @@ contains
         if (self%flipped) w(2:3) = -w(2:3)
     end function vector
 
-    !> A motion in turned axes.
+    !> A motion in rotated axes.
     pure type(motion_t) function turned_motion(self, motion) result(turned)
         class(body_turn_t), intent(in) :: self
-        type(motion_t), intent(in) :: motion
+        type(motion_t), intent(in) :: motion !! in the axes in which the body was given
         turned = motion
         if (self%axis == 3) then
             turned = motion_from_angles(motion%t, [motion%angle(1) + pi, pi - motion%angle(2), &
@@ -119,12 +119,12 @@ contains
         if (self%axis == 3) turned%gives_omega3 = motion%gives_omega3 .or. motion%gives_omega
     end function turned_motion
 
-    !> A motion in turned axes seen in the axes in which the body was given; phi and psi next to
-    !> those of `near`.
+    !> A motion in rotated axes, expressed in the axes in which the body was given. phi and psi are the values
+    !> nearest to those of `near`.
     pure type(motion_t) function back(self, motion, near) result(seen)
         class(body_turn_t), intent(in) :: self
-        type(motion_t), intent(in) :: motion
-        real(dp), intent(in) :: near(3)
+        type(motion_t), intent(in) :: motion !! in rotated axes
+        real(dp), intent(in) :: near(3) !! angles near the result, rad
         seen = motion
         if (self%axis == 0) return
         seen%quaternion = quaternion_product(motion%quaternion, self%p)
@@ -140,7 +140,7 @@ contains
 
     contains
 
-        !> A vector of turned axes in the given ones.
+        !> A vector in rotated axes, expressed in the given axes.
         pure function given_vector(w) result(v)
             real(dp), intent(in) :: w(3)
             real(dp) :: v(3)

@@ -1,4 +1,4 @@
-!> The motion of a top at one instant, in every description at once.
+!> The motion of a top at one instant, in all descriptions.
 module spintop_motion
     use spintop_kinds, only: dp
     use spintop_attitude, only: quaternion_from_angles, angles_from_quaternion, &
@@ -23,19 +23,20 @@ module spintop_motion
         real(dp) :: quaternion(4) = [1, 0, 0, 0]
         !> Norm error abs(q) - 1 of the computed quaternion; 0 if the motion was computed by other means.
         real(dp) :: norm_error = 0
-        !> Of a start, what was given and is exact, where the rest was computed from it and is rounded: the
-        !> quaternion, not the angles; omega, or omega3 alone, not the rates.
+        !> For a start: which quantities were given and are exact. The others are computed from them and
+        !> rounded. With `gives_quaternion` the quaternion is exact, not the angles; with `gives_omega` omega,
+        !> with `gives_omega3` omega3 alone, not the rates.
         logical :: gives_quaternion = .false., gives_omega = .false., gives_omega3 = .false.
     end type motion_t
 
-    !> Distance from 1 of the squared length of a quaternion that is left as it is.
+    !> A quaternion whose squared norm differs from 1 by less is not scaled.
     real(dp), parameter :: unit_slack = 1.0e-6_dp
 
 contains
 
     !> Motion from the angles and their rates; the acceleration is left zero.
     pure type(motion_t) function motion_from_angles(t, angle, rate) result(motion)
-        real(dp), intent(in) :: t, angle(3), rate(3)
+        real(dp), intent(in) :: t, angle(3), rate(3) !! time, s; phi, theta, psi, rad; their rates, rad/s
         motion%t = t
         motion%angle = angle
         motion%rate = rate
@@ -43,11 +44,12 @@ contains
         motion%quaternion = quaternion_from_angles(angle)
     end function motion_from_angles
 
-    !> Motion from a unit quaternion and the body angular velocity; phi and psi are the values next
-    !> to `near` (phi, theta, psi). The acceleration is left zero. A quaternion whose length is not 1,
-    !> to six digits, is scaled; one of no length gives NaN.
+    !> Motion from a unit quaternion and the body angular velocity. phi and psi are the values nearest to
+    !> those of `near` (phi, theta, psi). The acceleration is left zero. A quaternion whose norm is not 1 to
+    !> six digits is scaled; a zero quaternion gives NaN.
     pure type(motion_t) function motion_from_quaternion(t, q, omega, near) result(motion)
         real(dp), intent(in) :: t, q(4), omega(3), near(3)
+            !! time, s; unit quaternion; angular velocity in body axes, rad/s; angles near the result, rad
         motion%t = t
         motion%angle = angles_from_quaternion(q, near)
         motion%rate = rates_from_omega(motion%angle, omega)

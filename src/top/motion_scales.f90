@@ -1,5 +1,5 @@
-!> How fast a motion may become: the units of its own in which errors are measured, so that these do
-!> not depend on the units of mass, length and time.
+!> Scales of a motion, in which its errors are measured, so that errors do not depend on the units of mass,
+!> length and time.
 module spintop_motion_scales
     use spintop_kinds, only: dp
     use spintop_attitude, only: vertical_from_quaternion
@@ -17,23 +17,30 @@ module spintop_motion_scales
 
 contains
 
-    !> Bounds from the energy, which does not rise: exact at the lowest place of an undamped symmetric
-    !> top that reaches it, and the order of magnitude for other bodies. A body at rest has the scales
-    !> of its small oscillation, and one without gravity torque, too, those of 1 rad/s.
+    !> Bounds from the energy, which does not increase. They are exact for an undamped symmetric top that
+    !> reaches its lowest point, and an order of magnitude for other bodies. A body at rest has the scales of
+    !> its small oscillation; without gravitational torque either, those of a rotation at 1 rad/s.
     pure type(motion_scales_t) function motion_scales(body, start) result(scales)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! any instant of the motion: attitude and angular velocity
-        real(dp) :: pull, fall, energy, spin, across, middle, largest
+        real(dp) :: pull, fall, energy, spin, across, middle, largest, moment(3)
+        logical :: is_lagrange
 
-        pull = norm2(body%weight_moment())
-        fall = pull + dot_product(body%weight_moment(), vertical_from_quaternion(start%quaternion))
+        moment = body%weight_moment()
+        is_lagrange = body%is_lagrange()
+        if (is_lagrange) then
+            pull = abs(moment(3))
+        else
+            pull = norm2(moment)
+        end if
+        fall = pull + dot_product(moment, vertical_from_quaternion(start%quaternion))
         associate (inertia => body%inertia, omega => start%omega)
-            if (body%is_lagrange()) then
+            if (is_lagrange) then
                 spin = omega(3)
                 energy = sum(inertia(1:2) * omega(1:2)**2) / 2 + max(fall, 0.0_dp)
                 across = sqrt(max(2 * energy, pull) / inertia(1))
-                scales%rate = norm2([across, spin])
-                scales%momentum = norm2([inertia(1) * across, inertia(3) * spin])
+                scales%rate = hypot(across, spin)
+                scales%momentum = hypot(inertia(1) * across, inertia(3) * spin)
             else
                 largest = maxval(inertia)
                 middle = sum(inertia) - largest - minval(inertia)

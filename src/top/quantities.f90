@@ -14,48 +14,48 @@ contains
 
     !> Kinetic energy, J.
     pure real(dp) function kinetic_energy(body, motion)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: motion
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         kinetic_energy = dot_product(body%inertia, motion%omega**2) / 2
     end function kinetic_energy
 
     !> Potential energy above the height of the pivot, J.
     pure real(dp) function potential_energy(body, motion)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: motion
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         potential_energy = body%mass * body%gravity &
             * dot_product(body%centre_of_mass, vertical_from_quaternion(motion%quaternion))
     end function potential_energy
 
-    !> Scale of energy errors, J: the kinetic energy at the start + m g |r|; above
-    !> zero also for a body at rest without weight.
+    !> Scale of energy errors, J: kinetic energy at the start + m g |r|; positive also for a body at rest
+    !> without weight.
     pure real(dp) function energy_scale(body, start)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         energy_scale = max(kinetic_energy(body, start) + body%mass * body%gravity * norm2(body%centre_of_mass), &
                            tiny(1.0_dp))
     end function energy_scale
 
     !> Angular momentum about the vertical, kg m^2/s ("c1" of Eq 41).
     pure real(dp) function vertical_momentum(body, motion)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: motion
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         vertical_momentum = dot_product(body%inertia * motion%omega, &
                                         vertical_from_quaternion(motion%quaternion))
     end function vertical_momentum
 
     !> Angular momentum about body z, kg m^2/s.
     pure real(dp) function axial_momentum(body, motion)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: motion
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         axial_momentum = body%inertia(3) * motion%omega(3)
     end function axial_momentum
 
-    !> What is left of Euler's equations, I omega' + omega x I omega - moment, N m (the first two
-    !> are R1 and R2 of Eq 51).
+    !> Residual of Euler's equations, I omega' + omega x I omega - torque, N m. The first two components are
+    !> R1 and R2 of Eq 51.
     pure function euler_residuals(body, motion) result(residual)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: motion
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude, angular velocity and acceleration at an instant
         real(dp) :: residual(3)
         residual = body%inertia * motion%omega_rate &
                    + cross(motion%omega, body%inertia * motion%omega) &
@@ -63,11 +63,11 @@ contains
                    - body%torque(vertical_from_quaternion(motion%quaternion))
     end function euler_residuals
 
-    !> Force of the support on the body in space axes, N: the mass times the acceleration of the
-    !> centre of mass, less the weight (Eqs 47-50 for any rigid body).
+    !> Support force on the body in space axes, N: the mass times the acceleration of the centre of mass,
+    !> minus the weight (Eqs 47-50 for any rigid body).
     pure function support_force(body, motion) result(force)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: motion
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude, angular velocity and acceleration at an instant
         real(dp) :: force(3)
         associate (r => body%centre_of_mass)
             force = to_space(motion%quaternion, cross(motion%omega_rate, r) &
@@ -79,19 +79,19 @@ contains
     !> Tip of the axis in space axes: the unit vector from the pivot to the centre of mass, or
     !> along body z where both coincide.
     pure function axis_tip(body, motion) result(tip)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: motion
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         real(dp) :: tip(3)
         tip = [0.0_dp, 0.0_dp, 1.0_dp]
         if (norm2(body%centre_of_mass) > 0) tip = body%centre_of_mass / norm2(body%centre_of_mass)
         tip = to_space(motion%quaternion, tip)
     end function axis_tip
 
-    !> Rate of the height of body z, cos(theta), 1/s: zero at the turning points of theta, smooth
-    !> at the poles; zero, too, where it is only the rounding error of its terms.
+    !> Rate of the height of body z, cos(theta), 1/s: zero at the turning points of theta, smooth at the
+    !> poles. It is exactly zero where it is only the rounding error of its terms.
     pure real(dp) function axis_height_rate(motion) result(rate)
-        type(motion_t), intent(in) :: motion
-        !> Rounding of gamma and omega, in units of the terms.
+        type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
+        !> Rounding error of gamma and omega, relative to the terms.
         real(dp), parameter :: rounding = 8 * epsilon(1.0_dp)
         real(dp) :: gamma(3)
         gamma = vertical_from_quaternion(motion%quaternion)

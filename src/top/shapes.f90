@@ -1,7 +1,7 @@
 !> Bodies of common shapes: mass properties from dimensions and density.
 !>
-!> Every shape is a homogeneous solid of revolution about body z, carried by the massless rest of
-!> the top; its row says which dimensions it needs, its formula is in `build_shape`.
+!> Every shape is a homogeneous solid of revolution about body z, on a massless support. Its row in
+!> `shape_infos` lists the dimensions it needs; its formula is in `build_shape`.
 module spintop_shapes
     use spintop_kinds, only: dp, pi
     implicit none
@@ -32,7 +32,7 @@ module spintop_shapes
     type :: shape_info_t
         character(16) :: name
         character(96) :: what
-        !> Needs these dimensions besides the radius.
+        !> Which dimensions it needs besides the radius.
         logical :: needs_inner_radius, needs_thickness, needs_rod_length
     end type shape_info_t
 
@@ -55,8 +55,8 @@ contains
 
     !> Volume, length and radii of inertia of a shape.
     pure type(solid_t) function build_shape(name, size) result(solid)
-        character(*), intent(in) :: name
-        type(dimensions_t), intent(in) :: size
+        character(*), intent(in) :: name !! name of the shape
+        type(dimensions_t), intent(in) :: size !! dimensions of the shape
         associate (r => size%radius, s => size%inner_radius, h => size%thickness)
             select case (name)
             case ('spinning_wheel')

@@ -18,8 +18,8 @@ contains
 
     !> For the square of an angle x: `sinc` = sin(x)/x and `drop` = cos(x) - 1.
     pure subroutine half_turn(square, sinc, drop)
-        real(dp), intent(in) :: square
-        real(dp), intent(out) :: sinc, drop
+        real(dp), intent(in) :: square !! square of the angle x, rad^2
+        real(dp), intent(out) :: sinc, drop !! sin(x)/x and cos(x) - 1
         real(dp) :: x, x4, x8
 
         if (square > largest_square) then

@@ -1,6 +1,7 @@
 // The motion between rows against motions that are known.
 
 import { fromAngles, toAngles } from "../../scripts/reporting/page/attitude.js";
+import { columnsOf } from "../../scripts/reporting/page/data.js";
 import { Motion } from "../../scripts/reporting/page/motion.js";
 import { equal, near, test } from "./check.js";
 
@@ -9,31 +10,25 @@ const BODY = {
   inertia: [3, 3, 0.5],
   centre: [0, 0, 1],
   axis: [0, 0, 1],
-  solid: { kind: "cylinder", radius: 0.5, height: 0.1, axes: [1, 0, 0, 0, 1, 0, 0, 0, 1] },
+  solids: [
+    { kind: "cylinder", radius: 0.5, height: 0.1, axes: [1, 0, 0, 0, 1, 0, 0, 0, 1], place: [0, 0, 1] },
+  ],
 };
-
-function pack(numbers, Kind) {
-  const bytes = new Uint8Array(Kind.from(numbers).buffer);
-  return btoa(String.fromCharCode(...bytes));
-}
+const FACTS = { title: "", total: 5, stride: 1, notes: [], body: BODY };
 
 /** A motion with these angles at times 0, dt, 2 dt, ...; `form` says what of it the table has. */
-function makeMotion(angles, dt, { count = 5, form = "angles", omega = null } = {}) {
-  const t = Array.from({ length: count }, (_, i) => i * dt);
-  const rows = t.map(angles);
-  const exact = { t: pack(t, Float64Array) };
-  if (form === "angles") {
-    ["phi", "theta", "psi"].forEach((name, k) => {
-      exact[name] = pack(rows.map((row) => row[k]), Float64Array);
-    });
-  } else {
-    const attitudes = rows.map((row) => fromAngles(...row));
-    for (const [name, part] of [["q0", "w"], ["q1", "x"], ["q2", "y"], ["q3", "z"]]) {
-      exact[name] = pack(attitudes.map((attitude) => attitude[part]), Float64Array);
-    }
-  }
-  const drawn = omega ? { omega: pack(t.flatMap(omega), Float32Array) } : {};
-  return new Motion({ title: "", total: count, stride: 1, exact, drawn, notes: [], body: BODY });
+function makeMotion(angles, dt, { count = 5, form = "angles", omega = null, rates = null } = {}) {
+  const t = Float64Array.from({ length: count }, (_, i) => i * dt);
+  const columns = { t };
+  const add = (names, values) => {
+    const rows = Array.from(t, values);
+    names.forEach((name, k) => { columns[name] = Float64Array.from(rows, (row) => row[k]); });
+  };
+  if (form === "angles") add(["phi", "theta", "psi"], angles);
+  else add(["q1", "q2", "q3", "q0"], (time) => fromAngles(...angles(time)).toArray());
+  if (omega) add(["omega1", "omega2", "omega3"], omega);
+  if (rates) add(["phi_rate", "theta_rate", "psi_rate"], rates);
+  return new Motion({ ...FACTS, total: count }, columns);
 }
 
 const RATE = 0.4;
@@ -80,7 +75,7 @@ test("a fall through the upright is a fall", () => {
 
 test("the momentum of a steady precession has its own height", () => {
   const motion = makeMotion(steady, 0.05, { omega: steadyOmega });
-  const [a, b] = [0.5, 0.8].map((part) => motion.at(part * 0.05).momentum);
+  const [a, b] = [0.5, 0.8].map((part) => motion.at(part * 0.05).vectors.momentum);
   const across = 3 * RATE * Math.sin(0.8);
   const expected = 0.5 * (RATE * Math.cos(0.8) + SPIN) * Math.cos(0.8) + across * Math.sin(0.8);
   near(a.z, expected, 1e-3);
@@ -100,12 +95,36 @@ test("the trace goes through the rows, and is as long as the motion", () => {
 });
 
 test("without a body there is no momentum", () => {
-  const { t } = makeMotion(steady, 0.1);
-  const names = ["phi", "theta", "psi"];
-  const exact = { t: pack(t, Float64Array) };
-  names.forEach((name, k) => { exact[name] = pack(Array.from(t, (time) => steady(time)[k]), Float64Array); });
-  const drawn = { omega: pack(Array.from(t).flatMap(steadyOmega), Float32Array) };
-  const motion = new Motion({ title: "", total: 5, stride: 1, exact, drawn, notes: [] });
+  const { t, angles: [phi, theta, psi] } = makeMotion(steady, 0.1);
+  const [omega1, omega2, omega3] = [0, 1, 2].map((k) => Float64Array.from(t, (time) => steadyOmega(time)[k]));
+  const motion = new Motion({ ...FACTS, body: undefined }, { t, phi, theta, psi, omega1, omega2, omega3 });
   equal(motion.momentum, null, "momentum");
+  equal(motion.at(0).omega.toArray(), steadyOmega(0));
   equal(toAngles(motion.at(0).attitude).map((angle) => Number(angle.toFixed(9))), [0, 0.8, 0]);
+});
+
+test("rates give the angular velocity, and it the rates", () => {
+  const rates = () => [RATE, 0, SPIN];
+  const ofRates = makeMotion(steady, 0.1, { rates });
+  const ofOmega = makeMotion(steady, 0.1, { omega: steadyOmega });
+  for (const time of ofRates.t) {
+    steadyOmega(time).forEach((value, k) => near(ofRates.at(time).omega.getComponent(k), value, 1e-13));
+    rates().forEach((value, k) => near(ofOmega.at(time).rates[k], value, 1e-12));
+    const { x, y, z } = ofRates.at(time).vectors.omega;
+    near(Math.hypot(x, y, z), Math.hypot(...steadyOmega(time)), 1e-12);
+  }
+  const sleeping = makeMotion(() => [0, 0, 0], 0.1, { omega: () => [0, 0, 5] });
+  equal(sleeping.at(0).rates.map(Number.isNaN), [true, false, true], "what does not exist upright");
+});
+
+test("columns are read to the last bit, comments left out", () => {
+  const text = "# a comment\n# phi: x\nt,status,phi\n0.1,ok,1e-300\n0.30000000000000004,ok,-0\n# status: ok\n";
+  const { t, phi } = columnsOf(text, ["t", "phi"]);
+  equal([...t], [0.1, 0.1 + 0.2]);
+  equal([phi[0], Object.is(phi[1], -0)], [1e-300, true]);
+});
+
+test("the row that is nearest to a time", () => {
+  const motion = makeMotion(steady, 0.5);
+  equal([-1, 0.2, 0.26, 1.9, 9].map((time) => motion.rowNear(time)), [0, 0, 1, 4, 4]);
 });

@@ -1,6 +1,7 @@
 """Tests of the axes of a sweep as a user gives them: combinations, drawn values, tables."""
 
 import math
+import re
 import unittest
 from pathlib import Path
 
@@ -127,10 +128,155 @@ class CombinationTest(ProgramCase):
         counted = [4 * step + start_and_end for step in steps]
         self.assertEqual(table.column("evaluations"), counted)
 
+    def test_distributions(self) -> None:
+        """Each column has the value of its parameter, whatever the threads and the parts."""
+        text = SWEEP.replace("theta = 0.19634954084936207\n", "").replace("psi_rate = 1.0\n", "")
+        text += (
+            "&output columns = 'theta_end', 'theta_min' /\n&sweep combine = 'COMBINE', cases = 600,"
+        )
+        text += " parameter = 'initial.quaternion', 'initial.omega3', 'top.mass',"
+        text += " distribution = 'sphere',"
+        text += " 'normal', 'lognormal', mean(2:3) = 20, 0.1, covariance(2,2) = 4,"
+        text += " covariance(3,2) = -0.1, covariance(3,3) = 0.01 /\n"
+        for combine in ("random", "latin_hypercube", "sobol", "saltelli"):
+            with self.subTest(combine):
+                scene = self.write(text.replace("COMBINE", combine), f"{combine}.nml")
+                if combine == "saltelli":
+                    self.assertIn("need independent axes", self.refuse(scene))
+                    plain = scene.read_text(encoding="utf-8").split(", covariance(2,2)")[0]
+                    scene.write_text(plain + ", deviation(2:3) = 2, 0.1 /\n", encoding="utf-8")
+                table = self.compute(scene)
+                parts = [f"initial.quaternion({k})" for k in (1, 2, 3, 4)]
+                self.assertEqual(table.names[1:7], [*parts, "initial.omega3", "top.mass"])
+                self.assertEqual(len(table.rows), 600)
+                whole = (self.folder / "output" / f"{combine}.csv").read_bytes()
+                result = self.run_program(scene, "--threads", "1", "--shard", "5/7", "-o", "part")
+                self.assertEqual(result.returncode, 0, result.stderr)
+                part = (self.folder / "part" / f"{combine}.5-of-7.csv").read_bytes()
+                self.assertIn(part.split(b"notes\n")[1], whole)
+                again = self.compute(self.write(table.resolved(), "again.nml"))
+                self.assertEqual(again.rows, table.rows)
+                # A case by itself, with the values of its columns, moves as in the sweep.
+                row = table.rows[417]
+                values = [*row[1:7]]
+                keys = ["initial.quaternion=" + ",".join(values[:4])]
+                keys += [f"initial.omega3={values[4]}", f"top.mass={values[5]}"]
+                alone = self.write(
+                    text.split("&output")[0].replace("'sweep'", "'trajectory'"), "alone.nml"
+                )
+                single = self.compute(
+                    alone, *keys, "output.columns=t,theta", "integration.method=exact"
+                )
+                self.assertAlmostEqual(float(single.rows[-1][1]), float(row[8]), delta=1e-9)
+
+    def test_draws_out_of_range_are_failed_cases(self) -> None:
+        """A normal mass may be negative: its case fails, and says why."""
+        text = (
+            FREE
+            + NUTATION
+            + "&sweep combine = 'sobol', seed = 0, cases = 64, parameter = 'top.mass',"
+        )
+        text += " 'initial.theta', distribution = 'normal', 'sphere', mean = 1, deviation = 0.7 /\n"
+        scene = self.write(text)
+        result = self.run_program(scene)
+        self.assertEqual(result.returncode, 3, result.stderr)
+        table = self.table("scene")
+        failed = [row for row in table.rows if row[3] == "bad_input"]
+        self.assertTrue(0 < len(failed) < 10)
+        for row in table.rows:
+            self.assertEqual(float(row[1]) <= 0, row[3] == "bad_input")
+        self.assertTrue(all(row[-1] == "top.mass must be > 0" for row in failed))
+        error = self.refuse(scene, "--set", "sweep.mean=-10")
+        self.assertIn(
+            "none of the first 64 cases has all values in their ranges: top.mass must be > 0", error
+        )
+        for setting, part in (
+            ("sweep.distribution(2)=uniform", "axis 2 has no values"),
+            (
+                "sweep.distribution(2)=spherical",
+                "expected one of: uniform, normal, lognormal, sphere",
+            ),
+            ("sweep.deviation=0", "deviation(1) is out of range"),
+            ("sweep.cases=1e3", "a whole number is written 1000"),
+            ("sweep.cases=9007199254740992", "is too large"),
+            ("sweep.cases=2000000000000000", "must be in [1, 1e15]"),
+            ("sweep.parameter(17)=top.mass", "parameter(16)"),
+        ):
+            self.assertIn(part, self.refuse(scene, "--set", setting))
+
+    def test_sixteen_axes(self) -> None:
+        """As many may be drawn or go side by side; a grid has four."""
+        keys = [f"top.damping({k})" for k in (1, 2, 3)] + [f"top.inertia({k})" for k in (1, 2, 3)]
+        keys += [f"top.centre_of_mass({k})" for k in (1, 2, 3)] + ["top.mass", "top.gravity"]
+        keys += [
+            "initial.theta",
+            "initial.phi",
+            "initial.psi",
+            "initial.omega3",
+            "initial.theta_rate",
+        ]
+        text = (
+            FREE
+            + "&output columns = 'theta_end' /\n&sweep cases = 40, combine = 'sobol', parameter = "
+        )
+        text += ", ".join(f"'{key}'" for key in keys) + ", from = 16*1, to = 16*1.01 /\n"
+        text = text.replace("16*1", ", ".join(["1"] * 16), 1).replace(
+            "16*1.01", ", ".join(["1.01"] * 16)
+        )
+        text = text.replace("length", "! length")
+        table = self.compute(self.write(text))
+        self.assertEqual(table.names[1:17], keys)
+        for k in range(1, 17):
+            self.assertEqual(len({row[k] for row in table.rows}), 40)
+
+    def test_more_cases_than_32_bits_count(self) -> None:
+        """The last of a million parts of three billion cases, drawn and in a grid."""
+        cases = 3_000_000_000
+        drawn = FREE + NUTATION + "&sweep combine = 'sobol', " + DRAWN.replace("700", str(cases))
+        grid = (
+            FREE
+            + NUTATION
+            + "&sweep parameter = 'initial.theta_deg', 'initial.omega3', 'initial.phi',"
+        )
+        grid += " from = 10, 1, 0, to = 170, 100, 1, count = 3000, 1000, 1000 /\n"
+        for name, text in (("drawn", drawn), ("grid", grid)):
+            scene = self.write(text, f"{name}.nml")
+            result = self.run_program(scene, "--shard", "1000000/1000000")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertIn(f"cases {cases - 2999} to {cases} of {cases}", result.stdout)
+            table = self.table(f"{name}.1000000-of-1000000")
+            numbers = [int(row[0]) for row in table.rows]
+            self.assertEqual(numbers, list(range(cases - 2999, cases + 1)))
+            if name == "grid":
+                self.assertEqual(table.rows[-1][1:4], ["170", "100", "1"])
+                self.assertEqual(len({row[2] for row in table.rows}), 3)
+            result = self.run_program(scene, "--check")
+            self.assertIn(f"{cases} cases: ", result.stdout)
+
+    def test_check_forecasts(self) -> None:
+        """The size of the table that is then written, within a tenth; memory and time are named."""
+        scene = self.write(
+            FREE + NUTATION + "&sweep combine = 'random', " + DRAWN.replace("700", "5000")
+        )
+        result = self.run_program(scene, "--check", "--threads", "2")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        found = re.search(r"! +table +about (\S+) kB, (\S+) bytes per case", result.stdout)
+        self.assertTrue(found, result.stdout)
+        self.assertRegex(result.stdout, r"! +memory +about \S+ MB\n")
+        self.assertRegex(
+            result.stdout, r"! +time +about \S+ \w+ on 2 threads, from 200 cases in \S+ m?s\n"
+        )
+        self.compute(scene)
+        size = (self.folder / "output/scene.csv").stat().st_size
+        self.assertAlmostEqual(float(found[1]) * 1000, size, delta=0.1 * size)
+        self.assertFalse(list(self.folder.glob("output/*.part")))
+        again = self.write(result.stdout, "again.nml")
+        self.assertEqual(self.run_program(again, "--check").returncode, 0)
+
     def test_check_tells_of_the_axes(self) -> None:
-        """How many cases, how they combine, where they begin and end."""
+        """The number of cases, their combination, the first and the last values."""
         result = self.run_program(self.scene("random_tops"), "--check")
-        self.assertIn("4000 cases: a Latin hypercube, drawn with seed 2012", result.stdout)
+        self.assertIn("4000 cases: a Latin hypercube sample with seed 2012", result.stdout)
         self.assertIn("initial.theta_deg: any value from 5 to 175; first case ", result.stdout)
         result = self.run_program(self.scene("spinning_wheel_sweep"), "--check")
         self.assertIn("20 cases: all combinations", result.stdout)
@@ -150,7 +296,7 @@ class TableTest(ProgramCase):
         return path
 
     def test_a_table_gives_the_cases(self) -> None:
-        """As the same values on axes; comments, blanks, quotes and line ends of any kind."""
+        """Same results as with axes; comments, blanks, quotes and all kinds of line ends."""
         scene = self.write(
             FREE + NUTATION + "&sweep combine = 'zip', parameter = 'initial.theta',"
             " 'top.inertia(3)', values(1,:) = 0.5, 1, values(2,:) = 0.25, 3d-1 /\n"
@@ -184,12 +330,12 @@ class TableTest(ProgramCase):
         self.assertEqual(self.compute(again).rows, table.rows)
         self.rows("initial.theta\n0.6\n")
         error = self.refuse(again)
-        self.assertIn("the table is another one", error)
+        self.assertIn("the table has changed", error)
         changed = self.compute(self.write(self.SCENE))
         self.assertNotEqual(changed.resolved(), table.resolved())
 
     def test_bad_tables(self) -> None:
-        """Where, what, and what would be right."""
+        """Messages with place, error and hint."""
         scene = self.write(self.SCENE)
         good = "initial.theta,top.mass\n0.5,1\n"
         for text, *parts in (
@@ -208,8 +354,8 @@ class TableTest(ProgramCase):
             (good + "0.6,nan\n", "cases.csv:3:5: ", "not a number"),
             (good + "#\n\n0.6,  1x\n", "cases.csv:5:7: ", "not a number: 1x"),
             (good + "0.6,-1\n", "cases.csv:3:5: ", "top.mass must be > 0"),
-            (good + '0.6,"1\n', "cases.csv:3:5: ", "quotes stand around a whole cell"),
-            (good + '0.6,"1"2\n', "cases.csv:3:5: ", "quotes stand around a whole cell"),
+            (good + '0.6,"1\n', "cases.csv:3:5: ", "quotes must be around the whole cell"),
+            (good + '0.6,"1"2\n', "cases.csv:3:5: ", "quotes must be around the whole cell"),
             ("initial.theta\n\0\n", "NUL"),
             ("initial.theta,integration.steps\n1,1.5\n", "cases.csv:2:3: ", "whole number"),
         ):
@@ -229,8 +375,8 @@ class TableTest(ProgramCase):
         self.rows("initial.theta\n0.5\n")
         for setting, part in (
             ("sweep.parameter(1)=top.mass", "the cases are given twice"),
-            ("sweep.combine=zip", "a table has its cases in its rows"),
-            ("sweep.cases=3", "a table has its cases in its rows"),
+            ("sweep.combine=zip", "the rows of the table are the cases"),
+            ("sweep.cases=3", "the rows of the table are the cases"),
             ("study.kind=trajectory", "a trajectory has no axes"),
         ):
             self.assertIn(part, self.refuse(scene, "--set", setting))

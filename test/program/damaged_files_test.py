@@ -1,4 +1,4 @@
-"""Damaged files: a message that says where, no traceback, and no byte that a terminal obeys."""
+"""Damaged files: a message with the place, no traceback, and no control bytes for a terminal."""
 
 import os
 import subprocess
@@ -9,10 +9,8 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True
 TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts")]
+sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
 
-from figures.characters import printable  # noqa: E402
-from figures.table import TableError, read_table  # noqa: E402
 from plot_case import (  # noqa: E402
     SCRIPTS,
     TableCase,
@@ -24,10 +22,12 @@ from plot_case import (  # noqa: E402
 from reporting.body import read_body  # noqa: E402
 from reporting.pictures import pictures_of  # noqa: E402
 from reporting.study import read_study  # noqa: E402
+from spintop_figures.tables.characters import printable  # noqa: E402
+from spintop_figures.tables.table import TableError, read_table  # noqa: E402
 
 PROGRAM = os.environ.get("SPINTOP_EXE", str(TESTS.parent / "build/release/spintop"))
 RED = "\x1b[31m"
-"""What turns a terminal red, for all bytes that should not reach one."""
+"""Turns a terminal red; it stands for all bytes that must not reach one."""
 
 MOTION = """\
 &study  kind = 'sweep' /
@@ -39,7 +39,7 @@ MOTION = """\
 
 
 class DamagedCase(TableCase):
-    """Looks at what is said."""
+    """Checks messages."""
 
     def put_bytes(self, name: str, data: bytes) -> Path:
         """Write a file."""
@@ -48,7 +48,7 @@ class DamagedCase(TableCase):
         return path
 
     def check_words(self, words: str) -> None:
-        """Nothing in these words is for a terminal to obey, and nothing is a traceback."""
+        """The text contains no control bytes and no traceback."""
         self.assertNotIn("Traceback", words)
         self.assertTrue(words.replace("\n", "").isprintable(), repr(words[:500]))
 
@@ -65,7 +65,7 @@ class DamagedCase(TableCase):
 
 
 class TableTest(DamagedCase):
-    """What is wrong with a table is told with its line."""
+    """An error in a table has a message with its line."""
 
     def test_cells(self) -> None:
         """Cells that are no numbers, also where all of a column are none."""
@@ -106,7 +106,7 @@ class TableTest(DamagedCase):
         self.assertEqual(read_table(self.put("a.csv", text)).rows["theta"][1], 1e30)
 
     def test_bytes(self) -> None:
-        """A byte of value 0 is told with its line; other bytes become words that can be shown."""
+        """A zero byte is reported with its line; other bytes are shown as printable text."""
         good = a_trajectory(["t", "theta"], count=2)
         with self.assertRaisesRegex(TableError, r"line \d+ has a byte of value 0"):
             read_table(self.put("a.csv", good.replace("theta\n", "the\0ta\n")))
@@ -142,7 +142,7 @@ class ScriptTest(DamagedCase):
     """scripts/plot and scripts/report end with a message and an exit code."""
 
     def test_plot(self) -> None:
-        """What a table holds does not reach the terminal as it is."""
+        """The contents of a table do not reach the terminal unchanged."""
         cases = {
             a_trajectory().replace("9.0,", f"{RED},", 1): "is no number",
             a_trajectory(phi=1e308): "has numbers beyond 1e+150 in column phi: no angles figure",
@@ -158,9 +158,10 @@ class ScriptTest(DamagedCase):
                 self.assertEqual(code, 2 if message else 0)
 
     def test_undrawable(self) -> None:
-        """What a figure stumbles over is a message."""
+        """An error in a figure is a message."""
         path = self.put("a.csv", a_trajectory())
-        with unittest.mock.patch("figures.drawing.save_as", side_effect=ValueError(f"{RED}no\nx")):
+        fault = ValueError(f"{RED}no\nx")
+        with unittest.mock.patch("spintop_figures.files.save_as", side_effect=fault):
             code, words = self.call("--figure", "angles", path)
         self.assertEqual(code, 2)
         self.check_words(words)
@@ -223,7 +224,7 @@ class ScriptTest(DamagedCase):
             self.assertIsNone(read_body(read_table(self.put("a.csv", text))))
 
     def test_printable(self) -> None:
-        """Whatever a terminal obeys is shown by its number."""
+        """Control characters are shown by their numbers."""
         self.assertEqual(printable("a\x1b\x9b\u202eé\udcff\n"), r"a\x1b\x9b\u202eé\xff\n")
 
     def test_console_is_used(self) -> None:
@@ -236,7 +237,7 @@ class ProgramTest(DamagedCase):
     """The program shows no byte of a file as it is."""
 
     def check_run(self, code: int, *arguments: str | Path) -> str:
-        """What it says, and that it ends with this code."""
+        """The messages of the program, which ends with this code."""
         run = self.run_program(*arguments)
         self.check_words(run.stdout)
         self.check_words(run.stderr)

@@ -1,4 +1,4 @@
-"""What the system does not give: memory, stack, standard streams."""
+"""Limits of the system: memory, stack, standard streams."""
 
 import os
 import resource
@@ -16,12 +16,12 @@ LEAST_STACK = 448 * 1024  # that is accepted
 
 
 def limited(kind: int, size: int) -> object:
-    """What sets a limit in a child."""
+    """A function that sets a limit in a child process."""
     return lambda: resource.setrlimit(kind, (size, size))
 
 
 class StackTest(ProgramCase):
-    """The least stack that is accepted, of the first thread and of the others."""
+    """The smallest accepted stack, of the first thread and of the others."""
 
     def small(self, *arguments: str | Path, code: int = 0, size: int = LEAST_STACK) -> str:
         """Run with small stacks; returns what was said."""
@@ -65,7 +65,7 @@ class StackTest(ProgramCase):
         self.small(precision, "--set", "work_precision.reference=quadruple")
 
     def test_lists_and_merge(self) -> None:
-        """What is no study."""
+        """Commands that are not studies."""
         for topic in ("methods", "columns", "parameters", "cases"):
             result = self.run_program(
                 "list", topic, preexec_fn=limited(resource.RLIMIT_STACK, LEAST_STACK)
@@ -107,12 +107,12 @@ class MemoryTest(ProgramCase):
             GOOD.replace("method = 'rk4'", "method = 'ode45'").replace("steps = 10", "")
         )
         said = self.short(scene, "--set", "span.samples=2000000000", megabytes=1000)
-        self.assertIn("no memory for the instants of 2000000000 rows", said)
+        self.assertIn("not enough memory for the times of 2000000000 rows", said)
         self.assertIn("span.samples", said)
         self.assertEqual(self.produced(), ["output"])
 
     def test_too_many_threads(self) -> None:
-        """What the run-time library cannot have."""
+        """Resources that the run-time library cannot get."""
         scene = self.write(SWEEP)
         said = self.short(scene, "--threads", "500", megabytes=200)
         self.assertIn("spintop: stopped by the error above: there is no more memory", said)
@@ -134,7 +134,7 @@ class StreamTest(ProgramCase):
         )
 
     def test_output_that_takes_nothing(self) -> None:
-        """Exit code 4 and a message, whatever was asked for."""
+        """Exit code 4 and a message, for every command."""
         scene, sweep = self.write(), self.write(SWEEP, "sweep.nml")
         parts = []
         for number in (1, 2):

@@ -1,4 +1,4 @@
-"""What the program says of values that cannot be and of names that others use, and how wide."""
+"""Messages about invalid values and foreign names, and the width of messages."""
 
 import fcntl
 import os
@@ -15,7 +15,7 @@ DAMPED = GOOD.replace("&top", "&top damping = 0.1, 0.1, 0.1").replace("'lagrange
 
 
 class OverrideTest(ProgramCase):
-    """Nothing of an override is passed over."""
+    """No part of an override is ignored."""
 
     def test_what_follows_a_value(self) -> None:
         """A slash, a group, another key: refused, not dropped."""
@@ -64,7 +64,7 @@ class HintTest(ProgramCase):
     """The hint is what is meant."""
 
     def hint(self, text: str, *settings: str) -> str:
-        """What the program says, its lines joined."""
+        """The messages of the program, with joined lines."""
         overrides = [part for setting in settings for part in ("--set", setting)]
         return " ".join(self.refuse(self.write(text), *overrides).split())
 
@@ -85,7 +85,7 @@ class HintTest(ProgramCase):
         self.assertIn("'theta' is in rad: 1 rad = 57.29577951308232 deg", said)
 
     def test_names_that_others_use(self) -> None:
-        """What SciPy, MATLAB and textbooks call the methods."""
+        """Names of the methods in SciPy, MATLAB and textbooks."""
         for name, own in (
             ("rk45", "ode45"),
             ("RK45", "ode45"),
@@ -103,7 +103,10 @@ class HintTest(ProgramCase):
     def test_columns_of_other_studies(self) -> None:
         """A column is known by the study that has it."""
         said = self.hint(GOOD, "output.columns=t,lyapunov_exponent")
-        self.assertIn("a trajectory has no column 'lyapunov_exponent': sweeps have it", said)
+        self.assertIn(
+            "a trajectory has no column 'lyapunov_exponent': sweeps and stability studies have it",
+            said,
+        )
         sweep = SWEEP + "&sweep parameter(1) = 'initial.theta', values(1,:) = 1 /\n"
         said = self.hint(sweep, "output.columns=theta_min,gamma1")
         self.assertIn("a sweep has no column 'gamma1': trajectories have it", said)
@@ -111,10 +114,10 @@ class HintTest(ProgramCase):
         self.assertIn("work-precision studies have it", said)
 
     def test_the_length_of_a_quaternion(self) -> None:
-        """It is told."""
+        """The message names it."""
         text = GOOD.replace("theta = 0.19634954084936207", "quaternion = 1, 0, 0.1, 0")
         text = text.replace("psi_rate = 1.0", "omega = 0, 0, 1").replace("'lagrange'", "'auto'")
-        self.assertIn("has the length 1.004987562112089, not 1", self.hint(text))
+        self.assertIn("norm of the quaternion is 1.004987562112089, not 1", self.hint(text))
 
     def test_carets_point_at_elements(self) -> None:
         """At the element of a list that is meant, not at its first."""
@@ -179,7 +182,7 @@ class WidthTest(ProgramCase):
     """Messages on a terminal are as wide as it is."""
 
     def on_terminal(self, columns: int, *arguments: object) -> list[str]:
-        """The lines that the program shows on a terminal of so many columns."""
+        """The lines that the program shows on a terminal of so many columns, without colours."""
         try:
             child, terminal = pty.fork()
         except OSError as error:
@@ -187,7 +190,8 @@ class WidthTest(ProgramCase):
         if child == 0:
             os.chdir(self.folder)
             os.read(0, 1)  # until the terminal has its size
-            os.execv(PROGRAM, [str(PROGRAM), *map(str, arguments)])
+            environment = {**os.environ, "NO_COLOR": "1"}
+            os.execve(PROGRAM, [str(PROGRAM), *map(str, arguments)], environment)
         fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
         os.write(terminal, b"\n")
         shown, deadline = b"", time.monotonic() + 30
@@ -220,7 +224,7 @@ class WidthTest(ProgramCase):
                 self.assertLessEqual(len(line), 100)
 
     def test_width_of_lists(self) -> None:
-        """What others read is not wrapped."""
+        """Output for other programs is not wrapped."""
         for topic in ("columns", "methods", "parameters", "events"):
             whole = self.run_program("list", topic).stdout
             lines = self.on_terminal(70, "list", topic)
@@ -312,7 +316,7 @@ class EvaluationsTest(ProgramCase):
     """Work and time of a work-precision row are of the same computation."""
 
     def test_evaluations_do_not_count_comparisons(self) -> None:
-        """How often errors are looked at changes nothing."""
+        """The interval between error checks has no influence."""
         text = GOOD[: GOOD.index("&integration")].replace(
             "&top", "&study kind = 'work_precision' /\n&top"
         )

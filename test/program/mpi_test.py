@@ -15,7 +15,7 @@ from survival_test import FAST, SLOW, STEPPING, STEPS, SurvivalCase
 
 MPI_PROGRAM = os.environ.get("SPINTOP_MPI_EXE", str(ROOT / "build/mpi/spintop"))
 
-# Open MPI starts nothing as root, and no more ranks than cores, unless it is told to.
+# By default Open MPI starts nothing as root, and no more ranks than cores.
 ENVIRONMENT = {
     "OMPI_ALLOW_RUN_AS_ROOT": "1",
     "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
@@ -45,7 +45,7 @@ class RanksCase(SurvivalCase):
     text = SLOW.replace(STEPS, "steps = 8000")
 
     def setUp(self) -> None:
-        """What is run from here on has three ranks."""
+        """From here on runs have three ranks."""
         self.command = (PROGRAM,)
         super().setUp()
         self.command = under(3)
@@ -74,7 +74,7 @@ class RanksCase(SurvivalCase):
 
 
 class SameBytesTest(RanksCase):
-    """However the cases are shared out."""
+    """For every distribution of the cases."""
 
     def compare(self, text: str, cases: int, code: int = 0) -> None:
         """The tables of any ranks and threads are that of the program without MPI."""
@@ -222,7 +222,7 @@ class LossTest(RanksCase):
 
 
 class ErrorTest(RanksCase):
-    """What is wrong is said once, with the same exit codes as without MPI."""
+    """An error has one message, with the same exit code as without MPI."""
 
     def test_wrong_input_and_usage(self) -> None:
         """Nothing is computed."""

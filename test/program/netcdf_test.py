@@ -9,13 +9,13 @@ import sys
 from pathlib import Path
 
 TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts")]
+sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
 
-from figures.netcdf import Attributes, Variable, read_netcdf  # noqa: E402
-from figures.scatter import object_to_scatter  # noqa: E402
-from figures.table import read_table  # noqa: E402
 from mpi_test import ENVIRONMENT  # noqa: E402
 from program_test import GOOD, ProgramCase, Table  # noqa: E402
+from spintop_figures.sweeps.scatter import object_to_scatter  # noqa: E402
+from spintop_figures.tables.netcdf import Attributes, Variable, read_netcdf  # noqa: E402
+from spintop_figures.tables.table import read_table  # noqa: E402
 
 NETCDF = "output.format=netcdf"
 # Cases of every kind: a top, one with a pole on its way, one that is none; and words and notes.
@@ -69,7 +69,7 @@ class NetcdfCase(ProgramCase):
         return read_netcdf(self.folder / "output" / name)
 
     def check_same(self, name: str) -> Table:
-        """Every cell of the CSV stands in the NetCDF table, and the input; returns the CSV."""
+        """The NetCDF table has every cell of the CSV table, and the input; returns the latter."""
         text = self.table(name)
         csv, netcdf = (read_table(self.folder / f"output/{name}{end}") for end in (".csv", ".nc"))
         settings = csv.settings | {"output.format": ["netcdf"]}
@@ -94,7 +94,7 @@ class NetcdfCase(ProgramCase):
 
 
 class NetcdfTest(NetcdfCase):
-    """What is in a table."""
+    """The contents of a table."""
 
     def test_same_numbers_as_the_csv(self) -> None:
         """In every cell of a grid with good and bad cases."""
@@ -151,7 +151,7 @@ class NetcdfTest(NetcdfCase):
         )
 
     def test_axes_side_by_side(self) -> None:
-        """What is no grid has the cases as its dimension, and a parameter for each."""
+        """Without a grid the dimension is the case, with the parameters of each."""
         text = GRID.split("&sweep", maxsplit=1)[0] + (
             "&sweep combine = 'latin_hypercube', cases = 9\n"
             "    parameter(1) = 'initial.theta_deg', from(1) = 10, to(1) = 80\n"
@@ -206,14 +206,14 @@ class NetcdfTest(NetcdfCase):
 
 
 class FailureTest(NetcdfCase):
-    """What cannot be, and places where nothing can be written."""
+    """Impossible requests, and places where nothing can be written."""
 
     def test_refusals(self) -> None:
-        """What a NetCDF table cannot be is an input error that says what to do."""
+        """An impossible NetCDF table is an input error with a hint."""
         for scene, arguments, reason in (
             (self.write(GOOD, "good.nml"), [], "only the table of a sweep can be NetCDF"),
-            (self.grid, ["--shard", "1/2"], "no --shard and no --resume"),
-            (self.grid, ["--resume"], "no --shard and no --resume"),
+            (self.grid, ["--shard", "1/2"], "--shard and --resume are not possible"),
+            (self.grid, ["--resume"], "--shard and --resume are not possible"),
         ):
             with self.subTest(reason):
                 said = self.refuse(scene, "--set", NETCDF, *arguments)

@@ -251,7 +251,7 @@ class Node:
     recent: list[tuple[int, bytes] | int] = field(default_factory=list)  # writes; sizes to cut to
 
     def content(self, draw: random.Random | None = None) -> bytes:
-        """What a reader finds; after a power cut, if one is drawn."""
+        """The contents for a reader; after a power failure, if one is drawn."""
         data = bytearray(self.safe)
         for change in self.recent:
             fate = draw.choice(("kept", "kept", "lost", "torn", "zeros")) if draw else "kept"
@@ -274,7 +274,7 @@ class Disk:
     """The files below a folder: what is safe from a power cut, and what is not."""
 
     def __init__(self, root: Path) -> None:
-        """What is there now is safe."""
+        """The present contents are safe."""
         self.root = root
         self.names: dict[str, Node | None] = {}  # what a reader finds; None is a folder
         for path in sorted(root.rglob("*")):
@@ -293,7 +293,7 @@ class Disk:
         apply(self.names, change)
 
     def do(self, record: tuple) -> None:
-        """What the program did."""
+        """The calls of the program."""
         match record:
             case ("open", file, cuts, path):
                 name = self.name_of(path)
@@ -330,7 +330,7 @@ class Disk:
             apply(self.safe_names, change)
 
     def after_power_cut(self, draw: random.Random) -> dict[str, bytes | None]:
-        """What may be there: some of the changes that are not safe, in order, and torn writes."""
+        """Possible contents: some of the changes that are not safe, in order, and torn writes."""
         names = dict(self.safe_names)
         for changes in self.recent.values():
             for change in changes:
@@ -356,7 +356,7 @@ def apply(names: dict[str, Node | None], change: tuple) -> None:
 
 
 def read_record(path: Path) -> Iterator[tuple]:
-    """What a record tells, call by call."""
+    """The contents of a record, call by call."""
     data, at = path.read_bytes(), 0
     while at < len(data):
         end = data.index(b"\n", at)
@@ -433,7 +433,7 @@ class DiskCase(ProgramCase):
         return list(read_record(path))
 
     def check_order(self, disk: Disk, records: list[tuple]) -> int:
-        """What a power cut cannot undo, call by call; returns the number of journal entries."""
+        """Data safe from a power failure, by call; returns the number of journal entries."""
         entries = 0
         for record in records:
             starts_entry = record[0] == "open" and record[3].endswith(".journal.new")
@@ -466,10 +466,10 @@ class DiskCase(ProgramCase):
 
 
 class OrderTest(DiskCase):
-    """What is safe, and when."""
+    """The order in which data become safe."""
 
     def test_rows_then_entry_then_name(self) -> None:
-        """Rows are safe before the entry that tells of them, and all of a file before its name."""
+        """Rows are on the disk before their journal entry, and a file before its final name."""
         run = self.folder / "run"
         disk = Disk(run)
         self.assertGreaterEqual(self.check_order(disk, self.record(run, self.sweep)), 4)
@@ -512,7 +512,7 @@ class OrderTest(DiskCase):
         self.assertEqual((run / "output/sweep.csv").read_bytes(), self.reference)
 
     def record_merge(self, folder: Path, *arguments: str) -> list[tuple]:
-        """What merging parts does to files."""
+        """The file operations of a merge."""
         path = self.folder / "record"
         path.unlink(missing_ok=True)
         environment = {"LD_PRELOAD": str(self.recorder), "RECORD": str(path)}
@@ -556,7 +556,7 @@ class OrderTest(DiskCase):
 
 
 class PowerCutTest(DiskCase):
-    """What is left after a power cut, and what becomes of it."""
+    """The state after a power failure, and the resumed sweep."""
 
     def lay_out(self, files: dict[str, bytes | None]) -> Path:
         """A folder with what was left."""
@@ -571,7 +571,7 @@ class PowerCutTest(DiskCase):
         return folder
 
     def check_resumed(self, files: dict[str, bytes | None], safe_rows: int) -> None:
-        """What was left has the rows that were safe, and becomes the uninterrupted table."""
+        """The remaining part has the safe rows, and is resumed to the uninterrupted table."""
         table = files.get("output/sweep.csv")
         if table is not None:
             self.assertEqual(table, self.reference, "half a table bears its name")

@@ -1,4 +1,4 @@
-"""Every table of a sweep reads back to what was asked for: each parameter to that of its case."""
+"""Tables of sweeps read back: each parameter has the value of its case."""
 
 import itertools
 import math
@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts")]
+sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
 
-from figures.table import read_table  # noqa: E402
 from program_test import ProgramCase  # noqa: E402
+from spintop_figures.tables.table import read_table  # noqa: E402
 
 SEED = 20121
 CASES = 41  # of a table: a few blocks of cases that are computed one by one

@@ -62,7 +62,7 @@ def of(rows: list[Row], method: str) -> dict[str, Row]:
 
 
 class TableTest(WorkPrecisionCase):
-    """What the rows say."""
+    """The contents of the rows."""
 
     def test_errors_costs_and_order(self) -> None:
         """Errors fall as the order of a method says, costs grow, rows are sorted by time."""
@@ -101,7 +101,7 @@ class TableTest(WorkPrecisionCase):
         self.assertLess(float(exact["reference_check"]), 1e-13)
 
     def test_steps_alone(self) -> None:
-        """Without tolerances what can take equal steps does; its errors fall as they should."""
+        """Without tolerances methods use a fixed step size if they can; their errors decrease."""
         rows = self.study(SLOW_TOP, "taylor,dop853/lagrange", "steps=200,400")
         self.assertEqual(set(of(rows, "dop853")), {"steps 200", "steps 400"})
         self.assertIn("tolerance 1e-06", of(rows, "taylor"))
@@ -160,7 +160,7 @@ class TableTest(WorkPrecisionCase):
         rows = self.study(self.write(SKEW), "exact,taylor,rkmk_4", "tolerances=1e-12", "steps=400")
         self.assertEqual({row["method"] for row in rows}, {"taylor", "rkmk_4"})
         self.assertIn("exact/", self.summary)
-        self.assertIn("left out", self.summary)
+        self.assertIn("omitted", self.summary)
         self.assertLess(float(rows[0]["reference_error"]), 1e-14)
         self.assertLess(float(rows[0]["reference_check"]), 1e-12)
         self.assertLess(float(of(rows, "taylor")["tolerance 1e-12"]["error_max"]), 1e-10)
@@ -214,10 +214,10 @@ class TableTest(WorkPrecisionCase):
         self.assertIn("rkmk_4/lagrange: integration.formulation", self.summary)
 
     def test_a_tolerance_too_fine_leaves_out_no_other(self) -> None:
-        """What a method cannot keep is left out, and told once; the other settings are there."""
+        """Settings that a method cannot keep are omitted with a message; others have rows."""
         rows = self.study(SLOW_TOP, "taylor", "tolerances=1e-31,1e-6,1e-20,1e-9")
         self.assertEqual(set(of(rows, "taylor")), {"tolerance 1e-06", "tolerance 1e-09"})
-        self.assertEqual(self.summary.count("left out"), 2)
+        self.assertEqual(self.summary.count("omitted"), 2)
         rows = self.study(SLOW_TOP, "taylor", "tolerances=1e-31", code=3)
         self.assertEqual(rows, [])
         self.assertIn("has no rows", self.summary)
@@ -230,7 +230,7 @@ class TableTest(WorkPrecisionCase):
         )
         rows = self.study(self.write(scene), "exact,rk4,gauss_4", "steps=100")
         self.assertEqual({row["method"] for row in rows}, {"exact", "rk4", "gauss_4"})
-        self.assertNotIn("left out", self.summary)
+        self.assertNotIn("omitted", self.summary)
 
     def test_a_body_at_rest_without_weight(self) -> None:
         """Has neither energy nor momentum, and no error of them."""
@@ -279,7 +279,7 @@ class TableTest(WorkPrecisionCase):
 
 
 class SummaryTest(WorkPrecisionCase):
-    """What is said in words."""
+    """The summary in words."""
 
     def test_cheapest(self) -> None:
         """The sentence names the fastest of the rows that are exact enough."""
@@ -288,15 +288,15 @@ class SummaryTest(WorkPrecisionCase):
         best = min(enough, key=lambda row: float(row["time_s"]))
         name = f"{best['method']}/{best['formulation']}, {best['setting']}"
         self.assertIn(f"for 1e-06 the cheapest is {name}: ", self.summary)
-        self.assertIn("for 1e-12 no method is exact enough", self.summary)
-        self.assertIn("the exact motion takes ", self.summary)
+        self.assertIn("for 1e-12 no method is accurate enough", self.summary)
+        self.assertIn("the exact solution takes ", self.summary)
         table = (self.folder / "work_precision_slow_top.csv").read_text()
         self.assertIn(f"\n# in words: for 1e-06 the cheapest is {name}: ", table)
         self.assertIn("\n# in words: auto: takes no more than 2 times", table)
 
 
 class BadInputTest(WorkPrecisionCase):
-    """What is refused, before anything is computed."""
+    """Inputs that are refused before anything is computed."""
 
     def test_refusals(self) -> None:
         """Each names what is wrong."""
@@ -306,11 +306,11 @@ class BadInputTest(WorkPrecisionCase):
             (["work_precision.methods=rk4", "span.samples=8"], "7 intervals do not divide 100"),
             (["integration.method=rk4"], "compares methods"),
             (["integration.relative_tolerance=1e-3"], "varies the tolerance"),
-            (["output.columns=t"], "columns of its own"),
+            (["output.columns=t"], "the columns of this study are fixed"),
             (["work_precision.reference=nothing.csv"], "nothing.csv: No such file"),
             (["work_precision.repeats=0"], "work_precision.repeats"),
             (["work_precision.tolerances=2"], "work_precision.tolerances"),
-            (["span.stop_at=maximum"], "to its end"),
+            (["span.stop_at=maximum"], "to the end of its span"),
             (["output.events=turning_points"], "only a trajectory has a table of events"),
             (
                 [
@@ -337,7 +337,7 @@ class BadInputTest(WorkPrecisionCase):
             self.assertIn(part, result.stderr)
         result = self.run_program(self.write(SKEW), "--set=work_precision.reference=exact")
         self.assertEqual(result.returncode, 2)
-        self.assertIn("no exact motion", result.stderr)
+        self.assertIn("no exact solution", result.stderr)
 
     def test_tables_that_are_no_reference(self) -> None:
         """A table must have the columns, the times and the start of the motion."""
@@ -347,8 +347,8 @@ class BadInputTest(WorkPrecisionCase):
             ("t,q0\n0,1\n", "no column q1"),
             (head + row, "1 rows"),
             (head + row + "7,1,0,0,0,0,0,1\n", "row 2 of the table is for t = 7"),
-            (head + row + "6.66,1,0,0,1,0,0,1\n", "not of length 1"),
-            (head + row.replace("0,1\n", "0,2\n") + "6.66,1,0,0,0,0,0,1\n", "starts elsewhere"),
+            (head + row + "6.66,1,0,0,1,0,0,1\n", "whose norm is not 1"),
+            (head + row.replace("0,1\n", "0,2\n") + "6.66,1,0,0,0,0,0,1\n", "has another start"),
             (head + row + "6.66,1,0,0,x,0,0,1\n", "x"),
             (head + row + "6.66,1,0\n", "the row ends after 3 cells"),
             ("", "the table is empty"),

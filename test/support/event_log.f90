@@ -11,12 +11,12 @@ module event_log
     public :: event_log_t, exact_path_t, made_up_path_t
     public :: of_turning, of_phi, of_theta, of_psi, of_omega1, of_gamma1
 
-    !> What the events are of.
+    !> The quantities of the events.
     integer, parameter :: of_turning = 1, of_phi = 2, of_theta = 3, of_psi = 4, of_omega1 = 5, of_gamma1 = 6
 
     !> The events met are `met(:n)`, at `motions(:n)`.
     type, extends(event_watch_t) :: event_log_t
-        !> What each event of the list is of.
+        !> The quantity of each event of the list.
         integer, allocatable :: of(:)
         !> The motion ends at so many events.
         integer :: limit = huge(1)
@@ -67,7 +67,7 @@ contains
         self%has_enough = self%n >= self%limit
     end subroutine meet
 
-    !> When an event of the list was met.
+    !> The times of an event of the list.
     pure function times_of(self, number) result(times)
         class(event_log_t), intent(in) :: self
         integer, intent(in) :: number

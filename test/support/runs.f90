@@ -184,16 +184,16 @@ contains
         end do
     end function observed_order
 
-    !> The state a short time h later, by one classical Runge-Kutta step.
+    !> The state a short time h later, by one classical Runge-Kutta step of equations without the time.
     function flow(formulation, y, h) result(y_new)
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: y(max_states), h
         real(dp) :: y_new(max_states), k(max_states, 4)
         integer :: status
-        call formulation%derivative(y, k(:, 1), status)
-        call formulation%derivative(y + h / 2 * k(:, 1), k(:, 2), status)
-        call formulation%derivative(y + h / 2 * k(:, 2), k(:, 3), status)
-        call formulation%derivative(y + h * k(:, 3), k(:, 4), status)
+        call formulation%derivative(0.0_dp, y, k(:, 1), status)
+        call formulation%derivative(0.0_dp, y + h / 2 * k(:, 1), k(:, 2), status)
+        call formulation%derivative(0.0_dp, y + h / 2 * k(:, 2), k(:, 3), status)
+        call formulation%derivative(0.0_dp, y + h * k(:, 3), k(:, 4), status)
         y_new = y + h / 6 * (k(:, 1) + 2 * k(:, 2) + 2 * k(:, 3) + k(:, 4))
     end function flow
 

@@ -6,18 +6,29 @@ import { fromAngles, nearTo, toAngles, turnAbout, twistOf, withinHalfTurn } from
 const ANGLES = ["phi", "theta", "psi"];
 const FINEST = 0.05; // rad: how far the axis turns between two points of its trace
 const MOST_POINTS = 20000;
+const QUATERNION = ["q0", "q1", "q2", "q3"];
+const OMEGA = ["omega1", "omega2", "omega3"];
+const FORCE = ["force_x", "force_y", "force_z"];
+const RATES = ["phi_rate", "theta_rate", "psi_rate"];
+const ENERGIES = ["kinetic", "potential", "energy"];
+const UPRIGHT = 1e-9; // of sin(theta): below it phi and psi do not exist apart
 
-/** Numbers of a kind, from the base64 of their bytes. */
-function unpack(text, Kind) {
-  return new Kind(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer);
-}
+/** The columns that a motion is made of, where a table has them. */
+export const COLUMNS = ["t", ...ANGLES, ...QUATERNION, ...RATES, ...OMEGA, ...FORCE, ...ENERGIES];
 
 const plainDisc = {
   inertia: [1, 1, 1],
   centre: [0, 0, 1],
   axis: [0, 0, 1],
-  solid: { kind: "cylinder", radius: 0.5, height: 0.05, axes: [1, 0, 0, 0, 1, 0, 0, 0, 1] },
+  solids: [
+    { kind: "cylinder", radius: 0.5, height: 0.05, axes: [1, 0, 0, 0, 1, 0, 0, 0, 1], place: [0, 0, 1] },
+  ],
 };
+
+/** Vectors x, y, z side by side, of columns. */
+function sideBySide(columns) {
+  return Float64Array.from({ length: 3 * columns[0].length }, (_, i) => columns[i % 3][Math.floor(i / 3)]);
+}
 
 /** The row of a table of vectors as a vector. */
 function vectorAt(table, row) {
@@ -27,35 +38,36 @@ function vectorAt(table, row) {
 export class Motion {
   #trace;
 
-  /** @param data what `motion_data` of the Python side gives. */
-  constructor(data) {
-    const { exact, drawn } = data;
-    this.title = data.title;
-    this.notes = data.notes;
-    this.total = data.total;
-    this.stride = data.stride;
-    this.t = unpack(exact.t, Float64Array);
+  /**
+   * @param facts what `motion_facts` of the Python side gives
+   * @param columns numbers of the rows by the names of their columns, of `COLUMNS`
+   */
+  constructor(facts, columns) {
+    this.title = facts.title;
+    this.notes = facts.notes;
+    this.total = facts.total;
+    this.stride = facts.stride;
+    this.isExact = facts.exact;
+    this.t = columns.t;
     this.count = this.t.length;
-    this.body = data.body ?? plainDisc;
+    this.body = facts.body ?? plainDisc;
     this.axis = new Vector3(...this.body.axis);
-    this.hasBody = "body" in data;
-    this.attitudes = this.#findAttitudes(exact);
-    this.countsTurns = "phi" in exact; // else phi and psi are within half a turn
-    this.angles = this.countsTurns
-      ? ANGLES.map((name) => unpack(exact[name], Float64Array))
-      : this.#findAngles();
-    this.force = drawn.force ? unpack(drawn.force, Float32Array) : null;
-    const omega = drawn.omega ? unpack(drawn.omega, Float32Array) : null;
-    this.momentum = omega && this.hasBody ? this.#findMomentum(omega) : null;
-    this.spins = this.#findSpins(omega);
+    this.hasBody = Boolean(facts.body);
+    this.attitudes = this.#findAttitudes(columns);
+    this.countsTurns = "phi" in columns; // else phi and psi are within half a turn
+    this.angles = this.countsTurns ? ANGLES.map((name) => columns[name]) : this.#findAngles();
+    this.rates = "phi_rate" in columns ? RATES.map((name) => columns[name]) : null;
+    this.omega = "omega1" in columns ? sideBySide(OMEGA.map((name) => columns[name])) : this.#findOmega();
+    this.rates ??= this.#findRates();
+    this.force = "force_x" in columns ? sideBySide(FORCE.map((name) => columns[name])) : null;
+    this.momentum = this.omega && this.hasBody ? this.#findMomentum(this.omega) : null;
+    this.turning = this.omega && this.#inSpace(this.omega);
+    this.energies = "energy" in columns ? ENERGIES.map((name) => columns[name]) : null;
+    this.spins = this.#findSpins(this.omega);
   }
 
-  #findAttitudes({ q0, q1, q2, q3, ...angles }) {
-    if (q0) {
-      const [w, x, y, z] = [q0, q1, q2, q3].map((text) => unpack(text, Float64Array));
-      return Array.from(w, (_, i) => new Quaternion(x[i], y[i], z[i], w[i]).normalize());
-    }
-    const [phi, theta, psi] = ANGLES.map((name) => unpack(angles[name], Float64Array));
+  #findAttitudes({ q0, q1, q2, q3, phi, theta, psi }) {
+    if (q0) return Array.from(q0, (w, i) => new Quaternion(q1[i], q2[i], q3[i], w).normalize());
     return Array.from(phi, (_, i) => fromAngles(phi[i], theta[i], psi[i]));
   }
 
@@ -64,14 +76,50 @@ export class Motion {
     return ANGLES.map((_, k) => Float64Array.from(rows, (row) => row[k]));
   }
 
-  /** Angular momentum about the pivot in space axes. */
-  #findMomentum(omega) {
-    const inertia = new Vector3(...this.body.inertia);
+  /** Angular velocity in body axes, from the rates of the angles. */
+  #findOmega() {
+    if (!this.rates || !this.countsTurns) return null;
+    const [, theta, psi] = this.angles;
+    const [phiRate, thetaRate, psiRate] = this.rates;
+    const table = new Float64Array(3 * this.count);
+    for (let i = 0; i < this.count; i += 1) {
+      const across = phiRate[i] * Math.sin(theta[i]);
+      table[3 * i] = across * Math.sin(psi[i]) + thetaRate[i] * Math.cos(psi[i]);
+      table[3 * i + 1] = across * Math.cos(psi[i]) - thetaRate[i] * Math.sin(psi[i]);
+      table[3 * i + 2] = phiRate[i] * Math.cos(theta[i]) + psiRate[i];
+    }
+    return table;
+  }
+
+  /** Rates of the angles from the angular velocity; nan where phi and psi do not exist apart. */
+  #findRates() {
+    if (!this.omega) return null;
+    const [, theta, psi] = this.angles;
+    const rates = RATES.map(() => new Float64Array(this.count).fill(NaN));
+    for (let i = 0; i < this.count; i += 1) {
+      const [x, y, z] = this.omega.subarray(3 * i, 3 * i + 3);
+      const [s, c] = [Math.sin(psi[i]), Math.cos(psi[i])];
+      rates[1][i] = x * c - y * s;
+      if (Math.sin(theta[i]) < UPRIGHT) continue;
+      rates[0][i] = (x * s + y * c) / Math.sin(theta[i]);
+      rates[2][i] = z - rates[0][i] * Math.cos(theta[i]);
+    }
+    return rates;
+  }
+
+  /** Vectors in space axes, of vectors in body axes. */
+  #inSpace(vectors) {
     const table = new Float64Array(3 * this.count);
     this.attitudes.forEach((attitude, i) => {
-      vectorAt(omega, i).multiply(inertia).applyQuaternion(attitude).toArray(table, 3 * i);
+      vectorAt(vectors, i).applyQuaternion(attitude).toArray(table, 3 * i);
     });
     return table;
+  }
+
+  /** Angular momentum about the pivot in space axes. */
+  #findMomentum(omega) {
+    const { inertia } = this.body;
+    return this.#inSpace(omega.map((rate, i) => inertia[i % 3] * rate));
   }
 
   /**
@@ -113,6 +161,13 @@ export class Motion {
     return low;
   }
 
+  /** The row that is nearest to a time. */
+  rowNear(time) {
+    const row = this.rowBefore(time);
+    const next = Math.min(row + 1, this.count - 1);
+    return this.t[next] - time < time - this.t[row] ? next : row;
+  }
+
   /**
    * The motion at a time: attitude, angles, and the vectors there are, in space axes. At the time of
    * a row it is the row, and `row` its number from 0; between rows `row` is null, and the body turns
@@ -128,8 +183,14 @@ export class Motion {
       row: null,
       attitude,
       angles: this.#anglesBetween(i, part, attitude),
-      force: this.#vectorBetween(this.force, i, part),
-      momentum: this.#vectorBetween(this.momentum, i, part),
+      rates: this.#columnsBetween(this.rates, i, part),
+      energies: this.#columnsBetween(this.energies, i, part),
+      omega: this.#vectorBetween(this.omega, i, part),
+      vectors: {
+        force: this.#vectorBetween(this.force, i, part),
+        momentum: this.#vectorBetween(this.momentum, i, part),
+        omega: this.#vectorBetween(this.turning, i, part),
+      },
     };
   }
 
@@ -139,8 +200,14 @@ export class Motion {
       row: i,
       attitude: this.attitudes[i].clone(),
       angles: this.angles.map((column) => column[i]),
-      force: this.force && vectorAt(this.force, i),
-      momentum: this.momentum && vectorAt(this.momentum, i),
+      rates: this.rates && this.rates.map((column) => column[i]),
+      energies: this.energies && this.energies.map((column) => column[i]),
+      omega: this.omega && vectorAt(this.omega, i),
+      vectors: {
+        force: this.force && vectorAt(this.force, i),
+        momentum: this.momentum && vectorAt(this.momentum, i),
+        omega: this.turning && vectorAt(this.turning, i),
+      },
     };
   }
 
@@ -154,12 +221,16 @@ export class Motion {
 
   /** Angles that count their turns as the rows on both sides do. */
   #anglesBetween(i, part, attitude) {
-    const between = this.angles.map((column) => column[i] + part * (column[i + 1] - column[i]));
+    const between = this.#columnsBetween(this.angles, i, part);
     const [phi, theta, psi] = toAngles(attitude);
-    const upright = Math.sin(theta) < 1e-9;
+    const upright = Math.sin(theta) < UPRIGHT;
     return upright
       ? [between[0], theta, between[2]]
       : [nearTo(phi, between[0]), theta, nearTo(psi, between[2])];
+  }
+
+  #columnsBetween(columns, i, part) {
+    return columns && columns.map((column) => column[i] + part * (column[i + 1] - column[i]));
   }
 
   #vectorBetween(table, i, part) {
@@ -169,15 +240,6 @@ export class Motion {
   /** The axis of an attitude in space, a unit vector. */
   axisOf(attitude) {
     return this.axis.clone().applyQuaternion(attitude);
-  }
-
-  /** The largest size of a table of vectors. */
-  largest(table) {
-    let square = 0;
-    for (let i = 0; i < table.length; i += 3) {
-      square = Math.max(square, table[i] ** 2 + table[i + 1] ** 2 + table[i + 2] ** 2);
-    }
-    return Math.sqrt(square);
   }
 
   /** The way of the axis: times and unit vectors (x, y, z side by side), finer than the rows. */

@@ -1,11 +1,30 @@
 // Numbers and times as words.
 
+import { extremesOf } from "./plot.js";
+import { largestOf } from "./stage/view.js";
+
 const DEGREE = 180 / Math.PI;
 const FIGURES = 7;
+const FIGURE_SPACE = "\u2007"; // as wide as a digit
+const NOTHING = "\u2013";
 
 /** An angle in degrees. */
 export function inDegrees(angle, decimals = 3) {
   return `${minus((angle * DEGREE).toFixed(decimals))}°`;
+}
+
+/** An angle in degrees, with a few figures where it is small. */
+export function inFewDegrees(angle) {
+  const degrees = angle * DEGREE;
+  if (degrees === 0) return "0°";
+  const text = Math.abs(degrees) < 0.01 ? degrees.toExponential(1) : degrees.toFixed(2);
+  const [mantissa, power] = text.split("e");
+  return power ? `${mantissa} × 10${superscript(power)}°` : `${minus(text)}°`;
+}
+
+function superscript(power) {
+  const signs = { "-": "⁻", "+": "" };
+  return [...power].map((sign) => signs[sign] ?? "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(sign)]).join("");
 }
 
 /** A number as it stands in the table, or with the figures that one can read while it moves. */
@@ -18,24 +37,32 @@ export function inShort(value) {
   return minus(String(Number(value.toPrecision(4))));
 }
 
+/** How many decimals numbers up to a size need for so many figures. */
+export function decimalsFor(size, figures = 6) {
+  return Math.min(Math.max(figures - 1 - Math.floor(Math.log10(size || 1)), 0), 9);
+}
+
+/** A number with so many decimals; a dash where there is none. */
+export function withDecimals(value, decimals) {
+  return Number.isFinite(value) ? minus(value.toFixed(decimals)) : NOTHING;
+}
+
+/** Numbers as texts, filled up so that their decimal points are one above the other. */
+export function aligned(texts) {
+  const behind = texts.map((text) => (text.includes(".") ? text.length - text.indexOf(".") : 0));
+  const most = Math.max(...behind);
+  return texts.map((text, i) => text + FIGURE_SPACE.repeat(most - behind[i]));
+}
+
 /** With a true minus sign, and none before a zero. */
 function minus(text) {
   return Number(text) === 0 ? text.replace("-", "") : text.replaceAll("-", "\u2212");
 }
 
-function extremes(numbers) {
-  let [low, high] = [Infinity, -Infinity];
-  for (const number of numbers) {
-    low = Math.min(low, number);
-    high = Math.max(high, number);
-  }
-  return [low, high];
-}
-
 /** What one would see, for those who do not. */
 export function accountOf(motion) {
   const [phi, theta, psi] = motion.angles;
-  const [low, high] = extremes(theta);
+  const [low, high] = extremesOf(theta);
   const words = [
     `From t = ${inShort(motion.start)} s to ${inShort(motion.end)} s the inclination θ stays between`,
     `${inDegrees(low, 2)} and ${inDegrees(high, 2)}.`,
@@ -47,8 +74,9 @@ export function accountOf(motion) {
     );
   }
   const longest = [
-    motion.force && `support force ${inShort(motion.largest(motion.force))} N`,
-    motion.momentum && `angular momentum ${inShort(motion.largest(motion.momentum))} J s`,
+    motion.force && `support force ${inShort(largestOf(motion.force))} N`,
+    motion.momentum && `angular momentum ${inShort(largestOf(motion.momentum))} J s`,
+    motion.turning && `angular velocity ${inShort(largestOf(motion.turning))} rad/s`,
   ].filter(Boolean);
   if (longest.length) words.push(`Longest arrows: ${longest.join(", ")}.`);
   return words.join(" ");

@@ -1,23 +1,24 @@
 // One moving top with its controls, wired together.
 
-import { Chart } from "./chart.js";
-import { coloursOf } from "./colours.js";
+import { Comparison } from "./comparison.js";
 import { bindKeys } from "./keys.js";
 import { Player, speedsFor } from "./player.js";
-import { Scene2D } from "./scene2d.js";
-import { Scene3D, hasWebGL } from "./scene3d.js";
-import { accountOf, inDegrees, inFull, inShort, momentOf } from "./text.js";
+import { Plot } from "./plot.js";
+import { Readout } from "./readout.js";
+import { Stage } from "./stage/stage.js";
+import { accountOf, inShort, momentOf } from "./text.js";
 
 const QUIET = 600; // ms without a change before it is announced
 const NEAR = "300px"; // tops that far from the screen are prepared
-const VECTORS = ["force", "momentum"];
+const VECTORS = ["force", "momentum", "omega"];
+const LATER = new Set(["omega"]); // arrows that are shown when they are asked for
 
 export class Viewer {
   #frame = 0;
   #announcing = 0;
 
-  /** @param section where it goes @param motion what it shows */
-  constructor(section, motion) {
+  /** @param section where it goes @param motion what it shows @param peers other motions of its scene */
+  constructor(section, motion, peers) {
     this.motion = motion;
     const { speeds, initial } = speedsFor(motion.end - motion.start);
     this.player = new Player(motion, initial);
@@ -26,11 +27,19 @@ export class Viewer {
       [...section.querySelectorAll("[data-part]")].map((part) => [part.dataset.part, part]),
     );
     this.section = section;
-    this.calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.readout = new Readout(this.parts, motion);
+    this.stage = new Stage(this.parts.stage, {
+      calm: matchMedia("(prefers-reduced-motion: reduce)").matches,
+    });
+    this.comparison = new Comparison(this.parts, motion, peers, {
+      onChange: () => this.#setTops(),
+      onPick: (time) => this.#goTo(time),
+    });
     this.#fill(speeds);
     this.#wire();
+    this.#setTops();
     this.#watch();
-    this.#update();
+    this.comparison.begin();
   }
 
   #fill(speeds) {
@@ -45,10 +54,18 @@ export class Viewer {
       ...speeds.map((speed) => new Option(`${speed} ×`, speed, false, speed === this.player.speed)),
     );
     for (const name of VECTORS) {
-      parts[name].disabled = !motion[name];
-      parts[name].checked = Boolean(motion[name]);
+      const isThere = Boolean(this.#vectors()[name]);
+      parts[name].disabled = !isThere;
+      parts[name].checked = isThere && !LATER.has(name);
     }
-    this.chart = new Chart(parts.chart, motion);
+    const line = { name: "theta", values: motion.angles[1] };
+    this.plot = new Plot(parts.chart, motion.t, [line], { span: [motion.start, motion.end] });
+  }
+
+  /** All that is shown of the vectors, for the scale of their arrows. */
+  #vectors() {
+    const { force, momentum, turning } = this.motion;
+    return { force, momentum, omega: turning };
   }
 
   #wire() {
@@ -60,21 +77,15 @@ export class Viewer {
     });
     parts.reset.addEventListener("click", () => this.look("reset"));
     for (const name of ["trace", ...VECTORS]) {
-      parts[name].addEventListener("change", () => {
-        this.scene?.setVisible(name, parts[name].checked);
-        this.#update();
-      });
+      const set = () => this.stage.setVisible(name, parts[name].checked);
+      parts[name].addEventListener("change", set);
+      set();
     }
-    this.chart.onPick = (row) => player.goToRow(row);
+    this.plot.onPick = (time) => this.#goTo(time);
     for (const what of ["play", "pause", "time"]) player.addEventListener(what, () => this.#update());
     player.addEventListener("play", () => this.#tick());
     for (const what of ["pause", "time"]) player.addEventListener(what, () => this.#announce());
     bindKeys(this.section, this);
-    // The wheel scrolls the page until one has taken hold of the top.
-    parts.stage.addEventListener("wheel", (event) => {
-      if (document.activeElement !== parts.stage) event.stopPropagation();
-    }, { capture: true, passive: true });
-    parts.stage.addEventListener("pointerdown", () => parts.stage.focus({ preventScroll: true }));
   }
 
   /** The scene exists while it is on the screen or near: browsers have few WebGL contexts. */
@@ -83,40 +94,31 @@ export class Viewer {
       if (entry.isIntersecting) this.#open();
       else this.#close();
     }, { rootMargin: NEAR }).observe(this.section);
-    new ResizeObserver(() => this.#resize()).observe(this.parts.stage);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-      this.scene?.setColours(coloursOf(this.section));
-      this.chart.draw();
-      this.#update();
-    });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.stage.recolour());
   }
 
   #open() {
-    if (this.scene) return;
-    const canvas = document.createElement("canvas");
-    canvas.setAttribute("aria-hidden", "true");
-    this.parts.stage.prepend(canvas);
-    const Kind = hasWebGL() ? Scene3D : Scene2D;
-    this.parts.flat.hidden = Kind === Scene3D;
-    const options = { calm: this.calm, onChange: () => this.scene?.draw() };
-    this.scene = new Kind(canvas, this.motion, coloursOf(this.section), options);
-    for (const name of ["trace", ...VECTORS]) this.scene.setVisible(name, this.parts[name].checked);
-    this.#resize();
+    this.stage.open();
+    this.parts.flat.hidden = this.stage.dimensions === 3;
   }
 
   #close() {
-    if (!this.scene) return;
+    if (!this.stage.dimensions) return;
     this.player.pause();
-    this.scene.dispose();
-    this.scene = null;
-    this.parts.stage.querySelector("canvas").remove();
+    this.stage.close();
   }
 
-  #resize() {
-    const { clientWidth, clientHeight } = this.parts.stage;
-    if (!this.scene || !clientWidth || !clientHeight) return;
-    this.scene.resize(clientWidth, clientHeight);
+  /** Put the top on the stage, and the ghost of the motion that it is compared with. */
+  #setTops() {
+    const { motion, comparison: { pair } } = this;
+    const tops = [{ body: motion.body, trace: motion.trace(), look: "solid" }];
+    if (pair) tops.push({ body: pair.other.body, trace: pair.other.trace(), look: "ghost" });
+    this.stage.setTops(tops, this.#vectors());
     this.#update();
+  }
+
+  #goTo(time) {
+    this.player.goToRow(this.motion.rowNear(time));
   }
 
   #tick() {
@@ -129,8 +131,7 @@ export class Viewer {
 
   /** Change the view: `turn`, `zoom` or `reset` of the scene. */
   look(how, ...amounts) {
-    this.scene?.[how](...amounts);
-    this.scene?.draw();
+    this.stage.look(how, ...amounts);
   }
 
   /** A speed faster, or slower. */
@@ -142,23 +143,36 @@ export class Viewer {
 
   /** Bring everything up to the player's time. */
   #update() {
-    const { parts, motion, player } = this;
-    const state = motion.at(player.time);
-    const row = state.row ?? motion.rowBefore(player.time);
-    const isOfTable = state.row !== null;
-    parts.t.textContent = inFull(state.time, isOfTable);
-    ["phi", "theta", "psi"].forEach((name, k) => {
-      parts[name].textContent = inFull(state.angles[k], isOfTable);
-      parts[`${name}_degrees`].textContent = inDegrees(state.angles[k]);
-    });
-    const number = Math.min(row * motion.stride, motion.total - 1) + 1;
-    parts.row.textContent = `${isOfTable ? "row" : "after row"} ${number} of ${motion.total}`;
-    parts.time.value = row;
-    parts.time.setAttribute("aria-valuetext", `t = ${inShort(state.time)} s`);
+    const { parts, motion, player, comparison } = this;
+    const moment = motion.at(player.time);
+    this.readout.show(moment);
+    comparison.show(moment);
+    parts.time.value = moment.row ?? motion.rowBefore(player.time);
+    parts.time.setAttribute("aria-valuetext", `t = ${inShort(moment.time)} s`);
     parts.play.setAttribute("aria-label", player.playing ? "Pause" : "Play");
     parts.play.dataset.state = player.playing ? "playing" : "paused";
-    this.chart.mark(row);
-    this.scene?.show(state);
+    this.plot.mark(moment.time);
+    this.stage.show(this.#staged(moment));
+  }
+
+  /** A moment as the stage shows it. */
+  #staged(moment) {
+    const { time, attitude, vectors } = moment;
+    const { pair } = this.comparison;
+    return { time, attitudes: pair ? [attitude, pair.otherAt(time).attitude] : [attitude], vectors };
+  }
+
+  /** The top as a picture for paper, at its moment, or at its end where it is at its start. */
+  still(width, height) {
+    const { motion, player, stage } = this;
+    const wasOpen = stage.dimensions > 0;
+    const moment = motion.at(player.time > motion.start ? player.time : motion.end);
+    stage.open();
+    stage.show(this.#staged(moment));
+    const address = stage.still(width, height);
+    if (!wasOpen) stage.close();
+    else this.#update();
+    return { address, moment };
   }
 
   /** Say where it is once it has come to rest, and nothing while it moves. */

@@ -8,12 +8,12 @@ module spintop_arkode
     use spintop_arkode_memory, only: arkode_memory_t
     use spintop_arkode_tables, only: arkode_table_t, find_arkode_table
     use spintop_compare, only: is_equal
-    use spintop_fixed_step, only: grid_time, off_grid, share_of_time_left
+    use spintop_fixed_step, only: advance_on_grid, begin_on_grid, grid_stepper_t, longest_step
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
     use spintop_status, only: status_ok, status_outside, status_not_converged, &
         status_step_too_small, status_integrator
-    use spintop_stepper, only: stepper_t, workspace_t
+    use spintop_stepper, only: workspace_t
     use farkode_mod, only: ARK_CONV_FAILURE, ARK_ERR_FAILURE, ARK_LSETUP_FAIL, ARK_LSOLVE_FAIL, &
         ARK_TOO_MUCH_ACC, ARK_TOO_MUCH_WORK
     implicit none
@@ -21,19 +21,21 @@ module spintop_arkode
     public :: arkode_t
 
     !> ARKStep with an explicit or, if `info%implicit`, a diagonally implicit table.
-    type, extends(stepper_t) :: arkode_t
+    type, extends(grid_stepper_t) :: arkode_t
     contains
         procedure :: new_workspace
         procedure :: begin
         procedure :: advance
-        procedure :: interpolate
+        procedure :: try_step
+        procedure :: state_within
         procedure :: order
     end type arkode_t
 
-    !> Owns what ARKODE allocates for a run. Without default values: gfortran 14 takes the allocation of a
-    !> type that has some and a finalizer for a structure constructor, which Fortran 2008 would finalize.
+    !> Owns the memory that ARKODE allocates for a run. It has no default values: gfortran 14 takes the
+    !> allocation of a finalizable type with default values for a structure constructor, which Fortran 2008
+    !> would finalize.
     type :: memory_owner_t
-        ! allow(C101): a default value is what this type may not have
+        ! allow(C101): this type must not have a default value
         type(arkode_memory_t), pointer :: memory
     contains
         final :: release
@@ -47,13 +49,13 @@ module spintop_arkode
 
     !> Factor of the step size after a failure of the right-hand side.
     real(dp), parameter :: cut = 0.25_dp
-    !> ARKODE controls no step shorter than this, in units of the spacing of the end of the span:
-    !> it takes a stop time so near for reached.
+    !> ARKODE does not control steps shorter than this, in units of the spacing of the end of the span: it
+    !> treats so close a stop time as reached.
     real(dp), parameter :: smallest_spacings = 512
 
 contains
 
-    !> Order of the table chosen; 0 if there is none of that name.
+    !> Order of the selected table; 0 if there is no table of that name.
     integer function order(self)
         class(arkode_t), intent(in) :: self
         type(arkode_table_t) :: table
@@ -65,26 +67,23 @@ contains
     !> A workspace without a run.
     subroutine new_workspace(self, work)
         class(arkode_t), intent(in) :: self
-        class(workspace_t), allocatable, intent(out) :: work
+        class(workspace_t), allocatable, intent(out) :: work !! workspace of the type that the method needs
         associate (unused => self)
         end associate
         allocate (arkode_workspace_t :: work)
     end subroutine new_workspace
 
-    !> First slope, and ARKODE's memory. It is made anew for every run: what a run computes must
-    !> not depend on the runs before it.
+    !> First slope, and a new memory of ARKODE. It is created for every run, because the result of a run must
+    !> not depend on earlier runs.
     subroutine begin(self, formulation, work, status)
         class(arkode_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        integer, intent(out) :: status
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(arkode_table_t) :: table
         logical :: found
 
-        if (self%controls%steps > 0) then
-            work%h = (work%t_end - work%t_begin) / self%controls%steps
-        end if
-        call work%evaluate(formulation, work%y, work%slope, status)
+        call begin_on_grid(self, formulation, work, status)
         if (status /= status_ok) return
         call find_arkode_table(self%controls%table, self%info%implicit, table, found)
         status = status_integrator
@@ -102,9 +101,9 @@ contains
     !> One accepted step; rejected steps are counted.
     subroutine advance(self, formulation, work, status)
         class(arkode_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        integer, intent(out) :: status
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
 
         select type (work)
         class is (arkode_workspace_t)
@@ -118,7 +117,7 @@ contains
         end select
     end subroutine advance
 
-    !> Continues from `work%y` where the caller has changed it since the last step.
+    !> Continues from `work%y` if the caller has changed it since the last step.
     subroutine adopt_state(formulation, work, status)
         class(formulation_t), intent(in) :: formulation
         class(arkode_workspace_t), intent(inout) :: work
@@ -129,43 +128,32 @@ contains
             if (all(is_equal(work%y, now%y))) return
             now%t = work%t
             now%y = work%y
-            call now%evaluate(formulation, now%y, now%slope, status)
+            call now%evaluate(formulation, now%t, now%y, now%slope, status)
         end associate
         call work%memory%restart()
     end subroutine adopt_state
 
-    !> A step on the grid of fixed step size while the equations last, ever shorter ones as they end.
-    subroutine advance_on_grid(self, formulation, work, status)
+    !> A step on the grid of fixed step size, or where it ends.
+    subroutine try_step(self, formulation, work, h, t_new, status)
         class(arkode_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(arkode_workspace_t), intent(inout) :: work
-        integer, intent(out) :: status
-        real(dp) :: h, t_new
-
-        h = min(work%h, share_of_time_left * formulation%time_left(work%y))
-        if (h < work%h) work%grid = off_grid
-        do
-            if (work%grid == off_grid) then
-                t_new = min(work%t + h, work%t_end)
-                h = t_new - work%t
-            else
-                work%grid = work%grid + 1
-                t_new = grid_time(work, self%controls%steps)
-            end if
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        real(dp), intent(in) :: h, t_new !! step size, s, and time at its end, s
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        associate (unused => self, also_unused => formulation)
+        end associate
+        status = status_integrator
+        select type (work)
+        class is (arkode_workspace_t)
             call work%memory%set_fixed_step(h)
             call take_step(work, t_new, status)
             if (status == status_ok) call set_time(work, t_new)
-            if (status /= status_outside) exit
-            work%grid = off_grid
-            h = h / 2
-            if (h <= 2 * spacing(work%t)) status = status_step_too_small
-            if (status == status_step_too_small) exit
-            call work%memory%restart()
-        end do
-    end subroutine advance_on_grid
+            if (status == status_outside) call work%memory%restart()
+        end select
+    end subroutine try_step
 
-    !> A step of the size that ARKODE chooses. Where the right-hand side fails within the step, ARKODE
-    !> fails at once with an explicit table: the step is then repeated with a smaller size.
+    !> A step whose size ARKODE chooses. With an explicit table ARKODE fails at once if the right-hand side
+    !> fails within the step; the step is then repeated with a smaller size.
     subroutine advance_adaptively(formulation, work, status)
         class(formulation_t), intent(in) :: formulation
         class(arkode_workspace_t), intent(inout) :: work
@@ -173,7 +161,7 @@ contains
         real(dp) :: stop_time, h, h_smallest
 
         h_smallest = smallest_spacings * spacing(work%t_end)
-        stop_time = min(work%t_end, work%t + share_of_time_left * formulation%time_left(work%y))
+        stop_time = min(work%t_end, work%t + longest_step(formulation, work%y))
         if (stop_time - work%t <= h_smallest) then
             call take_tiny_step(work, stop_time, status)
             return
@@ -189,7 +177,7 @@ contains
         end do
     end subroutine advance_adaptively
 
-    !> A step too short for step control.
+    !> A step that is too short for step control.
     subroutine take_tiny_step(work, t_new, status)
         class(arkode_workspace_t), intent(inout) :: work
         real(dp), intent(in) :: t_new
@@ -225,7 +213,7 @@ contains
         end associate
     end subroutine take_step
 
-    !> What the run has cost inside ARKODE; looks at it are counted outside.
+    !> Takes the costs inside ARKODE. Evaluations within steps are counted outside.
     subroutine take_counts(work)
         class(arkode_workspace_t), intent(inout) :: work
         integer(int64) :: looks
@@ -234,7 +222,7 @@ contains
         work%counts%looks = looks
     end subroutine take_counts
 
-    !> Gives a step's end the time it is meant to have: ARKODE sums its steps up, with rounding.
+    !> Sets the end of a step to the intended time: ARKODE sums its steps, with rounding errors.
     subroutine set_time(work, t)
         class(arkode_workspace_t), intent(inout) :: work
         real(dp), intent(in) :: t
@@ -243,22 +231,21 @@ contains
     end subroutine set_time
 
     !> The state at a time within the last step, to the order of the table (at least 4, at most 8).
-    function interpolate(self, formulation, work, t) result(y)
+    function state_within(self, formulation, work, t) result(y)
         class(arkode_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        real(dp), intent(in) :: t
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states)
         associate (unused => self, also_unused => formulation)
         end associate
         y = work%y
-        if (t >= work%t) return
         select type (work)
         class is (arkode_workspace_t)
             y = work%memory%interpolate((t - work%t_last) / (work%t - work%t_last))
             call take_counts(work)
         end select
-    end function interpolate
+    end function state_within
 
     !> Status for a return value of ARKODE.
     pure integer function status_of(flag)

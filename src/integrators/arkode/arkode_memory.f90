@@ -1,8 +1,8 @@
-!> A run inside SUNDIALS ARKODE: its memory on the C side, and the callbacks that it makes.
+!> A run inside SUNDIALS ARKODE: its memory on the C side, and its callbacks.
 !>
-!> Everything goes through ARKStep, explicit tables too: ERKStep of SUNDIALS 6.4 loses orders for
-!> tables whose last stage lies at the end of the step without being the next step's first.
-!> Each memory has a SUNContext of its own, so that runs on several threads share nothing.
+!> Explicit tables also use ARKStep: ERKStep of SUNDIALS 6.4 loses orders for tables whose last stage is at
+!> the end of the step without being the first stage of the next step. Each memory has its own SUNContext, so
+!> that runs in several threads share nothing.
 module spintop_arkode_memory
     use, intrinsic :: iso_c_binding, only: c_double, c_funloc, c_int, c_loc, &
         c_long, c_null_funptr, c_null_ptr, c_associated, c_f_pointer, c_ptr
@@ -39,15 +39,15 @@ module spintop_arkode_memory
     private
     public :: arkode_memory_t
 
-    !> One run. It must not move in memory: ARKODE holds its address.
+    !> One run. It must not move in memory, because ARKODE stores its address.
     type :: arkode_memory_t
         !> Time, state, slope and counts as ARKODE has them.
         type(workspace_t) :: now
-        !> How large an error of a step may be, as a root mean square.
+        !> Admissible error of a step, as a root mean square.
         type(error_weight_t), private :: weight
         !> Status of the last evaluation of the right-hand side.
         integer :: status = status_ok
-        !> A copy: dense output needs the equations too, where no formulation is at hand.
+        !> A copy: dense output also needs the equations, where no formulation is available.
         class(formulation_t), allocatable, private :: formulation
         !> First failure of a call to SUNDIALS, negative.
         integer(c_int), private :: flag = 0
@@ -55,11 +55,11 @@ module spintop_arkode_memory
         logical, private :: adaptive = .true.
         !> Storage of the vector that ARKODE writes to.
         real(c_double), private :: state(max_states) = 0
-        !> Slope before the last step; the polynomial over it, once it is asked for.
+        !> Slope before the last step, and the polynomial over that step if dense output was needed.
         real(dp), private :: slope_last(max_states) = 0
         type(dense_output_t), private :: dense
         logical, private :: dense_is_known = .false.
-        !> Ends the iterations of stages with fixed steps.
+        !> Ends the iterations for stages with a fixed step size.
         type(stage_watch_t), private :: stage_watch
         type(c_ptr), private :: context = c_null_ptr, integrator = c_null_ptr
         type(N_Vector), pointer, private :: state_vector => null()
@@ -78,30 +78,30 @@ module spintop_arkode_memory
         procedure :: destroy
     end type arkode_memory_t
 
-    !> Maximum number of consecutive failures of a step in ARKODE: enough to fall from the length
-    !> of the span to the rounding of the time.
+    !> Maximum number of consecutive failures of a step in ARKODE: enough to reduce the step from the length
+    !> of the span to the rounding error of the time.
     integer(c_int), parameter :: most_failures = 60
-    !> Newton or fixed-point iterations a stage.
+    !> Maximum number of Newton or fixed-point iterations per stage.
     integer(c_int), parameter :: newton_limit = 30, fixed_point_limit = 200
-    !> Growth of a correction in fixed-point iteration that does not yet count as divergence.
+    !> Growth of a correction in fixed-point iteration that does not count as divergence.
     real(c_double), parameter :: growth_allowed = 100
-    !> Residual of a stage's equation that is accepted, as a share of the tolerance.
+    !> Accepted residual of the equation of a stage, relative to the tolerance.
     real(c_double), parameter :: stage_share = 1.0e-2_c_double
-    !> The tolerance that ARKODE is given with a fixed step size, where it has no effect.
+    !> The tolerance for ARKODE with a fixed step size, where it has no effect.
     real(c_double), parameter :: fixed_step_tolerance = 1.0e-12_c_double
-    !> Returns of a callback: continue, retry with a shorter step, fail.
+    !> Return values of a callback: continue, retry with a shorter step, fail.
     integer(c_int), parameter :: go_on = 0, retry = 1, give_up = -1
 
 contains
 
-    !> Sets ARKODE up for a run that stands at `work%t`, `work%y` and `work%slope`. A failure shows
-    !> at the first step.
+    !> Prepares ARKODE for a run from `work%t`, `work%y` and `work%slope`. A failure is reported by the first
+    !> step.
     subroutine create(self, formulation, work, table, controls)
         class(arkode_memory_t), intent(inout), target :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(in) :: work
-        type(arkode_table_t), intent(in) :: table
-        type(controls_t), intent(in) :: controls
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(in) :: work !! span, time, state and slope at the start of the run
+        type(arkode_table_t), intent(in) :: table !! Butcher table of ARKODE
+        type(controls_t), intent(in) :: controls !! settings of the method
         type(formulation_info_t) :: info
         integer(index_kind) :: n
 
@@ -114,6 +114,7 @@ contains
         self%now%y = work%y
         self%now%slope = work%slope
         self%now%counts = work%counts
+        self%now%projection = work%projection
         self%state = work%y
         call self%dense%set_order(table%order)
         call self%keep(create_context(self%context))
@@ -147,7 +148,7 @@ contains
         real(c_double) :: relative, absolute, unused(3)
 
         associate (ark => self%integrator)
-            ! First of all, so that none of the later calls prints.
+            ! This comes first, so that no later call prints.
             call self%keep(silence(ark))
             call self%keep(FARKStepSetUserData(ark, c_loc(self)))
             if (table%implicit) then
@@ -158,27 +159,28 @@ contains
             relative = fixed_step_tolerance
             absolute = fixed_step_tolerance
             if (self%adaptive) then
-                ! ARKODE limits the root mean square of the components' errors; with this, no
-                ! component's error exceeds its tolerance, as with ode45.
+                ! ARKODE limits the root mean square of the errors of the components. With this factor no
+                ! component exceeds its tolerance, as with ode45.
                 relative = controls%relative_tolerance / sqrt(real(self%states, dp))
                 absolute = controls%absolute_tolerance / sqrt(real(self%states, dp))
             end if
             call self%weight%set(self%formulation, relative, absolute)
             call self%keep(FARKStepWFtolerances(ark, c_funloc(find_weights)))
-            ! The plain controller: on this smooth motion it saves a sixth over ARKODE's default.
+            ! The I controller: for this smooth motion it needs one sixth fewer evaluations than the default
+            ! of ARKODE.
             unused = 0
             call self%keep(FARKStepSetAdaptivityMethod(ark, ARK_ADAPT_I, 1_c_int, 0_c_int, unused))
             call self%keep(FARKStepSetMaxNumSteps(ark, -1_c_long))
             call self%keep(FARKStepSetMaxErrTestFails(ark, most_failures))
             call self%keep(FARKStepSetMaxConvFails(ark, most_failures))
             call self%keep(FARKStepSetPostprocessStepFn(ark, c_funloc(finish_step)))
-            ! Its higher interpolants evaluate the right-hand side at every stop time, and are of no use
+            ! Higher interpolants evaluate the right-hand side at every stop time, and they have no advantage
             ! here: that of degree 5 has the error of one of degree 4 (seen in 6.4 and 7.5).
             call self%keep(FARKStepSetInterpolantDegree(ark, 3_c_int))
         end associate
     end subroutine set_options
 
-    !> Options of implicit tables: how the stages' equations are solved.
+    !> Options of implicit tables: the solver for the equations of the stages.
     subroutine set_implicit_options(self, controls)
         type(arkode_memory_t), intent(inout), target :: self
         type(controls_t), intent(in) :: controls
@@ -194,7 +196,7 @@ contains
                                                                   self%context)
                 call self%keep(FARKStepSetNonlinearSolver(ark, self%nonlinear_solver))
                 call self%keep(FARKStepSetMaxNonlinIters(ark, fixed_point_limit))
-                ! A correction of an angle makes a larger one of its rate before both shrink.
+                ! A correction of an angle causes a larger one of its rate before both decrease.
                 call self%keep(FARKStepSetNonlinRDiv(ark, growth_allowed))
             else
                 self%nonlinear_solver => FSUNNonlinSol_Newton(self%state_vector, self%context)
@@ -202,8 +204,8 @@ contains
                 self%matrix => FSUNDenseMatrix(n, n, self%context)
                 self%linear_solver => FSUNLinSol_Dense(self%state_vector, self%matrix, self%context)
                 call self%keep(FARKStepSetLinearSolver(ark, self%linear_solver, self%matrix))
-                ! By default a Jacobian serves for 50 steps and a factorisation for 20, and the
-                ! estimate of what that costs in accuracy fails at tight tolerances.
+                ! By default a Jacobian is used for 50 steps and a factorisation for 20, and the estimate of
+                ! the resulting error fails at tight tolerances.
                 call self%keep(FARKStepSetLSetupFrequency(ark, 1_c_int))
                 call self%keep(FARKStepSetJacEvalFrequency(ark, 1_c_long))
                 call self%keep(FARKStepSetMaxNonlinIters(ark, newton_limit))
@@ -218,32 +220,32 @@ contains
     !> Resets ARKODE to `now`, with a first step of size `h` if given.
     subroutine restart(self, h)
         class(arkode_memory_t), intent(inout) :: self
-        real(dp), intent(in), optional :: h
+        real(dp), intent(in), optional :: h !! size of the first step, s
         self%state = self%now%y
         call self%keep(FARKStepReset(self%integrator, self%now%t, self%state_vector))
         if (present(h)) call self%keep(FARKStepSetInitStep(self%integrator, h))
     end subroutine restart
 
-    !> Takes step control off: the next steps have this size. With 0 step control is back.
+    !> Turns step control off: the following steps have this size. With 0, step control is on again.
     subroutine set_fixed_step(self, h)
         class(arkode_memory_t), intent(inout) :: self
-        real(dp), intent(in) :: h
+        real(dp), intent(in) :: h !! step size, s; 0 for step control
         call self%keep(FARKStepSetFixedStep(self%integrator, h))
     end subroutine set_fixed_step
 
     !> Time that the next step must not pass.
     subroutine set_stop_time(self, t)
         class(arkode_memory_t), intent(inout) :: self
-        real(dp), intent(in) :: t
+        real(dp), intent(in) :: t !! time, s
         call self%keep(FARKStepSetStopTime(self%integrator, t))
     end subroutine set_stop_time
 
-    !> One step, which moves `now`; on failure (negative `flag`) all but the counts stays.
+    !> One step, which updates `now`. On failure (negative `flag`) only the counts change.
     subroutine take_step(self, t_end, flag)
-        ! A target: the callbacks change it.
+        ! A target, because the callbacks change it.
         class(arkode_memory_t), intent(inout), target :: self
-        real(dp), intent(in) :: t_end
-        integer(c_int), intent(out) :: flag
+        real(dp), intent(in) :: t_end !! end of the span, s
+        integer(c_int), intent(out) :: flag !! return value of ARKODE; negative on failure
         type(workspace_t) :: before
         real(c_double) :: t_reached(1)
         integer(c_long) :: attempts(1), steps(1), jacobians(1)
@@ -284,7 +286,7 @@ contains
     !> The state at a fraction of the last step.
     function interpolate(self, fraction) result(y)
         class(arkode_memory_t), intent(inout) :: self
-        real(dp), intent(in) :: fraction
+        real(dp), intent(in) :: fraction !! position in the step, from 0 to 1
         real(dp) :: y(max_states)
         if (.not. self%dense_is_known) then
             call self%dense%fit(self%formulation, self%now, self%slope_last)
@@ -293,7 +295,7 @@ contains
         y = self%dense%at(fraction)
     end function interpolate
 
-    !> Gives everything back.
+    !> Frees all memory.
     subroutine destroy(self)
         class(arkode_memory_t), intent(inout) :: self
         integer(c_int) :: ignored
@@ -305,7 +307,7 @@ contains
         if (c_associated(self%context)) ignored = FSUNContext_Free(self%context)
     end subroutine destroy
 
-    !> The callback that computes y' = f(y). The slope at the state reached is known and costs nothing.
+    !> The callback that computes y' = f(t, y). The slope at the state reached is known and costs nothing.
     integer(c_int) function rhs(t, y_vector, slope_vector, data) bind(C, name='')
         real(c_double), value :: t
         type(N_Vector), intent(inout) :: y_vector, slope_vector
@@ -313,19 +315,20 @@ contains
         type(arkode_memory_t), pointer :: self
         real(c_double), pointer :: y_now(:), slope_now(:)
         real(dp) :: y(max_states), slope(max_states)
+        logical :: known
 
-        associate (unused => t)
-        end associate
         call c_f_pointer(data, self)
         y_now => FN_VGetArrayPointer(y_vector)
         slope_now => FN_VGetArrayPointer(slope_vector)
         y = 0
         y(1:self%states) = y_now
-        if (all(is_equal(y, self%now%y))) then
+        known = all(is_equal(y, self%now%y))
+        if (self%formulation%depends_on_time) known = known .and. is_equal(t, self%now%t)
+        if (known) then
             self%status = status_ok
             slope = self%now%slope
         else
-            call self%now%evaluate(self%formulation, y, slope, self%status)
+            call self%now%evaluate(self%formulation, t, y, slope, self%status)
         end if
         slope_now = slope(1:self%states)
         rhs = go_on
@@ -334,7 +337,7 @@ contains
         if (self%adaptive .or. self%status == status_outside) rhs = retry
     end function rhs
 
-    !> The callback that computes the weights of errors: what they are multiplied by in a norm.
+    !> The callback that computes the weights by which errors are multiplied in a norm.
     integer(c_int) function find_weights(y_vector, weight_vector, data) bind(C, name='')
         type(N_Vector), intent(inout) :: y_vector, weight_vector
         type(c_ptr), value :: data
@@ -352,8 +355,8 @@ contains
         find_weights = merge(go_on, give_up, all(allowed(1:self%states) > 0))
     end function find_weights
 
-    !> The callback of a step to `t` that is accepted. ARKODE goes on from the state that the formulation
-    !> makes of it.
+    !> The callback after an accepted step to `t`. ARKODE continues from the state that the formulation makes
+    !> of it.
     integer(c_int) function finish_step(t, y_vector, data) bind(C, name='')
         real(c_double), value :: t
         type(N_Vector), intent(inout) :: y_vector
@@ -372,7 +375,7 @@ contains
         if (.not. all(is_finite(y))) return
         call self%now%settle(self%formulation, t, y, changed)
         if (changed) y_now = self%now%y(1:self%states)
-        call self%now%evaluate(self%formulation, self%now%y, self%now%slope, self%status)
+        call self%now%evaluate(self%formulation, t, self%now%y, self%now%slope, self%status)
         if (self%status == status_ok) finish_step = go_on
     end function finish_step
 

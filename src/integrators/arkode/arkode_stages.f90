@@ -1,5 +1,5 @@
-!> Convergence test of ARKODE's iteration for a stage, down to the rounding error: its own test needs a
-!> tolerance, which is not known in advance with a fixed step size.
+!> Convergence test for the iteration of a stage in ARKODE, down to rounding errors. The test of ARKODE needs
+!> a tolerance, which is not known in advance with a fixed step size.
 module spintop_arkode_stages
     use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
     use spintop_formulation, only: max_states
@@ -10,40 +10,41 @@ module spintop_arkode_stages
     private
     public :: stage_watch_t, judge_correction
 
-    !> What the test knows of the step and of the iteration so far.
+    !> Data of the step, and of the iteration so far.
     type :: stage_watch_t
-        !> State at the beginning of the step, and the scales of its variables; cyclic ones have any magnitude.
+        !> State at the beginning of the step, and the scales of its variables; cyclic variables may have any
+        !> magnitude.
         real(dp) :: y(max_states) = 0, scale(max_states) = 1
         logical :: cyclic(max_states) = .false.
-        !> Growth of a correction that shows divergence.
+        !> Growth of a correction that indicates divergence.
         real(dp) :: divergence = 2
-        !> The last correction and the smallest, in units of the variables; what share of the one before
-        !> it the last was, and corrections since the smallest.
+        !> The last and the smallest correction, in units of the variables; the ratio of the last correction
+        !> to the one before; and the number of corrections since the smallest.
         real(dp), private :: previous = 0, smallest = 0, rate = 1
         integer, private :: idle = 0
     end type stage_watch_t
 
-    !> An iteration is at rounding when its next correction is below the first, or when it does not
-    !> shrink any more and is below the second.
+    !> An iteration has converged to rounding if its next correction is below the first value, or if the
+    !> correction no longer decreases and is below the second.
     real(dp), parameter :: negligible = epsilon_dp / 128, acceptable = 1.0e-12_dp
 
 contains
 
-    !> The callback that judges a correction `del` of a stage that lies `change` from the state.
+    !> The callback that judges a correction `del` of a stage whose increment over the state is `change`.
     integer(c_int) function judge_correction(solver, change, del, tolerance, weights, data) &
         result(verdict) bind(C, name='')
-        type(SUNNonlinearSolver), intent(inout) :: solver !! has made the correction
-        type(N_Vector), intent(inout) :: change !! all corrections so far
-        type(N_Vector), intent(inout) :: del !! the last of them
-        real(c_double), value :: tolerance !! ARKODE's
-        type(N_Vector), intent(inout) :: weights !! ARKODE's
+        type(SUNNonlinearSolver), intent(inout) :: solver !! its counter of iterations is read
+        type(N_Vector), intent(inout) :: change !! sum of all corrections
+        type(N_Vector), intent(inout) :: del !! the last correction
+        real(c_double), value :: tolerance !! tolerance of ARKODE, not used
+        type(N_Vector), intent(inout) :: weights !! weights of ARKODE, not used
         type(c_ptr), value :: data !! a `stage_watch_t`
         type(stage_watch_t), pointer :: watch
         real(c_double), pointer :: total(:), last(:)
         real(dp) :: magnitude, rate
         integer(c_int) :: iteration(1), failure
         integer :: n
-        !> Before there is another.
+        !> Value of `rate` before the second correction.
         real(dp), parameter :: first_rate = 0
 
         associate (unused => tolerance, also_unused => weights)
@@ -61,7 +62,7 @@ contains
             watch%idle = 0
             watch%rate = first_rate
         end if
-        ! Two rates in a row: a correction of an angle makes one of its rate.
+        ! The larger of two successive rates, because a correction of an angle causes one of its rate.
         rate = merge(1.0_dp, magnitude / watch%previous, iteration(1) == 0)
         watch%idle = merge(0, watch%idle + 1, magnitude < watch%smallest)
         watch%smallest = min(watch%smallest, magnitude)

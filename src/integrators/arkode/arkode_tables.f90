@@ -1,4 +1,4 @@
-!> The Butcher tables of SUNDIALS ARKODE that are offered, by name.
+!> The Butcher tables of SUNDIALS ARKODE, by name.
 module spintop_arkode_tables
     use, intrinsic :: iso_c_binding, only: c_int
     use spintop_text, only: string_t
@@ -20,24 +20,24 @@ module spintop_arkode_tables
     public :: arkode_table_t, arkode_tables, arkode_table_names, find_arkode_table
     public :: default_arkode_table
 
-    !> Longest name.
+    !> Length of the longest name.
     integer, parameter :: name_length = 32
 
-    !> One table: its name is that of SUNDIALS in small letters.
+    !> A table. Its name is that of SUNDIALS in lower case.
     type :: arkode_table_t
         character(name_length) :: name = ''
-        !> Number by which ARKODE knows it.
+        !> Identifier of the table in ARKODE.
         integer(c_int) :: id = -1
         logical :: implicit = .false.
         integer :: stages = 0
-        !> Order of the solution, and of the embedded one that the step control compares it with.
+        !> Order of the solution, and of the embedded solution that step control compares it with.
         integer :: order = 0
         integer :: embedded_order = 0
     end type arkode_table_t
 
-    !> The tables, explicit ones first, each group by rising order.
+    !> The tables: explicit ones first, each group in increasing order.
     !>
-    !> Left out is ARKODE_KNOTH_WOLKE_3_3, which has no embedded method to control steps by.
+    !> ARKODE_KNOTH_WOLKE_3_3 is omitted, because it has no embedded method for step control.
     type(arkode_table_t), parameter :: arkode_tables(*) = [ &
         arkode_table_t('arkode_heun_euler_2_1_2', ARKODE_HEUN_EULER_2_1_2, .false., 2, 2, 1), &
         arkode_table_t('arkode_bogacki_shampine_4_2_3', ARKODE_BOGACKI_SHAMPINE_4_2_3, .false., 4, 3, 2), &
@@ -81,7 +81,7 @@ contains
 
     !> Names of the explicit or of the implicit tables.
     pure function arkode_table_names(implicit_tables) result(names)
-        logical, intent(in) :: implicit_tables
+        logical, intent(in) :: implicit_tables !! true for the implicit tables, false for the explicit ones
         type(string_t), allocatable :: names(:)
         integer :: i, last
         allocate (names(count(arkode_tables%implicit .eqv. implicit_tables)))
@@ -93,22 +93,21 @@ contains
         end do
     end function arkode_table_names
 
-    !> Name of the table that a method takes where the user names none.
+    !> Name of the default table of a method.
     pure function default_arkode_table(implicit_table) result(name)
-        logical, intent(in) :: implicit_table
+        logical, intent(in) :: implicit_table !! whether a diagonally implicit table is requested
         character(name_length) :: name
         name = 'arkode_fehlberg_13_7_8'
         if (implicit_table) name = 'arkode_esdirk547l2sa2_7_4_5'
     end function default_arkode_table
 
-    !> The explicit or implicit table of a name ('' for the default); `found` says whether there
-    !> is one.
+    !> The explicit or implicit table of a name ('' for the default); `found` reports whether it exists.
     pure subroutine find_arkode_table(name, implicit_table, table, found)
-        character(*), intent(in) :: name
-        logical, intent(in) :: implicit_table
-        type(arkode_table_t), intent(out) :: table
-        logical, intent(out) :: found
-        ! Of fixed length: runs on several threads come by here.
+        character(*), intent(in) :: name !! name of the table; '' for the default
+        logical, intent(in) :: implicit_table !! whether a diagonally implicit table is requested
+        type(arkode_table_t), intent(out) :: table !! the table, if it was found
+        logical, intent(out) :: found !! whether it was found
+        ! Of fixed length, because runs in several threads call this.
         character(max(len(name), name_length)) :: wanted
         integer :: i
 

@@ -1,9 +1,9 @@
-! The version of SUNDIALS, and the kind of its indices: scripts/setup looks at the .mod files and adds the
-! folder of this header where SUNDIALS is not where the compiler looks.
+! The version of SUNDIALS, and the kind of its indices. scripts/setup examines the .mod files, and adds the
+! folder of this header if the compiler does not find SUNDIALS by itself.
 #include <sundials/sundials_config.h>
 
-!> What is common to the generations 6 and 7 of SUNDIALS: the modules of its core under one name, and a
-!> context that prints nothing.
+!> The common part of SUNDIALS 6 and 7: the modules of its core under one name, and a context that does not
+!> print.
 module spintop_sundials
     use, intrinsic :: iso_c_binding, only: c_funloc, c_int, c_int32_t, c_int64_t, c_null_ptr, c_ptr
 #if SUNDIALS_VERSION_MAJOR >= 7
@@ -45,10 +45,10 @@ contains
 #if SUNDIALS_VERSION_MAJOR >= 7
     !> Makes a context for one process; negative on failure.
     integer(c_int) function create_context(context) result(flag)
-        type(c_ptr), intent(inout) :: context
+        type(c_ptr), intent(inout) :: context !! the new context
         integer(c_int) :: communicator
-        ! Fortran's SUN_COMM_NULL is 0, which is a handle of Open MPI's world: with it, all ranks would have
-        ! to make and free their contexts together.
+        ! SUN_COMM_NULL of Fortran is 0, which is the handle of MPI_COMM_WORLD in Open MPI: all ranks would
+        ! have to create and free their contexts together.
 #ifdef SPINTOP_MPI
         communicator = MPI_COMM_NULL%MPI_VAL
 #else
@@ -60,9 +60,9 @@ contains
         if (flag > 0) flag = -flag
     end function create_context
 
-    !> Keeps an integrator from printing: its context does not print.
+    !> Nothing to do: the context does not print.
     integer(c_int) function silence(integrator) result(flag)
-        type(c_ptr), intent(in) :: integrator
+        type(c_ptr), intent(in) :: integrator !! memory of the integrator
         associate (unused => integrator)
         end associate
         flag = 0
@@ -70,17 +70,17 @@ contains
 #else
     !> Makes a context for one process; negative on failure.
     integer(c_int) function create_context(context) result(flag)
-        type(c_ptr), intent(inout) :: context
+        type(c_ptr), intent(inout) :: context !! the new context
         flag = FSUNContext_Create(c_null_ptr, context)
     end function create_context
 
-    !> Keeps an integrator from printing to standard error.
+    !> Stops an integrator from printing to standard error.
     integer(c_int) function silence(integrator) result(flag)
-        type(c_ptr), intent(in) :: integrator
+        type(c_ptr), intent(in) :: integrator !! memory of the integrator
         flag = FARKStepSetErrHandlerFn(integrator, c_funloc(keep_silent), c_null_ptr)
     end function silence
 
-    !> The callback that takes messages.
+    !> The callback that receives messages, and ignores them.
     subroutine keep_silent(code, module_name, function_name, message, data) bind(C, name='')
         integer(c_int), value :: code
         type(c_ptr), value :: module_name, function_name, message, data

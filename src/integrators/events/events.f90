@@ -1,14 +1,15 @@
 !> Events of a motion: the instants at which quantities of it pass levels.
 !>
-!> A watch looks along the motion at instants so close that between two of them the attitude turns by
-!> less than `largest_turn` (`spintop_instants`), and the axis whose poles matter (`pole_axis`) goes less
-!> than that share of its distance from the vertical: Euler angles and their rates vary as fast as that
-!> ratio. Between two instants each quantity is halved in time until a parabola shows that it is monotone, or away from its
-!> level (`spintop_five_values`). So any number of passages between two instants is found. What is not: a
-!> level touched and not passed, to the rounding of the quantity, which is measured where it matters; a
-!> quantity that is equal to its level within rounding never passes it. The start itself is no event.
+!> The motion is evaluated at instants so close that between two of them the attitude turns by less than
+!> `largest_turn` (`spintop_instants`), and the axis whose poles matter (`pole_axis`) moves by less than that
+!> fraction of its distance from the vertical, because Euler angles and their rates vary on this scale. Each
+!> interval is halved until a parabola shows that the quantity is monotone, or does not reach its level
+!> (`spintop_five_values`). Any number of passages between two instants is therefore found. The following are
+!> not events: a level that is touched and not passed, to the rounding error of the quantity, which is
+!> measured where it matters; passages of a quantity that is equal to its level within rounding errors; the
+!> start itself.
 !>
-!> Each evaluation counts as work: the search ends where the path allows no more.
+!> Each evaluation counts as work. The search ends when the path allows no more.
 module spintop_events
     use spintop_kinds, only: dp, pi
     use spintop_body, only: body_t
@@ -24,48 +25,53 @@ module spintop_events
     private
     public :: event_t, event_watch_t, path_t
 
-    !> An event to look for, and the number of its occurrences.
+    !> An event to search for, and the number of its occurrences.
     type :: event_t
         !> Name in tables.
         character(80) :: name = ''
-        !> The quantity rises through the level (1) or falls through it (-1).
+        !> 1 if the quantity rises through the level, -1 if it falls.
         integer :: direction = 1
-        !> The value to pass, in the unit of the quantity.
+        !> The level, in the unit of the quantity.
         real(dp) :: level = 0
-        !> The levels are `level` + 2 pi n, for every whole n.
+        !> Whether the levels are `level` + 2 pi n for all integers n.
         logical :: every_turn = .false.
-        !> The levels are 2 pi, 4 pi, ..., each met once, the next when the one before was.
+        !> Whether the levels are 2 pi, 4 pi, ..., each met once, in this order.
         logical :: turn_by_turn = .false.
-        !> Events so far.
+        !> Number of events so far.
         integer :: count = 0
     end type event_t
 
-    !> On which side of its level a quantity is.
+    !> The side of its level on which a quantity is.
     type :: side_t
         real(dp) :: level = huge(1.0_dp)
-        !> 1 above, -1 below, 0 not known; since when it is known, and how far the quantity was.
+        !> 1 above, -1 below, 0 unknown; the time since which it is known, and the distance from the level
+        !> then.
         integer :: sign = 0
         real(dp) :: t = 0, distance = 0
-        !> Nearer than this is on neither side: rounding, where it was measured.
+        !> Distance below which the side is unknown: the rounding error, where it was measured.
         real(dp) :: rounding = 0
         logical :: is_measured = .false.
-        !> Largest distance at the instants of the piece.
+        !> Largest distance at the instants of the interval.
         real(dp) :: farthest = 0
     end type side_t
 
-    !> Looks for events. What extends it says which quantities they are of, and what becomes of them.
+    !> Searches for events. An extension defines the quantities, and what happens at an event.
     type, abstract :: event_watch_t
-        !> What to look for: a quantity each.
+        !> The events to search for, with one quantity each.
         type(event_t), allocatable :: events(:)
         !> Set by `meet` to end the motion.
         logical :: has_enough = .false.
-        !> Body axis by whose passages of the vertical quantities vary fast; zero if none does.
+        !> The search ends where one of the events has happened so often, or where there is no memory for those
+        !> found: then the watch is full.
+        integer :: most_events = huge(1)
+        logical :: is_full = .false.
+        !> Body axis near whose passages of the vertical the quantities vary fast; zero if there is none.
         real(dp) :: pole_axis(3) = 0
-        !> Time up to which the motion was looked at, s: that of the event which ended it.
+        !> Time up to which the motion was searched, s: that of the event that ended it.
         real(dp) :: t = 0
-        !> The motion then.
+        !> The motion at that time.
         type(motion_t) :: here
-        !> The quantities then, and their sides.
+        !> The quantities at that time, and their sides.
         real(dp), allocatable, private :: values(:)
         type(side_t), allocatable, private :: sides(:)
         real(dp), private :: t_begin = 0, fall_rate = 0, soon = 0
@@ -85,35 +91,36 @@ module spintop_events
     end type event_watch_t
 
     abstract interface
-        !> The quantities of all events; where one is not finite no event of it is found.
+        !> The quantities of all events. While a quantity is not finite, its events are not found.
         subroutine quantities(self, motion, values)
             import :: event_watch_t, motion_t, dp
             class(event_watch_t), intent(inout) :: self
-            type(motion_t), intent(in) :: motion
-            real(dp), intent(out) :: values(:)
+            type(motion_t), intent(in) :: motion !! the motion at an instant
+            real(dp), intent(out) :: values(:) !! one value for each event
         end subroutine quantities
 
-        !> The motion at event `number` of the list, in rising order of time.
+        !> Called at event `number` of the list, in increasing order of time.
         subroutine meet(self, number, motion)
             import :: event_watch_t, motion_t
             class(event_watch_t), intent(inout) :: self
-            integer, intent(in) :: number
-            type(motion_t), intent(in) :: motion
+            integer, intent(in) :: number !! index of the event in `events`
+            type(motion_t), intent(in) :: motion !! the motion at the event
         end subroutine meet
     end interface
 
-    !> An event sooner after the start than this share of the time of a radian is the start, and a value this
-    !> close to the level there, relatively, is at the level.
+    !> An event sooner after the start than this fraction of the time of one radian is the start; and a start
+    !> value so close to the level, relatively, is at the level.
     real(dp), parameter :: start_share = 1.0e-9_dp, start_rounding = 16 * epsilon(1.0_dp)
-    !> A piece halved so often has its rounding measured, over this share of the piece.
+    !> After so many halvings of an interval the rounding error is measured, over this fraction of the
+    !> interval.
     integer, parameter :: rounding_depth = 8
     real(dp), parameter :: rounding_share = 2.0_dp**(-12)
-    !> An angle that turns farther between two instants was not followed.
+    !> An angle that changes by more between two instants was not followed.
     real(dp), parameter :: farthest_turn = 1.5_dp * pi
 
 contains
 
-    !> `status_ok`, or `status_bad_events` if one has no direction or a level that is not finite.
+    !> `status_ok`, or `status_bad_events` if an event has no direction or a level that is not finite.
     pure integer function check(self) result(status)
         class(event_watch_t), intent(in) :: self
         status = status_ok
@@ -124,19 +131,20 @@ contains
     !> Begins at a motion of the body.
     subroutine begin(self, body, motion)
         class(event_watch_t), intent(inout) :: self
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: motion
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! the motion at the start
         real(dp) :: arm(3)
         associate (r => body%centre_of_mass)
             arm = sqrt([r(2)**2 + r(3)**2, r(3)**2 + r(1)**2, r(1)**2 + r(2)**2])
         end associate
-        ! The weight accelerates the body by less than the square of this.
+        ! The angular acceleration due to the weight is less than the square of this.
         self%fall_rate = sqrt(norm2(body%mass * body%gravity * arm / body%inertia))
         self%t_begin = motion%t
         self%t = motion%t
         self%here = motion
         self%soon = start_share / max(norm2(motion%omega) + 2 * self%fall_rate, tiny(1.0_dp))
         self%has_enough = .false.
+        self%is_full = .false.
         if (.not. allocated(self%events)) allocate (self%events(0))
         self%events%count = 0
         if (allocated(self%values)) deallocate (self%values, self%sides)
@@ -144,27 +152,27 @@ contains
         call self%quantities(motion, self%values)
     end subroutine begin
 
-    !> Looks at the path from where it was looked at last up to a time, or up to the event that ends
-    !> the motion, or as far as the path allows.
+    !> Searches the path from the last instant to a time, or to the event that ends the motion, or as far as
+    !> the path allows.
     subroutine look(self, path, t)
         class(event_watch_t), intent(inout) :: self
-        class(path_t), intent(inout) :: path
-        real(dp), intent(in) :: t
+        class(path_t), intent(inout) :: path !! the motion, which is evaluated as far as needed
+        real(dp), intent(in) :: t !! time, s
         type(motion_t) :: there
         real(dp) :: pace
 
         if (.not. t > self%t) return
         call path%at(t, there)
-        ! A body that turns slowly at both ends may have fallen and risen between.
+        ! A body that rotates slowly at both ends may have fallen and risen in between.
         pace = max(norm2(self%here%omega), norm2(there%omega)) + 2 * self%fall_rate
         do while (self%t < t .and. .not. self%has_enough)
-            if (path%is_spent()) exit
+            if (path%is_spent() .or. self%is_full) exit
             call self%search(path, next_instant(self%here, self%pole_axis, self%t, t, pace))
         end do
     end subroutine look
 
-    !> Looks for passages from the instant looked at last to the next, `last` or sooner, and meets them
-    !> in order. One so soon after the start is the start.
+    !> Searches for passages from the last instant to the next one, `last` or earlier, and meets them in
+    !> order. An event very soon after the start is the start.
     subroutine search(self, path, last)
         class(event_watch_t), intent(inout) :: self
         class(path_t), intent(inout) :: path
@@ -193,11 +201,14 @@ contains
             call self%refine(path, k, self%t, b, values(k, :) - self%sides(k)%level, 0, found)
             call found%merge_from(before + 1)
         end do
-        if (path%is_spent()) return
+        self%is_full = found%is_full
+        if (path%is_spent() .or. self%is_full) return
         do i = 1, found%n
             if (found%t(i) - self%t_begin <= self%soon) cycle
             call path%at(found%t(i), motion)
             k = found%event(i)
+            self%is_full = self%events(k)%count >= self%most_events
+            if (self%is_full) return
             self%events(k)%count = self%events(k)%count + 1
             call self%meet(k, motion)
             if (.not. self%has_enough) cycle
@@ -210,15 +221,15 @@ contains
         self%values = values(:, 5)
     end subroutine search
 
-    !> Whether an angle whose turns matter turns too far between two instants to be followed.
+    !> Whether an angle with turns changes too much between two instants to be followed.
     elemental logical function turns_far(event, before, after)
         type(event_t), intent(in) :: event
         real(dp), intent(in) :: before, after
         turns_far = (event%every_turn .or. event%turn_by_turn) .and. abs(after - before) > farthest_turn
     end function turns_far
 
-    !> Chooses the level of event `k` for the piece that ends at `b`: of many the one next to the
-    !> quantity, whose five values are given.
+    !> Selects the level of event `k` for the interval that ends at `b`: of several levels the one nearest to
+    !> the quantity, whose five values are given.
     subroutine aim(self, path, k, b, values)
         class(event_watch_t), intent(inout) :: self
         class(path_t), intent(inout) :: path
@@ -247,8 +258,8 @@ contains
         end associate
     end subroutine aim
 
-    !> Divides the piece from `a` to `b` until the quantity of event `k` passes its level at most once in
-    !> each part, and takes them in order. `g` is how far it is from the level at five instants.
+    !> Divides the interval from `a` to `b` until the quantity of event `k` passes its level at most once in
+    !> each part, and takes the parts in order. `g` contains the distances from the level at five instants.
     recursive subroutine refine(self, path, k, a, b, g, depth, found)
         class(event_watch_t), intent(inout) :: self
         class(path_t), intent(inout) :: path
@@ -279,7 +290,8 @@ contains
 
     end subroutine refine
 
-    !> Measures the rounding of the quantity of event `k` at the begin of the piece that ends at `b`.
+    !> Measures the rounding error of the quantity of event `k` at the beginning of the interval that ends at
+    !> `b`.
     subroutine measure_rounding(self, path, k, b)
         class(event_watch_t), intent(inout) :: self
         class(path_t), intent(inout) :: path
@@ -300,8 +312,8 @@ contains
         end associate
     end subroutine measure_rounding
 
-    !> Takes the side of the level on which the quantity of event `k` is at a time; if it is another than
-    !> before, there is a passage between.
+    !> Sets the side of the level on which the quantity of event `k` is at a time. If it differs from the last
+    !> one, there is a passage in between.
     subroutine take_side(self, path, k, t, distance, found)
         class(event_watch_t), intent(inout) :: self
         class(path_t), intent(inout) :: path
@@ -326,8 +338,8 @@ contains
         end associate
     end subroutine take_side
 
-    !> Adds the passage of event `k` between the instant at which its side was known last and `b`, where
-    !> it is another, to those found; a jump to and from infinity is none.
+    !> Adds the passage of event `k` between the instant at which its side was last known and `b`, where the
+    !> side differs, to the list `found`. A jump from and to infinity is not a passage.
     subroutine find_root(self, path, k, b, distance, found)
         class(event_watch_t), intent(inout) :: self
         class(path_t), intent(inout) :: path
@@ -341,10 +353,9 @@ contains
             call bracket%begin(side%t, side%distance, b, distance, spacing(max(abs(side%t), abs(b))))
             do while (.not. bracket%found)
                 value = self%value_at(path, k, bracket%trial)
-                if (.not. is_finite(value)) return
                 call bracket%take(value - side%level)
             end do
-            if (abs(bracket%residual) > 2 * side%farthest) return
+            if (bracket%status /= status_ok .or. abs(bracket%residual) > 2 * side%farthest) return
         end associate
         call found%add(k, max(bracket%trial, self%t))
     end subroutine find_root

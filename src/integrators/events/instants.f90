@@ -1,5 +1,5 @@
-!> Instants at which a motion is looked at for events: so close that between two of them the attitude turns
-!> by less than `largest_turn`, and an axis goes less than that share of its distance from the vertical.
+!> Instants at which a motion is evaluated for events: so close that between two of them the attitude turns by
+!> less than `largest_turn`, and an axis moves by less than that fraction of its distance from the vertical.
 module spintop_instants
     use spintop_kinds, only: dp
     use spintop_attitude, only: vertical_from_quaternion
@@ -10,12 +10,12 @@ module spintop_instants
     private
     public :: next_instant, is_short
 
-    !> Turn of the attitude between two instants at most, rad, and way of the axis at most, as a share of
+    !> Maximum rotation of the attitude between two instants, rad, and maximum path of the axis relative to
     !> its distance from the vertical.
     real(dp), parameter :: largest_turn = 0.4_dp
-    !> A pole passed more closely than this is passed through, rad.
+    !> A pole that is passed at a smaller distance is passed through, rad.
     real(dp), parameter :: through_pole = 1.0e-12_dp
-    !> A piece of so many spacings of the time is not divided.
+    !> An interval of so many spacings of the time is not divided.
     real(dp), parameter :: least_spacings = 8
 
 contains
@@ -35,8 +35,9 @@ contains
         if (last - now > gap) next = now + (last - now) / (aint((last - now) / gap) + 1)
     end function next_instant
 
-    !> The time in which a body axis goes a share of its distance from the vertical, s: with that way s, its
-    !> speed v and its acceleration a in space, v t + a t^2/2 = s. Infinite in effect without an axis.
+    !> Time in which a body axis moves by a fraction of its distance from the vertical, s: for this path s,
+    !> the speed v and the acceleration a in space, the solution of v t + a t^2/2 = s. Practically infinite
+    !> without an axis.
     pure real(dp) function time_near_pole(motion, axis) result(time)
         type(motion_t), intent(in) :: motion
         real(dp), intent(in) :: axis(3)
@@ -48,9 +49,9 @@ contains
         if (speed + acceleration > 0) time = 2 * way / (speed + sqrt(speed**2 + 2 * acceleration * way))
     end function time_near_pole
 
-    !> Whether a piece of time is too short to be divided.
+    !> Whether an interval of time is too short to be divided.
     pure logical function is_short(a, b)
-        real(dp), intent(in) :: a, b !! where it begins and ends, s
+        real(dp), intent(in) :: a, b !! ends of the interval, s
         is_short = b - a <= least_spacings * spacing(max(abs(a), abs(b)))
     end function is_short
 

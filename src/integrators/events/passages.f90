@@ -1,16 +1,21 @@
-!> The passages found, in rising order of time.
+!> A list of passages in increasing order of time.
 module spintop_passages
     use spintop_kinds, only: dp
     implicit none
     private
     public :: passages_t
 
-    !> Room for the first passages.
+    !> Initial capacity.
     integer, parameter :: first_room = 16
+    !> Room for no more.
+    integer, parameter :: most_room = huge(1) - 1
 
-    !> Passage i is of event `event(i)`, at `t(i)` seconds, i = 1 .. n; what is beyond n is room for more.
+    !> Passage i belongs to event `event(i)`, at time `t(i)`, s, i = 1 .. n. Elements beyond n are free
+    !> capacity.
     type :: passages_t
         integer :: n = 0
+        !> There was no memory for another.
+        logical :: is_full = .false.
         integer, allocatable :: event(:)
         real(dp), allocatable :: t(:)
     contains
@@ -20,17 +25,23 @@ module spintop_passages
 
 contains
 
-    !> Adds a passage behind the others. The work for n passages is of the order of n.
+    !> Adds a passage behind the others, if there is memory for it. The work for n passages is of the order of n.
     subroutine add(self, event, t)
         class(passages_t), intent(inout) :: self
         integer, intent(in) :: event !! its number
         real(dp), intent(in) :: t !! s
         integer, allocatable :: more_events(:)
         real(dp), allocatable :: more_times(:)
+        integer :: failure
 
         if (self%n == 0 .and. .not. allocated(self%t)) allocate (self%event(first_room), self%t(first_room))
         if (self%n == size(self%t)) then
-            allocate (more_events(2 * self%n), more_times(2 * self%n))
+            self%is_full = self%n > most_room / 2
+            if (self%is_full) return
+            allocate (more_events(2 * self%n), stat=failure)
+            if (failure == 0) allocate (more_times(2 * self%n), stat=failure)
+            self%is_full = failure /= 0
+            if (self%is_full) return
             more_events(:self%n) = self%event
             more_times(:self%n) = self%t
             call move_alloc(more_events, self%event)
@@ -41,11 +52,11 @@ contains
         self%t(self%n) = t
     end subroutine add
 
-    !> Puts the passages from number `first` on, which are in order, among those before, which are in
-    !> order, too. Of two at the same time the one that was added sooner stays first.
+    !> Merges the passages from number `first` on, which are in order, with those before, which are also in
+    !> order. Of two passages at the same time, the one that was added earlier stays first.
     subroutine merge_from(self, first)
         class(passages_t), intent(inout) :: self
-        integer, intent(in) :: first
+        integer, intent(in) :: first !! number of the first passage to merge
         integer, allocatable :: events(:)
         real(dp), allocatable :: times(:)
         integer :: i, k, last

@@ -6,7 +6,7 @@ module spintop_path
     private
     public :: path_t
 
-    !> What extends it says what the motion is, and how often it may be looked at.
+    !> An extension defines the motion, and how many evaluations are allowed.
     type, abstract :: path_t
     contains
         procedure(at), deferred :: at
@@ -18,14 +18,14 @@ module spintop_path
         subroutine at(self, t, motion)
             import :: path_t, motion_t, dp
             class(path_t), intent(inout) :: self
-            real(dp), intent(in) :: t
-            type(motion_t), intent(out) :: motion
+            real(dp), intent(in) :: t !! time, s
+            type(motion_t), intent(out) :: motion !! the motion at that time
         end subroutine at
     end interface
 
 contains
 
-    !> Whether it was looked at as often as is allowed: never, unless what extends it says so.
+    !> Whether the allowed number of evaluations is used up; by default there is no limit.
     logical function is_spent(self)
         class(path_t), intent(in) :: self
         associate (unused => self)

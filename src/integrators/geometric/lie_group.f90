@@ -1,24 +1,23 @@
-!> Explicit Lie-group methods of order 4: each step ends on the group, so that a quaternion keeps its
-!> length.
+!> Explicit Lie-group methods of order 4. Each step ends on the group, so the norm of a quaternion is
+!> conserved.
 !>
-!> Elements of the algebra are moved by in the order of time; a formulation says how, and what its
-!> bracket is. What is made of slopes in a Runge-Kutta method is made of velocities xi here.
+!> Elements of the algebra are applied in the order of time. A formulation defines their action and their
+!> bracket. Velocities xi take the place of the slopes of a Runge-Kutta method.
 module spintop_lie_group
     use spintop_kinds, only: dp
     use spintop_butcher, only: butcher_t, max_stages
-    use spintop_compare, only: is_finite
     use spintop_fixed_step, only: fixed_step_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_runge_kutta, only: stage_sum
-    use spintop_status, only: status_ok, status_non_finite
+    use spintop_status, only: status_ok
     use spintop_stepper, only: workspace_t
     implicit none
     private
     public :: munthe_kaas_t, commutator_free_t
 
-    !> The method of Munthe-Kaas (Applied Numerical Mathematics 29, 1999; Iserles, Munthe-Kaas, Norsett
-    !> and Zanna, Acta Numerica 9, 2000): a Runge-Kutta method on the algebra, whose element u moves
-    !> the state at the beginning of the step to that at a stage.
+    !> The method of Munthe-Kaas (Applied Numerical Mathematics 29, 1999; Iserles, Munthe-Kaas, Norsett and
+    !> Zanna, Acta Numerica 9, 2000): a Runge-Kutta method on the algebra, whose element u moves the state
+    !> from the beginning of the step to a stage.
     type, extends(fixed_step_t) :: munthe_kaas_t
         type(butcher_t) :: table
     contains
@@ -34,88 +33,88 @@ module spintop_lie_group
 
 contains
 
-    !> One step by Runge and Kutta's formula for u' = dexp^-1_u xi.
+    !> One step of the classical Runge-Kutta method for u' = dexp^-1_u xi.
     subroutine step_on_algebra(self, formulation, work, h, change, status)
         class(munthe_kaas_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        real(dp), intent(in) :: h
-        real(dp), intent(out) :: change(max_states)
-        integer, intent(out) :: status
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        real(dp), intent(in) :: h !! step size, s
+        real(dp), intent(out) :: change(max_states) !! change of the state
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: k(max_states, max_stages), u(max_states), xi(max_states)
         integer :: i
 
         change = 0
         do i = 1, self%table%stages
             u = h * stage_sum(k, self%table%a(:, i), i - 1)
-            call formulation%group_move(work%y, u, change)
-            call find_velocity(formulation, work, work%y + change, xi, status)
+            call formulation%group%move(work%y, u, change)
+            call find_velocity(formulation, work, work%t + self%table%c(i) * h, work%y + change, xi, status)
             if (status /= status_ok) return
             k(:, i) = xi + algebra_correction(formulation, u, xi)
         end do
-        call formulation%group_move(work%y, h * stage_sum(k, self%table%b, self%table%stages), change)
+        call formulation%group%move(work%y, h * stage_sum(k, self%table%b, self%table%stages), change)
     end subroutine step_on_algebra
 
-    !> What dexp^-1_u xi has beside xi, for elements applied in the order of time, as far as order 4
-    !> needs it: [u, xi]/2 + [u, [u, xi]]/12.
+    !> dexp^-1_u xi - xi for elements applied in the order of time, to the terms needed for order 4: [u,
+    !> xi]/2 + [u, [u, xi]]/12.
     function algebra_correction(formulation, u, xi) result(correction)
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: u(max_states), xi(max_states)
         real(dp) :: correction(max_states), bracket(max_states)
-        bracket = formulation%group_bracket(u, xi)
-        correction = bracket / 2 + formulation%group_bracket(u, bracket) / 12
+        bracket = formulation%group%bracket(u, xi)
+        correction = bracket / 2 + formulation%group%bracket(u, bracket) / 12
     end function algebra_correction
 
-    !> One step by five moves; two of them end it.
+    !> One step of five moves, two of which end it.
     subroutine step_by_moves(self, formulation, work, h, change, status)
         class(commutator_free_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        real(dp), intent(in) :: h
-        real(dp), intent(out) :: change(max_states)
-        integer, intent(out) :: status
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        real(dp), intent(in) :: h !! step size, s
+        real(dp), intent(out) :: change(max_states) !! change of the state
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp), dimension(max_states) :: k1, k2, k3, k4, to_second
         associate (unused => self)
         end associate
 
         change = 0
-        call find_velocity(formulation, work, work%y, k1, status)
+        call find_velocity(formulation, work, work%t, work%y, k1, status)
         if (status /= status_ok) return
-        call formulation%group_move(work%y, h / 2 * k1, to_second)
-        call find_velocity(formulation, work, work%y + to_second, k2, status)
+        call formulation%group%move(work%y, h / 2 * k1, to_second)
+        call find_velocity(formulation, work, work%t + h / 2, work%y + to_second, k2, status)
         if (status /= status_ok) return
-        call formulation%group_move(work%y, h / 2 * k2, change)
-        call find_velocity(formulation, work, work%y + change, k3, status)
+        call formulation%group%move(work%y, h / 2 * k2, change)
+        call find_velocity(formulation, work, work%t + h / 2, work%y + change, k3, status)
         if (status /= status_ok) return
         change = to_second
         call move_on(formulation, work, h * (k3 - k1 / 2), change)
-        call find_velocity(formulation, work, work%y + change, k4, status)
+        call find_velocity(formulation, work, work%t + h, work%y + change, k4, status)
         if (status /= status_ok) return
-        call formulation%group_move(work%y, h / 12 * (3 * k1 + 2 * (k2 + k3) - k4), change)
+        call formulation%group%move(work%y, h / 12 * (3 * k1 + 2 * (k2 + k3) - k4), change)
         call move_on(formulation, work, h / 12 * (3 * k4 + 2 * (k2 + k3) - k1), change)
     end subroutine step_by_moves
 
-    !> Moves on from the state that a change has led to.
+    !> Moves the state that a change has led to.
     subroutine move_on(formulation, work, u, change)
         class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(in) :: work
         real(dp), intent(in) :: u(max_states)
         real(dp), intent(inout) :: change(max_states)
         real(dp) :: more(max_states)
-        call formulation%group_move(work%y + change, u, more)
+        call formulation%group%move(work%y + change, u, more)
         change = change + more
     end subroutine move_on
 
-    !> Velocity on the group, counted as an evaluation of the right-hand side.
-    subroutine find_velocity(formulation, work, y, xi, status)
+    !> Velocity on the group.
+    subroutine find_velocity(formulation, work, t, y, xi, status)
         class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(inout) :: work
-        real(dp), intent(in) :: y(max_states)
+        real(dp), intent(in) :: t, y(max_states)
         real(dp), intent(out) :: xi(max_states)
         integer, intent(out) :: status
-        work%counts%evaluations = work%counts%evaluations + 1
-        call formulation%group_velocity(y, xi, status)
-        if (status == status_ok .and. .not. all(is_finite(xi))) status = status_non_finite
+        real(dp) :: dy(max_states)
+        call work%evaluate(formulation, t, y, dy, status)
+        call formulation%group%velocity(y, dy, xi)
     end subroutine find_velocity
 
 end module spintop_lie_group

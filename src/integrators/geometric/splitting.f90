@@ -1,9 +1,9 @@
 !> Splitting methods: compositions of the flows of drift and kick.
 !>
-!> They are symmetric, and conserve what both flows conserve: the symplectic form, the length of a
-!> quaternion, the momentum about the vertical. The energy error stays bounded. On equations
-!> y'' = g(y) they are symplectic Runge-Kutta-Nystrom methods (Hairer, Lubich and Wanner, Geometric
-!> Numerical Integration, II.5 and IX.3).
+!> They are symmetric, and conserve what both flows conserve: the symplectic form, the norm of a quaternion,
+!> the momentum about the vertical. The energy error stays bounded. For equations y'' = g(y) they are
+!> symplectic Runge-Kutta-Nystrom methods (Hairer, Lubich and Wanner, Geometric Numerical Integration, II.5
+!> and IX.3).
 module spintop_splitting
     use spintop_kinds, only: dp
     use spintop_fixed_step, only: fixed_step_t
@@ -15,7 +15,7 @@ module spintop_splitting
     private
     public :: splitting_t
 
-    !> Two methods of one order: one for Nystrom splits, and one for whatever drift and kick.
+    !> Two methods of one order: one for Nystrom splits, and one for any drift and kick.
     type, extends(fixed_step_t) :: splitting_t
         type(splitting_table_t) :: nystrom, general
     contains
@@ -28,12 +28,12 @@ contains
     !> One step.
     subroutine step(self, formulation, work, h, change, status)
         class(splitting_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        real(dp), intent(in) :: h
-        real(dp), intent(out) :: change(max_states)
-        integer, intent(out) :: status
-        if (formulation%splits_as_nystrom) then
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        real(dp), intent(in) :: h !! step size, s
+        real(dp), intent(out) :: change(max_states) !! change of the state
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        if (formulation%flows%splits_as_nystrom) then
             call compose(self%nystrom)
         else
             call compose(self%general)
@@ -44,14 +44,13 @@ contains
 
         subroutine compose(table)
             type(splitting_table_t), intent(in) :: table
-            call formulation%compose(work%y, h, table%kick(:table%stages), &
-                                     table%drift(:table%stages), change)
+            call formulation%flows%compose(work%y, h, table%kick(:table%stages), table%drift(:table%stages), change)
             work%counts%evaluations = work%counts%evaluations + table%kicks
         end subroutine compose
 
     end subroutine step
 
-    !> Steps are made of flows.
+    !> Steps are compositions of flows, and do not start from the slope.
     pure logical function starts_from_slope(self)
         class(splitting_t), intent(in) :: self
         associate (unused => self)

@@ -1,8 +1,8 @@
-!> Coefficients of splitting methods, as data.
+!> Coefficients of splitting methods.
 !>
-!> A step of size h is a kick over kick(0) h, which may be none, a drift over drift(1) h, a kick over
-!> kick(1) h, and so on, the same forwards and backwards. Each table states the first half only; the middle is what
-!> is missing to sums of 1.
+!> A step of size h consists of a kick over kick(0) h, which may be zero, a drift over drift(1) h, a kick over
+!> kick(1) h, and so on; the sequence is the same in reverse. Each table contains the first half only. The
+!> middle coefficients follow from the condition that the sums are 1.
 module spintop_splitting_tables
     use spintop_kinds, only: dp
     implicit none
@@ -11,12 +11,12 @@ module spintop_splitting_tables
     public :: strang_table, nystrom_4_table, nystrom_6_table
     public :: composition_4_table, composition_6_table, composition_8_table
 
-    !> Largest number of drifts of any table.
+    !> Maximum number of drifts of a table.
     integer, parameter :: max_stages = 17
 
     !> A splitting method.
     type :: splitting_table_t
-        !> Number of drifts, and of kicks that are not over zero.
+        !> Number of drifts, and of kicks with a nonzero coefficient.
         integer :: stages = 0, kicks = 0
         integer :: order = 0
         real(dp) :: kick(0:max_stages) = 0
@@ -30,9 +30,8 @@ contains
         table = composition(2, [real(dp) ::])
     end function strang_table
 
-    !> Method SRKN_6^b of Blanes and Moan (J. Comput. Appl. Math. 142, 2002), order 4, for Nystrom
-    !> splits. Here and below their 15 decimals are carried on by Newton's method on the order
-    !> conditions.
+    !> Method SRKN_6^b of Blanes and Moan (J. Comput. Appl. Math. 142, 2002), order 4, for Nystrom splits.
+    !> Here and below their 15 decimals are extended by Newton's method for the order conditions.
     pure type(splitting_table_t) function nystrom_4_table() result(table)
         table = mirrored(4, &
             [0.08298440641740501883834748_dp, 0.3963098014983680770949115_dp, &
@@ -74,16 +73,15 @@ contains
              0.25837438768632204729397911_dp, 0.29501172360931029087096624_dp])
     end function composition_8_table
 
-    !> The composition of steps kick, drift, kick of the sizes `step` h, whatever the drift, as long
-    !> as it is symmetric.
+    !> The composition of steps kick, drift, kick of the sizes `step` h, for any drift that is symmetric.
     pure type(splitting_table_t) function composition(order, step) result(table)
         integer, intent(in) :: order
         real(dp), intent(in) :: step(:)
         table = mirrored(order, (eoshift(step, -1) + step) / 2, step)
     end function composition
 
-    !> The table of which this is the first half, but for the last kick and the last drift, one of
-    !> which stands in the middle and the other beside it.
+    !> The table of which this is the first half, without the last kick and the last drift; one of these is in
+    !> the middle, the other next to it.
     pure type(splitting_table_t) function mirrored(order, kick, drift) result(table)
         integer, intent(in) :: order
         real(dp), intent(in) :: kick(:), drift(:)

@@ -1,8 +1,8 @@
 !> Implicit methods with a fixed step size: Gauss-Legendre and theta methods (the paper's Appendix D).
 !>
-!> Their stages are solved to rounding, by Newton's method with one Jacobian for all stages, which
-!> is kept as long as it converges, or by fixed-point iteration. Where this Newton's method fails, the
-!> solution is followed from a step of size zero (`spintop_stage_continuation`).
+!> Their stages are solved to rounding by Newton's method with one Jacobian for all stages, which is kept
+!> while it converges, or by fixed-point iteration. If Newton's method fails, the solution is continued from
+!> step size zero (`spintop_stage_continuation`).
 module spintop_implicit_runge_kutta
     use spintop_kinds, only: dp, epsilon_dp
     use spintop_compare, only: is_equal
@@ -28,26 +28,26 @@ module spintop_implicit_runge_kutta
         procedure :: step
     end type implicit_runge_kutta_t
 
-    !> Keeps what the next step can use.
+    !> Keeps data that the next step can use.
     type, extends(grid_workspace_t) :: stage_workspace_t
         !> Number of components in use.
         integer :: states = max_states
-        !> Increments of the stages of the last step, and its size, s; 0 before the first.
+        !> Increments of the stages of the last step, and its size, s; 0 before the first step.
         real(dp) :: z(max_states, max_implicit_stages) = 0, h_stages = 0
-        !> Factors of Newton's matrices, and the step size that they are for, s; 0 without any.
+        !> Factors of Newton's matrices, and the step size to which they belong, s; 0 if there are none.
         complex(dp) :: factors(max_states, max_states, max_modes) = 0
         integer :: pivots(max_states, max_modes) = 0
         real(dp) :: h_factors = 0
     end type stage_workspace_t
 
-    !> Iterations after which a step counts as not converged.
+    !> Number of iterations after which a step has not converged.
     integer, parameter :: newton_limit = 30, fixed_point_limit = 200
-    !> Corrections that do not shrink any more are due to rounding if they are below the first; with
-    !> fixed-point iteration, below the second. Larger ones may as well be due to the Jacobian.
+    !> Corrections that no longer decrease are due to rounding if they are below the first value; for
+    !> fixed-point iteration, below the second. Larger ones may also be due to the Jacobian.
     real(dp), parameter :: rounding = 64 * epsilon_dp, rounding_of_insertion = 1.0e-12_dp
-    !> Growth of corrections that rounding may cause.
+    !> Growth of corrections that rounding errors may cause.
     real(dp), parameter :: jitter = 10
-    !> Contraction above which a new Jacobian pays.
+    !> Contraction above which a new Jacobian is worthwhile.
     real(dp), parameter :: slow = 0.05_dp
 
 contains
@@ -55,18 +55,18 @@ contains
     !> A workspace with room for the stages.
     subroutine new_workspace(self, work)
         class(implicit_runge_kutta_t), intent(in) :: self
-        class(workspace_t), allocatable, intent(out) :: work
+        class(workspace_t), allocatable, intent(out) :: work !! workspace of the type that the method needs
         associate (unused => self)
         end associate
         allocate (stage_workspace_t :: work)
     end subroutine new_workspace
 
-    !> First slope; the data of an earlier run are discarded.
+    !> First slope; data of an earlier run are discarded.
     subroutine begin(self, formulation, work, status)
         class(implicit_runge_kutta_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        integer, intent(out) :: status
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(formulation_info_t) :: info
 
         select type (work)
@@ -79,15 +79,15 @@ contains
         call begin_on_grid(self, formulation, work, status)
     end subroutine begin
 
-    !> One step of the method. The stages are sought from the polynomial of the last step; if that
-    !> leads nowhere, from the slope, with a new Jacobian; and if that fails, too, by continuation.
+    !> One step of the method. The initial guess of the stages is the polynomial of the last step. If it
+    !> fails, the slope is the guess, with a new Jacobian; if that fails too, continuation is used.
     subroutine step(self, formulation, work, h, change, status)
         class(implicit_runge_kutta_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        real(dp), intent(in) :: h
-        real(dp), intent(out) :: change(max_states)
-        integer, intent(out) :: status
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        real(dp), intent(in) :: h !! step size, s
+        real(dp), intent(out) :: change(max_states) !! change of the state
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: z(max_states, max_implicit_stages)
         integer :: i
 
@@ -116,10 +116,10 @@ contains
         end select
     end subroutine step
 
-    !> Solves the equations of the stages from the guess in z. Newton's corrections must be smaller than
-    !> the guess, and each smaller than the last, by half with a new Jacobian: an iteration that wanders
-    !> may find a solution, but hardly that which grows out of the state as the step does. Cyclic
-    !> variables follow from the others and have no say in this.
+    !> Solves the equations of the stages from the guess in z. Newton's corrections must be smaller than the
+    !> guess, and each smaller than the last one, by half with a new Jacobian: an iteration without
+    !> contraction may find a solution, but rarely the one that is connected to the state. Cyclic variables
+    !> follow from the others and are ignored in this test.
     subroutine solve_stages(self, formulation, work, h, z, status)
         class(implicit_runge_kutta_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
@@ -153,11 +153,11 @@ contains
             contraction = merge(sure, 1.0_dp, is_new .and. iteration > 1)
             if (newton .and. .not. core < contraction * core_previous .and. core > acceptable) exit
             if (newton .and. iteration > 1) then
-                ! The next correction would be that.
+                ! This is the expected magnitude of the next correction.
                 if (size * (size / previous) <= negligible) return
                 if (size > slow * previous) work%h_factors = 0
             end if
-            ! Fixed-point corrections may alternate; those of Newton's method do not.
+            ! Fixed-point corrections may alternate in magnitude; those of Newton's method do not.
             idle = merge(0, idle + 1, size < smallest)
             smallest = min(smallest, size)
             if (newton .and. idle > 0 .and. size <= acceptable) then
@@ -171,9 +171,9 @@ contains
         status = status_not_converged
     end subroutine solve_stages
 
-    !> Turns the residual into Newton's correction. With one Jacobian J for all stages the equations
-    !> come apart along the eigenvectors of the coefficients a (Butcher, BIT 16, 1976): with each
-    !> eigenvalue lambda the matrix is 1 - h lambda J.
+    !> Computes Newton's correction from the residual. With one Jacobian J for all stages the equations
+    !> decouple along the eigenvectors of the coefficients a (Butcher, BIT 16, 1976): for each eigenvalue
+    !> lambda the matrix is 1 - h lambda J.
     subroutine newton_correction(table, formulation, work, h, z, correction, status)
         type(implicit_table_t), intent(in) :: table
         class(formulation_t), intent(in) :: formulation
@@ -202,7 +202,7 @@ contains
         end do
     end subroutine newton_correction
 
-    !> Factors the matrices 1 - h lambda J with the Jacobian in the midst of the stages.
+    !> Factors the matrices 1 - h lambda J, with the Jacobian in the middle of the stages.
     subroutine factor_matrices(table, formulation, work, h, z, status)
         type(implicit_table_t), intent(in) :: table
         class(formulation_t), intent(in) :: formulation
@@ -213,7 +213,8 @@ contains
         integer :: i, k, failure
 
         work%h_factors = 0
-        call find_jacobian(formulation, work, work%y + sum(z, dim=2) / table%stages, jacobian, status)
+        call find_jacobian(formulation, work, work%t + sum(table%node) / table%stages * h, &
+                           work%y + sum(z, dim=2) / table%stages, jacobian, status)
         if (status /= status_ok) return
         do k = 1, table%modes
             work%factors(:, :, k) = -h * table%eigenvalue(k) * jacobian

@@ -1,4 +1,4 @@
-!> Coefficients of the implicit methods, computed: Gauss-Legendre methods of any order, and the theta methods.
+!> Coefficients of the implicit methods: Gauss-Legendre methods of any order, and theta methods.
 module spintop_implicit_tables
     use spintop_kinds, only: dp, xp
     use spintop_lapack, only: dgeev
@@ -6,30 +6,30 @@ module spintop_implicit_tables
     private
     public :: implicit_table_t, max_implicit_stages, max_modes, gauss_table, theta_table
 
-    !> Largest number of stages of any table.
+    !> Maximum number of stages of a table.
     integer, parameter :: max_implicit_stages = 4
-    !> Largest number of eigenvalues of a with no negative imaginary part.
+    !> Maximum number of eigenvalues of a with a nonnegative imaginary part.
     integer, parameter :: max_modes = (max_implicit_stages + mod(max_implicit_stages, 2)) / 2
 
-    !> A collocation method for y' = f(y). Its stages lie at y + z_i,
-    !> z_i = h (first f(y) + sum_j a_ij f(y + z_j)),
+    !> A collocation method for y' = f(t, y). Its stages lie at t + node_i h and y + z_i,
+    !> z_i = h (first f(t, y) + sum_j a_ij f(t + node_j h, y + z_j)),
     !> and its polynomial of the step goes through y and all of them.
     type :: implicit_table_t
         integer :: stages = 0
-        !> Where the stages lie in the step.
+        !> Nodes: positions of the stages in the step.
         real(dp) :: node(max_implicit_stages) = 0
         real(dp) :: a(max_implicit_stages, max_implicit_stages) = 0
         !> Weight of the slope at the beginning of the step.
         real(dp) :: first = 0
-        !> The state changes by sum_i last(i) z_i: the polynomial at the end of the step. So taken,
-        !> and not from the slopes, nothing cancels (Hairer, Lubich and Wanner, Geometric Numerical
-        !> Integration, VIII.6).
+        !> The change of the state is sum_i last(i) z_i, the polynomial at the end of the step. In this form,
+        !> without slopes, nothing cancels (Hairer, Lubich and Wanner, Geometric Numerical Integration,
+        !> VIII.6).
         real(dp) :: last(max_implicit_stages) = 0
-        !> The polynomial within the next step of the same size:
-        !> z_j is about sum_i ahead(i, j) z_i of this step.
+        !> Extrapolation of the polynomial to the next step of the same size: z_j is approximately sum_i
+        !> ahead(i, j) z_i of this step.
         real(dp) :: ahead(max_implicit_stages, max_implicit_stages) = 0
-        !> Eigenvalues of a, one of each conjugate pair. A real matrix over the stages is the real part
-        !> of from_modes times what it is in the eigenvectors, which to_modes leads to.
+        !> Eigenvalues of a, one of each conjugate pair. A real matrix over the stages is the real part of
+        !> from_modes times its form in the eigenvectors, to which to_modes transforms.
         integer :: modes = 0
         complex(dp) :: eigenvalue(max_modes) = 0
         complex(dp) :: to_modes(max_implicit_stages, max_modes) = 0
@@ -38,13 +38,13 @@ module spintop_implicit_tables
 
 contains
 
-    !> The Gauss-Legendre method of order 2 s with s stages (Kuntzmann 1961, Butcher 1964): the nodes are the roots
-    !> of the Legendre polynomial P_s on the step. a_ij is the integral up to node i of the polynomial
-    !> that is one at node j and zero at the others; expanded in P_0 .. P_(s-1), whose discrete
-    !> products at these nodes are those of the integrals, it is a sum without cancellation. One
-    !> stage gives the implicit midpoint rule.
+    !> The Gauss-Legendre method of order 2 s with s stages (Kuntzmann 1961, Butcher 1964). The nodes are the
+    !> roots of the Legendre polynomial P_s on the step. a_ij is the integral up to node i of the polynomial
+    !> that is 1 at node j and 0 at the others. Its expansion in P_0 .. P_(s-1), whose discrete products at
+    !> these nodes equal those of the integrals, is a sum without cancellation. One stage gives the implicit
+    !> midpoint rule.
     type(implicit_table_t) function gauss_table(stages) result(table)
-        integer, intent(in) :: stages
+        integer, intent(in) :: stages !! number of stages
         real(xp) :: root(stages), weight(stages), legendre(-1:stages, stages), slope
         integer :: i, j, k
 
@@ -65,10 +65,10 @@ contains
         call find_modes(table)
     end function gauss_table
 
-    !> The theta method y+ = y + h [(1-alpha) f(y) + alpha f(y+)], 0 < alpha <= 1, whose only stage is
-    !> the end of the step.
+    !> The theta method y+ = y + h [(1-alpha) f(y) + alpha f(y+)], 0 < alpha <= 1, whose only stage is at the
+    !> end of the step.
     type(implicit_table_t) function theta_table(alpha) result(table)
-        real(dp), intent(in) :: alpha
+        real(dp), intent(in) :: alpha !! weight of the slope at the end of the step
         table%stages = 1
         table%a(1, 1) = alpha
         table%first = 1 - alpha
@@ -76,7 +76,7 @@ contains
         call find_modes(table)
     end function theta_table
 
-    !> Lays the polynomial that is zero at the beginning of the step through the stages.
+    !> Computes the polynomial that is zero at the beginning of the step and interpolates the stages.
     pure subroutine lay_polynomial(table, node)
         type(implicit_table_t), intent(inout) :: table
         real(xp), intent(in) :: node(:)
@@ -90,7 +90,7 @@ contains
         end do
     end subroutine lay_polynomial
 
-    !> The polynomial that is one at node i, zero at the others and at the beginning of the step.
+    !> The polynomial that is 1 at node i, and 0 at the others and at the beginning of the step.
     pure real(xp) function basis(node, i, place)
         real(xp), intent(in) :: node(:), place
         integer, intent(in) :: i
@@ -101,7 +101,7 @@ contains
         end do
     end function basis
 
-    !> Finds eigenvalues and eigenvectors of the coefficients a.
+    !> Computes eigenvalues and eigenvectors of the coefficients a.
     subroutine find_modes(table)
         type(implicit_table_t), intent(inout) :: table
         integer, parameter :: n = max_implicit_stages
@@ -128,10 +128,10 @@ contains
         end do
     end subroutine find_modes
 
-    !> Root number i of the Legendre polynomial P_n, in rising order, by Newton's method.
+    !> Root i of the Legendre polynomial P_n, in increasing order, by Newton's method.
     pure real(xp) function legendre_root(n, i) result(x)
         integer, intent(in) :: n, i
-        !> Corrections double the digits of the start, which has at least two.
+        !> Each correction doubles the number of correct digits; the initial guess has at least two.
         integer, parameter :: enough = 6
         real(xp), parameter :: half_turn = acos(-1.0_xp)
         real(xp) :: p(-1:n)
@@ -143,8 +143,8 @@ contains
         end do
     end function legendre_root
 
-    !> Legendre polynomials P_0 .. P_n at x; number -1 is the constant with which
-    !> (P_(k+1) - P_(k-1))/(2k + 1), the integral of P_k from -1 to x, holds for k = 0 too.
+    !> Legendre polynomials P_0 .. P_n at x. Index -1 is the constant for which (P_(k+1) - P_(k-1))/(2k + 1),
+    !> the integral of P_k from -1 to x, holds for k = 0 too.
     pure function legendre_values(n, x) result(p)
         integer, intent(in) :: n
         real(xp), intent(in) :: x

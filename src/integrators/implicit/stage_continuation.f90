@@ -1,9 +1,9 @@
-!> The equations of an implicit step where Newton's method with one Jacobian fails: Newton's method
-!> with the Jacobian of every stage at every iteration, and continuation in the step size.
+!> The equations of an implicit step where Newton's method with one Jacobian fails: Newton's method with the
+!> Jacobian of every stage in every iteration, and continuation in the step size.
 !>
-!> The solution wanted is the one that grows out of the state as the step does (Deuflhard, Newton
-!> Methods for Nonlinear Problems, 2004, 5.1). So it is followed from a step of size zero, in stretches
-!> short enough that Newton's method contracts at once and goes less far than the prediction.
+!> The required solution is the one that is connected to the state as the step size tends to zero (Deuflhard,
+!> Newton Methods for Nonlinear Problems, 2004, 5.1). It is followed from step size zero, by increments so
+!> small that Newton's method contracts at once and its correction is smaller than the prediction.
 module spintop_stage_continuation
     use spintop_kinds, only: dp
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
@@ -17,21 +17,22 @@ module spintop_stage_continuation
     private
     public :: follow_stages, solve_from_near
 
-    !> Largest number of unknowns.
+    !> Maximum number of unknowns.
     integer, parameter :: max_unknowns = max_states * max_implicit_stages
-    !> Iterations after which a stretch counts as too long: the digits double.
+    !> Number of iterations after which an increment is too large: the number of correct digits doubles each
+    !> time.
     integer, parameter :: most_iterations = 10
-    !> Increments of stages, in their units, that approximate a motion: an inclination has a range of pi
-    !> in all, a component of a quaternion of 4, a rate of 2.
+    !> Largest increments of stages, in their units, that can approximate a motion: the range of an
+    !> inclination is pi, that of a component of a quaternion 4, that of a rate 2.
     real(dp), parameter :: farthest = 2
-    !> The shortest stretch, and the largest number of them tried, in a step.
+    !> Smallest increment of the continuation, and maximum number of increments per step.
     real(dp), parameter :: shortest = 2.0_dp**(-12)
     integer, parameter :: most_stretches = 200
 
 contains
 
-    !> Follows the solution of the equations of the stages from a step of size zero. The status is
-    !> `status_not_converged` where it ends, or turns back, before the step has its size.
+    !> Follows the solution of the equations of the stages from step size zero. The status is
+    !> `status_not_converged` if the solution ends, or turns back, before the full step size.
     subroutine follow_stages(table, formulation, work, h, z, status)
         type(implicit_table_t), intent(in) :: table !! the method
         class(formulation_t), intent(in) :: formulation !! the equations of motion
@@ -59,8 +60,12 @@ contains
                 here = z
                 share = share + stretch
                 stretch = 2 * stretch
-                ! The equations z = share h (first f(y) + ...), derived by the share.
+                ! The equations z = share h (first f(t, y) + ...), derived by the share.
                 tangent = here / share
+                if (formulation%depends_on_time) then
+                    call add_time_derivative(table, formulation, work, share * h, h, here, tangent, status)
+                    if (status /= status_ok) exit
+                end if
                 call find_correction(table, formulation, work, share * h, here, tangent, status)
                 if (status /= status_ok) exit
             else
@@ -71,8 +76,34 @@ contains
         status = status_not_converged
     end subroutine follow_stages
 
-    !> Solves the equations of the stages to rounding from increments that satisfy them but for the
-    !> last digits.
+    !> Adds to the equations derived by the share what the times of the stages contribute:
+    !> h sum_j a_ij df/dt(t + node_j h, y + z_j) node_j span.
+    subroutine add_time_derivative(table, formulation, work, h, span, z, tangent, status)
+        type(implicit_table_t), intent(in) :: table
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: h, span, z(max_states, max_implicit_stages)
+        real(dp), intent(inout) :: tangent(max_states, max_implicit_stages)
+        integer, intent(out) :: status
+        real(dp) :: t, shift, slope(max_states), later(max_states)
+        integer :: i, j
+
+        status = status_ok
+        do j = 1, table%stages
+            t = work%t + table%node(j) * h
+            shift = sqrt(epsilon(t)) * max(abs(t), abs(span))
+            call work%evaluate(formulation, t, work%y + z(:, j), slope, status)
+            if (status == status_ok) call work%evaluate(formulation, t + shift, work%y + z(:, j), later, status)
+            if (status /= status_ok) return
+            do i = 1, table%stages
+                tangent(:, i) = tangent(:, i) &
+                    + h * table%a(i, j) * table%node(j) * span * ((later - slope) / shift)
+            end do
+        end do
+    end subroutine add_time_derivative
+
+    !> Solves the equations of the stages to rounding, from increments that are accurate except for the last
+    !> digits.
     subroutine solve_from_near(table, formulation, work, h, z, status)
         type(implicit_table_t), intent(in) :: table !! the method
         class(formulation_t), intent(in) :: formulation !! the equations of motion
@@ -83,9 +114,9 @@ contains
         call iterate(table, formulation, work, h, z, z, status)
     end subroutine solve_from_near
 
-    !> Newton's method from the guess in z. The first correction may not be larger than a share of
-    !> `reach`, each further one not larger than that share of the one before, until rounding alone is
-    !> left. Cyclic variables follow from the others and have no say in this.
+    !> Newton's method from the guess in z. The first correction may not be larger than a fraction of `reach`,
+    !> and each further one not larger than that fraction of the previous one, until only rounding errors are
+    !> left. Cyclic variables follow from the others and are ignored in this test.
     subroutine iterate(table, formulation, work, h, reach, z, status)
         type(implicit_table_t), intent(in) :: table
         class(formulation_t), intent(in) :: formulation
@@ -116,7 +147,7 @@ contains
         status = status_not_converged
     end subroutine iterate
 
-    !> Turns the residual into Newton's correction, with the Jacobian of each stage: the equations
+    !> Computes Newton's correction from the residual, with the Jacobian of each stage: the equations
     !> correction_i - h sum_j a_ij J_j correction_j = residual_i.
     subroutine find_correction(table, formulation, work, h, z, correction, status)
         type(implicit_table_t), intent(in) :: table
@@ -134,7 +165,7 @@ contains
         n = info%states
         all_unknowns = n * table%stages
         do j = 1, table%stages
-            call find_jacobian(formulation, work, work%y + z(:, j), jacobian, status)
+            call find_jacobian(formulation, work, work%t + table%node(j) * h, work%y + z(:, j), jacobian, status)
             if (status /= status_ok) return
             do i = 1, table%stages
                 matrix((i - 1) * n + 1:i * n, (j - 1) * n + 1:j * n) = -h * table%a(i, j) * jacobian(:n, :n)

@@ -1,5 +1,5 @@
-!> The equations of the stages of an implicit Runge-Kutta step, their derivatives, and the units in
-!> which their unknowns are measured.
+!> The equations of the stages of an implicit Runge-Kutta step, their derivatives, and the units of their
+!> unknowns.
 !>
 !> The unknowns are the increments z of the stages over the state, so that small steps lose no digits.
 module spintop_stage_equations
@@ -13,10 +13,10 @@ module spintop_stage_equations
     public :: find_residual, find_jacobian, units_of_stages, largest
     public :: negligible, acceptable, sure
 
-    !> An iteration is at rounding when its correction, relative to the units of the stages, is below
-    !> the first, or when it does not shrink any more and is below the second.
+    !> An iteration has converged to rounding if its correction, in units of the stages, is below the first
+    !> value, or if it no longer decreases and is below the second.
     real(dp), parameter :: negligible = epsilon_dp / 128, acceptable = 1.0e-10_dp
-    !> Contraction that shows the solution to be the one nearby.
+    !> Contraction that shows that the solution is the nearby one.
     real(dp), parameter :: sure = 0.5_dp
 
 contains
@@ -36,7 +36,7 @@ contains
         residual = 0
         status = status_ok
         do j = 1, table%stages
-            call work%evaluate(formulation, work%y + z(:, j), slope, status)
+            call work%evaluate(formulation, work%t + table%node(j) * h, work%y + z(:, j), slope, status)
             if (status /= status_ok) return
             do i = 1, table%stages
                 residual(:, i) = residual(:, i) + table%a(i, j) * slope
@@ -47,15 +47,15 @@ contains
         end do
     end subroutine find_residual
 
-    !> The Jacobian df/dy by forward differences, good to some digits also where a component is zero.
-    !> On cyclic variables nothing depends.
-    subroutine find_jacobian(formulation, work, y, jacobian, status)
+    !> The Jacobian df/dy by forward differences, accurate to several digits also where a component is zero.
+    !> The equations do not depend on cyclic variables.
+    subroutine find_jacobian(formulation, work, t, y, jacobian, status)
         class(formulation_t), intent(in) :: formulation !! the equations of motion
         class(workspace_t), intent(inout) :: work !! counts the evaluations
-        real(dp), intent(in) :: y(max_states) !! where
+        real(dp), intent(in) :: t, y(max_states) !! where
         real(dp), intent(out) :: jacobian(max_states, max_states) !! column j is df/dy_j
         integer, intent(out) :: status !! that of the right-hand side
-        !> Shift of a component relative to its magnitude, and the least magnitude that is taken for it,
+        !> Increment of a component relative to its magnitude, and the smallest magnitude used for this,
         !> relative to its scale.
         real(dp), parameter :: share = sqrt(epsilon_dp), least = sqrt(sqrt(epsilon_dp))
         real(dp) :: moved(max_states), slope(max_states), slope_moved(max_states)
@@ -65,19 +65,19 @@ contains
         info = formulation%info()
         work%counts%jacobians = work%counts%jacobians + 1
         jacobian = 0
-        call work%evaluate(formulation, y, slope, status)
+        call work%evaluate(formulation, t, y, slope, status)
         do j = 1, info%states
             if (status /= status_ok) return
             if (formulation%cyclic(j)) cycle
             moved = y
             moved(j) = y(j) + share * max(abs(y(j)), least * formulation%scale(j))
-            call work%evaluate(formulation, moved, slope_moved, status)
+            call work%evaluate(formulation, t, moved, slope_moved, status)
             jacobian(:, j) = (slope_moved - slope) / (moved(j) - y(j))
         end do
     end subroutine find_jacobian
 
-    !> The unit in which each variable's increments are measured: the scale of the motion or, where
-    !> they are larger, the increments or the variable itself. The magnitude of a cyclic one is ignored.
+    !> The unit of the increments of each variable: the scale of the motion or, if they are larger, the
+    !> increments or the variable itself. The magnitude of a cyclic variable is ignored.
     pure function units_of_stages(formulation, y, z) result(units)
         class(formulation_t), intent(in) :: formulation !! the equations of motion
         real(dp), intent(in) :: y(max_states) !! state at the beginning of the step
@@ -86,7 +86,7 @@ contains
         units = max(formulation%scale, maxval(abs(z), dim=2), merge(0.0_dp, abs(y), formulation%cyclic))
     end function units_of_stages
 
-    !> Largest of the components of all stages, each in its unit; of those in a selection if there is one.
+    !> Largest component of all stages, each in its unit; of the selected variables if there is a selection.
     pure real(dp) function largest(z, units, selection)
         real(dp), intent(in) :: z(max_states, max_implicit_stages) !! increments
         real(dp), intent(in) :: units(max_states) !! their units

@@ -1,4 +1,4 @@
-!> Butcher tables of the explicit Runge-Kutta methods, as data.
+!> Butcher tables of the explicit Runge-Kutta methods, among them Dormand-Prince 5(4).
 module spintop_butcher
     use spintop_kinds, only: dp
     implicit none
@@ -6,20 +6,22 @@ module spintop_butcher
     public :: butcher_t, max_stages, euler_table, midpoint_table, classical_table
     public :: dormand_prince_table
 
-    !> Largest number of stages of any table.
+    !> Maximum number of stages of a table.
     integer, parameter :: max_stages = 7
 
     !> Coefficients of an explicit Runge-Kutta method
-    !> k_i = f(y + h sum_j a_ij k_j), y+ = y + h sum_i b_i k_i.
+    !> k_i = f(t + c_i h, y + h sum_j a_ij k_j), y+ = y + h sum_i b_i k_i.
     type :: butcher_t
         integer :: stages = 0
         integer :: order = 0
         !> a(j, i) multiplies k_j in stage i: columns are stages.
         real(dp) :: a(max_stages, max_stages) = 0
         real(dp) :: b(max_stages) = 0
-        !> b minus the weights of the embedded method; zero without one.
+        !> Where the stages lie in the step.
+        real(dp) :: c(max_stages) = 0
+        !> b minus the weights of the embedded method; zero if there is none.
         real(dp) :: error(max_stages) = 0
-        !> Dense output: weight of k_i at the fraction s of a step is sum_p dense(p, i) s^p.
+        !> Dense output: the weight of k_i at the fraction s of a step is sum_p dense(p, i) s^p.
         real(dp) :: dense(4, max_stages) = 0
     end type butcher_t
 
@@ -38,9 +40,10 @@ contains
         table%order = 2
         table%a(1, 2) = 0.5_dp
         table%b(2) = 1
+        table%c(2) = 0.5_dp
     end function midpoint_table
 
-    !> The classical method (Kutta 1901).
+    !> The classical Runge-Kutta method (Kutta 1901).
     pure type(butcher_t) function classical_table() result(table)
         table%stages = 4
         table%order = 4
@@ -48,11 +51,11 @@ contains
         table%a(2, 3) = 0.5_dp
         table%a(3, 4) = 1
         table%b(1:4) = [1, 2, 2, 1] / 6.0_dp
+        table%c(2:4) = [0.5_dp, 0.5_dp, 1.0_dp]
     end function classical_table
 
-    !> Dormand and Prince's pair 5(4) (J. Comp. Appl. Math. 6, 1980) with the interpolant of
-    !> order 4 of Shampine (Math. Comp. 46, 1986), as in MATLAB's ode45. The last stage is the
-    !> first of the next step.
+    !> The Dormand-Prince pair 5(4) (J. Comp. Appl. Math. 6, 1980) with the interpolant of order 4 of Shampine
+    !> (Math. Comp. 46, 1986), as in MATLAB's ode45. The last stage is the first one of the next step.
     pure type(butcher_t) function dormand_prince_table() result(table)
         table%stages = 7
         table%order = 5
@@ -65,6 +68,7 @@ contains
         table%a(1:6, 7) = [35.0_dp / 384, 0.0_dp, 500.0_dp / 1113, 125.0_dp / 192, &
                            -2187.0_dp / 6784, 11.0_dp / 84]
         table%b = table%a(:, 7)
+        table%c = [0.0_dp, 1.0_dp / 5, 3.0_dp / 10, 4.0_dp / 5, 8.0_dp / 9, 1.0_dp, 1.0_dp]
         table%error = [71.0_dp / 57600, 0.0_dp, -71.0_dp / 16695, 71.0_dp / 1920, &
                        -17253.0_dp / 339200, 22.0_dp / 525, -1.0_dp / 40]
         table%dense(:, 1) = [1.0_dp, -183.0_dp / 64, 37.0_dp / 12, -145.0_dp / 128]

@@ -1,13 +1,13 @@
-!> The Runge-Kutta method of Dormand and Prince of order 8 with error estimate, step control and
-!> dense output: DOP853 of Hairer, Norsett and Wanner (Solving Ordinary Differential Equations I,
-!> 2nd edition, 1993, sections II.4 to II.6); also with a fixed step size.
+!> The Dormand-Prince method of order 8 with error estimate, step control and dense output: DOP853 of Hairer,
+!> Norsett and Wanner (Solving Ordinary Differential Equations I, 2nd edition, 1993, sections II.4 to II.6);
+!> also with a fixed step size.
 !>
 !> The state is summed with compensation, so that small steps at tight tolerances lose no digits.
 module spintop_dop853
     use spintop_kinds, only: dp
     use spintop_compare, only: is_finite
     use spintop_dop853_table, only: dop853_table_t, main_stages, new_slope, all_stages
-    use spintop_fixed_step, only: fixed_step_t, advance_on_grid, begin_on_grid, share_of_time_left
+    use spintop_fixed_step, only: fixed_step_t, advance_on_grid, begin_on_grid, longest_step
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     use spintop_status, only: status_ok, status_non_finite, status_step_too_small
     use spintop_stepper, only: workspace_t
@@ -23,20 +23,20 @@ module spintop_dop853
         procedure :: begin
         procedure :: advance
         procedure :: step
-        procedure :: interpolate
+        procedure :: state_within
     end type dop853_t
 
     !> Keeps the stages of the last step for dense output.
     type, extends(workspace_t) :: dop853_workspace_t
         real(dp) :: k(max_states, all_stages) = 0
-        !> Terms of the dense output, once a time within the last step was asked for.
+        !> Terms of the dense output, once it was needed in the last step.
         real(dp) :: term(max_states, 8) = 0
         logical :: has_terms = .false.
         !> Number of components in use: the error is their root mean square.
         integer :: states = max_states
     end type dop853_workspace_t
 
-    !> Share of the step that the error estimate would allow, and bounds of its change in one step.
+    !> Fraction of the step that the error estimate allows, and bounds of its change from step to step.
     real(dp), parameter :: safety = 0.9_dp, largest_growth = 6, largest_cut = 1.0_dp / 3
     !> Power of the error estimate in the step size.
     real(dp), parameter :: power = 8
@@ -48,7 +48,7 @@ contains
     !> A workspace with room for the stages.
     subroutine new_workspace(self, work)
         class(dop853_t), intent(in) :: self
-        class(workspace_t), allocatable, intent(out) :: work
+        class(workspace_t), allocatable, intent(out) :: work !! workspace of the type that the method needs
         associate (unused => self)
         end associate
         allocate (dop853_workspace_t :: work)
@@ -57,9 +57,9 @@ contains
     !> First slope and, unless the step size is fixed, first step size.
     subroutine begin(self, formulation, work, status)
         class(dop853_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        integer, intent(out) :: status
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(formulation_info_t) :: info
 
         select type (work)
@@ -75,9 +75,9 @@ contains
         end if
     end subroutine begin
 
-    !> A step with which Euler's method errs by about 1% of the state; then, from the curvature found
-    !> by it, one of the order of this method. Times are in units of that in which the state would
-    !> change by all its magnitude, so that the unit of time does not matter.
+    !> A step for which Euler's method has an error of about 1% of the state; then, from the curvature found
+    !> with it, one for the order of this method. Times are relative to the time in which the state would
+    !> change by its magnitude, so that the unit of time does not matter.
     real(dp) function first_step(formulation, work) result(h)
         class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(inout) :: work
@@ -93,7 +93,7 @@ contains
         if (.not. steepness > 0) return
         unit = size / steepness
         h = min(share * unit, span)
-        call work%evaluate(formulation, work%y + h * work%slope, slope, status)
+        call work%evaluate(formulation, work%t + h, work%y + h * work%slope, slope, status)
         if (status /= status_ok) return
         bend = max(norm2((slope - work%slope) / allowed) / h * unit**2, size)
         h = min(span, 100 * h, unit * (share / bend)**(1 / power))
@@ -102,9 +102,9 @@ contains
     !> One step: of the grid, or one that the error estimate accepts; rejected steps are counted.
     subroutine advance(self, formulation, work, status)
         class(dop853_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        integer, intent(out) :: status
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
 
         select type (work)
         class is (dop853_workspace_t)
@@ -128,13 +128,13 @@ contains
         logical :: was_rejected, changed
 
         h_smallest = smallest_spacings * spacing(work%t)
-        h_left = share_of_time_left * formulation%time_left(work%y)
+        h_left = longest_step(formulation, work%y)
         work%h = max(work%h, h_smallest)
         was_rejected = .false.
         do
             h = min(work%h, h_left)
             t_new = work%t + h
-            ! A step that nearly reaches the end is stretched to it.
+            ! A step that nearly reaches the end is stretched to the end.
             if (1.01_dp * h >= work%t_end - work%t .and. h < h_left) t_new = work%t_end
             t_new = min(t_new, work%t_end)
             h = t_new - work%t
@@ -145,9 +145,9 @@ contains
                 error = error_estimate(self%table, work, h, y_new)
                 if (.not. is_finite(error)) status = status_non_finite
             end if
-            ! The slope there must exist: it begins the next step.
+            ! The slope at the new state must exist: it begins the next step.
             if (status == status_ok .and. error <= 1) then
-                call work%evaluate(formulation, y_new, slope, status)
+                call work%evaluate(formulation, t_new, y_new, slope, status)
             end if
             if (status == status_ok .and. error <= 1) exit
             work%counts%rejected = work%counts%rejected + 1
@@ -162,7 +162,7 @@ contains
         end do
         call work%settle_change(formulation, t_new, change, changed)
         work%slope = slope
-        if (changed) call work%evaluate(formulation, work%y, work%slope, status)
+        if (changed) call work%evaluate(formulation, work%t, work%y, work%slope, status)
         growth = largest_growth
         if (error > 0) growth = min(growth, max(largest_cut, safety * error**(-1 / power)))
         if (was_rejected) growth = min(growth, 1.0_dp)
@@ -172,11 +172,11 @@ contains
     !> The stages of a step of size h, and the change of the state over it.
     subroutine step(self, formulation, work, h, change, status)
         class(dop853_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        real(dp), intent(in) :: h
-        real(dp), intent(out) :: change(max_states)
-        integer, intent(out) :: status
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        real(dp), intent(in) :: h !! step size, s
+        real(dp), intent(out) :: change(max_states) !! change of the state
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: stage(max_states)
         integer :: i
 
@@ -187,7 +187,7 @@ contains
             work%k(:, 1) = work%slope
             do i = 2, main_stages
                 stage = moved(work%y, h, work%k, self%table%a(:, i), i - 1)
-                call work%evaluate(formulation, stage, work%k(:, i), status)
+                call work%evaluate(formulation, work%t + self%table%c(i) * h, stage, work%k(:, i), status)
                 if (status /= status_ok) return
             end do
             change = h * (weighted(work%k, self%table%b, main_stages) &
@@ -195,8 +195,8 @@ contains
         end select
     end subroutine step
 
-    !> Error of a step in units of the tolerance: those of the embedded methods of orders 5 and 3
-    !> combined to one that goes with h^8.
+    !> Error of a step in units of the tolerance: the errors of the embedded methods of orders 5 and 3,
+    !> combined to an estimate of order h^8.
     pure real(dp) function error_estimate(table, work, h, y_new) result(error)
         type(dop853_table_t), intent(in) :: table
         class(dop853_workspace_t), intent(in) :: work
@@ -217,7 +217,7 @@ contains
         integer :: i, j
         total = 0
         do i = 1, n
-            ! Left to itself gfortran goes across the stages, three times slower.
+            ! Without this order of loops gfortran vectorizes over the stages, which is three times slower.
             !$omp simd
             do j = 1, max_states
                 total(j) = total(j) + weight(i) * k(j, i)
@@ -225,7 +225,7 @@ contains
         end do
     end function weighted
 
-    !> A state moved along the slopes of the first n stages.
+    !> The state plus h times a weighted sum of the first n stages.
     pure function moved(y, h, k, weight, n) result(stage)
         real(dp), intent(in) :: y(max_states), h, k(max_states, all_stages), weight(all_stages)
         integer, intent(in) :: n
@@ -239,16 +239,15 @@ contains
     end function moved
 
     !> Dense output of order 7 within the last step.
-    function interpolate(self, formulation, work, t) result(y)
+    function state_within(self, formulation, work, t) result(y)
         class(dop853_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        real(dp), intent(in) :: t
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states), s
         integer :: i
 
         y = work%y
-        if (t >= work%t) return
         select type (work)
         class is (dop853_workspace_t)
             if (.not. work%has_terms) call find_terms(self, formulation, work)
@@ -258,10 +257,10 @@ contains
                 y = work%term(:, i) + y * merge(s, 1 - s, mod(i, 2) == 1)
             end do
         end select
-    end function interpolate
+    end function state_within
 
-    !> The terms of the dense output of the last step, by three more stages. Where one of these does
-    !> not exist, the cubic Hermite polynomial has to do.
+    !> The terms of the dense output of the last step, with three more stages. If one of these does not exist,
+    !> the cubic Hermite polynomial is used.
     subroutine find_terms(self, formulation, work)
         class(dop853_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
@@ -279,7 +278,7 @@ contains
         work%term(:, 5:8) = 0
         do i = new_slope + 1, all_stages
             stage = moved(work%y_last, h, work%k, self%table%a(:, i), i - 1)
-            call work%evaluate(formulation, stage, work%k(:, i), status)
+            call work%evaluate(formulation, work%t_last + self%table%c(i) * h, stage, work%k(:, i), status)
             if (status /= status_ok) return
         end do
         do i = 1, 4

@@ -1,5 +1,5 @@
-!> Coefficients of the Runge-Kutta method of Dormand and Prince of order 8, with embedded methods of
-!> orders 5 and 3 and dense output of order 7.
+!> Coefficients of the Dormand-Prince method of order 8, with embedded methods of orders 5 and 3 and dense
+!> output of order 7.
 !>
 !> Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (2nd edition, 1993), section
 !> II.5, with the decimals of their program DOP853; Prince and Dormand, J. Comp. Appl. Math. 7 (1981).
@@ -9,21 +9,23 @@ module spintop_dop853_table
     private
     public :: dop853_table_t, dop853_table, main_stages, new_slope, all_stages
 
-    !> Stages of a step; the slope at its end, which is the first stage of the next step; and all
-    !> with the three that serve dense output.
+    !> Number of stages of a step; index of the slope at its end, which is the first stage of the next step;
+    !> and number of all stages, with the three of dense output.
     integer, parameter :: main_stages = 12, new_slope = 13, all_stages = 16
 
-    !> k_i = f(y + h sum_j a_ij k_j), y+ = y + h sum_i b_i k_i.
+    !> k_i = f(t + c_i h, y + h sum_j a_ij k_j), y+ = y + h sum_i b_i k_i.
     type :: dop853_table_t
         !> a(j, i) multiplies k_j in stage i: columns are stages.
         real(dp) :: a(all_stages, all_stages) = 0
         real(dp) :: b(all_stages) = 0
-        !> Rounding errors of b, which would add up over long times.
+        !> Where the stages lie in the step.
+        real(dp) :: c(all_stages) = 0
+        !> Rounding errors of b, which would accumulate over long times.
         real(dp) :: b_rest(all_stages) = 0
         !> b minus the weights of the embedded methods.
         real(dp) :: error5(all_stages) = 0, error3(all_stages) = 0
-        !> Dense output: weights of the last four terms, the first four being those of the cubic
-        !> Hermite polynomial.
+        !> Dense output: weights of the last four terms. The first four are those of the cubic Hermite
+        !> polynomial.
         real(dp) :: dense(all_stages, 4) = 0
     end type dop853_table_t
 
@@ -81,7 +83,7 @@ contains
         table%b = real(b, dp)
         table%b_rest = real(b - table%b, dp)
         table%a(:, new_slope) = table%b
-        ! Stages of dense output only.
+        ! Stages that are used for dense output only.
         table%a(1, 14) = 0.0561675022830479523392909219681_dp
         table%a(7:13, 14) = [0.253500210216624811088794765333_dp, &
             -0.246239037470802489917441475441_dp, -0.124191423263816360469010140626_dp, &
@@ -99,6 +101,9 @@ contains
             0.356727187455281109270669543021_dp]
         table%a(13:15, 16) = [-1.39902416515901462129418009734e-3_dp, &
             2.9475147891527723389556272149_dp, -9.15095847217987001081870187138_dp]
+        table%c = [0.0_dp, 0.0526001519587677318785587544488_dp, 0.0789002279381515978178381316732_dp, &
+            0.118350341907227396726757197510_dp, 0.281649658092772603273242802490_dp, 1.0_dp / 3, 1.0_dp / 4, &
+            4.0_dp / 13, 127.0_dp / 195, 3.0_dp / 5, 6.0_dp / 7, 1.0_dp, 1.0_dp, 1.0_dp / 10, 1.0_dp / 5, 7.0_dp / 9]
         table%error3 = table%b
         table%error3(1) = table%b(1) - 0.244094488188976377952755905512_dp
         table%error3(9) = table%b(9) - 0.733846688281611857341361741547_dp

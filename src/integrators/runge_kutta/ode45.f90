@@ -1,10 +1,11 @@
-!> The adaptive Dormand-Prince pair with MATLAB's step control: ode45.
+!> The adaptive Dormand-Prince pair 5(4) with MATLAB's step control: ode45. Its Butcher table is in
+!> butcher.f90.
 module spintop_ode45
     use spintop_kinds, only: dp
     use spintop_compare, only: is_finite
     use spintop_formulation, only: formulation_t, max_states
     use spintop_stepper, only: stepper_t, workspace_t
-    use spintop_fixed_step, only: share_of_time_left
+    use spintop_fixed_step, only: longest_step
     use spintop_butcher, only: butcher_t, max_stages
     use spintop_runge_kutta, only: stage_sum
     use spintop_status, only: status_ok, status_non_finite, status_step_too_small
@@ -12,14 +13,14 @@ module spintop_ode45
     private
     public :: ode45_t
 
-    !> An embedded Runge-Kutta pair whose last stage is the first of the next step.
+    !> An embedded Runge-Kutta pair whose last stage is the first one of the next step.
     type, extends(stepper_t) :: ode45_t
         type(butcher_t) :: table
     contains
         procedure :: new_workspace
         procedure :: begin
         procedure :: advance
-        procedure :: interpolate
+        procedure :: state_within
     end type ode45_t
 
     !> Keeps the stages of the last step for dense output.
@@ -27,7 +28,7 @@ module spintop_ode45
         real(dp) :: k(max_states, max_stages) = 0
     end type ode45_workspace_t
 
-    !> Largest step as a share of the span.
+    !> Largest step relative to the span.
     real(dp), parameter :: largest_share = 0.1_dp
     !> Smallest step in units of the spacing of the time.
     real(dp), parameter :: smallest_spacings = 16
@@ -37,7 +38,7 @@ contains
     !> A workspace with room for the stages.
     subroutine new_workspace(self, work)
         class(ode45_t), intent(in) :: self
-        class(workspace_t), allocatable, intent(out) :: work
+        class(workspace_t), allocatable, intent(out) :: work !! workspace of the type that the method needs
         associate (unused => self)
         end associate
         allocate (ode45_workspace_t :: work)
@@ -46,13 +47,13 @@ contains
     !> First slope and MATLAB's first step size.
     subroutine begin(self, formulation, work, status)
         class(ode45_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        integer, intent(out) :: status
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: steepest
 
         call self%set_weight(formulation, work)
-        call work%evaluate(formulation, work%y, work%slope, status)
+        call work%evaluate(formulation, work%t, work%y, work%slope, status)
         if (status /= status_ok) return
         work%h = largest_share * (work%t_end - work%t_begin)
         steepest = maxval(abs(work%slope) / work%weight%matlab_magnitude(work%y, work%y)) &
@@ -63,9 +64,9 @@ contains
     !> One accepted step; rejected steps are counted.
     subroutine advance(self, formulation, work, status)
         class(ode45_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        integer, intent(out) :: status
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
 
         select type (work)
         class is (ode45_workspace_t)
@@ -73,7 +74,7 @@ contains
         end select
     end subroutine advance
 
-    !> `advance` with the stages at hand.
+    !> `advance`, with access to the stages.
     subroutine advance_stages(self, formulation, work, status)
         class(ode45_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
@@ -83,13 +84,13 @@ contains
         logical :: first_trial, changed
 
         h_smallest = smallest_spacings * spacing(work%t)
-        h_left = share_of_time_left * formulation%time_left(work%y)
+        h_left = longest_step(formulation, work%y)
         work%h = min(max(work%h, h_smallest), largest_share * (work%t_end - work%t_begin))
         first_trial = .true.
         do
             h = min(work%h, h_left)
             t_new = work%t + h
-            ! A step that nearly reaches the end is stretched to it.
+            ! A step that nearly reaches the end is stretched to the end.
             if (1.1_dp * h >= work%t_end - work%t .and. h < h_left) t_new = work%t_end
             t_new = min(t_new, work%t_end)
             h = t_new - work%t
@@ -113,15 +114,15 @@ contains
         end do
         call work%settle(formulation, t_new, y_new, changed)
         work%slope = work%k(:, self%table%stages)
-        if (changed) call work%evaluate(formulation, work%y, work%slope, status)
+        if (changed) call work%evaluate(formulation, work%t, work%y, work%slope, status)
         if (first_trial) then
             growth = 1.25_dp * (error / self%controls%relative_tolerance)**power(self)
             work%h = h / max(growth, 0.2_dp)
         end if
     end subroutine advance_stages
 
-    !> One trial of size h: the new state and the error of the embedded method, in units in which
-    !> the relative tolerance is the limit.
+    !> One trial of size h: the new state, and the error of the embedded method in units in which the relative
+    !> tolerance is the limit.
     subroutine try_step(self, formulation, work, h, y_new, error, status)
         class(ode45_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
@@ -136,7 +137,7 @@ contains
         work%k(:, 1) = work%slope
         do i = 2, self%table%stages
             y_new = work%y + h * stage_sum(work%k, self%table%a(:, i), i - 1)
-            call work%evaluate(formulation, y_new, work%k(:, i), status)
+            call work%evaluate(formulation, work%t + self%table%c(i) * h, y_new, work%k(:, i), status)
             if (status /= status_ok) return
         end do
         error = h * maxval(abs(stage_sum(work%k, self%table%error, self%table%stages)) &
@@ -144,30 +145,29 @@ contains
         if (.not. is_finite(error)) status = status_non_finite
     end subroutine try_step
 
-    !> Power of the error in the step size.
+    !> Exponent of the error in the step size.
     pure real(dp) function power(self)
         class(ode45_t), intent(in) :: self
         power = 1.0_dp / self%table%order
     end function power
 
     !> Dense output of order 4 within the last step.
-    function interpolate(self, formulation, work, t) result(y)
+    function state_within(self, formulation, work, t) result(y)
         class(ode45_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        real(dp), intent(in) :: t
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states), s, weight(max_stages)
         associate (unused => formulation)
         end associate
         y = work%y
         select type (work)
         class is (ode45_workspace_t)
-            if (t >= work%t) return
             s = (t - work%t_last) / (work%t - work%t_last)
             weight = matmul(s**[1, 2, 3, 4], self%table%dense)
             y = work%y_last + (work%t - work%t_last) &
                 * stage_sum(work%k, weight, self%table%stages)
         end select
-    end function interpolate
+    end function state_within
 
 end module spintop_ode45

@@ -19,14 +19,14 @@ module spintop_runge_kutta
 
 contains
 
-    !> One step of the method; its first stage is the slope already known.
+    !> One step of the method. Its first stage is the known slope.
     subroutine step(self, formulation, work, h, change, status)
         class(runge_kutta_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        real(dp), intent(in) :: h
-        real(dp), intent(out) :: change(max_states)
-        integer, intent(out) :: status
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        real(dp), intent(in) :: h !! step size, s
+        real(dp), intent(out) :: change(max_states) !! change of the state
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: k(max_states, max_stages)
         integer :: i
 
@@ -34,8 +34,8 @@ contains
         change = 0
         k(:, 1) = work%slope
         do i = 2, self%table%stages
-            call work%evaluate(formulation, work%y + h * stage_sum(k, self%table%a(:, i), i - 1), &
-                               k(:, i), status)
+            call work%evaluate(formulation, work%t + self%table%c(i) * h, &
+                               work%y + h * stage_sum(k, self%table%a(:, i), i - 1), k(:, i), status)
             if (status /= status_ok) return
         end do
         change = h * stage_sum(k, self%table%b, self%table%stages)
@@ -43,8 +43,8 @@ contains
 
     !> Sum of the first n stages with the weights given.
     pure function stage_sum(k, weight, n) result(total)
-        real(dp), intent(in) :: k(max_states, max_stages), weight(max_stages)
-        integer, intent(in) :: n
+        real(dp), intent(in) :: k(max_states, max_stages), weight(max_stages) !! slopes at the stages, and their weights
+        integer, intent(in) :: n !! number of stages
         real(dp) :: total(max_states)
         integer :: i
         total = 0

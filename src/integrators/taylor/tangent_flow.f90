@@ -1,10 +1,10 @@
 !> Variational equations: the state (Gamma, Pi) and tangent vectors, integrated by the Euler-Poisson
 !> equations and their linearisation.
 !>
-!> By Taylor series: the equations are products of two factors each, so that coefficients follow by
-!> Cauchy products (Jorba and Zou, Experimental Mathematics 14, 2005). A step is as long as the last
-!> coefficients of the state and of every tangent vector allow; nothing is ever rejected, and steps
-!> go either way in time.
+!> The method is that of Taylor series: the terms of the equations are products of two factors, so that
+!> coefficients follow by Cauchy products (Jorba and Zou, Experimental Mathematics 14, 2005). The step size
+!> follows from the last coefficients of the state and of every tangent vector; no step is rejected, and steps
+!> may go either way in time.
 module spintop_tangent_flow
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
@@ -18,9 +18,9 @@ module spintop_tangent_flow
     private
     public :: carry_tangents, take_tangent_step, step_limit
 
-    !> Default of the maximum number of steps.
+    !> Default maximum number of steps.
     integer, parameter :: step_limit = 1000000
-    !> Degree of the series, and what its last terms may amount to, relative to the whole.
+    !> Degree of the series; and tolerance of its last terms, relative to the state.
     integer, parameter :: order = 24
     real(dp), parameter :: tolerance = 1.0e-17_dp
     !> Smallest step in units of the spacing of the time left.
@@ -28,16 +28,16 @@ module spintop_tangent_flow
 
 contains
 
-    !> Carries the state `columns(:, 1)` and the tangent vectors in the other columns over `duration`
-    !> seconds, of either sign, in at most `max_steps` steps. On failure they are those of the last
-    !> step that succeeded. `status_bad_input`: a duration that is not finite, or columns that are not
-    !> six finite numbers each; `status_non_finite`, `status_bad_body`: no body.
+    !> Integrates the state `columns(:, 1)` and the tangent vectors in the other columns over `duration`
+    !> seconds, of either sign, in at most `max_steps` steps. On failure they are those of the last step that
+    !> succeeded. `status_bad_input`: the duration is not finite, or a column is not six finite numbers;
+    !> `status_non_finite`, `status_bad_body`: the body is not valid.
     pure subroutine carry_tangents(body, duration, columns, status, max_steps)
-        type(body_t), intent(in) :: body
-        real(dp), intent(in) :: duration
-        real(dp), intent(inout) :: columns(:, :)
-        integer, intent(out) :: status
-        integer, intent(in), optional :: max_steps
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        real(dp), intent(in) :: duration !! s, of either sign
+        real(dp), intent(inout) :: columns(:, :) !! column 1: state (Gamma, Pi); other columns: tangent vectors
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        integer, intent(in), optional :: max_steps !! maximum number of steps
         real(dp) :: left, h
         integer :: step, most_steps
 
@@ -58,13 +58,13 @@ contains
         if (abs(left) > 0) status = status_step_limit
     end subroutine carry_tangents
 
-    !> Takes one step of at most `left` seconds, of its sign; `h` is its size.
+    !> Takes one step of at most `left` seconds, with its sign; `h` is the size of the step.
     pure subroutine take_tangent_step(body, left, columns, h, status)
-        type(body_t), intent(in) :: body
-        real(dp), intent(in) :: left
-        real(dp), intent(inout) :: columns(:, :)
-        real(dp), intent(out) :: h
-        integer, intent(out) :: status
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        real(dp), intent(in) :: left !! time left, s, of either sign
+        real(dp), intent(inout) :: columns(:, :) !! column 1: state (Gamma, Pi); other columns: tangent vectors
+        real(dp), intent(out) :: h !! size of the step, s
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: coefficient(6, size(columns, 2), 0:order), total(6, size(columns, 2))
         integer :: k
 
@@ -73,7 +73,7 @@ contains
         status = status_ok
         if (.not. h > 0) status = status_non_finite
         if (h < abs(left) .and. h < smallest_spacings * spacing(left)) status = status_step_too_small
-        ! The exact change of the time left, in spite of rounding.
+        ! The exact change of the time left, including its rounding.
         h = left - (left - sign(h, left))
         total = coefficient(:, :, order)
         do k = order - 1, 0, -1
@@ -99,7 +99,7 @@ contains
                 rate(4:6) = body%torque(coefficient(1:3, i, k)) - body%damping * omega(:, i, k)
                 do j = 0, k
                     rate = rate + product_of(coefficient(:, i, j), omega(:, 1, k - j))
-                    ! A product varies by either factor.
+                    ! The variation of a product.
                     if (i > 1) rate = rate + product_of(coefficient(:, 1, j), omega(:, i, k - j))
                 end do
                 coefficient(:, i, k + 1) = rate / (k + 1)
@@ -115,21 +115,34 @@ contains
         rate(4:6) = cross(x(4:6), omega)
     end function product_of
 
-    !> The step, at most `longest`, at which the last two terms of each column come to the tolerance;
-    !> a NaN or 0 where there is none.
+    !> The step size, at most `longest`, at which the last two terms of each column reach the tolerance; NaN
+    !> or 0 if there is none.
     pure real(dp) function step_size(unit, coefficient, longest) result(h)
         real(dp), intent(in) :: unit(6), coefficient(:, :, 0:), longest
-        real(dp) :: whole, term
+        real(dp) :: whole, term, rate, least
         integer :: i, k
         h = longest
+        ! What a term may have lost that underflows, or products in it: they are multiplied by 1/I at most, which
+        ! is the rate of the motion over its momentum.
+        rate = maxval(abs(coefficient(:, 1, 1)) / unit)
+        least = tiny(least) * max(1.0_dp, rate / minval(unit)) / minval(unit)
         do i = 1, size(coefficient, 2)
-            whole = norm2(coefficient(:, i, 0) / unit)
+            whole = length(coefficient(:, i, 0) / unit)
             do k = order - 1, order
-                term = norm2(coefficient(:, i, k) / unit)
+                term = max(length(coefficient(:, i, k) / unit), least)
                 if (term > 0) h = min(h, (tolerance * whole / term)**(1.0_dp / k))
                 if (.not. is_finite(term)) h = 0
             end do
         end do
     end function step_size
+
+    !> Length of a vector, of which squares may underflow.
+    pure real(dp) function length(x)
+        real(dp), intent(in) :: x(6)
+        real(dp) :: largest
+        largest = maxval(abs(x))
+        length = largest
+        if (largest > 0 .and. is_finite(largest)) length = largest * norm2(x / largest)
+    end function length
 
 end module spintop_tangent_flow

@@ -1,8 +1,8 @@
-!> Taylor's method in quadruple precision: for reference motions, and for motions that amplify
-!> rounding errors so much that double precision cannot follow them.
+!> Taylor's method in quadruple precision: for reference motions, and for motions that amplify rounding errors
+!> so much that double precision cannot follow them.
 !>
-!> The state is kept as the sum of two numbers in double precision, `y + rest`, 106 bits; series and
-!> sums are in quadruple precision.
+!> The state is the sum of two numbers in double precision, `y + rest`, 106 bits. Series and sums are in
+!> quadruple precision.
 module spintop_taylor_quadruple
     use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
     use spintop_kinds, only: dp, qp
@@ -21,13 +21,13 @@ module spintop_taylor_quadruple
         procedure :: new_workspace
         procedure :: begin
         procedure :: advance
-        procedure :: interpolate
+        procedure :: state_within
     end type taylor_quadruple_t
 
     !> Keeps the series of the last step.
     type, extends(workspace_t) :: quadruple_workspace_t
         real(qp) :: coefficient(max_states, 0:max_series_order) = 0
-        !> First component of the quaternion, and number of components in use.
+        !> Index of the first component of the quaternion, and number of components in use.
         integer :: attitude = 1, states = max_states
     end type quadruple_workspace_t
 
@@ -36,7 +36,7 @@ contains
     !> A workspace with room for a series.
     subroutine new_workspace(self, work)
         class(taylor_quadruple_t), intent(in) :: self
-        class(workspace_t), allocatable, intent(out) :: work
+        class(workspace_t), allocatable, intent(out) :: work !! workspace of the type that the method needs
         associate (unused => self)
         end associate
         allocate (quadruple_workspace_t :: work)
@@ -45,9 +45,9 @@ contains
     !> First slope.
     subroutine begin(self, formulation, work, status)
         class(taylor_quadruple_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        integer, intent(out) :: status
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(formulation_info_t) :: info
         call self%set_weight(formulation, work)
         select type (work)
@@ -56,15 +56,15 @@ contains
             work%attitude = info%quaternion
             work%states = info%states
         end select
-        call work%evaluate(formulation, work%y, work%slope, status)
+        call work%evaluate(formulation, work%t, work%y, work%slope, status)
     end subroutine begin
 
-    !> One step, as long as the last terms of the series allow.
+    !> One step, of the size that the last terms of the series allow.
     subroutine advance(self, formulation, work, status)
         class(taylor_quadruple_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        integer, intent(out) :: status
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(qp) :: y(max_states)
         real(dp) :: h, t_new, y_new(max_states), rest(max_states)
         logical :: changed
@@ -74,7 +74,7 @@ contains
         select type (work)
         class is (quadruple_workspace_t)
             y = work%rest + real(work%y, qp)
-            call formulation%series_quadruple(y, max_series_order, work%coefficient)
+            call formulation%quadruple_series%expand(work%t, y, max_series_order, work%coefficient)
             work%counts%evaluations = work%counts%evaluations + max_series_order
             work%slope = real(work%coefficient(:, 1), dp)
             h = length_of_step(work)
@@ -95,8 +95,8 @@ contains
         end select
     end subroutine advance
 
-    !> The time after which one of the last two terms reaches the tolerance, relative to the magnitude
-    !> of the attitude, or to that of the momentum; not finite where a term is not.
+    !> The time at which one of the last two terms reaches the tolerance, relative to the magnitude of the
+    !> attitude, or of the momentum; not finite if a term is not.
     pure real(dp) function length_of_step(work) result(h)
         type(quadruple_workspace_t), intent(in) :: work
         integer :: i
@@ -107,7 +107,7 @@ contains
         end associate
     end function length_of_step
 
-    !> Shortens a step to what components of like units allow.
+    !> Reduces a step to the size that components of equal units allow.
     pure subroutine shorten(work, like, h)
         type(quadruple_workspace_t), intent(in) :: work
         integer, intent(in) :: like(:)
@@ -140,20 +140,19 @@ contains
     end function sum_of_terms
 
     !> The state at a time within the last step.
-    function interpolate(self, formulation, work, t) result(y)
+    function state_within(self, formulation, work, t) result(y)
         class(taylor_quadruple_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
-        real(dp), intent(in) :: t
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states)
         associate (unused => self, also_unused => formulation)
         end associate
         y = work%y
-        if (t >= work%t) return
         select type (work)
         class is (quadruple_workspace_t)
             y = real(work%coefficient(:, 0) + sum_of_terms(work, t - real(work%t_last, qp)), dp)
         end select
-    end function interpolate
+    end function state_within
 
 end module spintop_taylor_quadruple

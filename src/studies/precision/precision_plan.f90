@@ -1,4 +1,4 @@
-!> What a work-precision study goes through: methods under formulations, each with its settings.
+!> The plan of a work-precision study: methods with formulations, each with its settings.
 module spintop_precision_plan
     use spintop_body_of_scene, only: is_set
     use spintop_case, only: case_t
@@ -10,7 +10,7 @@ module spintop_precision_plan
     use spintop_parameters, only: unset, unset_integer
     use spintop_problems, only: problems_t
     use spintop_projection, only: project_nothing, projection_names
-    use spintop_reference_kinds, only: reference_auto, reference_exact, reference_names
+    use spintop_scene_words, only: reference_auto, reference_exact, reference_names
     use spintop_reference_motion, only: reference_t
     use spintop_scene, only: scene_t
     use spintop_stepper, only: method_info_t
@@ -20,17 +20,17 @@ module spintop_precision_plan
     private
     public :: precision_plan_t, make_precision_plan, set_setting, read_reference
 
-    !> The table to fill.
+    !> The rows of the table.
     type :: precision_plan_t
         type(method_choice_t), allocatable :: choices(:)
         real(dp), allocatable :: tolerances(:)
         integer, allocatable :: steps(:)
-        !> Methods that may do either take equal steps: the input names numbers of steps only.
+        !> Whether methods with both variants use a fixed step size: the input names numbers of steps only.
         logical :: prefers_steps = .false.
-        !> Times at which the motions are compared.
+        !> Number of times at which the motions are compared.
         integer :: samples = 0
         integer :: repeats = 0
-        !> Where the reference comes from; stored, where it was read from a table.
+        !> The kind of reference, and the stored reference if it was read from a table.
         integer :: reference = reference_auto
         type(reference_t), allocatable :: stored
     contains
@@ -40,21 +40,21 @@ module spintop_precision_plan
         procedure :: formulation
     end type precision_plan_t
 
-    !> Tolerances and numbers of equal steps where the input gives none, and repeats.
+    !> Default tolerances, numbers of steps, and repeats.
     real(dp), parameter :: default_tolerances(*) = [1.0e-3_dp, 1.0e-4_dp, 1.0e-5_dp, 1.0e-6_dp, 1.0e-7_dp, &
         1.0e-8_dp, 1.0e-9_dp, 1.0e-10_dp, 1.0e-11_dp, 1.0e-12_dp, 1.0e-13_dp, 1.0e-14_dp]
     integer, parameter :: default_steps(*) = [100, 200, 400, 800, 1600, 3200, 6400, 12800, 25600]
     integer, parameter :: default_repeats = 5
-    !> Intervals between comparisons: at most so many.
+    !> Maximum number of intervals between comparisons.
     integer, parameter :: most_intervals = 100
 
 contains
 
-    !> The methods, formulations and settings named, or default ones.
+    !> The methods, formulations and settings that are named, or default ones.
     subroutine make_precision_plan(scene, plan, problems)
-        type(scene_t), intent(in) :: scene
-        type(precision_plan_t), intent(out) :: plan
-        type(problems_t), intent(inout) :: problems
+        type(scene_t), intent(in) :: scene !! contents of the input
+        type(precision_plan_t), intent(out) :: plan !! methods and settings; valid without errors in `problems`
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(method_info_t), allocatable :: known(:)
         character(len(scene%formulation)), allocatable :: formulations(:)
         integer :: i
@@ -83,7 +83,7 @@ contains
         call check(scene, problems)
     end subroutine make_precision_plan
 
-    !> What the input should not say.
+    !> Reports settings that the study does not use.
     subroutine check(scene, problems)
         type(scene_t), intent(in) :: scene
         type(problems_t), intent(inout) :: problems
@@ -96,8 +96,8 @@ contains
         call refuse('integration.step', is_set(scene%step), 'a work-precision study varies the steps', hint)
         call refuse('integration.relative_tolerance', is_set(scene%relative_tolerance), &
                     'a work-precision study varies the tolerance', hint)
-        call refuse('span.stop_at', scene%stop_at /= '', 'a work-precision study follows each motion to its end', &
-                    'leave it out')
+        call refuse('span.stop_at', scene%stop_at /= '', 'a work-precision study computes each motion to the end of its span', &
+                    'omit it')
 
     contains
 
@@ -109,19 +109,19 @@ contains
 
     end subroutine check
 
-    !> Reads the reference motion of a case where the input names a table of one, and checks that there
-    !> can be the one wanted.
+    !> Reads the reference motion of a case if the input names a table, and checks that the requested
+    !> reference exists.
     subroutine read_reference(input, scene, case, plan, problems, diagnostics)
         character(*), intent(in) :: input !! path of the input
-        type(scene_t), intent(in) :: scene
-        type(case_t), intent(in) :: case
-        type(precision_plan_t), intent(inout) :: plan
-        type(problems_t), intent(inout) :: problems
-        type(diagnostics_t), intent(inout) :: diagnostics
+        type(scene_t), intent(in) :: scene !! contents of the input
+        type(case_t), intent(in) :: case !! body, start and span
+        type(precision_plan_t), intent(inout) :: plan !! the stored reference is set
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         character(*), parameter :: key = 'work_precision.reference'
 
-        if (plan%reference == reference_exact .and. .not. case%body%is_lagrange()) then
-            call problems%add(key, 'this body has no exact motion', "take reference = 'quadruple'")
+        if (plan%reference == reference_exact .and. .not. case%body%has_closed_form()) then
+            call problems%add(key, 'this body has no exact solution', "use reference = 'quadruple'")
         else if (any(reference_names == scene%precision_reference)) then
             call check_steps('span.samples', plan, problems)
         else
@@ -133,9 +133,9 @@ contains
         end if
     end subroutine read_reference
 
-    !> The times at which motions are compared must lie on the steps of methods with equal steps.
+    !> Checks that the times of comparison are steps of the methods with a fixed step size.
     subroutine check_steps(key, plan, problems)
-        character(*), intent(in) :: key !! parameter that says how many these times are
+        character(*), intent(in) :: key !! parameter that determines the number of these times
         type(precision_plan_t), intent(in) :: plan
         type(problems_t), intent(inout) :: problems
         integer :: i
@@ -144,16 +144,16 @@ contains
         associate (intervals => plan%samples - 1)
             i = findloc(mod(plan%steps, intervals) == 0, .false., dim=1)
             if (i == 0) return
-            call problems%add(key, 'motions are compared on the steps of methods with equal steps, and ' &
+            call problems%add(key, 'motions are compared at steps of the methods with a fixed step size, and ' &
                 // to_text(intervals) // ' intervals do not divide ' // to_text(plan%steps(i)) // ' steps', &
-                'take a number of rows, less one, that divides all work_precision.steps')
+                'use a number of rows for which rows - 1 divides all work_precision.steps')
         end associate
     end subroutine check_steps
 
     !> Number of settings of a method.
     elemental integer function settings(self, choice)
         class(precision_plan_t), intent(in) :: self
-        type(method_choice_t), intent(in) :: choice
+        type(method_choice_t), intent(in) :: choice !! method and formulation
         settings = 1
         if (self%takes_steps(choice)) then
             settings = size(self%steps)
@@ -162,14 +162,14 @@ contains
         end if
     end function settings
 
-    !> Whether a method goes through numbers of equal steps.
+    !> Whether a method runs with numbers of steps of fixed size.
     elemental logical function takes_steps(self, choice)
         class(precision_plan_t), intent(in) :: self
-        type(method_choice_t), intent(in) :: choice
+        type(method_choice_t), intent(in) :: choice !! method and formulation
         takes_steps = choice%method%fixed_step .and. (self%prefers_steps .or. .not. choice%method%adaptive)
     end function takes_steps
 
-    !> The formulation that all methods share, or auto.
+    !> The formulation of all methods if it is the same, else auto.
     pure function formulation(self)
         class(precision_plan_t), intent(in) :: self
         character(16) :: formulation
@@ -177,13 +177,13 @@ contains
         if (all(self%choices%formulation == self%choices(1)%formulation)) formulation = self%choices(1)%formulation
     end function formulation
 
-    !> Has a scene computed by a method with setting number `k`; what the method does not take of
-    !> &integration is for the others.
+    !> Sets a method with its setting number `k` in a scene. Keys of &integration that the method does not use
+    !> are cleared.
     subroutine set_setting(plan, choice, k, scene)
-        type(precision_plan_t), intent(in) :: plan
-        type(method_choice_t), intent(in) :: choice
-        integer, intent(in) :: k
-        type(scene_t), intent(inout) :: scene
+        type(precision_plan_t), intent(in) :: plan !! methods and settings
+        type(method_choice_t), intent(in) :: choice !! method and formulation
+        integer, intent(in) :: k !! number of the setting
+        type(scene_t), intent(inout) :: scene !! method and setting are set
         if (plan%takes_steps(choice)) then
             call set_steps(scene, choice, plan%steps(k))
         else if (choice%method%adaptive) then
@@ -198,11 +198,11 @@ contains
         scene%samples = plan%samples
     end subroutine set_setting
 
-    !> A setting in words.
+    !> Description of a setting.
     function setting_text(self, choice, k) result(text)
         class(precision_plan_t), intent(in) :: self
-        type(method_choice_t), intent(in) :: choice
-        integer, intent(in) :: k
+        type(method_choice_t), intent(in) :: choice !! method and formulation
+        integer, intent(in) :: k !! number of the setting
         character(:), allocatable :: text
         text = '-'
         if (self%takes_steps(choice)) then

@@ -1,4 +1,4 @@
-!> A work-precision study in words: what each accuracy costs at least, and by which method.
+!> The summary of a work-precision study: the least cost of each accuracy, and the method that has it.
 module spintop_precision_summary
     use spintop_kinds, only: dp
     use spintop_precision_table, only: precision_row_t
@@ -10,17 +10,17 @@ module spintop_precision_summary
     private
     public :: summarize_problem, auto_tally_t
 
-    !> Errors for which the cheapest method is told, rad.
+    !> Errors for which the cheapest method is reported, rad.
     real(dp), parameter :: wanted_errors(*) = [1.0e-3_dp, 1.0e-6_dp, 1.0e-9_dp, 1.0e-12_dp]
     integer, parameter :: nobody = 0
-    !> A method that takes so many times as long as the cheapest is a good choice.
+    !> A method is a good choice if its time is at most this multiple of the least time.
     real(dp), parameter :: near = 2
 
-    !> How often method = 'auto' was a good choice.
+    !> Counts how often method = 'auto' is a good choice.
     type :: auto_tally_t
         private
         integer :: comparisons = 0, within = 0, missed = 0
-        !> Largest ratio of its time to the least, and of what.
+        !> Largest ratio of its time to the least time, and the comparison in which it occurs.
         real(dp) :: worst = 1
         character(:), allocatable :: where
     contains
@@ -30,12 +30,12 @@ module spintop_precision_summary
 
 contains
 
-    !> Adds what the rows of a problem, sorted by time, tell.
+    !> Adds the results of a problem, whose rows are sorted by time.
     subroutine summarize_problem(problem, rows, reference, summary)
-        character(*), intent(in) :: problem
-        type(precision_row_t), intent(in) :: rows(:)
-        type(reference_t), intent(in) :: reference
-        type(summary_t), intent(inout) :: summary
+        character(*), intent(in) :: problem !! name of the problem
+        type(precision_row_t), intent(in) :: rows(:) !! rows of a problem, sorted by time
+        type(reference_t), intent(in) :: reference !! the reference motion
+        type(summary_t), intent(inout) :: summary !! lines are added
         integer :: i
 
         call summary%add('problem', problem // ', measured against ' // about(reference))
@@ -44,34 +44,34 @@ contains
         end do
         do i = 1, size(rows)
             if (rows(i)%is_stepped .or. rows(i)%trial%status /= status_ok) cycle
-            call summary%add('', 'the exact motion takes ' // duration(rows(i)%time) // ' at any time, and is ' &
-                             // rounded(rows(i)%trial%errors%orientation) // ' rad off')
+            call summary%add('', 'the exact solution takes ' // duration(rows(i)%time) // ' at any time, with an error of ' &
+                             // rounded(rows(i)%trial%errors%orientation) // ' rad')
         end do
     end subroutine summarize_problem
 
-    !> The reference and how far it is to be trusted.
+    !> The reference and its uncertainty.
     function about(reference) result(text)
         type(reference_t), intent(in) :: reference
         character(:), allocatable :: text
         text = with_article(reference%source)
         if (reference%is_computed) text = text // ' (two tolerances agree to ' // rounded(reference%uncertainty) // ' rad)'
         if (reference%check == '') then
-            text = text // ', which could not be checked: the motion by other means gave up'
+            text = text // ', which could not be checked: the independent computation failed'
         else
             text = text // ', with which ' // with_article(reference%check) // ' agrees to ' &
                    // rounded(reference%disagreement) // ' rad'
         end if
     end function about
 
-    !> What a motion comes from, as it stands in a sentence.
+    !> The source of a motion, with an article.
     pure function with_article(source) result(text)
         character(*), intent(in) :: source
         character(:), allocatable :: text
         text = trim(source)
-        if (source == 'exact motion') text = 'the ' // text
+        if (source == 'exact solution') text = 'the ' // text
     end function with_article
 
-    !> The cheapest stepping method for an error, and by how much it is cheaper than the next.
+    !> The cheapest numerical method for an error, and the ratio of its time to that of the next one.
     function compared(rows, error) result(text)
         type(precision_row_t), intent(in) :: rows(:)
         real(dp), intent(in) :: error
@@ -80,22 +80,22 @@ contains
 
         best = cheapest(rows, error, rows%is_stepped)
         if (best == nobody) then
-            text = 'no method is exact enough'
+            text = 'no method is accurate enough'
             return
         end if
         text = 'the cheapest is ' // name_of(rows(best)) // ', ' // trim(rows(best)%setting) // ': ' &
                // duration(rows(best)%time)
         next = cheapest(rows, error, rows%is_stepped .and. rows%method /= rows(best)%method)
         if (next == nobody) then
-            text = text // '; no other method is exact enough'
+            text = text // '; no other method is accurate enough'
         else
             text = text // ', ' // rounded(rows(next)%time / rows(best)%time, 2) // ' times cheaper than ' &
                    // name_of(rows(next))
         end if
     end function compared
 
-    !> Place of the first of the rows, sorted by time, that is in the mask and has no larger error; 0 if
-    !> there is none.
+    !> Index of the first row, of rows sorted by time, that is in the mask and has no larger error; 0 if there
+    !> is none.
     pure integer function cheapest(rows, error, mask)
         type(precision_row_t), intent(in) :: rows(:)
         real(dp), intent(in) :: error
@@ -107,12 +107,11 @@ contains
         cheapest = nobody
     end function cheapest
 
-    !> Compares what method = 'auto' takes with the cheapest there is, for each of the errors wanted that
-    !> some method reaches.
+    !> Compares method = 'auto' with the cheapest method, for each error that some method reaches.
     subroutine compare_auto(self, problem, rows)
         class(auto_tally_t), intent(inout) :: self
-        character(*), intent(in) :: problem
-        type(precision_row_t), intent(in) :: rows(:)
+        character(*), intent(in) :: problem !! name of the problem
+        type(precision_row_t), intent(in) :: rows(:) !! rows of a problem, sorted by time
         real(dp) :: ratio
         integer :: i, best, own
 
@@ -132,16 +131,16 @@ contains
         end do
     end subroutine compare_auto
 
-    !> Adds what the comparisons have told.
+    !> Adds the results of the comparisons.
     subroutine summarize_auto(self, summary)
         class(auto_tally_t), intent(in) :: self
-        type(summary_t), intent(inout) :: summary
+        type(summary_t), intent(inout) :: summary !! lines are added
         character(:), allocatable :: text
         if (self%comparisons == 0) return
         text = 'takes no more than ' // rounded(near, 1) // ' times as long as the cheapest method in ' &
                // to_text(self%within) // ' of ' // to_text(self%comparisons) // ' comparisons'
         if (self%worst > 1) text = text // ', at worst ' // rounded(self%worst, 3) // ' times (' // self%where // ')'
-        if (self%missed > 0) text = text // '; in ' // to_text(self%missed) // ' it is not exact enough'
+        if (self%missed > 0) text = text // '; in ' // to_text(self%missed) // ' it is not accurate enough'
         call summary%add('auto', text)
     end subroutine summarize_auto
 
@@ -152,7 +151,7 @@ contains
         name = trim(row%method) // '/' // trim(row%formulation)
     end function name_of
 
-    !> A time with a unit that suits it.
+    !> A time with a suitable unit.
     function duration(time) result(text)
         real(dp), intent(in) :: time
         character(:), allocatable :: text

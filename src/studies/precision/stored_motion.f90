@@ -1,11 +1,10 @@
-!> A reference motion from a CSV table, such as a trajectory that was computed before or elsewhere: the
-!> columns t, q0 to q3 and omega1 to omega3, at equally spaced times from 0 to the end of the span.
+!> A reference motion from a CSV table, such as a trajectory that was computed before or by another program:
+!> the columns t, q0 to q3 and omega1 to omega3, at equally spaced times from 0 to the end of the span.
 module spintop_stored_motion
-    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use spintop_case, only: case_t
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, no_number
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_plan, only: sample_time
     use spintop_problems, only: problems_t
@@ -18,21 +17,21 @@ module spintop_stored_motion
 
     character(*), parameter :: columns(*) = [character(6) :: &
         't', 'q0', 'q1', 'q2', 'q3', 'omega1', 'omega2', 'omega3']
-    !> Times may be off by this share of the span, lengths of quaternions by this much.
+    !> Tolerance of times relative to the span, and of norms of quaternions.
     real(dp), parameter :: time_slack = 1.0e-12_dp, unit_slack = 1.0e-9_dp
 
 contains
 
-    !> Reads the reference motion of a case. What is wrong in the table goes to the diagnostics, what is
-    !> wrong with its name to the problems.
+    !> Reads the reference motion of a case. Errors in the table are added to the diagnostics, errors of its
+    !> name to the problems.
     subroutine read_motion(input, key, path, case, reference, problems, diagnostics)
         character(*), intent(in) :: input !! path of the input: the table's is relative to it
         character(*), intent(in) :: key !! parameter that holds the path
-        character(*), intent(in) :: path
-        type(case_t), intent(in) :: case
-        type(reference_t), intent(out) :: reference
-        type(problems_t), intent(inout) :: problems
-        type(diagnostics_t), intent(inout) :: diagnostics
+        character(*), intent(in) :: path !! path of the table, relative to the folder of `input`
+        type(case_t), intent(in) :: case !! body, start and span
+        type(reference_t), intent(out) :: reference !! the stored motion
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(table_walk_t) :: walk
         type(error_t), allocatable :: error
         real(dp), allocatable :: cells(:, :)
@@ -52,8 +51,8 @@ contains
         call take_motions(cells, case, reference)
     end subroutine read_motion
 
-    !> The numbers of the columns wanted, a row of the table in each column; unallocated where something
-    !> is wrong with them.
+    !> Reads the required columns: column i of `cells` is a row of the table. Not allocated if there is an
+    !> error.
     subroutine read_cells(walk, cells, diagnostics)
         type(table_walk_t), intent(inout) :: walk
         real(dp), allocatable, intent(out) :: cells(:, :)
@@ -101,7 +100,7 @@ contains
         end do
     end subroutine read_cells
 
-    !> The motion must be that of the case.
+    !> Checks that the motion belongs to the case.
     subroutine check_motion(cells, key, case, problems)
         real(dp), intent(in) :: cells(:, :)
         character(*), intent(in) :: key
@@ -112,7 +111,7 @@ contains
 
         rows = size(cells, 2)
         if (rows < 2) then
-            call problems%add(key, 'the table has ' // to_text(rows) // ' rows', 'it has the start and the end')
+            call problems%add(key, 'the table has ' // to_text(rows) // ' rows', 'it needs at least the start and the end')
             return
         end if
         do i = 1, rows
@@ -125,14 +124,14 @@ contains
         end do
         start = cells(2:5, 1) * sign(1.0_dp, dot_product(cells(2:5, 1), case%given_start%quaternion))
         if (any(abs(norm2(cells(2:5, :), dim=1) - 1) > unit_slack)) then
-            call problems%add(key, 'the table has quaternions that are not of length 1', 'an attitude is a unit quaternion')
+            call problems%add(key, 'the table has quaternions whose norm is not 1', 'an attitude is a unit quaternion')
         else if (norm2(start - case%given_start%quaternion) > unit_slack .or. &
                  norm2(cells(6:8, 1) - case%given_start%omega) > unit_slack * (1 + norm2(case%given_start%omega))) then
-            call problems%add(key, 'the motion in the table starts elsewhere', 'give the table of this case')
+            call problems%add(key, 'the motion in the table has another start', 'use a table of this case')
         end if
     end subroutine check_motion
 
-    !> The motions of the rows, in the axes of the computation. How exact they are is not known.
+    !> The motions of the rows, in the axes of the computation. Their accuracy is unknown.
     subroutine take_motions(cells, case, reference)
         real(dp), intent(in) :: cells(:, :)
         type(case_t), intent(in) :: case
@@ -141,8 +140,8 @@ contains
         integer :: i
 
         allocate (reference%motions(size(cells, 2)), reference%floor(size(cells, 2)))
-        reference%floor = ieee_value(0.0_dp, ieee_quiet_nan)
-        reference%uncertainty = ieee_value(0.0_dp, ieee_quiet_nan)
+        reference%floor = no_number
+        reference%uncertainty = no_number
         motion = case%given_start
         do i = 1, size(cells, 2)
             motion = motion_from_quaternion(cells(1, i), cells(2:5, i) / norm2(cells(2:5, i)), cells(6:8, i), motion%angle)

@@ -1,4 +1,4 @@
-!> How long a computation takes: to the end of the span, for the attitude and the rates there.
+!> Computing time of a case, for attitude and rates at the end of the span.
 module spintop_trial_time
     use spintop_clock, only: seconds
     use spintop_kinds, only: dp
@@ -20,23 +20,22 @@ module spintop_trial_time
         procedure :: observe
     end type arrival_t
 
-    !> A measurement takes at least so long, in calls one after the other, and all repeats together not
-    !> much longer than the second, s.
+    !> Minimum duration of a measurement, which consists of consecutive calls, and approximate maximum of all
+    !> repeats together, s.
     real(dp), parameter :: shortest = 2.0e-4_dp, longest = 2.0_dp
 
 contains
 
-    !> The least time of `repeats` computations of a case as planned, s. Something like it should have
-    !> run just before, as a warm-up, and have taken about `expected` seconds. A computation so slow
-    !> that the repeats would take longer than two seconds has fewer of them, one at least. `counts` is what
-    !> one of them took.
+    !> The minimum time of `repeats` computations of a case with a plan, s. A similar computation, which took
+    !> about `expected` seconds, should have run just before as a warm-up. If the repeats would take longer
+    !> than two seconds there are fewer of them, but at least one. `counts` is the cost of one computation.
     subroutine time_trial(case, plan, expected, repeats, time, counts)
-        type(case_t), intent(in) :: case
-        type(plan_t), intent(inout) :: plan
-        real(dp), intent(in) :: expected
-        integer, intent(in) :: repeats
-        real(dp), intent(out) :: time
-        type(counts_t), intent(out) :: counts
+        type(case_t), intent(in) :: case !! body, start and span
+        type(plan_t), intent(inout) :: plan !! model, method and settings
+        real(dp), intent(in) :: expected !! expected time of one computation, s
+        integer, intent(in) :: repeats !! maximum number of measurements
+        real(dp), intent(out) :: time !! minimum time, s
+        type(counts_t), intent(out) :: counts !! cost of one computation
         type(arrival_t) :: arrival
         real(dp) :: began, start
         integer :: calls, repeat, i
@@ -55,7 +54,7 @@ contains
         end do
     end subroutine time_trial
 
-    !> The state at the end of the span.
+    !> Computes the state at the end of the span.
     subroutine go(case, plan, arrival, counts)
         type(case_t), intent(in) :: case
         type(plan_t), intent(inout) :: plan
@@ -75,7 +74,7 @@ contains
         end if
     end subroutine go
 
-    !> Keeps what it is shown.
+    !> Keeps the motion.
     subroutine observe(self, formulation, t, y, near)
         class(arrival_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation

@@ -1,8 +1,8 @@
-!> The catalogue of motions on which methods fail: what each is, why it is hard, and its settings as a
-!> user would write them.
+!> The catalogue of motions on which methods may fail: a description, the difficulty, and the settings as in
+!> an input.
 !>
-!> Every case can be run by itself: its settings are parameters of an input file. Those named
-!> integration.steps are the equal steps that methods without step control take.
+!> Every case can be run separately, because its settings are parameters of an input file. integration.steps
+!> is the number of steps for methods without step control.
 module spintop_hard_cases
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t
@@ -17,20 +17,20 @@ module spintop_hard_cases
     !> A case of the catalogue.
     type :: hard_case_t
         character(24) :: name
-        !> What it is, and why it is hard.
+        !> Description, and the difficulty.
         character(112) :: what
-        !> Parameters apart from `bodies`, parted by semicolons.
+        !> Parameters in addition to those of `bodies`, separated by semicolons.
         character(176) :: settings
-        !> Place in `bodies`.
+        !> Index in `bodies`.
         integer :: body = 1
-        !> Takes long: for those who name it.
+        !> Whether it takes long, and is therefore run on request only.
         logical :: is_long = .false.
     end type hard_case_t
 
     integer, parameter :: slow = 1, wheel = 2, ball = 3, rod = 4, disc = 5, free = 6, kovalevskaya = 7, &
         goryachev = 8, skew = 9, benchmark = 10, shell = 11, damped = 12
 
-    !> The bodies: the slow top of the paper's Example 1, the wheel of its Example 2, and others.
+    !> The bodies: the slow top of Example 1 of the paper, the wheel of Example 2, and others.
     character(*), parameter :: bodies(*) = [character(160) :: &
         'top.mass=1;top.inertia=0.875,0.875,0.25;top.length=0.86602540378443865', &
         'top.mass=2.450442269800039;top.inertia=2.4565887958267872,2.4565887958267872,0.012252211349000194;top.length=1', &
@@ -49,68 +49,68 @@ module spintop_hard_cases
     type(hard_case_t), parameter :: hard_cases(*) = [ &
         hard_case_t('slow_top', 'Example 1 of the paper: falls through 164 degrees and turns fast at the bottom', &
             'initial.theta=0.19634954084936207;initial.psi_rate=1;span.nutations=5;integration.steps=4000', slow), &
-        hard_case_t('pole_upright', 'passes 1e-6 rad from the upright: phi turns by half a turn at once', &
+        hard_case_t('pole_upright', 'passes the upright at 1e-6 rad: phi changes by half a turn at once', &
             'initial.theta=1e-6;initial.phi_rate=3.1e6;initial.omega3=5;span.nutations=4;integration.steps=4000', slow), &
-        hard_case_t('pole_hanging', 'passes 1e-6 rad from hanging: phi turns by half a turn at once', &
+        hard_case_t('pole_hanging', 'passes the hanging position at 1e-6 rad: phi changes by half a turn at once', &
             'initial.theta=3.1415916535897932;initial.phi_rate=-6.2e6;initial.omega3=5;span.nutations=4;' // &
             'integration.steps=4000', slow), &
-        hard_case_t('through_upright', 'starts upright and moving: phi and psi do not exist there', &
+        hard_case_t('through_upright', 'starts upright with a transverse velocity: phi and psi do not exist there', &
             'initial.quaternion=1,0,0,0;initial.omega=3,0,5;span.nutations=4;integration.steps=4000', slow), &
-        hard_case_t('through_hanging', 'starts hanging and moving: phi and psi do not exist there', &
+        hard_case_t('through_hanging', 'starts hanging with a transverse velocity: phi and psi do not exist there', &
             'initial.quaternion=0,1,0,0;initial.omega=4,0,-5;span.nutations=4;integration.steps=4000', slow), &
-        hard_case_t('sleeping_above', 'upright but for 1e-6 rad, 1 percent above the spin that keeps it there', &
+        hard_case_t('sleeping_above', '1e-6 rad from the upright, 1 percent above the threshold spin', &
             'initial.theta=1e-6;initial.omega3=22.03;span.t_end=20;integration.steps=4000', slow), &
-        hard_case_t('sleeping_at', 'upright but for 1e-3 rad, at the spin that just keeps it there: growth as a power', &
+        hard_case_t('sleeping_at', '1e-3 rad from the upright, at the threshold spin: perturbations grow as a power of time', &
             'initial.theta=1e-3;initial.omega3=21.8119168043289;span.t_end=20;integration.steps=4000', slow), &
-        hard_case_t('sleeping_below', 'upright but for 1e-6 rad, too slow: falls after a long rest, and rises again', &
+        hard_case_t('sleeping_below', '1e-6 rad from the upright, too slow to sleep: falls after a long rest, and rises again', &
             'initial.theta=1e-6;initial.omega3=15;span.t_end=16;integration.steps=4000', slow), &
-        hard_case_t('separatrix', 'rises towards the upright as slowly as can be: errors grow a million times', &
+        hard_case_t('separatrix', 'approaches the upright asymptotically: errors grow by a factor of a million', &
             'initial.theta=0.5;initial.phi_rate=2.2825667;initial.theta_rate=-1.0861182;initial.omega3=15;' // &
             'span.t_end=12;integration.steps=4000', slow), &
-        hard_case_t('near_steady', 'steady precession but for 1e-6 rad/s: a small nutation on a large motion', &
+        hard_case_t('near_steady', 'steady precession with a nutation rate of 1e-6 rad/s: a small nutation of a large motion', &
             'initial.theta=1.0471975511965976;initial.phi_rate=0.88373947226147785;initial.theta_rate=1e-6;' // &
             'initial.omega3=40;span.t_end=20;integration.steps=8000', slow), &
         hard_case_t('very_fast_spin', 'the wheel of Example 2 at 8859 rad/s: 50 nutations of 2e-3 rad', &
             'initial.theta=0.19634954084936207;initial.omega3=8858.9;span.nutations=50;integration.steps=8000', wheel), &
         hard_case_t('plane_pendulum', 'no spin: a plane pendulum, through the hanging position', &
             'initial.theta=2;span.t_end=20;integration.steps=4000', slow), &
-        hard_case_t('spherical_pendulum', 'no spin: a spherical pendulum, passing 1e-3 rad from hanging', &
+        hard_case_t('spherical_pendulum', 'no spin: a spherical pendulum that passes the hanging position at 1e-3 rad', &
             'initial.theta=2;initial.phi_rate=5e-3;initial.omega3=0;span.t_end=20;integration.steps=4000', slow), &
-        hard_case_t('oblate', 'a flat body: the spin seen from the top goes backward', &
+        hard_case_t('oblate', 'an oblate body (I3 > I1): its spin relative to the free precession is retrograde', &
             'initial.theta=0.5;initial.omega3=3;span.nutations=8;integration.steps=4000', ball), &
-        hard_case_t('thin_rod', 'a rod that spins at 50000 rad/s and hardly feels it', &
+        hard_case_t('thin_rod', 'a thin rod that spins at 50000 rad/s, with little effect on its motion', &
             'initial.theta=0.5;initial.omega3=50000;span.t_end=10;integration.steps=20000', rod), &
-        hard_case_t('flat_disc', 'a disc about its centre: at the limit of the triangle inequality, no weight', &
+        hard_case_t('flat_disc', 'a free disc about its centre, at the limit of the triangle inequality', &
             'initial.theta=0.7;initial.phi_rate=2;initial.omega3=30;span.t_end=20;integration.steps=8000', disc), &
         hard_case_t('million_nutations', 'Example 1 of the paper for 2.4 million seconds', &
             'initial.theta=0.19634954084936207;initial.psi_rate=1;span.nutations=1e6;integration.steps=200000000;' // &
             'integration.max_steps=2000000000', slow, is_long=.true.), &
-        hard_case_t('thousand_nutations', 'Example 1 of the paper for forty minutes: errors add up', &
+        hard_case_t('thousand_nutations', 'Example 1 of the paper for forty minutes: errors accumulate', &
             'initial.theta=0.19634954084936207;initial.psi_rate=1;span.nutations=1000;integration.steps=200000', slow, &
             is_long=.true.), &
-        hard_case_t('middle_axis', 'a free body turns over about its middle axis, staying there ever longer', &
+        hard_case_t('intermediate_axis', 'a free body that rotates about its intermediate axis, and turns over repeatedly', &
             'initial.quaternion=1,0,0,0;initial.omega=1e-3,1,1e-3;span.t_end=100;integration.steps=8000', free), &
-        hard_case_t('kovalevskaya', 'the integrable top of Kovalevskaya: no symmetry axis through its centre of mass', &
+        hard_case_t('kovalevskaya', 'the Kovalevskaya top (integrable): its centre of mass is not on the symmetry axis', &
             'initial.quaternion=0.77046945974922898,0.57785209481169215,0.24077170617153840,-0.12038585308576920;' // &
             'initial.omega=0.5,0.25,1;span.t_end=100;integration.steps=8000', kovalevskaya), &
-        hard_case_t('goryachev_chaplygin', 'the top of Goryachev and Chaplygin: integrable without vertical momentum only', &
+        hard_case_t('goryachev_chaplygin', 'the Goryachev-Chaplygin top: integrable only without vertical momentum', &
             'initial.quaternion=1,0,0,0;initial.omega=1,0.5,0;span.t_end=100;integration.steps=8000', goryachev), &
-        hard_case_t('chaotic_body', 'no symmetry at all: neighbouring motions part for ever', &
+        hard_case_t('chaotic_body', 'a body without symmetry: neighbouring motions diverge', &
             'initial.quaternion=0.8,0.6,0,0;initial.omega=0.5,0.5,1;span.t_end=100;integration.steps=20000', skew), &
         hard_case_t('heavy_top_benchmark', 'Bruels, Cardona and Arnold 2012: a fast top with its axis along body y', &
             'initial.quaternion=1,0,0,0;initial.omega=0,150,-4.61538;span.t_end=2;integration.steps=4000', benchmark), &
-        hard_case_t('simo_wong', 'Simo and Wong 1991: a fast top almost upright', &
+        hard_case_t('simo_wong', 'Simo and Wong 1991: a fast top that is nearly upright', &
             'initial.theta=0.05;initial.omega3=50;span.t_end=10;integration.steps=8000', shell), &
-        hard_case_t('damped_body', 'no symmetry, with friction: energy and momentum run out', &
+        hard_case_t('damped_body', 'a body without symmetry, with damping: energy and momentum decay', &
             'initial.theta=0.19634954084936207;initial.omega3=10;span.t_end=20;integration.steps=8000', damped)]
 
 contains
 
     !> The scene of a case of the catalogue.
     subroutine make_scene(case, scene, error)
-        type(hard_case_t), intent(in) :: case
-        type(scene_t), target, intent(out) :: scene
-        type(error_t), allocatable, intent(out) :: error
+        type(hard_case_t), intent(in) :: case !! entry of the catalogue
+        type(scene_t), target, intent(out) :: scene !! the scene of the case
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(parameter_table_t) :: table
         type(diagnostics_t) :: diagnostics
         type(string_t), allocatable :: settings(:)

@@ -1,4 +1,4 @@
-!> What a stability study goes through: cases of the catalogue or of the input, and methods.
+!> The plan of a stability study: cases of the catalogue or of the input, and methods.
 module spintop_stability_plan
     use spintop_body_of_scene, only: is_set
     use spintop_errors, only: error_t
@@ -17,31 +17,31 @@ module spintop_stability_plan
     public :: stability_plan_t, make_stability_plan, scene_of_case, scene_of_trial
     public :: own_case
 
-    !> The table to fill.
+    !> The rows of the table.
     type :: stability_plan_t
-        !> Places in the catalogue; 0 is the input's own case.
+        !> Indices in the catalogue; 0 is the case of the input.
         integer, allocatable :: cases(:)
         type(method_choice_t), allocatable :: methods(:)
     end type stability_plan_t
 
-    !> Name of the input's own case.
+    !> Name of the case of the input.
     character(*), parameter :: own_case = 'input'
-    !> Tolerances where the input gives none.
+    !> Default tolerance.
     real(dp), parameter :: default_tolerance = 1.0e-12_dp
-    !> Equal steps of the input's own case where it gives none.
+    !> Default number of steps for the case of the input.
     integer, parameter :: default_steps = 8000
-    !> What is tried besides each method under the formulation that suits the body.
+    !> Combinations that are run in addition to each method with the formulation that suits the body.
     character(*), parameter :: more_choices(*) = [character(28) :: 'rk4/lagrange', 'rk4/euler', &
         'ode45/lagrange', 'ode45/euler', 'dop853/lagrange', 'dop853/euler', 'taylor/rigid_body', &
         'taylor/cayley_klein', 'splitting_8/rigid_body', 'splitting_8/cayley_klein']
 
 contains
 
-    !> The cases and methods named, or all of them.
+    !> The named cases and methods, or all.
     subroutine make_stability_plan(scene, plan, problems)
-        type(scene_t), intent(in) :: scene
-        type(stability_plan_t), intent(out) :: plan
-        type(problems_t), intent(inout) :: problems
+        type(scene_t), intent(in) :: scene !! contents of the input
+        type(stability_plan_t), intent(out) :: plan !! cases and methods; valid without errors in `problems`
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
         integer :: i
 
         if (all(scene%stability_cases == '')) then
@@ -58,7 +58,7 @@ contains
         end if
     end subroutine make_stability_plan
 
-    !> Finds the cases of the catalogue that are named.
+    !> Finds the named cases of the catalogue.
     subroutine take_cases(names, cases, problems)
         character(*), intent(in) :: names(:)
         integer, allocatable, intent(out) :: cases(:)
@@ -77,7 +77,7 @@ contains
         end do
     end subroutine take_cases
 
-    !> Every method under the formulation that suits the body, some of them under others too.
+    !> Every method with the formulation that suits the body, some also with others.
     subroutine take_all_methods(choices)
         type(method_choice_t), allocatable, intent(out) :: choices(:)
         type(method_info_t), allocatable :: methods(:)
@@ -95,12 +95,12 @@ contains
         end do
     end subroutine take_all_methods
 
-    !> The scene of a case: of the catalogue, or (place 0) the input itself.
+    !> The scene of a case: of the catalogue, or (index 0) the input itself.
     subroutine scene_of_case(input, place, scene, error)
-        type(scene_t), intent(in) :: input
-        integer, intent(in) :: place
-        type(scene_t), intent(out) :: scene
-        type(error_t), allocatable, intent(out) :: error
+        type(scene_t), intent(in) :: input !! the scene of the input
+        integer, intent(in) :: place !! index in the catalogue; 0 for the case of the input
+        type(scene_t), intent(out) :: scene !! the scene of the case
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         if (place > 0) then
             call make_scene(hard_cases(place), scene, error)
         else
@@ -109,18 +109,18 @@ contains
         end if
     end subroutine scene_of_case
 
-    !> The scene of a case under a method: methods with step control take the input's tolerances,
-    !> the others the case's equal steps.
+    !> The scene of a case for a method: adaptive methods use the tolerances of the input, the others the
+    !> number of steps of the case.
     subroutine scene_of_trial(input, scene, choice)
-        type(scene_t), intent(in) :: input
-        type(scene_t), intent(inout) :: scene
-        type(method_choice_t), intent(in) :: choice
+        type(scene_t), intent(in) :: input !! the scene of the input
+        type(scene_t), intent(inout) :: scene !! method and setting are set
+        type(method_choice_t), intent(in) :: choice !! method and formulation
         real(dp) :: tolerance
 
         if (.not. choice%method%adaptive) then
             call set_steps(scene, choice, scene%steps)
         else if (choice%method%needs == structure_quadruple) then
-            call set_adaptive(scene, choice, unset) ! it has finer tolerances of its own
+            call set_adaptive(scene, choice, unset) ! its default tolerances are smaller
         else
             tolerance = default_tolerance
             if (is_set(input%relative_tolerance)) tolerance = input%relative_tolerance

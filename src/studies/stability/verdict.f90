@@ -1,4 +1,4 @@
-!> What a computed motion is worth, in a word and with the reason.
+!> Verdicts on computed motions, with reasons.
 module spintop_verdict
     use spintop_kinds, only: dp
     use spintop_status, only: status_meanings, status_ok
@@ -8,43 +8,46 @@ module spintop_verdict
     implicit none
     private
     public :: verdict_names, verdict_meaning, judge_trial, explain_trial
-    public :: verdict_accurate, verdict_drifts, verdict_wrong, verdict_failed, verdict_unsuitable
+    public :: verdict_accurate, verdict_drifts, verdict_wrong, verdict_failed, verdict_unsuitable, verdict_no_reference
 
-    !> The verdicts, from best to worst, and one for methods that are not for such a body.
+    !> The verdicts, from best to worst, one for methods that are not for such a body, and one for cases
+    !> whose motion is not known.
     integer, parameter :: verdict_accurate = 1, verdict_drifts = 2, verdict_wrong = 3, &
-        verdict_failed = 4, verdict_unsuitable = 5
-    character(*), parameter :: verdict_names(*) = [character(10) :: &
-        'accurate', 'drifts', 'wrong', 'failed', 'unsuitable']
+        verdict_failed = 4, verdict_unsuitable = 5, verdict_no_reference = 6
+    character(*), parameter :: verdict_names(*) = [character(12) :: &
+        'accurate', 'drifts', 'wrong', 'failed', 'unsuitable', 'no_reference']
 
-    !> Orientation errors, rad: accurate up to the first, which grows with what rounding of the data
-    !> does; wrong beyond the second.
+    !> Orientation errors, rad: accurate up to the first one, which increases with the inherent error; wrong
+    !> beyond the second.
     real(dp), parameter :: accurate_below = 1.0e-6_dp, floors = 100, wrong_above = 0.1_dp
 
 contains
 
-    !> What a verdict means.
+    !> Meaning of a verdict.
     function verdict_meaning(verdict) result(meaning)
-        integer, intent(in) :: verdict
+        integer, intent(in) :: verdict !! one of the verdict constants
         character(:), allocatable :: meaning
         select case (verdict)
         case (verdict_accurate)
-            meaning = 'attitude within ' // to_text(accurate_below) // ' rad and ' // to_text(nint(floors)) &
-                      // ' times what rounding of the data does'
+            meaning = 'orientation error at most ' // to_text(accurate_below) // ' rad plus ' // to_text(nint(floors)) &
+                      // ' times the inherent error'
         case (verdict_drifts)
-            meaning = 'attitude within ' // to_text(wrong_above) // ' rad'
+            meaning = 'orientation error at most ' // to_text(wrong_above) // ' rad'
         case (verdict_wrong)
-            meaning = 'attitude off by more than ' // to_text(wrong_above) // ' rad'
+            meaning = 'orientation error above ' // to_text(wrong_above) // ' rad'
         case (verdict_failed)
-            meaning = 'the method stopped before the end, and said why'
+            meaning = 'the method ended before the end of the span, with a status'
+        case (verdict_no_reference)
+            meaning = 'there is no motion to compare with; the status is that of its computation'
         case default
-            meaning = 'the method or its equations are not for such a body'
+            meaning = 'the method or its equations do not apply to the body'
         end select
     end function verdict_meaning
 
-    !> The verdict on a trial; `floor` is how far rounding of the data turns the attitude, rad.
+    !> The verdict on a trial; `floor` is the inherent error of the attitude, rad.
     pure integer function judge_trial(trial, floor) result(verdict)
-        type(trial_t), intent(in) :: trial
-        real(dp), intent(in) :: floor
+        type(trial_t), intent(in) :: trial !! result of the computation
+        real(dp), intent(in) :: floor !! inherent error of the attitude, rad
         if (trial%status /= status_ok) then
             verdict = verdict_failed
         else if (trial%errors%orientation <= accurate_below + floors * floor) then
@@ -58,10 +61,11 @@ contains
 
     !> The reason for a verdict; empty for an accurate trial.
     function explain_trial(trial, verdict) result(reason)
-        type(trial_t), intent(in) :: trial
-        integer, intent(in) :: verdict
+        type(trial_t), intent(in) :: trial !! result of the computation
+        integer, intent(in) :: verdict !! one of the verdict constants
         character(:), allocatable :: reason
-        !> An invariant kept to that share of the orientation error hides it.
+        !> If the relative error of an invariant is below this fraction of the orientation error, the
+        !> invariant does not show that error.
         real(dp), parameter :: hidden = 1.0e-3_dp
         character(:), allocatable :: invariants
 
@@ -71,11 +75,11 @@ contains
             reason = 'at t = ' // rounded(trial%t) // ' s: ' // trim(status_meanings(trial%status))
         case (verdict_drifts, verdict_wrong)
             associate (errors => trial%errors)
-                reason = 'attitude off by ' // scientific(errors%orientation) // ' rad'
-                invariants = 'energy off by ' // scientific(errors%energy) // ' and momenta by ' &
+                reason = 'orientation error ' // scientific(errors%orientation) // ' rad'
+                invariants = 'energy error ' // scientific(errors%energy) // ', momentum error ' &
                              // scientific(max(errors%vertical, errors%axial))
                 if (max(errors%energy, errors%vertical, errors%axial) < hidden * errors%orientation) then
-                    reason = reason // ' though ' // invariants // ' only'
+                    reason = reason // ', although ' // invariants
                 else
                     reason = reason // '; ' // invariants
                 end if

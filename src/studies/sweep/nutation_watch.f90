@@ -1,5 +1,5 @@
-!> Measures the nutation of a motion that has no closed form, by its events on the way: the turning
-!> points of theta, where the precession is fastest, and where the centre of mass is lowest.
+!> Measures the nutation of a motion without a closed form by events: the turning points of theta, the maxima
+!> of the precession rate, and the minima of the height of the centre of mass.
 module spintop_nutation_watch
     use spintop_kinds, only: dp, pi
     use spintop_case, only: case_t
@@ -11,54 +11,45 @@ module spintop_nutation_watch
         class_libration, class_circulation
     use spintop_quantities, only: axis_height_rate
     use spintop_attitude, only: vertical_from_quaternion
+    use spintop_turning_record, only: turning_points_t, upper, lower
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: nutation_watch_t, no_class
+    public :: nutation_watch_t, nutation_of, no_class
 
-    !> Class of a motion whose nutations are of several classes.
+    !> Class of a motion whose nutations belong to several classes.
     integer, parameter :: no_class = 0
 
-    !> The events measured, after those that the scene asks for.
-    integer, parameter :: upper = 1, lower = 2, lowest_centre = 3, fastest(2) = [4, 5], own_events = 5
+    !> The measured events, which follow those of the scene.
+    integer, parameter :: lowest_centre = 3, fastest(2) = [4, 5], own_events = 5
 
-    !> A precession rate at the upper turning points within this share of the largest, and a swing
-    !> of theta within this angle, rad, are none.
+    !> A precession rate at the upper turning points within this fraction of the largest one, and a range of
+    !> theta within this angle, rad, count as zero.
     real(dp), parameter :: class_tolerance = 1.0e-6_dp
 
-    !> What the turning points of one kind were.
-    type :: turns_t
-        integer :: n = 0
-        type(motion_t) :: first, last
-        !> Extremes of theta, rad, and of the precession rate there, rad/s.
-        real(dp) :: theta(2) = [huge(1.0_dp), -huge(1.0_dp)]
-        real(dp) :: rate(2) = [huge(1.0_dp), -huge(1.0_dp)]
-    contains
-        procedure :: take
-    end type turns_t
-
-    !> Looks for the events of the scene, and measures the nutation where it is told to.
+    !> Searches for the events of the scene, and measures the nutation on request.
     type, extends(event_recorder_t) :: nutation_watch_t
-        !> Lowest height of the centre of mass so far, m.
+        !> Minimum height of the centre of mass so far, m.
         real(dp) :: com_z_min = huge(1.0_dp)
         type(case_t), private :: case
         logical, private :: measures = .false., starts_turning = .false.
-        type(turns_t), private :: turns(upper:lower)
+        type(turning_points_t), private :: turns(upper:lower)
         real(dp), private :: phi_rate_max = 0
     contains
         procedure :: measure_nutation
         procedure :: quantities
         procedure :: meet
         procedure :: nutation
+        procedure :: take_end
         procedure, private :: take_extremes
     end type nutation_watch_t
 
 contains
 
-    !> Measures the nutation, too; after `set`.
+    !> Requests the measurement of the nutation; call after `set`.
     subroutine measure_nutation(self, case)
         class(nutation_watch_t), intent(inout) :: self
-        type(case_t), intent(in) :: case
+        type(case_t), intent(in) :: case !! body, start and span
         self%measures = .true.
         self%case = case
         self%events = [self%events, event_t('upper', -1), event_t('lower', 1), event_t('lowest', 1), &
@@ -69,11 +60,11 @@ contains
         call self%take_extremes(case%start)
     end subroutine measure_nutation
 
-    !> The quantities of the events of the scene, and of those measured.
+    !> The quantities of the events of the scene, and of the measured ones.
     subroutine quantities(self, motion, values)
         class(nutation_watch_t), intent(inout) :: self
-        type(motion_t), intent(in) :: motion
-        real(dp), intent(out) :: values(:)
+        type(motion_t), intent(in) :: motion !! the motion at an instant
+        real(dp), intent(out) :: values(:) !! one value for each event
         real(dp) :: own(own_events), gamma(3), gamma_rate(3)
         integer :: n
 
@@ -90,8 +81,8 @@ contains
         if (n > 0) call self%event_recorder_t%quantities(motion, values(:n))
     end subroutine quantities
 
-    !> Acceleration of phi times sin(theta)^4: what is smooth at the poles, of
-    !> phi' = (gamma1 omega1 + gamma2 omega2)/sin(theta)^2.
+    !> Angular acceleration of phi times sin(theta)^4, which is smooth at the poles; from phi' = (gamma1
+    !> omega1 + gamma2 omega2)/sin(theta)^2.
     pure real(dp) function precession_slope(gamma, gamma_rate, omega, omega_rate) result(slope)
         real(dp), intent(in), dimension(3) :: gamma, gamma_rate, omega, omega_rate
         associate (turn => dot_product(gamma(1:2), omega(1:2)), sine2 => sum(gamma(1:2)**2))
@@ -100,11 +91,11 @@ contains
         end associate
     end function precession_slope
 
-    !> Takes an event.
+    !> Receives an event.
     subroutine meet(self, number, motion)
         class(nutation_watch_t), intent(inout) :: self
-        integer, intent(in) :: number
-        type(motion_t), intent(in) :: motion
+        integer, intent(in) :: number !! index of the event in `events`
+        type(motion_t), intent(in) :: motion !! the motion at the event
         integer :: kind
 
         kind = 0
@@ -115,13 +106,20 @@ contains
         end if
         call self%take_extremes(motion)
         if (kind /= upper .and. kind /= lower) return
-        ! A start at a turning point is no event, but it is one of the other kind than the first.
+        ! A start at a turning point is not an event, but it is a turning point of the other kind than the
+        ! first event.
         if (self%starts_turning) call self%turns(upper + lower - kind)%take(self%case%start)
         self%starts_turning = .false.
         call self%turns(kind)%take(motion)
     end subroutine meet
 
-    !> Takes the precession rate and the height of the centre of mass.
+    !> Includes the end of the motion, where the precession rate and the height may have their extremes.
+    subroutine take_end(self)
+        class(nutation_watch_t), intent(inout) :: self
+        call self%take_extremes(self%here)
+    end subroutine take_end
+
+    !> Updates the extremes of the precession rate and of the height of the centre of mass.
     subroutine take_extremes(self, motion)
         class(nutation_watch_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion
@@ -132,43 +130,44 @@ contains
                                                          vertical_from_quaternion(motion%quaternion)))
     end subroutine take_extremes
 
-    !> Takes a turning point.
-    subroutine take(self, motion)
-        class(turns_t), intent(inout) :: self
-        type(motion_t), intent(in) :: motion
-        if (self%n == 0) self%first = motion
-        self%last = motion
-        self%n = self%n + 1
-        self%theta = [min(self%theta(1), motion%angle(2)), max(self%theta(2), motion%angle(2))]
-        self%rate = [min(self%rate(1), motion%rate(1)), max(self%rate(2), motion%rate(1))]
-    end subroutine take
-
-    !> The nutation as measured: means over all the whole nutations seen, extremes over all turning
-    !> points; `seen` tells whether there was a whole one. The class is `no_class` where it changes.
+    !> The measured nutation; `seen` reports whether there was a whole one.
     subroutine nutation(self, measured, seen)
         class(nutation_watch_t), intent(in) :: self
-        type(nutation_t), intent(out) :: measured
-        logical, intent(out) :: seen
+        type(nutation_t), intent(out) :: measured !! the nutation as measured
+        logical, intent(out) :: seen !! whether there is a whole nutation
+        call nutation_of(self%turns, measured, seen, self%phi_rate_max)
+    end subroutine nutation
+
+    !> The nutation between turning points: means over all whole nutations, extremes over all turning points;
+    !> `seen` reports whether there was a whole one. The class is `no_class` if it changes, or if the largest
+    !> precession rate is not given.
+    pure subroutine nutation_of(turns, measured, seen, phi_rate_max)
+        type(turning_points_t), intent(in) :: turns(upper:lower) !! the turning points of both kinds
+        type(nutation_t), intent(out) :: measured !! the nutation as measured
+        logical, intent(out) :: seen !! whether there is a whole nutation
+        real(dp), intent(in), optional :: phi_rate_max !! precession rate that is largest in magnitude, rad/s
         integer :: kind, whole
 
-        kind = merge(upper, lower, self%turns(upper)%n >= self%turns(lower)%n)
-        whole = self%turns(kind)%n - 1
+        measured%class = no_class
+        kind = merge(upper, lower, turns(upper)%n >= turns(lower)%n)
+        whole = turns(kind)%n - 1
         seen = whole > 0
         if (.not. seen) return
-        measured%theta_min = min(self%turns(upper)%theta(1), self%turns(lower)%theta(1))
-        measured%theta_max = max(self%turns(upper)%theta(2), self%turns(lower)%theta(2))
+        measured%theta_min = min(turns(upper)%theta(1), turns(lower)%theta(1))
+        measured%theta_max = max(turns(upper)%theta(2), turns(lower)%theta(2))
         measured%delta_u = 2 * sin((measured%theta_max + measured%theta_min) / 2) &
                            * sin((measured%theta_max - measured%theta_min) / 2)
-        associate (first => self%turns(kind)%first, last => self%turns(kind)%last)
-            measured%period = (last%t - first%t) / whole
-            measured%precession = (last%angle(1) - first%angle(1)) / whole
-            measured%spin = (last%angle(3) - first%angle(3)) / whole
+        associate (passed => (turns(kind)%last - turns(kind)%first) / whole)
+            measured%period = passed(1)
+            measured%precession = passed(2)
+            measured%spin = passed(3)
         end associate
         measured%precession_rate = measured%precession / measured%period
         measured%spin_rate = measured%spin / measured%period
-        measured%phi_rate_max = self%phi_rate_max
-        measured%class = class_of(self%turns(upper)%rate, self%turns(lower)%rate, measured)
-    end subroutine nutation
+        if (.not. present(phi_rate_max)) return
+        measured%phi_rate_max = phi_rate_max
+        measured%class = class_of(turns(upper)%rate, turns(lower)%rate, measured)
+    end subroutine nutation_of
 
     !> The class, from the extremes of the precession rate at the upper and the lower turning points.
     pure integer function class_of(above, below, measured) result(found)

@@ -1,5 +1,5 @@
-!> Cases of a sweep that are followed step by step, many at once: bodies without a closed form, of
-!> which the table shows the end of the span only.
+!> Integrates cases of a sweep together, in vector lanes: bodies without a closed form, of which the table
+!> contains the end of the span, or what the watches in lanes measure.
 module spintop_sweep_batch
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
@@ -15,20 +15,18 @@ module spintop_sweep_batch
     use spintop_rigid_body, only: rigid_body_t
     use spintop_status, only: status_ok, status_meanings
     use spintop_stepper, only: controls_t
-    use spintop_sweep_columns, only: group_nutation, group_fast_top, group_period, &
-        group_energy, group_details, sweep_columns, sweep_groups, q_energy_error_max, q_evaluations
+    use spintop_sweep_columns, only: sweep_work_t
     use spintop_sweep_notes, only: note_t
-    use spintop_sweep_quantities, only: no_values, put_fast_top, put_end
+    use spintop_sweep_quantities, only: put_fast_top, put_end
+    use spintop_sweep_result, only: sweep_result_t
     use spintop_sweep_stability, only: put_stability
+    use spintop_sweep_watches, only: sweep_watches_t, ends_in_lanes
     use spintop_taylor, only: taylor_t
     implicit none
     private
     public :: sweep_batch_t, goes_in_batch
 
-    !> Quantities that take more than the end of the motion.
-    integer, parameter :: groups_on_the_way(*) = [group_nutation, group_period, group_energy, group_details]
-
-    !> Cases that wait, with the same plan, and where they stand in their block.
+    !> Waiting cases with the same plan, and their positions in their block.
     type :: sweep_batch_t
         integer :: n = 0
         type(controls_t), private :: controls
@@ -36,9 +34,10 @@ module spintop_sweep_batch
         type(body_t), allocatable, private :: bodies(:)
         type(motion_t), allocatable, private :: starts(:)
         real(dp), allocatable, private :: t_end(:)
-        !> What comes of them.
+        !> Motions at the ends.
         type(motion_t), allocatable, private :: ends(:)
         type(outcome_t), allocatable, private :: outcomes(:)
+        type(sweep_watches_t), private :: watches
     contains
         procedure :: add
         procedure :: compute
@@ -46,20 +45,17 @@ module spintop_sweep_batch
 
 contains
 
-    !> Whether a case is computed together with others: a body without a closed form, by Taylor's
-    !> method on the equations of any body, under a plan that is the same for all, and nothing wanted
-    !> that happens before the end.
+    !> Whether a case can be computed together with others: a body without a closed form, with Taylor's method
+    !> for the equations of any body, with a plan that is the same for all, and with no event before the end that the
+    !> watches in lanes do not find.
     logical function goes_in_batch(job, case, plan)
-        type(job_t), intent(in) :: job
-        type(case_t), intent(in) :: case
-        type(plan_t), intent(in) :: plan
-        integer :: i
+        type(job_t), intent(in) :: job !! the job
+        type(case_t), intent(in) :: case !! body, start and span
+        type(plan_t), intent(in) :: plan !! model, method and settings
         goes_in_batch = .false.
         if (plan%exact .or. case%body%is_lagrange()) return
-        if (size(job%events) > 0 .or. job%axes%varies('integration')) return
-        do i = 1, size(job%columns)
-            if (any(sweep_columns(job%columns(i))%group == groups_on_the_way)) return
-        end do
+        if (job%axes%varies('integration')) return
+        if (.not. ends_in_lanes(job%events, case)) return
         if (plan%stepper%controls%project /= project_nothing) return
         select type (stepper => plan%stepper)
         type is (taylor_t)
@@ -70,12 +66,12 @@ contains
         end select
     end function goes_in_batch
 
-    !> Puts a case, the k-th of its block, to those that wait.
+    !> Adds a case, the k-th of its block.
     subroutine add(self, case, plan, k)
         class(sweep_batch_t), intent(inout) :: self
-        type(case_t), intent(in) :: case
-        type(plan_t), intent(in) :: plan
-        integer, intent(in) :: k
+        type(case_t), intent(in) :: case !! body, start and span
+        type(plan_t), intent(in) :: plan !! model, method and settings
+        integer, intent(in) :: k !! position of the case in its block
         if (.not. allocated(self%place)) then
             allocate (self%place(block_size), self%bodies(block_size), self%starts(block_size), &
                       self%t_end(block_size), self%ends(block_size), self%outcomes(block_size))
@@ -88,33 +84,50 @@ contains
         self%t_end(self%n) = case%t_end
     end subroutine add
 
-    !> The quantities of the cases that wait, in their places of the block; none waits then.
-    subroutine compute(self, cases, wanted, values, status, note)
+    !> Computes the quantities of the waiting cases, at their positions in the block; the list is then empty.
+    subroutine compute(self, job, cases, wanted, values, status, note)
         class(sweep_batch_t), intent(inout) :: self
-        type(case_t), intent(in) :: cases(:)
-        logical, intent(in) :: wanted(sweep_groups)
-        real(dp), intent(inout) :: values(:, :) !! quantities, cases
-        integer, intent(inout) :: status(:)
-        type(note_t), intent(inout) :: note(:)
+        type(job_t), intent(in) :: job !! the job, the same in every call
+        type(case_t), intent(in) :: cases(:) !! cases of the block
+        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities, the same in every call
+        type(sweep_result_t), intent(inout) :: values(:) !! the values
+        integer, intent(inout) :: status(:) !! statuses of the cases of the block
+        type(note_t), intent(inout) :: note(:) !! notes on the cases of the block
+        type(sweep_work_t) :: in_lanes, alone
         integer(int64) :: max_steps
         integer :: i, k, stability
 
+        in_lanes = wanted
+        alone = wanted
+        ! The growth of perturbations is that over the whole span, whatever ends the motion before.
+        if (size(job%events) > 0) then
+            in_lanes%lyapunov = .false.
+            in_lanes%singular = .false.
+        else
+            alone%lyapunov = .false.
+            alone%singular = .false.
+        end if
+        if (.not. allocated(self%watches%slots)) then
+            call self%watches%create(in_lanes, self%controls, job%events, job%stop_after)
+        end if
         associate (n => self%n)
             call integrate_many(self%controls, self%bodies(:n), self%starts(:n), self%t_end(:n), &
-                                self%ends(:n), self%outcomes(:n))
+                                self%ends(:n), self%outcomes(:n), self%watches%slots)
         end associate
         do i = 1, self%n
             k = self%place(i)
             status(k) = self%outcomes(i)%status
-            values(:, k) = no_values()
+            values(k) = sweep_result_t()
             call note(k)%clear()
             max_steps = self%controls%max_steps - self%outcomes(i)%counts%steps
-            call put_stability(cases(k), wanted, max_steps, values(:, k), stability, note(k))
+            call put_stability(cases(k), alone, max_steps, values(k), stability, note(k))
             if (status(k) == status_ok) status(k) = stability
-            if (wanted(group_fast_top)) call put_fast_top(cases(k), values(:, k), note(k))
-            values(q_evaluations, k) = real(self%outcomes(i)%counts%evaluations, dp)
+            if (wanted%fast_top) call put_fast_top(cases(k), values(k), note(k))
+            values(k)%evaluations = real(self%outcomes(i)%counts%evaluations, dp)
             if (status(k) == status_ok) then
-                call put_end(cases(k), self%ends(i), values(q_energy_error_max, k), values(:, k))
+                ! Without an energy error, which a watch measures if it is wanted.
+                call put_end(cases(k), self%ends(i), (values(k)%energy_error_max), values(k))
+                call self%watches%put(cases(k), wanted, i, values(k), status(k), note(k))
             else
                 call note(k)%explain(trim(status_meanings(status(k))))
             end if

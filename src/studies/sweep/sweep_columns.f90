@@ -1,103 +1,383 @@
-!> The quantities of a sweep table: one row of the table below each; the help, the choice of
-!> columns, the units in the header and the computation derive from it.
+!> The columns of a sweep table that are quantities of its cases: a line of the registry and a procedure each.
+!> The help, the choice of columns, the units in the header and the cells derive from it.
+!>
+!> What a column needs is computed for a case by the procedure of its group. The column then fills its cells
+!> for a block of cases at once, so that a sweep of many cases calls a procedure per block and not per cell.
 module spintop_sweep_columns
+    use spintop_case, only: case_t
+    use spintop_kinds, only: dp
+    use spintop_study_column, only: study_column_t
+    use spintop_sweep_notes, only: note_t
+    use spintop_sweep_quantities, only: explain_no_exact_motion, explain_no_inherent_error, explain_no_period
+    use spintop_sweep_result, only: sweep_result_t
     implicit none
     private
-    public :: sweep_column_t, sweep_columns
-    public :: group_nutation, group_fast_top, group_period, group_end, group_energy, group_oracle, &
-        group_cost, group_inherent, group_details, group_growth, group_lyapunov, group_singular, &
-        sweep_groups, costly_groups
+    public :: sweep_column_t, sweep_columns, sweep_work_t, work_for
 
-    public :: quantities
-    public :: q_theta_min, q_theta_max, q_delta_u, q_delta_u_fast_top, q_nutation_period
-    public :: q_nutation_rate, q_nutation_rate_fast_top, q_precession_per_nutation
-    public :: q_precession_rate, q_precession_rate_fast_top, q_nutations_per_turn
-    public :: q_nutations_per_turn_fast_top, q_precession_period, q_azimuth_after_period_deg
-    public :: q_nutations_in_period, q_phi_rate_max, q_fast_top_ratio, q_com_z_min, q_theta_end
-    public :: q_phi_end, q_psi_end, q_theta_rate_end, q_energy_error_max, q_orientation_error
-    public :: q_inherent_error, q_evaluations, q_motion_class, q_spin_per_nutation
-    public :: q_theta_rate_max, q_force_max, q_force_z_min, q_force_z_max, q_t_end, q_growth_rate
-    public :: q_lyapunov_exponent, q_largest_singular_value
-
-    !> What a table says of a quantity.
-    type :: sweep_column_t
-        character(28) :: name
-        character(8) :: unit
-        character(96) :: what
-        !> Quantities of a group are computed together, when one of them is asked for.
-        integer :: group
+    !> A column of a sweep. Columns of a group are computed together, when one of them is asked for.
+    type, extends(study_column_t) :: sweep_column_t
+        !> Fills the cells of the column.
+        procedure(fill_i), pointer, nopass :: fill => null()
+        !> It is in the table when the input names no columns: it costs no more than the rest.
+        logical :: is_default = .false.
+        !> Every case has it that ends well.
+        logical :: always_exists = .false.
+        !> It is a class of motion, and not a number.
+        logical :: is_class = .false.
+        !> Notes why a case lacks it, where nothing else that comes with it does.
+        procedure(explain_i), pointer, nopass :: explain => null()
     end type sweep_column_t
 
-    !> The whole nutation; the paper's formulas; the azimuth after a period; the end of the span;
-    !> the largest energy error; the comparison with the exact motion; what it cost; the
-    !> accuracy that the data allow; more of the whole nutation; stability of the start and of the
-    !> motion.
-    integer, parameter :: group_nutation = 1, group_fast_top = 2, group_period = 3, group_end = 4, &
-        group_energy = 5, group_oracle = 6, group_cost = 7, group_inherent = 8, &
-        group_details = 9, group_growth = 10, group_lyapunov = 11, group_singular = 12, &
-        sweep_groups = group_singular
-    !> What costs much more than the rest is for those who name it.
-    integer, parameter :: costly_groups(*) = [group_inherent, group_details, group_growth, group_lyapunov, &
-                                                group_singular]
+    !> What is to be computed: the groups, and the extremes of the nutation that take a search of their own where
+    !> it is measured along the motion.
+    type :: sweep_work_t
+        logical :: nutation = .false. !! the whole nutation
+        logical :: fast_top = .false. !! the paper's formulas
+        logical :: period = .false. !! the azimuth after a period
+        logical :: end = .false. !! the end of the span
+        logical :: energy = .false. !! the largest energy error
+        logical :: oracle = .false. !! the comparison with the exact motion
+        logical :: inherent = .false. !! the accuracy that the data allow
+        logical :: cost = .false. !! the cost
+        logical :: details = .false. !! more of the whole nutation
+        logical :: growth = .false. !! the stability of the start
+        logical :: lyapunov = .false. !! the Lyapunov exponent
+        logical :: singular = .false. !! the largest singular value
+        logical :: fastest = .false. !! the largest precession rate
+        logical :: lowest = .false. !! the minimum height of the centre of mass
+    end type sweep_work_t
 
-    !> Places of the quantities in the table below, which has them in this order.
-    enum, bind(C)
-        enumerator :: q_theta_min = 1
-        enumerator :: q_theta_max, q_delta_u, q_delta_u_fast_top, q_nutation_period
-        enumerator :: q_nutation_rate, q_nutation_rate_fast_top, q_precession_per_nutation
-        enumerator :: q_precession_rate, q_precession_rate_fast_top, q_nutations_per_turn
-        enumerator :: q_nutations_per_turn_fast_top, q_precession_period
-        enumerator :: q_azimuth_after_period_deg, q_nutations_in_period, q_phi_rate_max
-        enumerator :: q_fast_top_ratio, q_com_z_min, q_theta_end, q_phi_end, q_psi_end
-        enumerator :: q_theta_rate_end, q_energy_error_max, q_orientation_error, q_inherent_error
-        enumerator :: q_evaluations, q_motion_class, q_spin_per_nutation, q_theta_rate_max
-        enumerator :: q_force_max, q_force_z_min, q_force_z_max, q_t_end, q_growth_rate, q_lyapunov_exponent
-        enumerator :: q_largest_singular_value
-    end enum
-    integer, parameter :: quantities = q_largest_singular_value
+    abstract interface
+        !> The cells of a column, one per case.
+        pure subroutine fill_i(results, cells)
+            import :: dp, sweep_result_t
+            implicit none
+            type(sweep_result_t), intent(in) :: results(:)
+            real(dp), intent(out) :: cells(:)
+        end subroutine fill_i
 
-    !> All quantities, in the order of the table's documentation.
-    type(sweep_column_t), parameter :: sweep_columns(quantities) = [ &
-        sweep_column_t('theta_min', 'rad', 'minimum nutation angle', group_nutation), &
-        sweep_column_t('theta_max', 'rad', 'maximum nutation angle', group_nutation), &
-        sweep_column_t('delta_u', '', 'range of cos(theta)', group_nutation), &
-        sweep_column_t('delta_u_fast_top', '', 'the same by Eq 29', group_fast_top), &
-        sweep_column_t('nutation_period', 's', 'nutation period', group_nutation), &
-        sweep_column_t('nutation_rate', 'rad/s', '2 pi over the nutation period', group_nutation), &
-        sweep_column_t('nutation_rate_fast_top', 'rad/s', 'the same by Eq 30', group_fast_top), &
-        sweep_column_t('precession_per_nutation', 'rad', &
-                       'change of phi in a nutation, without the half turns at exact passages of a pole', group_nutation), &
-        sweep_column_t('precession_rate', 'rad/s', 'mean precession rate', group_nutation), &
-        sweep_column_t('precession_rate_fast_top', 'rad/s', 'the same by Eq 32', group_fast_top), &
-        sweep_column_t('nutations_per_turn', '', 'nutations per full turn of precession', group_nutation), &
-        sweep_column_t('nutations_per_turn_fast_top', '', 'the same by Eq 54', group_fast_top), &
-        sweep_column_t('precession_period', 's', 'T_p = 2 pi I3 omega3/(m g l) of the paper', group_fast_top), &
-        sweep_column_t('azimuth_after_period_deg', 'deg', 'change of phi after T_p', group_period), &
-        sweep_column_t('nutations_in_period', '', 'nutations in T_p', group_nutation), &
-        sweep_column_t('phi_rate_max', 'rad/s', 'precession rate that is largest in magnitude', group_nutation), &
-        sweep_column_t('fast_top_ratio', '', '(I3 omega3)^2/(2 I1 m g l), large for a fast top', group_fast_top), &
-        sweep_column_t('com_z_min', 'm', 'minimum height of the centre of mass above the pivot', group_nutation), &
-        sweep_column_t('theta_end', 'rad', 'inclination at the end of the span', group_end), &
-        sweep_column_t('phi_end', 'rad', 'precession angle at the end of the span', group_end), &
-        sweep_column_t('psi_end', 'rad', 'spin angle at the end of the span', group_end), &
-        sweep_column_t('theta_rate_end', 'rad/s', 'nutation rate at the end of the span', group_end), &
-        sweep_column_t('energy_error_max', '', 'largest relative energy error in the span', group_energy), &
-        sweep_column_t('orientation_error', 'rad', 'rotation angle from the exact attitude at the end', group_oracle), &
-        sweep_column_t('inherent_error', 'rad', 'error of that attitude due to rounding of the data', group_inherent), &
-        sweep_column_t('evaluations', '', 'RHS evaluations', group_cost), &
-        sweep_column_t('motion_class', '', 'loop, cusp, wave, steady, ... (categorical)', group_details), &
-        sweep_column_t('spin_per_nutation', 'rad', &
-                       'change of psi in a nutation, without the half turns at exact passages of a pole', group_details), &
-        sweep_column_t('theta_rate_max', 'rad/s', 'maximum nutation rate', group_details), &
-        sweep_column_t('force_max', 'N', 'maximum support force', group_details), &
-        sweep_column_t('force_z_min', 'N', 'minimum vertical support force', group_details), &
-        sweep_column_t('force_z_max', 'N', 'maximum vertical support force', group_details), &
-        sweep_column_t('t_end', 's', 'end of the span, or time of the event that ended the motion', group_end), &
-        sweep_column_t('growth_rate', '1/s', 'growth rate of perturbations of a steady motion', group_growth), &
-        sweep_column_t('lyapunov_exponent', '1/s', &
-                       'mean growth rate of a perturbation, equal in all components but along Gamma', group_lyapunov), &
-        sweep_column_t('largest_singular_value', '', &
-                       'of the tangent map over the span, in the scales of the motion', &
-                       group_singular)]
+        !> Adds a note if there is something to add.
+        subroutine explain_i(case, note)
+            import :: case_t, note_t
+            implicit none
+            type(case_t), intent(in) :: case
+            type(note_t), intent(inout) :: note
+        end subroutine explain_i
+    end interface
+
+contains
+
+    !> All columns, in the order of the documentation.
+    function sweep_columns() result(columns)
+        type(sweep_column_t), allocatable :: columns(:)
+        columns = [ &
+            sweep_column_t('theta_min', 'rad', 'minimum nutation angle', &
+                           'nutation', fill_theta_min, is_default=.true.), &
+            sweep_column_t('theta_max', 'rad', 'maximum nutation angle', &
+                           'nutation', fill_theta_max, is_default=.true.), &
+            sweep_column_t('delta_u', '', 'range of cos(theta)', 'nutation', fill_delta_u, is_default=.true.), &
+            sweep_column_t('delta_u_fast_top', '', 'the same by Eq 29', &
+                           'fast_top', fill_delta_u_fast_top, is_default=.true.), &
+            sweep_column_t('nutation_period', 's', 'nutation period', &
+                           'nutation', fill_nutation_period, is_default=.true.), &
+            sweep_column_t('nutation_rate', 'rad/s', '2 pi over the nutation period', &
+                           'nutation', fill_nutation_rate, is_default=.true.), &
+            sweep_column_t('nutation_rate_fast_top', 'rad/s', 'the same by Eq 30', &
+                           'fast_top', fill_nutation_rate_fast_top, is_default=.true.), &
+            sweep_column_t('precession_per_nutation', 'rad', &
+                           'change of phi in a nutation, without the half turns at exact passages of a pole', &
+                           'nutation', fill_precession_per_nutation, is_default=.true.), &
+            sweep_column_t('precession_rate', 'rad/s', 'mean precession rate', &
+                           'nutation', fill_precession_rate, is_default=.true.), &
+            sweep_column_t('precession_rate_fast_top', 'rad/s', 'the same by Eq 32', &
+                           'fast_top', fill_precession_rate_fast_top, is_default=.true.), &
+            sweep_column_t('nutations_per_turn', '', 'nutations per full turn of precession', &
+                           'nutation', fill_nutations_per_turn, is_default=.true.), &
+            sweep_column_t('nutations_per_turn_fast_top', '', 'the same by Eq 54', &
+                           'fast_top', fill_nutations_per_turn_fast_top, is_default=.true.), &
+            sweep_column_t('precession_period', 's', 'T_p = 2 pi I3 omega3/(m g l) of the paper', &
+                           'fast_top', fill_precession_period, is_default=.true.), &
+            sweep_column_t('azimuth_after_period_deg', 'deg', &
+                           'change of phi after T_p', &
+                           'period', fill_azimuth_after_period_deg, is_default=.true.), &
+            sweep_column_t('nutations_in_period', '', 'nutations in T_p', &
+                           'nutation', fill_nutations_in_period, is_default=.true., explain=explain_no_period), &
+            sweep_column_t('phi_rate_max', 'rad/s', 'precession rate that is largest in magnitude', &
+                           'nutation', fill_phi_rate_max, is_default=.true.), &
+            sweep_column_t('fast_top_ratio', '', '(I3 omega3)^2/(2 I1 m g l), large for a fast top', &
+                           'fast_top', fill_fast_top_ratio, is_default=.true.), &
+            sweep_column_t('com_z_min', 'm', 'minimum height of the centre of mass above the pivot', &
+                           'nutation', fill_com_z_min, is_default=.true.), &
+            sweep_column_t('theta_end', 'rad', 'inclination at the end of the span', &
+                           'end', fill_theta_end, is_default=.true., always_exists=.true.), &
+            sweep_column_t('phi_end', 'rad', 'precession angle at the end of the span', &
+                           'end', fill_phi_end, is_default=.true., always_exists=.true.), &
+            sweep_column_t('psi_end', 'rad', 'spin angle at the end of the span', &
+                           'end', fill_psi_end, is_default=.true., always_exists=.true.), &
+            sweep_column_t('theta_rate_end', 'rad/s', 'nutation rate at the end of the span', &
+                           'end', fill_theta_rate_end, is_default=.true.), &
+            sweep_column_t('energy_error_max', '', 'largest relative energy error in the span', &
+                           'energy', fill_energy_error_max, is_default=.true., always_exists=.true.), &
+            sweep_column_t('orientation_error', 'rad', 'rotation angle from the exact attitude at the end', &
+                           'oracle', fill_orientation_error, is_default=.true., explain=explain_no_exact_motion), &
+            sweep_column_t('inherent_error', 'rad', 'error of that attitude due to rounding of the data', &
+                           'inherent', fill_inherent_error, explain=explain_no_inherent_error), &
+            sweep_column_t('evaluations', '', 'RHS evaluations', 'cost', fill_evaluations, is_default=.true.), &
+            sweep_column_t('motion_class', '', 'loop, cusp, wave, steady, ... (categorical)', &
+                           'details', fill_motion_class, is_class=.true.), &
+            sweep_column_t('spin_per_nutation', 'rad', &
+                           'change of psi in a nutation, without the half turns at exact passages of a pole', &
+                           'details', fill_spin_per_nutation), &
+            sweep_column_t('theta_rate_max', 'rad/s', 'maximum nutation rate', 'details', fill_theta_rate_max), &
+            sweep_column_t('force_max', 'N', 'maximum support force', 'details', fill_force_max), &
+            sweep_column_t('force_z_min', 'N', 'minimum vertical support force', 'details', fill_force_z_min), &
+            sweep_column_t('force_z_max', 'N', 'maximum vertical support force', 'details', fill_force_z_max), &
+            sweep_column_t('t_end', 's', 'end of the span, or time of the event that ended the motion', &
+                           'end', fill_t_end, is_default=.true., always_exists=.true.), &
+            sweep_column_t('growth_rate', '1/s', 'growth rate of perturbations of a steady motion', &
+                           'growth', fill_growth_rate), &
+            sweep_column_t('lyapunov_exponent', '1/s', &
+                           'mean growth rate of a perturbation, with equal components except along Gamma', &
+                           'lyapunov', fill_lyapunov_exponent), &
+            sweep_column_t('largest_singular_value', '', &
+                           'largest singular value of the tangent map over the span, in the scales of the motion', &
+                           'singular', fill_largest_singular_value)]
+    end function sweep_columns
+
+    !> What columns need.
+    pure type(sweep_work_t) function work_for(columns) result(work)
+        type(sweep_column_t), intent(in) :: columns(:) !! the columns
+        work%nutation = any(columns%group == 'nutation')
+        work%fast_top = any(columns%group == 'fast_top')
+        work%period = any(columns%group == 'period')
+        work%end = any(columns%group == 'end')
+        work%energy = any(columns%group == 'energy')
+        work%oracle = any(columns%group == 'oracle')
+        work%inherent = any(columns%group == 'inherent')
+        work%cost = any(columns%group == 'cost')
+        work%details = any(columns%group == 'details')
+        work%growth = any(columns%group == 'growth')
+        work%lyapunov = any(columns%group == 'lyapunov')
+        work%singular = any(columns%group == 'singular')
+        ! The class of a motion derives from the largest precession rate.
+        work%fastest = any(columns%name == 'phi_rate_max' .or. columns%name == 'motion_class')
+        work%lowest = any(columns%name == 'com_z_min')
+    end function work_for
+
+    pure subroutine fill_theta_min(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%theta_min
+    end subroutine fill_theta_min
+
+    pure subroutine fill_theta_max(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%theta_max
+    end subroutine fill_theta_max
+
+    pure subroutine fill_delta_u(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%delta_u
+    end subroutine fill_delta_u
+
+    pure subroutine fill_delta_u_fast_top(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%delta_u_fast_top
+    end subroutine fill_delta_u_fast_top
+
+    pure subroutine fill_nutation_period(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%nutation_period
+    end subroutine fill_nutation_period
+
+    pure subroutine fill_nutation_rate(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%nutation_rate
+    end subroutine fill_nutation_rate
+
+    pure subroutine fill_nutation_rate_fast_top(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%nutation_rate_fast_top
+    end subroutine fill_nutation_rate_fast_top
+
+    pure subroutine fill_precession_per_nutation(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%precession_per_nutation
+    end subroutine fill_precession_per_nutation
+
+    pure subroutine fill_precession_rate(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%precession_rate
+    end subroutine fill_precession_rate
+
+    pure subroutine fill_precession_rate_fast_top(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%precession_rate_fast_top
+    end subroutine fill_precession_rate_fast_top
+
+    pure subroutine fill_nutations_per_turn(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%nutations_per_turn
+    end subroutine fill_nutations_per_turn
+
+    pure subroutine fill_nutations_per_turn_fast_top(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%nutations_per_turn_fast_top
+    end subroutine fill_nutations_per_turn_fast_top
+
+    pure subroutine fill_precession_period(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%precession_period
+    end subroutine fill_precession_period
+
+    pure subroutine fill_azimuth_after_period_deg(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%azimuth_after_period_deg
+    end subroutine fill_azimuth_after_period_deg
+
+    pure subroutine fill_nutations_in_period(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%nutations_in_period
+    end subroutine fill_nutations_in_period
+
+    pure subroutine fill_phi_rate_max(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%phi_rate_max
+    end subroutine fill_phi_rate_max
+
+    pure subroutine fill_fast_top_ratio(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%fast_top_ratio
+    end subroutine fill_fast_top_ratio
+
+    pure subroutine fill_com_z_min(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%com_z_min
+    end subroutine fill_com_z_min
+
+    pure subroutine fill_theta_end(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%theta_end
+    end subroutine fill_theta_end
+
+    pure subroutine fill_phi_end(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%phi_end
+    end subroutine fill_phi_end
+
+    pure subroutine fill_psi_end(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%psi_end
+    end subroutine fill_psi_end
+
+    pure subroutine fill_theta_rate_end(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%theta_rate_end
+    end subroutine fill_theta_rate_end
+
+    pure subroutine fill_energy_error_max(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%energy_error_max
+    end subroutine fill_energy_error_max
+
+    pure subroutine fill_orientation_error(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%orientation_error
+    end subroutine fill_orientation_error
+
+    pure subroutine fill_inherent_error(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%inherent_error
+    end subroutine fill_inherent_error
+
+    pure subroutine fill_evaluations(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%evaluations
+    end subroutine fill_evaluations
+
+    pure subroutine fill_motion_class(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%motion_class
+    end subroutine fill_motion_class
+
+    pure subroutine fill_spin_per_nutation(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%spin_per_nutation
+    end subroutine fill_spin_per_nutation
+
+    pure subroutine fill_theta_rate_max(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%theta_rate_max
+    end subroutine fill_theta_rate_max
+
+    pure subroutine fill_force_max(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%force_max
+    end subroutine fill_force_max
+
+    pure subroutine fill_force_z_min(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%force_z_min
+    end subroutine fill_force_z_min
+
+    pure subroutine fill_force_z_max(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%force_z_max
+    end subroutine fill_force_z_max
+
+    pure subroutine fill_t_end(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%t_end
+    end subroutine fill_t_end
+
+    pure subroutine fill_growth_rate(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%growth_rate
+    end subroutine fill_growth_rate
+
+    pure subroutine fill_lyapunov_exponent(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%lyapunov_exponent
+    end subroutine fill_lyapunov_exponent
+
+    pure subroutine fill_largest_singular_value(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%largest_singular_value
+    end subroutine fill_largest_singular_value
 
 end module spintop_sweep_columns

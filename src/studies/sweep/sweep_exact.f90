@@ -1,4 +1,4 @@
-!> Cases of a sweep whose motion is known in closed form, many at once.
+!> Cases of a sweep with a closed form, many at once.
 module spintop_sweep_exact
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
@@ -10,14 +10,13 @@ module spintop_sweep_exact
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t
-    use spintop_status, only: status_ok, status_step_limit, status_meanings
+    use spintop_status, only: status_ok, status_step_limit, status_too_many_events, status_meanings
     use spintop_stepper, only: looks_per_step
-    use spintop_sweep_columns, only: quantities, group_nutation, group_fast_top, group_period, &
-        group_end, group_energy, group_inherent, group_details, sweep_groups, q_orientation_error, q_inherent_error, &
-        q_evaluations
+    use spintop_sweep_columns, only: sweep_work_t
     use spintop_sweep_notes, only: note_t
-    use spintop_sweep_quantities, only: no_values, put_nutation, put_fast_top, put_azimuth, put_end, put_details, &
+    use spintop_sweep_quantities, only: put_nutation, put_fast_top, put_azimuth, put_end, put_details, &
         precession_period
+    use spintop_sweep_result, only: sweep_result_t
     use spintop_sweep_stability, only: put_stability
     implicit none
     private
@@ -27,9 +26,9 @@ contains
 
     !> Puts a case into a lane of the block.
     subroutine load_lane(case, block, lane)
-        type(case_t), intent(in) :: case
-        type(exact_block_t), intent(inout) :: block
-        integer, intent(in) :: lane
+        type(case_t), intent(in) :: case !! body, start and span
+        type(exact_block_t), intent(inout) :: block !! the data of the lane are set
+        integer, intent(in) :: lane !! number of the lane
         block%inertia1(lane) = case%body%inertia(1)
         block%inertia3(lane) = case%body%inertia(3)
         block%mgl(lane) = case%body%mgl()
@@ -40,66 +39,65 @@ contains
         block%theta_rate(lane) = case%start%rate(2)
         block%omega3(lane) = case%start%omega(3)
         block%t_end(lane) = case%t_end
-        block%t_period(lane) = precession_period(case)
+        block%t_period(lane) = precession_period(case%body, case%start)
     end subroutine load_lane
 
-    !> Ends the span of a case at the n-th of the events; `came` tells whether it came, and `status`
-    !> whether the work allowed was enough to see it.
+    !> Ends the span of a case at the n-th of the events. `came` reports whether it occurred, `status` whether
+    !> the allowed work was sufficient.
     subroutine stop_exactly(case, events, n, max_steps, status, came)
-        type(case_t), intent(inout) :: case
-        type(column_event_t), intent(in) :: events(:)
-        integer, intent(in) :: n
-        integer(int64), intent(inout) :: max_steps !! left of the work of the case
-        integer, intent(out) :: status
-        logical, intent(out) :: came
-        ! They are large: a thread may have a small stack.
+        type(case_t), intent(inout) :: case !! its span is set to the time of the event
+        type(column_event_t), intent(in) :: events(:) !! the events
+        integer, intent(in) :: n !! number of the event that ends the motion
+        integer(int64), intent(inout) :: max_steps !! remaining work of the case
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        logical, intent(out) :: came !! whether the event occurred
+        ! These objects are large, and a thread may have a small stack.
         type(exact_path_t), allocatable :: path
         type(event_recorder_t), allocatable :: watch
 
         came = .false.
         allocate (path, watch)
-        call prepare_exact_motion(case%body, case%start, path%exact, status)
+        call path%begin(case, looks_per_step * max_steps, status)
         if (status /= status_ok) then
-            ! Left to the kernel to tell.
+            ! The kernel reports the status.
             status = status_ok
             return
         end if
-        path%most_looks = looks_per_step * max_steps
         call watch%set(events, n, case)
         call watch%begin(case%body, path%exact%at(0.0_dp))
         call watch%look(path, case%t_end)
         max_steps = max_steps - path%looks / looks_per_step
         came = watch%has_enough
-        if (.not. came .and. watch%t < case%t_end) status = status_step_limit
+        if (.not. came .and. watch%t < case%t_end) status = merge(status_too_many_events, status_step_limit, watch%is_full)
         if (came) case%t_end = watch%t
     end subroutine stop_exactly
 
-    !> Whether the kernel has work with the groups wanted.
+    !> Whether the selected groups need the kernel.
     pure logical function kernel_runs(wanted)
-        logical, intent(in) :: wanted(sweep_groups)
-        kernel_runs = any(wanted([group_nutation, group_period, group_end, group_energy]))
+        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
+        kernel_runs = (wanted%nutation .or. wanted%period .or. wanted%end .or. wanted%energy)
     end function kernel_runs
 
     !> The quantities of the case in a lane of a computed block.
     subroutine unload_lane(case, block, lane, wanted, max_steps, values, status, note)
-        type(case_t), intent(in) :: case
-        type(exact_block_t), intent(in) :: block
-        integer, intent(in) :: lane
-        logical, intent(in) :: wanted(sweep_groups)
-        integer(int64), intent(inout) :: max_steps !! left of the work of the case
-        real(dp), intent(out) :: values(quantities)
-        integer, intent(out) :: status
-        type(note_t), intent(inout) :: note
+        type(case_t), intent(in) :: case !! body, start and span
+        type(exact_block_t), intent(in) :: block !! a computed block
+        integer, intent(in) :: lane !! number of the lane
+        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
+        integer(int64), intent(inout) :: max_steps !! remaining work of the case
+        type(sweep_result_t), intent(out) :: values !! the quantities of the case
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        type(note_t), intent(inout) :: note !! notes on the case
         type(nutation_t) :: nutation
         type(motion_t) :: last
 
-        values = no_values()
+        values = sweep_result_t()
         status = block%status(lane)
         if (status /= status_ok) then
             call note%explain(trim(status_meanings(status)))
             return
         end if
-        if (wanted(group_nutation)) then
+        if (wanted%nutation) then
             nutation%theta_min = block%theta_min(lane)
             nutation%theta_max = block%theta_max(lane)
             nutation%delta_u = block%delta_u(lane)
@@ -109,24 +107,24 @@ contains
             nutation%phi_rate_max = block%phi_rate_max(lane)
             call put_nutation(case, nutation, values, note)
         end if
-        if (wanted(group_fast_top)) call put_fast_top(case, values, note)
-        if (wanted(group_period)) then
+        if (wanted%fast_top) call put_fast_top(case, values, note)
+        if (wanted%period) then
             call put_azimuth(block%t_period(lane) > 0, block%phi_at_period(lane), values, note)
         end if
-        if (wanted(group_end) .or. wanted(group_energy)) then
+        if (wanted%end .or. wanted%energy) then
             call find_end(case, block, lane, last)
             call put_end(case, last, block%energy_error(lane), values)
         end if
-        values(q_evaluations) = 0
-        values(q_orientation_error) = 0
-        if (wanted(group_details)) call put_details(case, values, note)
+        values%evaluations = 0
+        values%orientation_error = 0
+        if (wanted%details) call put_details(case, values, note)
         call put_stability(case, wanted, max_steps, values, status, note)
-        if (wanted(group_inherent)) then
-            values(q_inherent_error) = inherent_error(case%body, case%start, case%t_end)
+        if (wanted%inherent) then
+            values%inherent_error = inherent_error(case%body, case%start, case%t_end)
         end if
     end subroutine unload_lane
 
-    !> The motion at the end of the span, as far as a sweep table shows it.
+    !> The motion at the end of the span, as far as a sweep table needs it.
     subroutine find_end(case, block, lane, motion)
         type(case_t), intent(in) :: case
         type(exact_block_t), intent(in) :: block
@@ -141,7 +139,7 @@ contains
         end if
     end subroutine find_end
 
-    !> The same with the whole attitude, which angles about another axis take.
+    !> The same with the whole attitude, which is needed for angles about another axis.
     subroutine find_whole_end(case, motion)
         type(case_t), intent(in) :: case
         type(motion_t), intent(out) :: motion

@@ -1,33 +1,33 @@
-!> Notes on a case of a sweep: which quantities it does not have, and why.
+!> Notes on a case of a sweep: the quantities that do not exist, and the reasons.
 module spintop_sweep_notes
     implicit none
     private
     public :: note_t, note_names
     public :: note_no_period, note_no_turns, note_no_nutation, note_no_class, note_no_fast_top, note_no_details, &
         note_no_azimuth, note_no_stop, note_no_extremes, note_no_growth, note_no_lyapunov, note_no_singular, &
-        note_no_exact_motion, note_no_precession_period
+        note_no_exact_motion, note_no_precession_period, note_no_inherent
 
-    !> Places of the notes in the list below, which has them in this order.
+    !> Indices of the notes in the list below, in this order.
     enum, bind(C)
         enumerator :: note_no_period = 1
         enumerator :: note_no_turns, note_no_nutation, note_no_class, note_no_fast_top, note_no_details
         enumerator :: note_no_azimuth, note_no_stop, note_no_extremes, note_no_growth, note_no_lyapunov
-        enumerator :: note_no_singular, note_no_exact_motion, note_no_precession_period
+        enumerator :: note_no_singular, note_no_exact_motion, note_no_precession_period, note_no_inherent
     end enum
 
-    !> What there is to note, apart from the reason in a case.
-    character(*), parameter :: note_names(note_no_precession_period) = [character(40) :: &
+    !> The notes, without the reason in a case.
+    character(*), parameter :: note_names(note_no_inherent) = [character(40) :: &
         'no nutation period', 'no nutations per turn', 'no full nutation in the span', 'no class', &
         'no fast-top formulas', 'no class and extremes', 'no azimuth after a period', &
-        'stop_at did not come in the span', 'no extremes of theta_rate and force', 'no growth rate', &
-        'no Lyapunov exponent', 'no largest singular value', 'no exact motion to compare with', &
-        'no precession period T_p']
+        'stop_at did not occur in the span', 'no extremes of theta_rate and force', 'no growth rate', &
+        'no Lyapunov exponent', 'no largest singular value', 'no exact solution for comparison', &
+        'no precession period T_p', 'no inherent error']
 
     !> The notes on a case.
     type :: note_t
-        !> A bit for each of the list, from the lowest.
+        !> A bit for each note of the list, from the lowest.
         integer :: flags = 0
-        !> All as a sentence or more; not allocated where there is nothing to note.
+        !> All notes as sentences; not allocated if there are none.
         character(:), allocatable :: text
     contains
         procedure :: clear
@@ -38,18 +38,18 @@ module spintop_sweep_notes
 
 contains
 
-    !> Nothing to note.
+    !> Removes all notes.
     subroutine clear(self)
         class(note_t), intent(inout) :: self
         self%flags = 0
         if (allocated(self%text)) deallocate (self%text)
     end subroutine clear
 
-    !> Adds one of the list, with its reason in this case.
+    !> Adds a note of the list, with its reason in this case.
     subroutine add(self, note, reason)
         class(note_t), intent(inout) :: self
-        integer, intent(in) :: note
-        character(*), intent(in), optional :: reason
+        integer, intent(in) :: note !! index of the note
+        character(*), intent(in), optional :: reason !! reason in this case
         self%flags = ibset(self%flags, note - 1)
         if (present(reason)) then
             call self%explain(trim(note_names(note)) // ': ' // reason)
@@ -58,17 +58,17 @@ contains
         end if
     end subroutine add
 
-    !> Whether one of the list is there.
+    !> Whether a note of the list is present.
     pure logical function has(self, note)
         class(note_t), intent(in) :: self
-        integer, intent(in) :: note
+        integer, intent(in) :: note !! index of the note
         has = btest(self%flags, note - 1)
     end function has
 
-    !> Adds what is told of this case alone.
+    !> Adds a sentence that is not in the list.
     subroutine explain(self, sentence)
         class(note_t), intent(inout) :: self
-        character(*), intent(in) :: sentence
+        character(*), intent(in) :: sentence !! a sentence
         if (allocated(self%text)) then
             self%text = self%text // '; ' // sentence
         else

@@ -1,4 +1,4 @@
-!> What a sweep table says of the stability of a case.
+!> The quantities of the stability of a case in a sweep table.
 module spintop_sweep_stability
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
@@ -6,9 +6,9 @@ module spintop_sweep_stability
     use spintop_lyapunov, only: find_largest_singular_value, find_lyapunov
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_unsuitable, status_meanings
-    use spintop_sweep_columns, only: quantities, group_growth, group_lyapunov, group_singular, sweep_groups, &
-        q_growth_rate, q_largest_singular_value, q_lyapunov_exponent
+    use spintop_sweep_columns, only: sweep_work_t
     use spintop_sweep_notes, only: note_t, note_no_growth, note_no_lyapunov, note_no_singular
+    use spintop_sweep_result, only: sweep_result_t
     implicit none
     private
     public :: put_stability
@@ -16,36 +16,36 @@ module spintop_sweep_stability
 contains
 
     !> The growth rate at a relative equilibrium, the Lyapunov exponent, and the largest singular value.
-    !> `status` tells of work that was not finished or of numbers that overflowed.
+    !> `status` reports work that was not finished, or overflow.
     subroutine put_stability(case, wanted, max_steps, values, status, note)
-        type(case_t), intent(in) :: case
-        logical, intent(in) :: wanted(sweep_groups)
-        integer(int64), intent(inout) :: max_steps !! left of the work of the case
-        real(dp), intent(inout) :: values(quantities)
-        integer, intent(out) :: status
-        type(note_t), intent(inout) :: note
+        type(case_t), intent(in) :: case !! body, start and span
+        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
+        integer(int64), intent(inout) :: max_steps !! remaining work of the case
+        type(sweep_result_t), intent(inout) :: values !! the quantities of the case
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        type(note_t), intent(inout) :: note !! notes on the case
         complex(dp) :: eigenvalues(6)
         real(dp) :: value(1)
         integer :: how, steps
 
         status = status_ok
-        if (wanted(group_growth)) then
+        if (wanted%growth) then
             call find_equilibrium_eigenvalues(case%body, case%start, eigenvalues, how)
             if (how == status_ok) then
-                values(q_growth_rate) = maxval(real(eigenvalues, dp))
+                values%growth_rate = maxval(real(eigenvalues, dp))
             else if (how == status_unsuitable) then
                 call note%add(note_no_growth, 'the start is not at rest, sleeping or steady')
             else
                 call note%add(note_no_growth, trim(status_meanings(how)))
             end if
         end if
-        if (wanted(group_lyapunov)) then
+        if (wanted%lyapunov) then
             call find_lyapunov(case%body, case%start, case%t_end, value, how, max_steps=most_steps(), steps=steps)
-            call take(q_lyapunov_exponent, note_no_lyapunov)
+            call take(values%lyapunov_exponent, note_no_lyapunov)
         end if
-        if (wanted(group_singular)) then
+        if (wanted%singular) then
             call find_largest_singular_value(case%body, case%start, case%t_end, value(1), how, most_steps(), steps)
-            call take(q_largest_singular_value, note_no_singular)
+            call take(values%largest_singular_value, note_no_singular)
         end if
 
     contains
@@ -54,12 +54,13 @@ contains
             most_steps = int(max(0_int64, min(max_steps, int(huge(1) - 1, int64))))
         end function most_steps
 
-        !> Takes what was found, or notes why it was not.
+        !> Stores a value, or notes the reason why there is none.
         subroutine take(quantity, reason)
-            integer, intent(in) :: quantity, reason
+            real(dp), intent(inout) :: quantity
+            integer, intent(in) :: reason
             max_steps = max_steps - steps
             if (how == status_ok) then
-                values(quantity) = value(1)
+                quantity = value(1)
             else
                 call note%add(reason, trim(status_meanings(how)))
                 if (how == status_step_limit .or. how == status_non_finite) status = how

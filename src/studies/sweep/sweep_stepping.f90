@@ -1,4 +1,4 @@
-!> A case of a sweep that is followed step by step.
+!> A case of a sweep that is integrated numerically by itself.
 module spintop_sweep_stepping
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
@@ -6,36 +6,38 @@ module spintop_sweep_stepping
     use spintop_attitude, only: rotation_angle
     use spintop_case, only: case_t
     use spintop_conditioning, only: inherent_error
+    use spintop_event_recorder, only: exact_path_t
     use spintop_event_text, only: column_event_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_formulation, only: formulation_t, max_states
+    use spintop_inherent_lanes, only: find_inherent_error
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, find_nutation
     use spintop_nutation_watch, only: nutation_watch_t
     use spintop_plan, only: plan_t, sample_times
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
-    use spintop_status, only: status_ok, status_meanings
-    use spintop_sweep_columns, only: quantities, group_nutation, group_fast_top, group_period, &
-        group_end, group_energy, group_oracle, group_cost, group_inherent, group_details, sweep_groups, &
-        q_orientation_error, q_inherent_error, q_evaluations
-    use spintop_sweep_notes, only: note_t, note_no_extremes, note_no_stop
-    use spintop_sweep_quantities, only: no_values, put_nutation, put_measured, put_fast_top, put_azimuth, put_end, &
+    use spintop_status, only: status_ok, status_step_limit, status_too_many_events, status_meanings
+    use spintop_stepper, only: looks_per_step
+    use spintop_sweep_columns, only: sweep_work_t
+    use spintop_sweep_notes, only: note_t, note_no_extremes, note_no_inherent, note_no_stop
+    use spintop_sweep_quantities, only: put_nutation, put_measured, put_fast_top, put_azimuth, put_end, &
         put_details, precession_period
+    use spintop_sweep_result, only: sweep_result_t
     use spintop_sweep_stability, only: put_stability
     implicit none
     private
     public :: compute_stepping
 
-    !> What the trajectory of a case shows.
+    !> Quantities of a trajectory.
     type, extends(observer_t) :: witness_t
         type(case_t) :: case
-        !> Time of interest before the end, s.
+        !> A time of interest before the end, s.
         real(dp) :: period = 0
         logical :: saw_period = .false.
         real(dp) :: azimuth_at_period = 0
         real(dp) :: energy = 0, energy_scale = 1, energy_error = 0
-        !> Motion last seen.
+        !> The last motion.
         type(motion_t) :: last
     contains
         procedure :: observe
@@ -44,39 +46,40 @@ module spintop_sweep_stepping
 
 contains
 
-    !> The quantities of a case: those of the whole nutation from the closed form where there is
-    !> one, the others from the trajectory, which ends at the n-th of the events.
+    !> The quantities of a case: those of the whole nutation from the closed form where it exists, the others
+    !> from the trajectory, which ends at the n-th of the events.
     subroutine compute_stepping(case, plan, wanted, events, n, values, status, note)
-        type(case_t), intent(in) :: case
-        type(plan_t), intent(inout) :: plan
-        logical, intent(in) :: wanted(sweep_groups)
-        type(column_event_t), intent(in) :: events(:)
-        integer, intent(in) :: n
-        real(dp), intent(out) :: values(quantities)
-        integer, intent(out) :: status
-        type(note_t), intent(inout) :: note
+        type(case_t), intent(in) :: case !! body, start and span
+        type(plan_t), intent(inout) :: plan !! model, method and settings
+        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
+        type(column_event_t), intent(in) :: events(:) !! the events
+        integer, intent(in) :: n !! number of the event that ends the motion
+        type(sweep_result_t), intent(out) :: values !! the quantities of the case
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        type(note_t), intent(inout) :: note !! notes on the case
         type(nutation_watch_t), allocatable :: watch
         type(nutation_t) :: nutation
         integer(int64) :: max_steps
         integer :: stability
         logical :: measures
 
-        values = no_values()
+        values = sweep_result_t()
         status = status_ok
         if (case%body%is_lagrange()) then
-            if (wanted(group_nutation)) then
+            if (wanted%nutation) then
                 call find_nutation(case%body, case%start, nutation, status)
                 if (status == status_ok) call put_nutation(case, nutation, values, note)
             end if
-            if (wanted(group_details)) call put_details(case, values, note)
+            if (wanted%details) call put_details(case, values, note)
         end if
-        max_steps = plan%stepper%controls%max_steps
+        max_steps = plan%max_steps
         call put_stability(case, wanted, max_steps, values, stability, note)
         if (stability /= status_ok) status = stability
-        if (wanted(group_fast_top)) call put_fast_top(case, values, note)
+        if (wanted%fast_top) call put_fast_top(case, values, note)
 
-        measures = any(wanted([group_nutation, group_details])) .and. .not. case%body%is_lagrange()
-        if (.not. (measures .or. any(wanted([group_period, group_end, group_energy, group_oracle, group_cost])))) return
+        measures = (wanted%nutation .or. wanted%details) .and. .not. case%body%is_lagrange()
+        if (.not. (measures .or. wanted%period .or. wanted%end .or. wanted%energy .or. wanted%oracle .or. &
+                   wanted%cost .or. wanted%inherent)) return
         if (measures .or. size(events) > 0) then
             allocate (watch)
             call watch%set(events, n, case)
@@ -85,8 +88,11 @@ contains
         call follow(case, plan, max_steps, wanted, watch, values, status, note)
         if (status /= status_ok) return
         status = stability
-        if (measures) call put_measured(case, watch, values, note)
-        if (measures .and. wanted(group_details)) then
+        if (measures) then
+            call watch%take_end()
+            call put_measured(case, watch, values, note)
+        end if
+        if (measures .and. wanted%details) then
             call note%add(note_no_extremes, 'they are not measured')
         end if
         if (size(events) > 0) then
@@ -94,14 +100,14 @@ contains
         end if
     end subroutine compute_stepping
 
-    !> Follows the motion to the end of its span, or to the event that ends it, with the work that is left.
+    !> Integrates the motion to the end of its span, or to the event that ends it, within the remaining work.
     subroutine follow(case, plan, max_steps, wanted, watch, values, status, note)
         type(case_t), intent(in) :: case
         type(plan_t), intent(inout) :: plan
         integer(int64), intent(in) :: max_steps
-        logical, intent(in) :: wanted(sweep_groups)
+        type(sweep_work_t), intent(in) :: wanted
         type(nutation_watch_t), intent(inout), optional :: watch
-        real(dp), intent(inout) :: values(quantities)
+        type(sweep_result_t), intent(inout) :: values
         integer, intent(out) :: status
         type(note_t), intent(inout) :: note
         type(witness_t) :: witness
@@ -109,20 +115,24 @@ contains
         real(dp), allocatable :: times(:)
         integer(int64) :: all_steps
 
-        call plan%fit_steps(case%t_end)
+        if (.not. plan%exact) call plan%fit_steps(case%t_end)
         call begin_witness(case, witness)
-        witness%counts_turns = any(wanted([group_period, group_end]))
+        witness%counts_turns = (wanted%period .or. wanted%end)
         times = [case%t_end]
-        if (wanted(group_energy)) times = sample_times(case%t_end, rows(plan))
-        if (wanted(group_period)) times = with_time(times, witness%period)
-        all_steps = plan%stepper%controls%max_steps
-        plan%stepper%controls%max_steps = max_steps
-        call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, times, &
-                       witness, outcome, watch)
-        plan%stepper%controls%max_steps = all_steps
+        if (wanted%energy) times = sample_times(case%t_end, rows(plan))
+        if (wanted%period) times = with_time(times, witness%period)
+        if (plan%exact) then
+            call walk(case, max_steps, times, witness, outcome%status, watch)
+        else
+            all_steps = plan%stepper%controls%max_steps
+            plan%stepper%controls%max_steps = max_steps
+            call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, times, &
+                           witness, outcome, watch)
+            plan%stepper%controls%max_steps = all_steps
+        end if
         status = outcome%status
-        values(q_evaluations) = real(outcome%counts%evaluations, dp)
-        if (wanted(group_period)) then
+        values%evaluations = real(outcome%counts%evaluations, dp)
+        if (wanted%period) then
             call put_azimuth(witness%saw_period, witness%azimuth_at_period, values, note)
         end if
         if (status /= status_ok) then
@@ -130,36 +140,96 @@ contains
             return
         end if
         call put_end(case, witness%last, witness%energy_error, values)
-        if (case%body%is_lagrange()) call compare_with_exact(case, wanted, witness%last, values)
+        if (case%body%has_closed_form()) then
+            call compare_with_exact(case, wanted, witness%last, values)
+        else if (wanted%inherent) then
+            call put_inherent_error(case, witness%last%t, max_steps - outcome%counts%steps, values, note)
+        end if
     end subroutine follow
 
-    !> The error of the end against the exact motion, and what the data allow.
+    !> Follows the closed form at the times and to the end, or to the event that ends the motion.
+    subroutine walk(case, max_steps, times, witness, status, watch)
+        type(case_t), intent(in) :: case
+        integer(int64), intent(in) :: max_steps
+        real(dp), intent(in) :: times(:)
+        type(witness_t), intent(inout) :: witness
+        integer, intent(out) :: status
+        type(nutation_watch_t), intent(inout), optional :: watch
+        ! Large, and a thread may have a small stack.
+        type(exact_path_t), allocatable :: path
+        type(motion_t) :: motion
+        real(dp) :: t_end
+        integer :: i
+
+        allocate (path)
+        call path%begin(case, looks_per_step * max_steps, status)
+        if (status /= status_ok) return
+        t_end = case%t_end
+        if (present(watch)) then
+            call watch%begin(case%body, path%exact%at(0.0_dp))
+            call watch%look(path, t_end)
+            if (watch%has_enough) then
+                t_end = watch%t
+            else if (watch%t < t_end) then
+                status = merge(status_too_many_events, status_step_limit, watch%is_full)
+                return
+            end if
+            call path%begin(case, looks_per_step * max_steps, status)
+        end if
+        associate (instants => [pack(times, times < t_end), t_end])
+            do i = 1, size(instants)
+                call path%at(instants(i), motion)
+                if (path%is_spent()) status = status_step_limit
+                if (status /= status_ok) return
+                call witness%look(motion)
+            end do
+        end associate
+    end subroutine walk
+
+    !> The inherent error of a body without an exact solution.
+    subroutine put_inherent_error(case, t, max_steps, values, note)
+        type(case_t), intent(in) :: case
+        real(dp), intent(in) :: t
+        integer(int64), intent(in) :: max_steps
+        type(sweep_result_t), intent(inout) :: values
+        type(note_t), intent(inout) :: note
+        real(dp) :: error
+        integer :: status
+        call find_inherent_error(case%body, case%start, t, error, status, max_steps)
+        if (status == status_ok) then
+            values%inherent_error = error
+        else
+            call note%add(note_no_inherent, trim(status_meanings(status)))
+        end if
+    end subroutine put_inherent_error
+
+    !> The error at the end with respect to the exact solution, and the inherent error.
     subroutine compare_with_exact(case, wanted, last, values)
         type(case_t), intent(in) :: case
-        logical, intent(in) :: wanted(sweep_groups)
+        type(sweep_work_t), intent(in) :: wanted
         type(motion_t), intent(in) :: last
-        real(dp), intent(inout) :: values(quantities)
+        type(sweep_result_t), intent(inout) :: values
         type(exact_motion_t) :: exact
         integer :: status
-        if (wanted(group_oracle)) then
+        if (wanted%oracle) then
             call prepare_exact_motion(case%body, case%start, exact, status)
             if (status == status_ok) then
-                values(q_orientation_error) = rotation_angle(exact%quaternion_at(last%t), last%quaternion)
+                values%orientation_error = rotation_angle(exact%quaternion_at(last%t), last%quaternion)
             end if
         end if
-        if (wanted(group_inherent)) then
-            values(q_inherent_error) = inherent_error(case%body, case%start, last%t)
+        if (wanted%inherent) then
+            values%inherent_error = inherent_error(case%body, case%start, last%t)
         end if
     end subroutine compare_with_exact
 
-    !> Rows over which the largest energy error is sought.
+    !> Number of samples for the largest energy error.
     pure integer function rows(plan)
         type(plan_t), intent(in) :: plan
         rows = plan%samples
         if (.not. plan%is_adaptive()) rows = plan%stepper%controls%steps + 1
     end function rows
 
-    !> Times with one more in its place, if it lies within them.
+    !> Times with an additional one in its place, if it lies within them.
     pure function with_time(times, extra) result(more)
         real(dp), intent(in) :: times(:), extra
         real(dp), allocatable :: more(:)
@@ -169,7 +239,7 @@ contains
         end if
     end function with_time
 
-    !> Whether two times are the same to rounding.
+    !> Whether two times are equal to rounding.
     elemental logical function matches(a, b)
         real(dp), intent(in) :: a, b
         matches = abs(a - b) <= 4 * spacing(max(a, b))
@@ -180,12 +250,12 @@ contains
         type(witness_t), intent(out) :: witness
         witness%case = case
         witness%last = case%start
-        witness%period = precession_period(case)
+        witness%period = precession_period(case%body, case%start)
         witness%energy = kinetic_energy(case%body, case%start) + potential_energy(case%body, case%start)
         witness%energy_scale = energy_scale(case%body, case%start)
     end subroutine begin_witness
 
-    !> Looks at a state of a formulation.
+    !> Receives a state of a formulation.
     subroutine observe(self, formulation, t, y, near)
         class(witness_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
@@ -193,7 +263,7 @@ contains
         call self%look(formulation%motion(t, y, near))
     end subroutine observe
 
-    !> Looks at a motion.
+    !> Receives a motion.
     subroutine look(self, motion)
         class(witness_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion
@@ -201,9 +271,9 @@ contains
         self%last = motion
         energy = kinetic_energy(self%case%body, motion) + potential_energy(self%case%body, motion)
         energy = abs(energy - self%energy) / self%energy_scale
-        ! What is not finite stays.
+        ! A value that is not finite is kept.
         if (is_finite(self%energy_error) .and. .not. energy <= self%energy_error) self%energy_error = energy
-        if (matches(motion%t, self%period)) then
+        if (self%period > 0 .and. matches(motion%t, self%period)) then
             self%saw_period = .true.
             self%azimuth_at_period = motion%angle(1) - self%case%start%angle(1)
         end if

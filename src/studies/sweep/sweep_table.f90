@@ -1,8 +1,9 @@
-!> The table of a sweep: its columns (case, swept parameters, status, quantities, notes), the cells of
-!> a row, and the file that takes them.
+!> The table of a sweep: its columns (case, swept parameters, status, quantities, notes), and the file that
+!> takes its rows.
 module spintop_sweep_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
+    use spintop_case, only: case_t
     use spintop_compare, only: is_finite
     use spintop_errors, only: error_t
     use spintop_growing_table, only: growing_table_t
@@ -14,53 +15,111 @@ module spintop_sweep_table
     use spintop_provenance, only: describe_provenance, fact_count, fact_t, gather_facts
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
+    use spintop_scene_words, only: combine_grid
     use spintop_shard, only: shard_t
+    use spintop_statistics_result, only: result_columns
+    use spintop_statistics_table, only: statistics_table_t
     use spintop_status, only: status_names, status_non_finite, status_ok
-    use spintop_sweep_axes, only: axes_t, combine_grid
-    use spintop_sweep_columns, only: quantities, q_energy_error_max, q_motion_class, q_phi_end, q_psi_end, q_t_end, &
-        q_theta_end, sweep_columns
+    use spintop_sweep_axes, only: axes_t
+    use spintop_sweep_columns, only: sweep_column_t, sweep_columns
     use spintop_sweep_notes, only: note_names, note_t
+    use spintop_sweep_result, only: sweep_result_t
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words, table_column_t
     use spintop_table_head, only: comment_lines, table_head
     use spintop_text, only: string_t
     implicit none
     private
-    public :: describe_table, start_table, reserve_rows, put_row
+    public :: describe_table, start_table, describe_columns, cells_of_row, put_rows
 
-    !> The column with the number of the case.
+    !> Name of the column with the number of the case.
     character(*), parameter :: case_column = 'case'
-    !> Quantities that every case has which ends well.
-    integer, parameter :: always_defined(*) = [q_t_end, q_theta_end, q_phi_end, q_psi_end, q_energy_error_max]
 
 contains
 
-    !> The table of a job in the format it asks for, not yet started, and its head as text: tables
-    !> with the same head are the same. That of a part has the head of the whole below a line that
-    !> tells the part.
+    !> The table of a job in its format, not yet started, and its header as text: tables with equal headers
+    !> are equal. The header of a part is the header of the whole, after a line that names the part.
     subroutine describe_table(job, shard, table, head)
-        type(job_t), intent(in) :: job
-        type(shard_t), intent(in) :: shard
-        class(row_table_t), allocatable, intent(out) :: table
-        character(:), allocatable, intent(out) :: head
-        type(fact_t) :: facts(fact_count)
-        type(string_t), allocatable :: input(:), header(:), part(:)
+        type(job_t), intent(in) :: job !! the job
+        type(shard_t), intent(in) :: shard !! the part
+        class(row_table_t), allocatable, intent(out) :: table !! not yet started
+        character(:), allocatable, intent(out) :: head !! the header
+        type(table_column_t), allocatable :: columns(:)
+        type(statistics_table_t), allocatable :: with_statistics
 
-        if (job%scene%format == 'netcdf') then
+        if (job%scene%format == 'netcdf' .and. job%keeps_rows()) then
             allocate (netcdf_table_t :: table)
         else
             allocate (growing_table_t :: table)
         end if
         call describe_columns(job, table%columns)
-        call gather(job, facts, input)
-        call describe_provenance(facts, input, table%columns%name, table%columns%unit, table%columns%what, header)
-        allocate (part(merge(1, 0, shard%is_part())))
-        if (shard%is_part()) part(1)%text = shard%line(job%axes%cases)
-        head = comment_lines(part) // table_head(header, table%columns%name)
+        columns = table%columns
+        call make_head(job, shard, columns, head)
+        if (.not. job%statistics%is_wanted) return
+        allocate (with_statistics)
+        call describe_statistics(job, shard, table, with_statistics)
+        if (.not. job%keeps_rows()) head = with_statistics%head
+        with_statistics%columns = columns
+        call move_alloc(with_statistics, table)
     end subroutine describe_table
 
-    !> Starts the table, or goes on with one (`resume`) of the same head; what an interrupted run has left is
-    !> discarded only if that is asked for (`restart`).
+    !> The header of a table of a job with these columns.
+    subroutine make_head(job, shard, columns, head)
+        type(job_t), intent(in) :: job
+        type(shard_t), intent(in) :: shard
+        type(table_column_t), intent(in) :: columns(:)
+        character(:), allocatable, intent(out) :: head
+        type(fact_t) :: facts(fact_count)
+        type(string_t), allocatable :: input(:), header(:), part(:)
+
+        call gather(job, facts, input)
+        call describe_provenance(facts, input, columns, header)
+        allocate (part(merge(1, 0, shard%is_part())))
+        if (shard%is_part()) part(1)%text = shard%line(job%axes%cases)
+        head = comment_lines(part) // table_head(header, columns%name)
+    end subroutine make_head
+
+    !> A table that gathers the rows of another one, which it takes over.
+    subroutine describe_statistics(job, shard, rows, table)
+        type(job_t), intent(in) :: job
+        type(shard_t), intent(in) :: shard
+        class(row_table_t), allocatable, intent(inout) :: rows
+        type(statistics_table_t), intent(inout) :: table
+
+        select type (rows)
+        type is (growing_table_t)
+            rows%keeps_rows = job%keeps_rows()
+            rows%has_head = shard%is_part() .or. .not. job%statistics%is_netcdf
+        end select
+        call move_alloc(rows, table%rows_table)
+        table%plan = job%statistics
+        table%is_part = shard%is_part()
+        table%path_of_rows = job%output
+        table%path = job%output
+        if (job%keeps_rows()) table%path = job%statistics_output
+        call make_head(job, shard, result_columns(table%plan), table%head)
+        call table%prepare()
+    end subroutine describe_statistics
+
+    !> Starts the table, or resumes one (`resume`) with the same header. Rows of an interrupted run are
+    !> discarded only on request (`restart`).
     subroutine start_table(job, resume, restart, head, table, error)
+        type(job_t), intent(in) :: job !! the job
+        logical, intent(in) :: resume, restart !! whether to resume, or to discard, an interrupted run
+        character(*), intent(in) :: head !! header as text
+        class(row_table_t), intent(inout) :: table !! the table to start
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+
+        select type (table)
+        type is (statistics_table_t)
+            call start_rows(job, resume, restart, head, table%rows_table, error)
+            if (.not. allocated(error)) call table%begin(error)
+        class default
+            call start_rows(job, resume, restart, head, table, error)
+        end select
+    end subroutine start_table
+
+    !> Starts the table of the rows.
+    subroutine start_rows(job, resume, restart, head, table, error)
         type(job_t), intent(in) :: job
         logical, intent(in) :: resume, restart
         character(*), intent(in) :: head
@@ -76,9 +135,9 @@ contains
             call gather(job, facts, input)
             call table%start(job%output, facts, input, grid_of(job%axes), error)
         end select
-    end subroutine start_table
+    end subroutine start_rows
 
-    !> Where the table comes from, and the resolved input.
+    !> Provenance of the table, and the resolved input.
     subroutine gather(job, facts, input)
         type(job_t), intent(in) :: job
         type(fact_t), intent(out) :: facts(fact_count)
@@ -87,7 +146,7 @@ contains
         call gather_facts(job%scene%title, job%plan%model, job%plan%method, dated=.false., facts=facts)
     end subroutine gather
 
-    !> The grid of the cases: that of the axes, or one case after the other.
+    !> The grid of the cases: that of the axes, or a single dimension.
     function grid_of(axes) result(grid)
         type(axes_t), intent(in) :: axes
         type(netcdf_axis_t), allocatable :: grid(:)
@@ -103,34 +162,32 @@ contains
         end if
     end function grid_of
 
-    !> What the cells of a row are; `put_row` has them in this order.
+    !> What the cells of a row are; `put_rows` has them in this order.
     subroutine describe_columns(job, columns)
-        type(job_t), intent(in) :: job
-        type(table_column_t), allocatable, intent(out) :: columns(:)
+        type(job_t), intent(in) :: job !! the job
+        type(table_column_t), allocatable, intent(out) :: columns(:) !! one for each cell
+        type(sweep_column_t), allocatable :: known(:)
         integer :: i, axes
 
+        allocate (known, source=sweep_columns())
         axes = size(job%axes%axis)
-        allocate (columns(axes + size(job%columns) + 3))
+        allocate (columns(cells_of_row(job)))
         columns(1) = table_column_t(case_column, '', 'number of the case', column_of_integers)
         do i = 1, axes
-            associate (name => job%axes%axis(i)%name, column => columns(1 + i))
-                associate (parameter => job%table%parameters(job%axes%place_of(i, job%table)))
-                    column = table_column_t(name, parameter%unit, parameter%what)
-                    if (job%axes%combination == combine_grid) column%axis = i
-                end associate
-            end associate
+            columns(1 + i)%column_t = job%axis_column(i)
+            if (job%axes%combination == combine_grid) columns(1 + i)%axis = i
         end do
-        columns(axes + 2) = table_column_t('status', '', 'ok, or what failed', column_of_words)
+        columns(axes + 2) = table_column_t('status', '', 'ok, or the reason of the failure', column_of_words)
         call take_words([status_names], columns(axes + 2))
         do i = 1, size(job%columns)
-            associate (quantity => sweep_columns(job%columns(i)), column => columns(axes + 2 + i))
-                column = table_column_t(quantity%name, quantity%unit, quantity%what)
-                if (job%columns(i) /= q_motion_class) cycle
+            associate (quantity => known(job%columns(i)), column => columns(axes + 2 + i))
+                column%column_t = quantity%column_t
+                if (.not. quantity%is_class) cycle
                 column%kind = column_of_words
                 call take_words([character(len(class_names)) :: 'none', class_names], column)
             end associate
         end do
-        columns(size(columns)) = table_column_t('notes', '', 'why a quantity does not exist', column_of_notes)
+        columns(size(columns)) = table_column_t('notes', '', 'reasons why quantities do not exist', column_of_notes)
         call take_words(note_names, columns(size(columns)))
     end subroutine describe_columns
 
@@ -144,54 +201,69 @@ contains
         end do
     end subroutine take_words
 
-    !> Empties a block, with room for so many rows.
-    subroutine reserve_rows(job, count, rows)
-        type(job_t), intent(in) :: job
-        integer, intent(in) :: count
-        type(row_block_t), intent(inout) :: rows
-        call rows%reserve(size(job%axes%axis) + size(job%columns) + 3, count)
-    end subroutine reserve_rows
+    !> Cells of a row: number of the case, swept parameters, status, quantities, notes.
+    pure integer function cells_of_row(job) result(cells)
+        type(job_t), intent(in) :: job !! the job
+        cells = size(job%axes%axis) + size(job%columns) + 3
+    end function cells_of_row
 
-    !> Adds the row of a case to a block.
-    subroutine put_row(job, number, parameters, status, values, note, rows)
-        type(job_t), intent(in) :: job
-        integer(int64), intent(in) :: number !! of the case
-        real(dp), intent(in) :: parameters(:) !! the swept ones
-        integer, intent(in) :: status
-        real(dp), intent(in) :: values(quantities)
-        type(note_t), intent(in) :: note
-        type(row_block_t), intent(inout) :: rows
-        integer :: i, told
+    !> Adds the rows of cases to a block. What a case does not have is a NaN with a note; what overflowed is a
+    !> failure.
+    subroutine put_rows(columns, first, parameters, status, results, cases, note, rows)
+        type(sweep_column_t), intent(in) :: columns(:) !! the columns
+        integer(int64), intent(in) :: first !! number of the first case
+        real(dp), intent(in) :: parameters(:, :) !! the swept ones of each case
+        integer, intent(in) :: status(:) !! statuses of the cases of the block
+        type(sweep_result_t), intent(in) :: results(:) !! the quantities of the cases
+        type(case_t), intent(in) :: cases(:) !! cases of the block
+        type(note_t), intent(inout) :: note(:) !! notes on the cases of the block
+        type(row_block_t), intent(inout) :: rows !! the rows of the block
+        integer :: i, k, axes, told
 
-        ! What a case does not have is a NaN with a note; what overflowed is a failure.
-        told = status
-        if (status == status_ok .and. overflowed(job, values)) told = status_non_finite
-        rows%rows = rows%rows + 1
-        associate (cells => rows%cells(:, rows%rows), axes => size(parameters))
-            cells(1) = real(number, dp)
-            cells(2:axes + 1) = parameters
-            cells(axes + 2) = told
-            ! As an assignment of arrays this takes memory from the heap for each row.
-            do i = 1, size(job%columns)
-                cells(axes + 2 + i) = values(job%columns(i))
+        axes = size(parameters, 1)
+        associate (cells => rows%cells(:, rows%rows + 1:rows%rows + size(results)))
+            do i = 1, size(columns)
+                call columns(i)%fill(results, cells(axes + 2 + i, :))
             end do
-            cells(size(cells)) = note%flags
+            do k = 1, size(results)
+                told = status(k)
+                if (told == status_ok) then
+                    call explain_missing(columns, cells(axes + 3:axes + 2 + size(columns), k), cases(k), note(k))
+                    if (overflowed(columns, cells(axes + 3:axes + 2 + size(columns), k))) told = status_non_finite
+                end if
+                cells(1, k) = real(first + k - 1, dp)
+                cells(2:axes + 1, k) = parameters(:, k)
+                cells(axes + 2, k) = told
+                cells(size(cells, 1), k) = note(k)%flags
+                rows%rows = rows%rows + 1
+                call rows%set_note(note(k)%text)
+                rows%counts(told) = rows%counts(told) + 1
+            end do
         end associate
-        call rows%set_note(note%text)
-        rows%counts(told) = rows%counts(told) + 1
-    end subroutine put_row
+    end subroutine put_rows
 
-    !> Whether a quantity of the table is infinite, or the end of the motion undefined.
-    pure logical function overflowed(job, values)
-        type(job_t), intent(in) :: job
-        real(dp), intent(in) :: values(quantities)
+    !> Notes what a case lacks and nothing has told yet.
+    subroutine explain_missing(columns, cells, case, note)
+        type(sweep_column_t), intent(in) :: columns(:)
+        real(dp), intent(in) :: cells(:)
+        type(case_t), intent(in) :: case
+        type(note_t), intent(inout) :: note
+        integer :: i
+        do i = 1, size(columns)
+            if (.not. associated(columns(i)%explain)) cycle
+            if (.not. is_finite(cells(i))) call columns(i)%explain(case, note)
+        end do
+    end subroutine explain_missing
+
+    !> Whether a quantity is infinite, or one undefined that every case has.
+    pure logical function overflowed(columns, cells)
+        type(sweep_column_t), intent(in) :: columns(:)
+        real(dp), intent(in) :: cells(:)
         integer :: i
         overflowed = .false.
-        do i = 1, size(job%columns)
-            associate (value => values(job%columns(i)))
-                overflowed = overflowed .or. abs(value) > huge(value)
-                if (any(job%columns(i) == always_defined)) overflowed = overflowed .or. .not. is_finite(value)
-            end associate
+        do i = 1, size(columns)
+            overflowed = overflowed .or. abs(cells(i)) > huge(cells)
+            if (columns(i)%always_exists) overflowed = overflowed .or. .not. is_finite(cells(i))
         end do
     end function overflowed
 

@@ -1,67 +1,78 @@
-!> One thread's share of a sweep: makes cases, computes them, and fills their rows.
+!> The work of one thread in a sweep: makes cases, computes them, and fills their rows.
 module spintop_sweep_worker
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_clock, only: seconds
     use spintop_kinds, only: dp
-    use spintop_case, only: case_t, make_case
-    use spintop_compare, only: is_finite
+    use spintop_body, only: body_t
+    use spintop_case, only: attitude_parameters, case_t, make_case
+    use spintop_compare, only: is_zero
     use spintop_exact_block, only: exact_block_t, block_size
     use spintop_job, only: job_t
-    use spintop_number_slot, only: number_slot_t
-    use spintop_parameters, only: parameter_table_t
     use spintop_plan, only: plan_t, make_plan
     use spintop_problems, only: problems_t
     use spintop_row_block, only: row_block_t
-    use spintop_scene, only: scene_t, describe_scene
-    use spintop_start_of_scene, only: attitude_parameters
-    use spintop_status, only: status_ok, status_bad_input, status_meanings
-    use spintop_sweep_axes, only: put_values
+    use spintop_scene_words, only: combine_grid
+    use spintop_status, only: status_bad_input, status_meanings, status_ok
+    use spintop_sweep_axes, only: swept_scene_t
     use spintop_sweep_batch, only: sweep_batch_t, goes_in_batch
-    use spintop_sweep_columns, only: sweep_columns, sweep_groups, quantities, group_end, group_energy, &
-        group_period
+    use spintop_sweep_columns, only: sweep_column_t, sweep_columns, sweep_work_t, work_for
     use spintop_sweep_exact, only: load_lane, unload_lane, kernel_runs, stop_exactly
     use spintop_sweep_notes, only: note_t, note_no_stop
-    use spintop_sweep_quantities, only: no_values, note_missing, told_last
+    use spintop_sweep_result, only: sweep_result_t
     use spintop_sweep_stepping, only: compute_stepping
-    use spintop_sweep_table, only: put_row, reserve_rows
+    use spintop_sweep_table, only: cells_of_row, put_rows
     implicit none
     private
     public :: sweep_worker_t, size_of_block
 
-    !> Cases that a thread computes before it hands in their rows, where each costs much; where they
-    !> are computed together these are as many as the exact motion takes at once.
+    !> Cases per block if each is expensive. Otherwise a block has as many cases as the exact solution
+    !> computes at once.
     integer, parameter :: block_of_stepping = 16
 
-    !> What a thread needs of its own to make and compute cases.
+    !> Kinds of body, for each of which there is a plan: symmetric tops and free bodies, which have a closed form,
+    !> others without damping, with damping.
+    integer, parameter :: symmetric_top = 1, free_body = 2, undamped = 3, damped = 4
+
+    !> The plan for bodies of one kind.
+    type :: kept_plan_t
+        logical :: is_made = .false.
+        type(plan_t) :: plan
+        !> Why there is no such plan; not allocated if there is one.
+        character(:), allocatable :: problem
+    end type kept_plan_t
+
+    !> Data of a thread for making and computing cases.
     type :: sweep_worker_t
-        type(scene_t), private :: scene
-        type(number_slot_t), allocatable, private :: slots(:)
-        type(plan_t), private :: plan
-        !> The swept parameters leave the body, the attitude at the start, or the plan as it is.
-        logical, private :: same_body = .false., same_attitude = .false., same_plan = .false.
-        !> Whether the plan was made for a top whose exact motion is known.
-        logical, private :: for_lagrange = .false.
-        !> Which groups of quantities are wanted.
-        logical, private :: wanted(sweep_groups) = .false.
-        !> Those of the table whose lack nothing else tells.
-        integer, allocatable, private :: told_last(:)
-        !> The cases of a block, each made in the place of one of the last block, from which it keeps what is the
-        !> same; status, note, quantities, and lane in the block of the exact motion (0 for
-        !> cases without).
+        type(swept_scene_t), private :: swept
+        type(kept_plan_t), private :: plans(damped)
+        !> Whether the body, the attitude at the start, or the plans are the same in all cases.
+        logical, private :: same_body = .false., same_attitude = .false., same_plans = .false.
+        !> Selected groups of quantities.
+        type(sweep_work_t), private :: wanted
+        !> The columns of the table.
+        type(sweep_column_t), allocatable, private :: columns(:)
+        !> The cases of a block, each of which overwrites one of the last block and keeps what does not
+        !> change; status, note, quantities, and lane in the block of the exact solution (0 if there is none).
         type(case_t), allocatable, private :: cases(:)
         integer, allocatable, private :: status(:), lane(:)
         type(note_t), allocatable, private :: note(:)
-        !> What is left of the work that a case may take, in steps.
+        !> Remaining work of each case, in steps.
         integer(int64), allocatable, private :: max_steps(:)
-        !> Whether the event came that was to end the motion.
+        !> Whether the event that ends the motion occurred.
         logical, allocatable, private :: came(:)
-        !> The swept parameters of each case, as many as there are axes.
+        !> On a grid: the place of the last case on each axis (0: none yet), and the first of the last axes on which
+        !> the attitude does not depend.
+        integer, allocatable, private :: at(:)
+        integer, private :: first_without_attitude = 1
+        !> Values of the swept parameters of each case, one per axis.
         real(dp), allocatable, private :: parameters(:, :)
-        real(dp), allocatable, private :: values(:, :)
+        type(sweep_result_t), allocatable, private :: values(:)
         type(exact_block_t), allocatable, private :: block
         type(sweep_batch_t), private :: batch
-        !> Seconds spent on making and computing cases, and on filling their rows.
+        !> Time for making and computing cases, and for filling their rows, s.
         real(dp) :: making = 0, computing = 0, filling = 0
+        !> Since when time was not yet counted.
+        real(dp), private :: since = 0
     contains
         procedure :: prepare
         procedure :: compute_rows
@@ -69,149 +80,272 @@ module spintop_sweep_worker
 
 contains
 
-    !> Cases in a block of a sweep.
+    !> Number of cases in a block of a sweep.
     integer function size_of_block(job)
-        type(job_t), intent(in) :: job
-        size_of_block = merge(block_size, block_of_stepping, &
-                              job%plan%exact .or. goes_in_batch(job, job%case, job%plan))
+        type(job_t), intent(in) :: job !! the job
+        size_of_block = merge(block_size, block_of_stepping, job%plan%exact .or. goes_in_batch(job, job%case, job%plan))
     end function size_of_block
 
-    !> A scene, a case and a plan of the thread's own.
+    !> Makes the scene, the case and the plan of the thread.
     subroutine prepare(worker, job)
-        class(sweep_worker_t), target, intent(inout) :: worker
-        type(job_t), intent(in) :: job
-        type(parameter_table_t) :: table
-        integer :: i
-        worker%scene = job%scene
-        call describe_scene(worker%scene, table)
-        allocate (worker%slots, source=job%axes%slots_in(table))
+        class(sweep_worker_t), target, intent(inout) :: worker !! prepared for the job
+        type(job_t), target, intent(in) :: job !! the job
+        type(sweep_column_t), allocatable :: known(:)
+        call worker%swept%copy(job%scene, job%axes)
         ! Not on the stack, which may be small.
         allocate (worker%cases(block_size), source=job%case)
         allocate (worker%status(block_size), worker%lane(block_size), worker%came(block_size), worker%max_steps(block_size))
-        allocate (worker%parameters(size(job%axes%axis), block_size), worker%values(quantities, block_size))
+        allocate (worker%parameters(size(job%axes%axis), block_size), worker%values(block_size))
         allocate (worker%note(block_size), worker%block)
         worker%status = status_ok
         worker%lane = 0
         worker%came = .true.
         worker%parameters = 0
-        worker%values = 0
-        worker%plan = job%plan
+        worker%plans(kind_of(job%case%body)) = kept_plan_t(.true., job%plan)
         worker%same_body = .not. job%axes%varies('top')
         worker%same_attitude = .not. job%axes%varies_any(attitude_parameters)
-        worker%same_plan = .not. job%axes%varies('integration')
-        worker%for_lagrange = job%case%body%is_lagrange()
-        worker%wanted(sweep_columns(job%columns)%group) = .true.
-        worker%told_last = pack(told_last, [(any(job%columns == told_last(i)), i=1, size(told_last))])
+        call prepare_grid(worker, job)
+        worker%same_plans = .not. job%axes%varies('integration')
+        allocate (known, source=sweep_columns())
+        worker%columns = known(job%columns)
+        worker%wanted = work_for(worker%columns)
     end subroutine prepare
 
-    !> Rows of the cases from `first` to `last`, at most `block_size`. Cases known in closed form are
-    !> computed together, and so are those of which the end alone is wanted; the others each when it
-    !> is made, while its plan stands.
+    !> Prepares to go along a grid from case to case.
+    subroutine prepare_grid(worker, job)
+        type(sweep_worker_t), intent(inout) :: worker
+        type(job_t), intent(in) :: job
+        integer :: i
+
+        allocate (worker%at(size(job%axes%axis)), source=0)
+        associate (first => worker%first_without_attitude)
+            first = 1
+            do i = 1, size(worker%at)
+                associate (name => job%axes%axis(i)%name)
+                    if (any(attitude_parameters == name(:index(name // '(', '(') - 1))) first = i + 1
+                end associate
+            end do
+        end associate
+    end subroutine prepare_grid
+
+    !> The values of the axes in the k-th case of a block, and the first axis whose value is not that of the case
+    !> before, which is 1 where there is none. The next case of a grid mostly differs in its last axis alone.
+    subroutine find_values(worker, job, number, k, first)
+        type(sweep_worker_t), intent(inout) :: worker
+        type(job_t), intent(in) :: job
+        integer(int64), intent(in) :: number !! of the case
+        integer, intent(in) :: k
+        integer, intent(out) :: first
+        integer(int64) :: rest
+        integer :: i
+
+        first = 1
+        if (job%axes%combination /= combine_grid) then
+            call job%axes%find_values(number, worker%parameters(:, k))
+            return
+        end if
+        associate (axis => job%axes%axis, at => worker%at)
+            if (k == 1) then
+                rest = number - 1
+                do i = size(axis), 1, -1
+                    at(i) = int(mod(rest, int(axis(i)%count, int64))) + 1
+                    rest = rest / axis(i)%count
+                end do
+            else
+                do first = size(axis), 1, -1
+                    at(first) = at(first) + 1
+                    if (at(first) <= axis(first)%count) exit
+                    at(first) = 1
+                end do
+                worker%parameters(:first - 1, k) = worker%parameters(:first - 1, k - 1)
+            end if
+            do i = first, size(axis)
+                worker%parameters(i, k) = axis(i)%value(at(i))
+            end do
+        end associate
+    end subroutine find_values
+
+    !> Rows of the cases from `first` to `last`, at most `block_size`. Cases with a closed form are computed
+    !> together, and so are bodies in lanes. The others are computed one by one when
+    !> they are made, while their plan exists.
     subroutine compute_rows(worker, job, first, last, rows)
+        class(sweep_worker_t), target, intent(inout) :: worker !! data of the thread
+        type(job_t), intent(in) :: job !! the job
+        integer(int64), intent(in) :: first, last !! first and last case
+        type(row_block_t), intent(inout) :: rows !! the rows of the cases
+        integer :: k, n
+
+        worker%since = seconds()
+        n = int(last - first + 1)
+        worker%block%n = 0
+        do k = 1, n
+            call begin_case(worker, job, first + k - 1, k)
+        end do
+        call charge(worker%making, worker%since)
+        call compute_together(worker, job, n)
+        call charge(worker%computing, worker%since)
+        call fill_rows(worker, job, first, n, rows)
+        call charge(worker%filling, worker%since)
+    end subroutine compute_rows
+
+    !> Adds the time since the last call to one of the costs.
+    subroutine charge(cost, since)
+        real(dp), intent(inout) :: cost, since
+        real(dp) :: now
+        now = seconds()
+        cost = cost + (now - since)
+        since = now
+    end subroutine charge
+
+    !> Makes the k-th case of the block, and computes it or puts it to those that are computed together.
+    subroutine begin_case(worker, job, number, k)
         class(sweep_worker_t), target, intent(inout) :: worker
         type(job_t), intent(in) :: job
-        integer(int64), intent(in) :: first, last
-        type(row_block_t), intent(inout) :: rows
-        real(dp) :: moment
+        integer(int64), intent(in) :: number !! of the case
+        integer, intent(in) :: k
+        type(plan_t), pointer :: plan
+        logical :: in_lanes  !! whether the closed form is computed for many cases at once
+        logical :: keeps_attitude
+        integer :: first
+
+        associate (case => worker%cases(k), status => worker%status(k), note => worker%note(k))
+            call note%clear()
+            call find_values(worker, job, number, k, first)
+            call worker%swept%put(worker%parameters(:, k))
+            ! The attitude of the case before is at hand, if that is the one.
+            keeps_attitude = worker%same_attitude
+            if (k > 1 .and. first >= worker%first_without_attitude .and. first > 1) then
+                if (worker%status(k - 1) == status_ok) then
+                    case%given_start = worker%cases(k - 1)%given_start
+                    keeps_attitude = .true.
+                end if
+            end if
+            call make_worker_case(worker, job, k, keeps_attitude)
+            plan => worker%plans(kind_of(case%body))%plan
+            worker%max_steps(k) = plan%max_steps
+            in_lanes = plan%exact .and. case%body%is_lagrange()
+            if (in_lanes .and. status == status_ok .and. size(job%events) > 0) then
+                call stop_exactly(case, job%events, job%stop_after, worker%max_steps(k), status, worker%came(k))
+                if (status /= status_ok) call note%explain(trim(status_meanings(status)))
+            end if
+            worker%lane(k) = 0
+            if (status /= status_ok) then
+                worker%values(k) = sweep_result_t()
+            else if (in_lanes) then
+                worker%block%n = worker%block%n + 1
+                worker%lane(k) = worker%block%n
+                call load_lane(case, worker%block, worker%lane(k))
+            else if (goes_in_batch(job, case, plan)) then
+                call worker%batch%add(case, plan, k)
+            else
+                call charge(worker%making, worker%since)
+                call compute_stepping(case, plan, worker%wanted, job%events, job%stop_after, worker%values(k), &
+                                      status, note)
+                call charge(worker%computing, worker%since)
+            end if
+        end associate
+    end subroutine begin_case
+
+    !> Computes those of `n` cases that are computed together.
+    subroutine compute_together(worker, job, n)
+        class(sweep_worker_t), intent(inout) :: worker
+        type(job_t), intent(in) :: job
+        integer, intent(in) :: n
         integer :: k
 
-        associate (n => int(last - first + 1), block => worker%block)
-            moment = seconds()
-            block%n = 0
-            do k = 1, n
-                call worker%note(k)%clear()
-                call job%axes%find_values(first + k - 1, worker%parameters(:, k))
-                call put_values(worker%slots, worker%parameters(:, k))
-                call make_worker_case(worker, k)
-                worker%max_steps(k) = worker%plan%max_steps
-                if (worker%plan%exact .and. worker%status(k) == status_ok .and. size(job%events) > 0) then
-                    call stop_exactly(worker%cases(k), job%events, job%stop_after, worker%max_steps(k), &
-                                      worker%status(k), worker%came(k))
-                    if (worker%status(k) /= status_ok) then
-                        call worker%note(k)%explain(trim(status_meanings(worker%status(k))))
-                    end if
-                end if
-                worker%lane(k) = 0
-                if (worker%status(k) /= status_ok) then
-                    worker%values(:, k) = no_values()
-                else if (worker%plan%exact) then
-                    block%n = block%n + 1
-                    worker%lane(k) = block%n
-                    call load_lane(worker%cases(k), block, block%n)
-                else if (goes_in_batch(job, worker%cases(k), worker%plan)) then
-                    call worker%batch%add(worker%cases(k), worker%plan, k)
-                else
-                    worker%making = worker%making + (seconds() - moment)
-                    moment = seconds()
-                    call compute_stepping(worker%cases(k), worker%plan, worker%wanted, job%events, job%stop_after, &
-                                          worker%values(:, k), worker%status(k), worker%note(k))
-                    worker%computing = worker%computing + (seconds() - moment)
-                    moment = seconds()
-                end if
-            end do
-            worker%making = worker%making + (seconds() - moment)
-
-            moment = seconds()
-            if (any(worker%lane(:n) > 0) .and. kernel_runs(worker%wanted)) then
-                call block%compute(any(worker%wanted([group_end, group_energy])), worker%wanted(group_period))
+        associate (wanted => worker%wanted)
+            if (any(worker%lane(:n) > 0) .and. kernel_runs(wanted)) then
+                call worker%block%compute(wanted%end .or. wanted%energy, wanted%period)
             end if
             if (worker%batch%n > 0) then
-                call worker%batch%compute(worker%cases, worker%wanted, worker%values, worker%status, worker%note)
+                call worker%batch%compute(job, worker%cases, wanted, worker%values, worker%status, worker%note)
             end if
             do k = 1, n
                 if (worker%lane(k) == 0) cycle
-                call unload_lane(worker%cases(k), block, worker%lane(k), worker%wanted, worker%max_steps(k), &
-                                 worker%values(:, k), worker%status(k), worker%note(k))
+                call unload_lane(worker%cases(k), worker%block, worker%lane(k), wanted, worker%max_steps(k), &
+                                 worker%values(k), worker%status(k), worker%note(k))
                 if (worker%status(k) == status_ok .and. .not. worker%came(k)) call worker%note(k)%add(note_no_stop)
             end do
-            worker%computing = worker%computing + (seconds() - moment)
-
-            moment = seconds()
-            call reserve_rows(job, block_size, rows)
-            do k = 1, n
-                if (worker%status(k) == status_ok) call complete_note(worker, k)
-                call put_row(job, first + k - 1, worker%parameters(:, k), worker%status(k), worker%values(:, k), &
-                             worker%note(k), rows)
-            end do
-            worker%filling = worker%filling + (seconds() - moment)
         end associate
-    end subroutine compute_rows
+    end subroutine compute_together
 
-    !> Notes what the k-th case of the block lacks and nothing has told yet.
-    subroutine complete_note(worker, k)
+    !> Fills the rows of `n` cases.
+    subroutine fill_rows(worker, job, first, n, rows)
         class(sweep_worker_t), intent(inout) :: worker
-        integer, intent(in) :: k
-        integer :: i
-        do i = 1, size(worker%told_last)
-            associate (quantity => worker%told_last(i))
-                if (.not. is_finite(worker%values(quantity, k))) call note_missing(worker%cases(k), quantity, worker%note(k))
-            end associate
-        end do
-    end subroutine complete_note
+        type(job_t), intent(in) :: job
+        integer(int64), intent(in) :: first !! number of the first case
+        integer, intent(in) :: n
+        type(row_block_t), intent(inout) :: rows
+        call rows%reserve(cells_of_row(job), block_size)
+        call put_rows(worker%columns, first, worker%parameters(:, :n), worker%status(:n), worker%values(:n), &
+                      worker%cases(:n), worker%note(:n), rows)
+    end subroutine fill_rows
 
-    !> Makes the case of the worker's scene, the k-th of the block, and a plan where the last one does not fit it.
-    subroutine make_worker_case(worker, k)
+    !> Makes the k-th case of the block from the scene of the worker, and the plan for its kind of body if there is
+    !> none yet.
+    subroutine make_worker_case(worker, job, k, keeps_attitude)
         class(sweep_worker_t), intent(inout) :: worker
+        type(job_t), intent(in) :: job
         integer, intent(in) :: k
+        logical, intent(in) :: keeps_attitude !! that which the start of the case has
         type(problems_t) :: problems
+        integer :: outside, kind
 
         worker%status(k) = status_ok
-        call make_case(worker%scene, worker%cases(k), problems, worker%same_body, worker%same_attitude)
-        associate (is_lagrange => worker%cases(k)%body%is_lagrange())
-            if (.not. problems%any() .and. worker%same_plan .and. (is_lagrange .eqv. worker%for_lagrange)) return
-            ! Plans and problems are made of texts: see `status_names`.
+        outside = job%axes%out_of_range(worker%parameters(:, k))
+        if (outside > 0) then
+            worker%status(k) = status_bad_input
             !$omp critical (texts)
-            if (.not. problems%any()) then
-                call make_plan(worker%scene, worker%cases(k), worker%plan, problems)
-                ! After a plan that failed the next case needs one of its own.
-                worker%for_lagrange = is_lagrange .neqv. problems%any()
-            end if
-            if (problems%any()) then
-                worker%status(k) = status_bad_input
-                call worker%note(k)%explain(problems%first())
-            end if
+            associate (axis => job%axes%axis(outside))
+                call worker%note(k)%explain(axis%name // ' ' // axis%slot%refusal(worker%parameters(outside, k)))
+            end associate
             !$omp end critical (texts)
+            return
+        end if
+        call make_case(worker%swept%scene, worker%cases(k), problems, worker%same_body, keeps_attitude)
+        if (problems%any()) then
+            worker%status(k) = status_bad_input
+            ! Threads create texts: see `status_names`.
+            !$omp critical (texts)
+            call worker%note(k)%explain(problems%first())
+            !$omp end critical (texts)
+            return
+        end if
+        kind = kind_of(worker%cases(k)%body)
+        associate (kept => worker%plans(kind))
+            if (.not. (kept%is_made .and. worker%same_plans)) call keep_plan(worker, job, worker%cases(k), kept)
+            if (.not. allocated(kept%problem)) return
+            worker%status(k) = status_bad_input
+            call worker%note(k)%explain(kept%problem)
         end associate
     end subroutine make_worker_case
+
+    !> Makes the plan for bodies of the kind that a case has. If it is kept for later cases, it depends on nothing
+    !> else of this one: rows do not depend on the cases that the thread had before.
+    subroutine keep_plan(worker, job, case, kept)
+        class(sweep_worker_t), intent(in) :: worker
+        type(job_t), intent(in) :: job
+        type(case_t), intent(in) :: case
+        type(kept_plan_t), intent(out) :: kept
+        type(case_t) :: one_of_kind
+        type(problems_t) :: problems
+
+        one_of_kind = case
+        if (worker%same_plans) one_of_kind%t_end = job%case%t_end
+        kept%is_made = .true.
+        ! Plans and problems create texts: see `status_names`.
+        !$omp critical (texts)
+        call make_plan(worker%swept%scene, one_of_kind, kept%plan, problems)
+        if (problems%any()) kept%problem = problems%first()
+        !$omp end critical (texts)
+    end subroutine keep_plan
+
+    !> The kind of a body.
+    pure integer function kind_of(body) result(kind)
+        type(body_t), intent(in) :: body
+        kind = damped
+        if (all(is_zero(body%damping))) kind = merge(free_body, undamped, body%is_free())
+        if (body%is_lagrange()) kind = symmetric_top
+    end function kind_of
 
 end module spintop_sweep_worker

@@ -1,4 +1,4 @@
-!> What the exact motion costs here and now: set-up and sample, measured in the process.
+!> Measures the cost of the exact solution in the running process: preparation and sample.
 module spintop_exact_cost
     use spintop_clock, only: seconds
     use spintop_kinds, only: dp
@@ -9,15 +9,15 @@ module spintop_exact_cost
     private
     public :: measure_exact_cost
 
-    !> Each time is the least of so many repeats, of so many calls each.
+    !> Each time is the minimum of several repeats, each of several calls.
     integer, parameter :: repeats = 7, setups = 50, samples = 500
 
 contains
 
-    !> Seconds of a set-up, and of the motion (angles, rates, quaternion, acceleration) at a time.
+    !> Time of a preparation, and of one sample (angles, rates, quaternion, acceleration), s.
     subroutine measure_exact_cost(case, setup, sample)
-        type(case_t), intent(in) :: case
-        real(dp), intent(out) :: setup, sample
+        type(case_t), intent(in) :: case !! body, start and span
+        real(dp), intent(out) :: setup, sample !! s
         type(exact_motion_t) :: exact
         type(motion_t) :: motion
         real(dp) :: began, unused
@@ -39,7 +39,7 @@ contains
             end do
             sample = min(sample, (seconds() - began) / samples)
         end do
-        ! A sum that is looked at keeps the compiler from dropping the work.
+        ! The sum is used, so that the compiler does not remove the computation.
         if (unused > huge(unused)) sample = unused
     end subroutine measure_exact_cost
 

@@ -1,0 +1,101 @@
+"""Figures of tables as files, and as messages where a table cannot be drawn."""
+
+import multiprocessing
+import os
+import sys
+import warnings
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from spintop_figures.registry import FigureKind
+from spintop_figures.style.saving import save_as
+from spintop_figures.tables.characters import printable
+from spintop_figures.tables.table import Table, TableError
+
+LARGEST = 1e150
+"""Numbers beyond have squares and sums that overflow; a figure of them shows nothing. Of a run that
+overflowed, as its status says, they are left out."""
+
+
+def draw_to(kind: FigureKind, tables: Table | Sequence[Table], stem: Path) -> list[Path]:
+    """Draw a figure to PNG and SVG, or raise a TableError that says why that cannot be."""
+    alone = isinstance(tables, Table)
+    known = [without_overflow(table) for table in ([tables] if alone else tables)]
+    for table in known:
+        if wide := too_large(table, kind.columns):
+            raise TableError(f"{wide}: no {kind.name} figure")
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            return save_as(kind.draw(known[0] if alone else known), stem)
+    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+        first = printable((str(error).splitlines() or [""])[0]) or type(error).__name__
+        raise TableError(f"the {kind.name} figure cannot be drawn: {first}") from error
+
+
+def draw_all(
+    kinds: Sequence[FigureKind], table: Table, folder: Path
+) -> Iterator[list[Path] | TableError]:
+    """Draw figures of a table, at once on as many processors as there are; files or errors."""
+    stems = [folder / f"{table.path.stem}_{kind.name}" for kind in kinds]
+    workers = min(len(kinds), os.cpu_count() or 1)
+    if workers < 2 or "fork" not in multiprocessing.get_all_start_methods():
+        yield from (draw_or_tell(*job, table) for job in zip(kinds, stems, strict=True))
+        return
+    sys.stdout.flush()  # what a child inherits would be written twice
+    context = multiprocessing.get_context("fork")
+    with ProcessPoolExecutor(workers, context, take_jobs, (kinds, stems, table)) as pool:
+        yield from pool.map(draw_job, range(len(kinds)))
+
+
+jobs: list[tuple[FigureKind, Path, Table]] = []
+"""What a child may draw, which it inherits: the rows of a table are not sent to it."""
+
+
+def take_jobs(kinds: Sequence[FigureKind], stems: Sequence[Path], table: Table) -> None:
+    """Remember the jobs, in a child."""
+    jobs.extend((kind, stem, table) for kind, stem in zip(kinds, stems, strict=True))
+
+
+def draw_job(number: int) -> list[Path] | TableError:
+    """Draw a figure, in a child."""
+    return draw_or_tell(*jobs[number])
+
+
+def draw_or_tell(kind: FigureKind, stem: Path, table: Table) -> list[Path] | TableError:
+    """The files of a figure, or why it cannot be drawn."""
+    try:
+        return draw_to(kind, table, stem)
+    except TableError as error:
+        return error
+
+
+def without_overflow(table: Table) -> Table:
+    """A run that overflowed without the numbers that are too large; any other table as it is."""
+    if not (table.status or "").startswith("non_finite"):
+        return table
+    rows = table.rows.copy()
+    for name in rows.columns:
+        if table.numeric(name):
+            rows[name] = rows[name].where(~(rows[name].abs() > LARGEST))
+    return replace(table, rows=rows)
+
+
+def too_large(table: Table, columns: Sequence[str]) -> str:
+    """Which of the numbers of a table are too large to be drawn; empty if none is."""
+    for name in columns:
+        if not table.numeric(name):
+            continue
+        values = np.abs(table.rows[name].to_numpy(float))
+        if (values[np.isfinite(values)] > LARGEST).any():
+            return f"has numbers beyond {LARGEST:g} in column {name}"
+    return ""
+
+
+def show_path(path: Path) -> None:
+    """Print the name of a file: its own bytes, but a terminal gets what it can show."""
+    print(printable(path) if sys.stdout.isatty() else path)

@@ -1,0 +1,1 @@
+"""Figures of studies of methods: work and precision, stability, other programs."""

@@ -1,0 +1,94 @@
+"""Convergence of the fixed-step methods: error against step size, with measured orders."""
+
+import itertools
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from spintop_figures.methods.curves import Curve, curves_of
+from spintop_figures.methods.known import order_of
+from spintop_figures.methods.precision import (
+    ERROR_LABEL,
+    draw_precision_curves,
+    object_to_precision,
+    problem_panels,
+)
+from spintop_figures.tables.table import Table
+
+STEP = "step"
+"""The column with the step size over the time span."""
+
+ALIKE = 0.1
+"""Slopes that differ by less, over their size, are those of a power: the steps are small enough
+for the order to show, and the errors are not of rounding yet."""
+
+LEAST_SLOPE = 0.5
+"""Errors of rounding fall by less."""
+
+
+DASH = "\N{EN DASH}"
+
+
+def equal_steps(table: Table) -> pd.DataFrame:
+    """The rows with a fixed step size, with the step size over the time span."""
+    rows = table.rows[table.rows["setting"].str.startswith("steps ")].copy()
+    rows[STEP] = 1 / rows["setting"].str.split().str[1].astype(float)
+    return rows
+
+
+def object_to_orders(table: Table) -> str:
+    """A method needs rows with several fixed step sizes."""
+    if objection := object_to_precision(table):
+        return objection
+    curves = curves_of(equal_steps(table), (STEP, "error_max"))
+    if all(len(curve.rows) < 2 for curve in curves):
+        return "has no method with several fixed step sizes"
+    return ""
+
+
+def measured_order(rows: pd.DataFrame) -> float:
+    """The slope of the logarithm of the error over that of the step; nan if it cannot be told.
+
+    It is that of the finest three steps over which it hardly changes; of rows with one step
+    the first counts.
+    """
+    rows = rows.drop_duplicates(STEP)
+    error, step = (np.log(rows[name].to_numpy(float)) for name in ("error_max", STEP))
+    slopes = np.diff(error) / np.diff(step)
+    for one, other in itertools.pairwise(slopes[::-1]):
+        if min(one, other) > LEAST_SLOPE and abs(one - other) < ALIKE * max(one, other):
+            return float((one + other) / 2)
+    return float("nan")
+
+
+def with_order(curve: Curve) -> str:
+    """The label of a curve with its measured order and, after a slash, that of the method."""
+    order = measured_order(curve.rows)
+    measured = f"{order:.2f}" if np.isfinite(order) else DASH
+    order = order_of(curve.method)
+    return f"{curve.label}: {measured} / {order if order else DASH}"
+
+
+def draw_orders(table: Table) -> Figure:
+    """Error against the size of the step, a panel a problem with a legend of its own."""
+    rows = equal_steps(table)
+    figure, panels = problem_panels(table, "Convergence of the fixed-step methods", rows)
+    for problem, axes in panels.items():
+        part = rows[rows["problem"] == problem]
+        draw_precision_curves(axes, part, STEP)
+        axes.set_ylabel(ERROR_LABEL)
+        handles = [line for line in axes.lines if not line.get_label().startswith("_")]
+        labels = [with_order(curve) for curve in curves_of(part, (STEP, "error_max"))]
+        axes.legend(
+            handles,
+            labels,
+            loc="upper left",
+            bbox_to_anchor=(1.02, 1.02),
+            handlelength=3.2,
+            title="measured / theoretical order",
+            title_fontsize=9,
+            alignment="left",
+        )
+    axes.set_xlabel("step size over the time span")
+    return figure

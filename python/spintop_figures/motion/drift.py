@@ -1,0 +1,112 @@
+"""How far the constants of a long motion drift: several methods beside each other."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from spintop_figures.methods.known import rank_of
+from spintop_figures.methods.styles import style_of
+from spintop_figures.motion.trajectory import TIME, numbers
+from spintop_figures.style.look import GREY
+from spintop_figures.style.page import new_figure
+from spintop_figures.style.provenance import describe_run
+from spintop_figures.tables.table import Table
+
+LEAST = 1e-18
+"""What is smaller is not drawn."""
+
+GUIDES = ((1.0, "$t$"), (0.5, r"$t^{1/2}$"))
+"""Rounding errors of one sign grow with time, those of either sign with its root."""
+
+
+class Constant(NamedTuple):
+    """A constant of the motion: its column, its label, whether it is the change that is drawn."""
+
+    column: str
+    label: str
+    changes: bool
+
+
+CONSTANTS = (
+    Constant("energy_error", "relative energy error", False),
+    Constant("lz", "change of Lz (J s)", True),
+    Constant("l3", "change of L3 (J s)", True),
+    Constant("norm_error", "norm error abs(q) - 1", False),
+)
+"""Those that are drawn where all tables have them."""
+
+
+def running_maximum(table: Table, constant: Constant) -> tuple[np.ndarray, np.ndarray]:
+    """Times after the start, and how far a constant was off at most until then."""
+    t, value = numbers(table, "t"), numbers(table, constant.column)
+    off = np.abs(value - value[0] if constant.changes else value)
+    return t[1:], np.fmax.accumulate(off[1:])
+
+
+def object_to_drift(table: Table) -> str:
+    """Log axes show errors above zero, after the start."""
+    _, off = running_maximum(table, CONSTANTS[0])
+    return "" if (off > LEAST).any() else "has no error of the energy above zero"
+
+
+def method_of(table: Table) -> tuple[str, str]:
+    """The method of a run and its formulation."""
+    method, formulation = (table.header.get(key, "").split(":")[0] for key in ("method", "model"))
+    return method, formulation
+
+
+def label_of(table: Table, tables: Sequence[Table]) -> str:
+    """The method, or all of the run where the method is there twice."""
+    methods = [method_of(other)[0] for other in tables]
+    method = method_of(table)[0]
+    return method if methods.count(method) == 1 else describe_run(table).replace(", ", "\n")
+
+
+def draw_drift(tables: Sequence[Table]) -> Figure:
+    """The running maximum of each constant's error against time, with guide lines."""
+    there = [
+        constant
+        for constant in CONSTANTS
+        if not any(
+            table.missing([constant.column]) or table.empty([constant.column]) for table in tables
+        )
+    ]
+    down = (len(there) + 1) // 2
+    across = min(2, len(there))
+    figure = new_figure(tables, "Drift of the first integrals", 1.5 + 2.6 * down)
+    panels = list(figure.subplots(down, across, squeeze=False, sharex=True).flat)
+    for axes in panels:
+        axes.axis("off")
+    ordered = sorted(tables, key=lambda table: rank_of(method_of(table)[0]))
+    for constant, axes in zip(there, panels, strict=False):
+        axes.axis("on")
+        axes.set(xscale="log", yscale="log")
+        for table in ordered:
+            t, off = running_maximum(table, constant)
+            off = np.where(off > LEAST, off, np.nan)
+            style = style_of(*method_of(table)) | {"markevery": (0.05, 0.12)}
+            axes.plot(t, off, **style, label=label_of(table, tables))
+        draw_guides(axes)
+        axes.set_title(constant.label, loc="left", pad=4)
+    for axes in figure.axes[-across:]:
+        axes.set_xlabel(TIME)
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside right upper", handlelength=3)
+    return figure
+
+
+def draw_guides(axes: Axes) -> None:
+    """Lines that grow as powers of time, from the middle of the left side."""
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    t = np.array([left, right])
+    for power, label in GUIDES:
+        start = np.sqrt(low * high) / (right / left) ** (power / 2)
+        axes.plot(t, start * (t / left) ** power, color=GREY, linewidth=0.8, linestyle=":")
+        axes.annotate(
+            label, (right, start * (right / left) ** power), (3, 0), textcoords="offset points",
+            va="center", fontsize=9, color=GREY, annotation_clip=False,
+        )  # fmt: skip
+    axes.set(xlim=(left, right), ylim=(low, high))

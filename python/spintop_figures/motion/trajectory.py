@@ -1,0 +1,145 @@
+"""The figures of a trajectory that show quantities of the motion against time."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from spintop_figures.motion.extremes import Extreme, height_extremes, inclination_extremes
+from spintop_figures.style.lines import (
+    draw_line,
+    set_degree_ticks,
+)
+from spintop_figures.style.look import FAINT, GREY, LINES
+from spintop_figures.style.page import new_figure
+from spintop_figures.tables.table import Table
+
+TIME = "time t (s)"
+
+SAME, MOST_INCLINATIONS = 1.0, 3
+"""Sign changes at inclinations that differ by fewer degrees are one; more are not written down."""
+
+
+def numbers(table: Table, column: str) -> np.ndarray:
+    """A column as an array."""
+    return table.rows[column].to_numpy(float)
+
+
+def four_panels(table: Table, what: str) -> tuple[Figure, list[Axes]]:
+    """A figure with four panels over the same time."""
+    figure = new_figure(table, what, height=5.4)
+    axes = figure.subplots(2, 2, sharex=True)
+    for panel in axes[1]:
+        panel.set_xlabel(TIME)
+    for panel in axes.flat:
+        panel.margins(x=0.01)
+    return figure, list(axes.flat)
+
+
+def draw_angles(table: Table) -> Figure:
+    """Euler angles and height of the centre of mass against time (Figure 8)."""
+    figure, panels = four_panels(table, "Euler angles and height of the centre of mass")
+    t = numbers(table, "t")
+    symbols = {"phi": r"precession $\phi$", "theta": r"inclination $\theta$", "psi": r"spin $\psi$"}
+    for (name, symbol), axes in zip(symbols.items(), panels, strict=False):
+        degrees = np.degrees(numbers(table, name))
+        draw_line(axes, t, degrees)
+        set_degree_ticks(axes, degrees)
+        axes.set_ylabel(f"{symbol} (degrees)")
+        if name == "theta":
+            ends = inclination_extremes(table)
+            turned = [end._replace(value=np.degrees(end.value)) for end in ends]
+            mark_extremes(axes, turned, "°", 2)
+    draw_line(panels[3], t, numbers(table, "com_z"))
+    panels[3].set_ylabel("height above the pivot (m)")
+    mark_extremes(panels[3], height_extremes(table), " m", 5)
+    figure.align_ylabels()
+    return figure
+
+
+def mark_extremes(axes: Axes, ends: Sequence[Extreme], unit: str, decimals: int) -> None:
+    """Faint lines at the minimum and the maximum, with their numbers."""
+    low, high = (end.value for end in ends)
+    room = 0.16 * (high - low or 1)
+    axes.set_ylim(low - room, high + room)
+    for end, side, shift in zip(ends, ("top", "bottom"), (-2, 2), strict=True):
+        axes.axhline(end.value, color=FAINT, linewidth=0.8, zorder=0)
+        axes.annotate(
+            f"{end.value:.{decimals}f}{unit}{end.note()}".replace("-", "\N{MINUS SIGN}"),
+            (0.99, end.value),
+            xycoords=axes.get_yaxis_transform(),
+            xytext=(0, shift),
+            textcoords="offset points",
+            ha="right",
+            va=side,
+            fontsize=9,
+            color=GREY,
+        )
+
+
+def draw_forces(table: Table) -> Figure:
+    """Support force and energies against time (Figure 9)."""
+    figure, panels = four_panels(table, "Support force on the top, and its energy")
+    t = numbers(table, "t")
+    for name, axes in zip(("x", "y", "z"), panels, strict=False):
+        axes.axhline(0, color=FAINT, linewidth=0.8)
+        draw_line(axes, t, numbers(table, f"force_{name}"))
+        axes.set_ylabel(f"$F_{name}$ (N)" + (", upward" if name == "z" else ""))
+    limits = [axes.get_ylim() for axes in panels[:2]]  # both are horizontal
+    for axes in panels[:2]:
+        axes.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
+    if "theta" in table.rows:
+        mark_sign_changes(panels[2], t, numbers(table, "force_z"), numbers(table, "theta"))
+    for line, name in enumerate(("energy", "kinetic", "potential")):
+        label = "total" if name == "energy" else name
+        draw_line(panels[3], t, numbers(table, name), line, label=label)
+    panels[3].set_ylabel("energy (J)")
+    panels[3].legend(
+        loc="lower right",
+        bbox_to_anchor=(1.03, 1.0),
+        ncols=3,
+        handlelength=1.6,
+        columnspacing=1.0,
+        borderpad=0,
+    )
+    figure.align_ylabels()
+    return figure
+
+
+def mark_sign_changes(axes: Axes, t: np.ndarray, y: np.ndarray, theta: np.ndarray) -> None:
+    """Dots where a quantity changes its sign, and the inclinations at which it does."""
+    before = np.flatnonzero(y[:-1] * y[1:] < 0)
+    share = y[before] / (y[before] - y[before + 1])
+    times, inclinations = (
+        values[before] + share * np.diff(values)[before] for values in (t, np.degrees(theta))
+    )
+    if not times.size:
+        return
+    axes.plot(times, np.zeros_like(times), "o", color=LINES[1]["color"], markersize=2.8)
+    firsts = [a for i, a in enumerate(inclinations) if not (abs(inclinations[:i] - a) < SAME).any()]
+    if len(firsts) <= MOST_INCLINATIONS:
+        words = " and ".join(f"{first:.1f}°" for first in sorted(firsts))
+        title = rf"zero at $\theta$ = {words}"
+        axes.set_title(title, loc="right", fontsize=9, pad=3, color=LINES[1]["color"])
+
+
+def draw_support(table: Table) -> Figure:
+    """Support force in the plane of the axis, normal to it and upward, and its size."""
+    figure, panels = four_panels(table, "Support force on the top, along and across its axis")
+    t = numbers(table, "t")
+    force = {name: numbers(table, f"force_{name}") for name in "rnz"}
+    labels = {
+        "r": "$F_r$ (N), outward",
+        "n": "$F_n$ (N), along the nodes",
+        "z": "$F_z$ (N), upward",
+    }
+    for (name, label), axes in zip(labels.items(), panels, strict=False):
+        axes.axhline(0, color=FAINT, linewidth=0.8)
+        draw_line(axes, t, force[name])
+        axes.set_ylabel(label)
+    draw_line(panels[3], t, np.sqrt(sum(part**2 for part in force.values())))
+    panels[3].set_ylabel("magnitude of the force (N)")
+    panels[3].set_ylim(bottom=0)
+    figure.align_ylabels()
+    return figure

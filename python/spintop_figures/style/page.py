@@ -1,0 +1,55 @@
+"""The page of a figure: its title above, its caption below, and its panels."""
+
+import textwrap
+from collections.abc import Callable, Sequence
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from spintop_figures.style.look import GREY, WIDTH
+from spintop_figures.style.provenance import caption_of, provenance_of
+from spintop_figures.tables.table import Table
+
+
+class Page(Figure):
+    """A figure that knows the provenance of what it shows."""
+
+    provenance: dict[str, str]
+    waiting: list[Callable[[], None]]
+    """What is done after the layout."""
+
+    def align_ylabels(self, axs: Sequence[Axes] | None = None) -> None:
+        """Align the labels after the layout, which has room for all, and is faster without."""
+        self.waiting.append(lambda: Figure.align_ylabels(self, axs))
+
+    def finish(self) -> None:
+        """Do what was left for after the layout."""
+        while self.waiting:
+            self.waiting.pop()()
+
+
+def new_figure(
+    tables: Table | Sequence[Table], what: str, height: float, width: float = WIDTH
+) -> Page:
+    """A figure with its title above, and the title of its table, or of its tables, below."""
+    tables = [tables] if isinstance(tables, Table) else list(tables)
+    figure = Page(figsize=(width, height), layout="constrained")
+    figure.provenance, figure.waiting = provenance_of(tables), []
+    figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06, hspace=0.03)
+    title = textwrap.fill(what, int(width * 10.3))
+    figure.suptitle(title, x=0.012, ha="left", fontsize=11, fontweight="bold", parse_math=False)
+    if caption := caption_of(tables, int(width * 15)):
+        style = {"fontsize": 9, "color": GREY, "parse_math": False}
+        figure.supxlabel(caption, x=0.012, ha="left", **style)
+    return figure
+
+
+def add_panels(figure: Figure, count: int, sharey: bool = True) -> list[Axes]:
+    """Two panels in a row over the same x; the first of an odd number has its row to itself."""
+    cells = figure.add_gridspec((count + 1) // 2, 2)
+    panels: list[Axes] = []
+    for place in range(count % 2, count + count % 2):
+        first = panels[0] if panels else None
+        spot = cells[0, :] if count % 2 and not panels else cells[divmod(place, 2)]
+        panels.append(figure.add_subplot(spot, sharex=first, sharey=first if sharey else None))
+    return panels

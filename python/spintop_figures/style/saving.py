@@ -1,0 +1,112 @@
+"""Figures as files: PNG and SVG, with the provenance in their metadata."""
+
+import os
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import PlaceHolderLayoutEngine
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
+
+from spintop_figures.style.look import the_look
+from spintop_figures.style.page import Page
+
+Metadata = dict[str, str | None]
+
+DOTS_PER_INCH = 150
+
+PALETTE = 128
+"""Colours of a small picture."""
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure to a PNG or SVG file, which is replaced when the new one is complete."""
+    part = path.with_name(path.name + ".part")
+    kind = path.suffix[1:]
+    with the_look(), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing")
+        lay_out(figure)
+        try:
+            WRITERS[kind](figure, part, metadata_of(figure, kind))
+            os.replace(part, path)
+        finally:
+            part.unlink(missing_ok=True)
+
+
+def lay_out(figure: Figure) -> None:
+    """Lay a figure out, once for all files, at the resolution of the first."""
+    engine = figure.get_layout_engine()
+    if engine is None or isinstance(engine, PlaceHolderLayoutEngine):
+        return
+    figure.set_dpi(DOTS_PER_INCH)
+    FigureCanvasAgg(figure)
+    for axes in figure.axes:
+        axes.apply_aspect()
+    engine.execute(figure)
+    figure.set_layout_engine("none")
+    if isinstance(figure, Page):
+        figure.finish()
+
+
+def write_png(figure: Figure, path: Path, metadata: Metadata) -> None:
+    """Write a PNG file. Figure.savefig draws everything twice."""
+    figure.set_dpi(DOTS_PER_INCH)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    texts = PngInfo()
+    for key, text in metadata.items():
+        texts.add_itxt(key, text)
+    picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+    picture.save(path, "png", pnginfo=texts, dpi=(DOTS_PER_INCH, DOTS_PER_INCH))
+
+
+def write_svg(figure: Figure, path: Path, metadata: Metadata) -> None:
+    """Write an SVG file."""
+    figure.set_dpi(DOTS_PER_INCH)
+    FigureCanvasSVG(figure).print_svg(str(path), metadata=metadata)
+
+
+WRITERS = {"png": write_png, "svg": write_svg}
+"""What writes a kind of file."""
+
+
+def metadata_of(figure: Figure, kind: str) -> Metadata:
+    """The provenance of a figure under the names that a kind of file has for it."""
+    known = dict(figure.provenance) if isinstance(figure, Page) else {}
+    if kind == "svg":
+        program = known.pop("Software", None)
+        return {**known, "Creator": program, "Date": None}
+    return known
+
+
+def save_as(
+    figure: Figure, stem: str | Path, endings: Sequence[str] = ("png", "svg")
+) -> list[Path]:
+    """Write a figure to files that differ in their endings, which come after the stem."""
+    stem = Path(stem)
+    targets = [stem.with_name(f"{stem.name}.{ending}") for ending in endings]
+    for target in targets:
+        save(figure, target)
+    return targets
+
+
+def reduce_colours(png: Path | BinaryIO) -> Image.Image:
+    """A PNG picture with few colours, a third as large when it is saved."""
+    with Image.open(png) as picture:
+        return picture.convert("RGB").quantize(PALETTE, dither=Image.Dither.NONE)
+
+
+def save_small(figure: Figure, path: Path) -> None:
+    """Write a figure to a PNG file of few colours, with its metadata."""
+    save(figure, path)
+    with Image.open(path) as picture:
+        texts = PngInfo()
+        for key, text in picture.text.items():
+            texts.add_itxt(key, text)
+    reduce_colours(path).save(path, optimize=True, pnginfo=texts)

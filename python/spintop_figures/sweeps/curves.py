@@ -1,0 +1,97 @@
+"""The quantities of a sweep over one parameter as curves."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
+
+from spintop_figures.style.lines import with_unit
+from spintop_figures.style.look import FAINT, FAULT, LINES
+from spintop_figures.style.page import add_panels, new_figure
+from spintop_figures.sweeps.quantities import (
+    Quantity,
+    has_log_axis,
+    is_words,
+    label_parameter,
+    order_classes,
+    quantities_of,
+    tell_failed,
+    tell_noise,
+)
+from spintop_figures.sweeps.sweep import marks
+from spintop_figures.tables.table import Table
+
+PANEL_HEIGHT, LEAST_HEIGHT = 1.9, 3.0
+"""Of a row of panels, and of all of them, in inches."""
+
+
+def object_to_curves(table: Table) -> str:
+    """The curves are over one parameter that has several values."""
+    if len(table.axes()) != 1:
+        return "is no sweep over one parameter"
+    if table.rows[table.axes()[0]].nunique() < 2:
+        return "is a sweep with a single value of the parameter"
+    if not quantities_of(table):
+        return "has no quantity to draw"
+    return ""
+
+
+def draw_curves(table: Table) -> Figure:
+    """A curve of each quantity that the table has, and where cases failed."""
+    quantities = quantities_of(table)
+    name = table.axes()[0]
+    rows = table.rows.sort_values(name, kind="stable")
+    x = rows[name].to_numpy(float)
+    failed = (rows["status"] != "ok").to_numpy()
+    height = 1.3 + max(PANEL_HEIGHT * ((len(quantities) + 1) // 2), LEAST_HEIGHT)
+    title = f"Curves over {name.partition('.')[2]}{tell_failed(table)}{tell_noise(table)}"
+    figure = new_figure(table, title, height)
+    panels = add_panels(figure, len(quantities), sharey=False)
+    for quantity, axes in zip(quantities, panels, strict=True):
+        draw_curve(axes, x, quantity, quantity.values(rows), failed)
+        cross(axes, x[failed])
+        is_low = axes.get_subplotspec().is_last_row()
+        axes.tick_params(labelbottom=is_low)
+        if is_low:
+            label_parameter(table, 0, axes.xaxis)
+    if has_log_axis(table, 0):
+        panels[0].set_xscale("log")
+        for axes in panels:
+            axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    return figure
+
+
+def cross(axes: Axes, x: np.ndarray) -> None:
+    """Crosses on the axis where cases failed."""
+    if x.size:
+        style = {"color": FAULT, "markersize": 4, "clip_on": False}
+        axes.plot(x, np.zeros_like(x), "x", transform=axes.get_xaxis_transform(), **style)
+
+
+def draw_curve(
+    axes: Axes, x: np.ndarray, quantity: Quantity, values: pd.Series, failed: np.ndarray
+) -> None:
+    """A quantity of the cases that succeeded; a class of motion is a step, a sign change a line."""
+    title = with_unit(quantity.label, quantity.unit)
+    style = marks(x, "o", markersize=3) | LINES[0]
+    if is_words(values):
+        classes = order_classes(values[~failed])
+        codes = {name: float(code) for code, name in enumerate(classes)}
+        numbers = np.where(failed, np.nan, values.map(codes).to_numpy(float))
+        axes.plot(x, numbers, **style | {"linestyle": "", "marker": "o", "markersize": 3})
+        axes.set_yticks(range(len(classes)), labels=classes)
+        axes.set_ylim(-0.5, len(classes) - 0.5)
+    else:
+        numbers = quantity.shown(np.where(failed, np.nan, values.to_numpy(float)))
+        none = quantity.is_none(numbers)
+        if none.any():
+            title += f"; 0: {quantity.none}"
+            numbers = np.where(none, 0.0, numbers)
+        if quantity.has_log_scale(numbers):
+            axes.set_yscale("log")
+            numbers = np.where(numbers > 0, numbers, np.nan)
+        elif np.nanmin(numbers) < 0 < np.nanmax(numbers):
+            axes.axhline(0, color=FAINT, linewidth=0.8)
+        axes.plot(x, numbers, **style)
+    axes.set_title(title, loc="left", fontsize=9.5, pad=4)

@@ -1,0 +1,237 @@
+"""What the figures of a sweep show: quantities made of its columns, and its parameters."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from matplotlib.axis import Axis
+
+from spintop_figures.style.lines import with_unit
+from spintop_figures.tables.table import Table
+
+PARAMETERS = {
+    "initial.spin_ratio": r"spin ratio $\lambda=\omega_3\,/\sqrt{4mgl/I_3}$",
+    "initial.omega3": r"$\omega_3$",
+    "initial.theta": r"initial inclination $\theta_0$",
+    "initial.theta_deg": r"initial inclination $\theta_0$",
+    "initial.theta_rate": r"initial nutation rate $\dot\theta_0$",
+    "initial.phi_rate": r"initial precession rate $\dot\phi_0$",
+    "initial.psi_rate": r"initial spin rate $\dot\psi_0$",
+}
+"""How parameters are written; the others stand by their keys."""
+
+WIDE_AXIS = 12
+"""Listed values of a parameter over a larger ratio stand on a log axis."""
+
+WIDE_VALUES, WIDE_ERRORS = 1e3, 10
+"""The ratio over which a quantity has a log scale; errors and costs are compared by ratios."""
+
+ROUNDING = 1e-6
+"""Growth rates come from eigenvalues, which are double at the limit of stability: there the root of
+the rounding error is seen."""
+
+FLOOR, MARGIN = 1e-15, 10
+"""The rounding error of an angle in radians or of a relative error. A quantity that exceeds it by
+no more than this factor in any case is not drawn: it would be a picture of noise."""
+
+CLASSES = (
+    "loop",
+    "cusp",
+    "wave",
+    "steady",
+    "sleeping",
+    "hanging",
+    "separatrix",
+    "libration",
+    "circulation",
+)
+"""Classes of motion in the order in which they are drawn; others come after them."""
+
+
+class Quantity(NamedTuple):
+    """A quantity of a case, of columns of the table."""
+
+    columns: tuple[str, ...]
+    label: str
+    unit: str
+    values: Callable[[pd.DataFrame], pd.Series]
+    log_over: float = WIDE_VALUES
+    """Values above zero over a larger ratio have a log scale."""
+    none: str = ""
+    """What a value is called that is nothing but rounding beside the largest."""
+    floor: float = 0.0
+    """The rounding error of a relative error or an angle: smaller values say nothing."""
+
+    def shown(self, values: np.ndarray) -> np.ndarray:
+        """Values as they are drawn: what is below rounding stands there."""
+        return np.maximum(values, self.floor) if self.floor else values
+
+    def is_rounding(self, values: np.ndarray) -> bool:
+        """Whether all values are about as small as rounding errors."""
+        finite = values[np.isfinite(values)]
+        return bool(self.floor and finite.size and finite.max() <= MARGIN * self.floor)
+
+    def is_none(self, values: np.ndarray) -> np.ndarray:
+        """Which values are nothing but rounding, where that has a name."""
+        finite = values[np.isfinite(values)]
+        if not self.none or not finite.size:
+            return np.zeros(values.shape, dtype=bool)
+        return np.abs(values) <= ROUNDING * np.abs(finite).max()
+
+    def has_log_scale(self, values: np.ndarray) -> bool:
+        """Whether values above zero or equal to it have a log scale."""
+        finite = values[np.isfinite(values)]
+        return bool(finite.min(initial=0) >= 0 and is_wide(finite[finite > 0], self.log_over))
+
+
+def the_column(name: str) -> Callable[[pd.DataFrame], pd.Series]:
+    """The values of a column."""
+    return lambda rows: rows[name]
+
+
+def in_degrees(name: str) -> Callable[[pd.DataFrame], pd.Series]:
+    """The values of a column in degrees."""
+    return lambda rows: np.degrees(rows[name])
+
+
+def nutation_range(rows: pd.DataFrame) -> pd.Series:
+    """The range of the nutation angle, in degrees."""
+    return np.degrees(rows["theta_max"] - rows["theta_min"])
+
+
+QUANTITIES = (
+    Quantity(("motion_class",), "class of the motion", "", the_column("motion_class")),
+    Quantity(("theta_min", "theta_max"), "range of the nutation angle", "degrees", nutation_range),
+    Quantity(
+        ("precession_per_nutation",),
+        "precession per nutation",
+        "degrees",
+        in_degrees("precession_per_nutation"),
+    ),
+    Quantity(
+        ("growth_rate",), "growth of deviations", "1/s", the_column("growth_rate"), none="stable"
+    ),
+    Quantity(
+        ("lyapunov_exponent",),
+        "Lyapunov exponent",
+        "1/s",
+        the_column("lyapunov_exponent"),
+    ),
+    Quantity(
+        ("orientation_error",),
+        "orientation error",
+        "rad",
+        the_column("orientation_error"),
+        WIDE_ERRORS,
+        floor=FLOOR,
+    ),
+    Quantity(
+        ("energy_error_max",),
+        "largest energy error",
+        "",
+        the_column("energy_error_max"),
+        WIDE_ERRORS,
+        floor=FLOOR,
+    ),
+    Quantity(("evaluations",), "function evaluations", "", the_column("evaluations"), WIDE_ERRORS),
+)
+"""Those that any table shows that has their columns."""
+
+
+def quantities_of(table: Table) -> list[Quantity]:
+    """The quantities that a table has values of: those above, and all that its input names."""
+    known = [quantity for quantity in QUANTITIES if not table.missing(quantity.columns)]
+    shown = {name for quantity in known for name in quantity.columns}
+    for name in table.settings.get("output.columns", []):
+        if name not in shown and name in table.rows:
+            meaning = table.meanings.get(name) or name
+            known.append(Quantity((name,), meaning, table.units.get(name, ""), the_column(name)))
+    there = [quantity for quantity in known if has_values(table, quantity)]
+    return [quantity for quantity in there if not is_noise(table, quantity)] or there
+
+
+def is_noise(table: Table, quantity: Quantity) -> bool:
+    """Whether a quantity is nothing but rounding in all cases."""
+    if not quantity.floor:
+        return False
+    return quantity.is_rounding(quantity.values(succeeded(table)).to_numpy(float))
+
+
+def tell_noise(table: Table) -> str:
+    """Which errors are not drawn because they are rounding."""
+    shown = {quantity.label for quantity in quantities_of(table)}
+    words = [
+        f"{quantity.label} at rounding, {quantity.values(succeeded(table)).max():.1e} at most"
+        for quantity in QUANTITIES
+        if not table.missing(quantity.columns)
+        and quantity.label not in shown
+        and has_values(table, quantity)
+    ]
+    return f" ({'; '.join(words)})" if words else ""
+
+
+def has_values(table: Table, quantity: Quantity) -> bool:
+    """Whether a quantity has a value in any case that succeeded."""
+    values = quantity.values(succeeded(table))
+    return bool((is_words(values) and len(values)) or np.isfinite(values.to_numpy(float)).any())
+
+
+def is_words(values: pd.Series) -> bool:
+    """Whether values are words."""
+    return not pd.api.types.is_numeric_dtype(values)
+
+
+def succeeded(table: Table) -> pd.DataFrame:
+    """The cases that succeeded."""
+    return table.rows[table.rows["status"] == "ok"]
+
+
+def order_classes(words: pd.Series) -> list[str]:
+    """The classes that there are, in their order."""
+    known = {name: place for place, name in enumerate(CLASSES)}
+    return sorted(words.unique(), key=lambda name: (known.get(name, len(known)), name))
+
+
+def is_wide(values: np.ndarray, ratio: float = WIDE_AXIS) -> bool:
+    """Whether values belong on a log axis."""
+    finite = values[np.isfinite(values)]
+    return bool(finite.size > 1 and finite.min() > 0 and finite.max() > ratio * finite.min())
+
+
+def has_log_axis(table: Table, place: int) -> bool:
+    """Whether parameter number `place` from 0 is spaced by ratios, or listed over a wide range."""
+    axis = table.axes()[place]
+    parameters = table.settings.get("sweep.parameter", [])
+    vector = axis.partition("(")[0]
+    number = next((i for i, name in enumerate(parameters, 1) if name in (axis, vector)), place + 1)
+    if {f"sweep.values({number},:)", "sweep.table"} & table.settings.keys():
+        return is_wide(table.rows[axis].to_numpy(float))
+    if element(table, "sweep.distribution", number) == "lognormal":
+        return True
+    return element(table, "sweep.spacing", number) == "log"
+
+
+def element(table: Table, key: str, number: int) -> str:
+    """Element `number` of a list of the resolved input, which may stand alone: `spacing(2)`."""
+    listed = table.settings.get(key, [])
+    alone = table.settings.get(f"{key}({number})", [""])
+    return listed[number - 1] if number <= len(listed) else alone[0]
+
+
+def name_parameter(table: Table, place: int) -> str:
+    """Parameter number `place` from 0 as it is written, with its unit."""
+    name = table.axes()[place]
+    return with_unit(PARAMETERS.get(name, name), table.units.get(name, ""))
+
+
+def label_parameter(table: Table, place: int, axis: Axis) -> None:
+    """Label the axis of parameter number `place` from 0."""
+    axis.set_label_text(name_parameter(table, place), parse_math=table.axes()[place] in PARAMETERS)
+
+
+def tell_failed(table: Table) -> str:
+    """How many cases have a cross, and why."""
+    counts = table.rows["status"].value_counts().drop("ok", errors="ignore")
+    reasons = ", ".join(f"{count} {status}" for status, count in counts.items())
+    return f" (crossed: {reasons})" if reasons else ""

@@ -1,0 +1,271 @@
+"""The statistics of a sweep: maps or curves over its bins, and the distributions over all cases."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
+
+from spintop_figures.style.lines import with_unit
+from spintop_figures.style.look import FAINT, HIDDEN, LINES
+from spintop_figures.style.page import add_panels, new_figure
+from spintop_figures.sweeps.maps import LEAST_HEIGHT, PANEL_HEIGHT, scale_name
+from spintop_figures.sweeps.quantities import PARAMETERS, Quantity, the_column
+from spintop_figures.sweeps.scales import COLOURS, colours_of, scale_of
+from spintop_figures.tables.netcdf import read_netcdf
+from spintop_figures.tables.table import Table, TableError, read_table
+
+ENDING = ".statistics.csv"
+EQUAL = 1e-6
+"""Relative difference below which steps or ratios are equal."""
+MOST_QUANTILES = 7
+"""Quantiles that a distribution shows at most."""
+
+
+class Bins(NamedTuple):
+    """The bins of a quantity: its column, the edges and the middles."""
+
+    column: str
+    edges: np.ndarray
+    middles: np.ndarray
+
+    @property
+    def is_log(self) -> bool:
+        """Whether the middles have equal ratios rather than equal differences."""
+        if self.edges[0] <= 0 or self.middles.size < 3:
+            return False
+        steps, ratios = np.diff(self.middles), np.diff(np.log(self.middles))
+        return bool(np.ptp(ratios) < EQUAL * ratios.max() and np.ptp(steps) > EQUAL * steps.max())
+
+
+class Distribution(NamedTuple):
+    """The histogram of a column: the ends of its intervals and the cases in them."""
+
+    low: np.ndarray
+    high: np.ndarray
+    cases: np.ndarray
+
+
+def bins_of(table: Table) -> list[Bins]:
+    """The bins of each quantity that the cases are binned over."""
+    names = list(table.rows.columns)
+    found = []
+    for name in names[1 : names.index("cases") : 3]:
+        rows = table.rows[table.rows["bin"] > 0]
+        low, high = rows[f"{name}_from"].to_numpy(float), rows[f"{name}_to"].to_numpy(float)
+        edges = np.append(np.unique(low), high.max())
+        found.append(Bins(name, edges, np.unique(rows[name].to_numpy(float))))
+    return found
+
+
+def gathered(table: Table) -> list[str]:
+    """The columns of numbers that have statistics."""
+    return [
+        name.removesuffix("_mean")
+        for name in table.rows
+        if f"{name.removesuffix('_mean')}_deviation" in table.rows and name.endswith("_mean")
+    ]
+
+
+def object_to_bins(table: Table) -> str:
+    """There is something over which the cases are binned."""
+    return "" if bins_of(table) else "has no bins"
+
+
+def object_to_distributions(table: Table) -> str:
+    """There are numbers, and their histograms where they are looked for."""
+    if not gathered(table):
+        return "has no column of numbers"
+    if table.path.suffix != ".nc" and not beside(table.path, "histogram").exists():
+        return f"has no {beside(table.path, 'histogram').name} beside it"
+    return ""
+
+
+def beside(path: Path, what: str) -> Path:
+    """A table beside a table of statistics: of the histograms, or the indices."""
+    stem = path.name.removesuffix(ENDING) if path.name.endswith(ENDING) else path.stem
+    return path.with_name(f"{stem}.{what}.csv")
+
+
+def distributions_of(table: Table) -> dict[str, Distribution]:
+    """The histogram of each column."""
+    if table.path.suffix == ".nc":
+        _, variables = read_netcdf(table.path)
+        found = {}
+        for name, variable in variables.items():
+            if name.endswith("_histogram"):
+                column = name.removesuffix("_histogram")
+                ends = variables[f"{column}_interval_bounds"].values.astype(float)
+                found[column] = Distribution(ends[:, 0], ends[:, 1], variable.values.astype(float))
+        return found
+    rows = read_table(beside(table.path, "histogram")).rows
+    return {
+        str(name): Distribution(*(part[key].to_numpy(float) for key in ("from", "to", "cases")))
+        for name, part in rows.groupby("column", sort=False)
+    }
+
+
+def tell_cases(table: Table) -> str:
+    """How many cases there are, and how many of them failed."""
+    row = table.rows.iloc[0]
+    failed = f", {int(row['failed']):,} of them failed" if row["failed"] else ""
+    return f"{int(row['cases']):,} cases{failed}"
+
+
+def label(table: Table, column: str) -> str:
+    """A column with its unit, as an axis names it."""
+    return with_unit(PARAMETERS.get(column, column), table.units.get(column, ""))
+
+
+def draw_statistics(table: Table) -> Figure:
+    """The mean of each column over the bins, and the number of cases."""
+    bins = bins_of(table)
+    names = gathered(table)
+    count = len(names) + 1
+    over = " and ".join(each.column.rpartition(".")[2] for each in bins)
+    title = f"Means over {over}: {tell_cases(table)}"
+    figure = new_figure(table, title, 1.2 + max(PANEL_HEIGHT * ((count + 1) // 2), LEAST_HEIGHT))
+    panels = add_panels(figure, count, sharey=len(bins) == 2)
+    rows = table.rows[table.rows["bin"] > 0]
+    for name, axes in zip([*names, ""], panels, strict=True):
+        if len(bins) == 2:
+            draw_map(axes, table, bins, rows, name)
+        else:
+            draw_curve(axes, table, bins[0], rows, name)
+    for axes in panels:
+        label_bins(axes, table, bins)
+    return figure
+
+
+def draw_map(axes: Axes, table: Table, bins: list[Bins], rows: pd.DataFrame, name: str) -> None:
+    """A map of a mean, or of the number of cases; bins without values are hatched."""
+    axes.patch.set(facecolor="white", edgecolor="0.7", hatch="////")
+    shape = bins[1].edges.size - 1, bins[0].edges.size - 1
+    if name:
+        values = rows[f"{name}_mean"].to_numpy(float)
+        unit = table.units.get(f"{name}_mean", "")
+        norm, extend = scale_of(Quantity((name,), name, unit, the_column(f"{name}_mean")), values)
+        colours, heading = colours_of(norm), with_unit(f"mean of {name}", unit)
+        values = np.clip(values, norm.vmin, norm.vmax)
+    else:
+        values = rows["cases"].to_numpy(float)
+        values = np.where(values > 0, values, np.nan)
+        above = values[np.isfinite(values)]
+        wide = above.size and above.max() > 100 * above.min()
+        norm, extend, colours = LogNorm() if wide else None, "neither", COLOURS
+        heading = "number of cases"
+    axes.set_title(heading, loc="left", fontsize=9.5, pad=4)
+    cells = np.ma.masked_invalid(values.reshape(shape))
+    image = axes.pcolormesh(
+        bins[0].edges, bins[1].edges, cells, cmap=colours, norm=norm, rasterized=True
+    )
+    axes.figure.colorbar(image, ax=axes, extend=extend, pad=0.02, aspect=18)
+
+
+def draw_curve(axes: Axes, table: Table, bins: Bins, rows: pd.DataFrame, name: str) -> None:
+    """A mean with standard deviation and extremes, or the number of cases, over one quantity."""
+    if not name:
+        axes.stairs(rows["cases"].to_numpy(float), bins.edges, fill=True, color=HIDDEN)
+        axes.set_title("number of cases", loc="left", fontsize=9.5, pad=4)
+        axes.set_ylim(bottom=0)
+        return
+    middle = rows[bins.column].to_numpy(float)
+    mean, deviation, low, high = (
+        rows[f"{name}_{key}"].to_numpy(float) for key in ("mean", "deviation", "min", "max")
+    )
+    axes.fill_between(middle, low, high, color=FAINT, linewidth=0, label="minimum to maximum")
+    axes.fill_between(
+        middle,
+        np.maximum(mean - deviation, low),
+        np.minimum(mean + deviation, high),
+        color=HIDDEN,
+        linewidth=0,
+        label="standard deviation",
+    )
+    axes.plot(middle, mean, **LINES[0], label="mean")
+    unit = table.units.get(f"{name}_mean", "")
+    axes.set_title(with_unit(name, unit), loc="left", fontsize=9.5, pad=4)
+    if not axes.get_subplotspec().is_first_row() or not axes.get_subplotspec().is_first_col():
+        return
+    axes.legend(loc="best", fontsize=8)
+
+
+def label_bins(axes: Axes, table: Table, bins: list[Bins]) -> None:
+    """Scales and labels of the binned quantities, at the left and lowest panels only."""
+    spot = axes.get_subplotspec()
+    plain = FuncFormatter(lambda value, _: f"{value:g}")
+    axes.set_xscale(scale_name(bins[0].is_log))
+    axes.set_xlim(bins[0].edges[0], bins[0].edges[-1])
+    if bins[0].is_log:
+        axes.xaxis.set_major_formatter(plain)
+    axes.tick_params(labelbottom=spot.is_last_row())
+    if spot.is_last_row():
+        axes.set_xlabel(label(table, bins[0].column))
+    if len(bins) < 2:
+        return
+    axes.set_yscale(scale_name(bins[1].is_log))
+    axes.set_ylim(bins[1].edges[0], bins[1].edges[-1])
+    if bins[1].is_log:
+        axes.yaxis.set_major_formatter(plain)
+    axes.tick_params(labelleft=spot.is_first_col())
+    if spot.is_first_col():
+        axes.set_ylabel(label(table, bins[1].column))
+
+
+def draw_distributions(table: Table) -> Figure:
+    """The distribution of each column over all cases, with its mean and quantiles."""
+    found = distributions_of(table)
+    if not found:
+        raise TableError("has no value in any column: no distributions figure")
+    names = [name for name in gathered(table) if name in found]
+    title = f"Distributions over all cases: {tell_cases(table)}"
+    figure = new_figure(table, title, 1.2 + max(PANEL_HEIGHT * ((len(names) + 1) // 2), 3.0))
+    cells = figure.add_gridspec((len(names) + 1) // 2, 2)
+    for place, name in enumerate(names):
+        alone = len(names) % 2 and place == 0
+        spot = cells[0, :] if alone else cells[divmod(place + len(names) % 2, 2)]
+        draw_distribution(figure.add_subplot(spot), table, name, found[name])
+    return figure
+
+
+def draw_distribution(axes: Axes, table: Table, name: str, found: Distribution) -> None:
+    """The density of the cases over a column, whose intervals differ in width."""
+    row = table.rows.iloc[0]
+    unit = table.units.get(f"{name}_mean", "")
+    width = found.high - found.low
+    if not width.any():
+        axes.axvline(found.low[0], **LINES[0])
+        axes.set_yticks([])
+    else:
+        share = found.cases / found.cases.sum()
+        density = np.divide(share, width, out=np.zeros_like(share), where=width > 0)
+        axes.bar(found.low, density, width, align="edge", color=HIDDEN, linewidth=0)
+        quantiles = [key for key in table.rows if key.startswith(f"{name}_q")]
+        if density.max() > 300 * density[density > 0].min():
+            axes.set_yscale("log")
+        if len(quantiles) <= MOST_QUANTILES:
+            for key in quantiles:
+                axes.axvline(row[key], color="0.25", linewidth=0.8, linestyle=":")
+                axes.annotate(
+                    f"{float(key.rpartition('_q')[2]):.3g}",
+                    (row[key], 1),
+                    xycoords=("data", "axes fraction"),
+                    xytext=(1, -2),
+                    textcoords="offset points",
+                    fontsize=7,
+                    rotation=90,
+                    va="top",
+                )
+        axes.axvline(row[f"{name}_mean"], **LINES[1], label="mean")
+        axes.set_ylabel(
+            with_unit("density", f"1/({unit})" if "/" in unit else f"1/{unit}" if unit else "")
+        )
+        axes.legend(loc="best", fontsize=8)
+    axes.set_xlabel(with_unit(name, unit))
+    none = int(row["cases"] - row["failed"] - row[f"{name}_count"])
+    if none:
+        axes.set_title(f"{none:,} cases have no value", loc="left", fontsize=8.5)

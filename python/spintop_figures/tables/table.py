@@ -1,0 +1,354 @@
+"""Reading a table of spintop: its header of `#` lines, its rows, its status."""
+
+import csv
+import io
+import itertools
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from spintop_figures.tables.characters import printable
+from spintop_figures.tables.netcdf import Attributes, FormatError, Variable, cells_of, read_netcdf
+
+FORMAT = "1"
+"""Format of the tables that can be read."""
+
+BIN, COLUMN_NAME = "bin", "column"
+"""First columns of the statistics of a sweep, and of their histograms."""
+FACTOR = "factor"
+"""A column of their Sobol' indices."""
+
+EVENT = "event"
+"""First column of a table of events, which may have no rows."""
+
+MANY_CASES = 20_000
+"""Rows of a sweep over one parameter beyond which only some are kept, about KEPT_CASES."""
+KEPT_CASES = 5_000
+UNITS = {"1": "", "degree": "deg"}
+"""Units that NetCDF tables name otherwise, as UDUNITS knows them."""
+WORDS = frozenset(
+    (
+        *("auto", "case", "column", "event", "factor", "formulation", "front", "method"),
+        "motion_class",
+        *("notes", "problem", "program", "reason", "reference", "setting", "status", "verdict"),
+    )
+)
+"""Columns that may hold words; all others hold numbers."""
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?|[+-]?inf|nan", re.IGNORECASE | re.ASCII)
+LONGEST = 40
+"""Characters of a cell that a message quotes at most."""
+VALUE = re.compile(r"'((?:[^']|'')*)'|([^\s,]+)")
+ASSIGNMENT = re.compile(r"([a-z]\w*(?:\([^)]*\))?)\s*=\s*(.*)", re.IGNORECASE)
+COLUMN = re.compile(r"(\S+?)(?:\s+\[(.*?)\])?:\s*(.*)")
+
+
+class TableError(Exception):
+    """What is wrong with a table, in one line."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table that was read.
+
+    `header` holds the `key: value` lines of its header, `settings` the resolved input by
+    `group.key` and `input` as text, `units` and `meanings` those of the columns, `status` how a
+    trajectory ended, `words` what a work-precision study says below its rows. Of a long sweep over
+    one parameter only every `stride`-th row is kept, more than a figure can show.
+    """
+
+    path: Path
+    header: dict[str, str]
+    settings: dict[str, list[str]]
+    units: dict[str, str]
+    meanings: dict[str, str]
+    rows: pd.DataFrame
+    status: str | None
+    stride: int = 1
+    input: str = ""
+    words: tuple[str, ...] = ()
+
+    @property
+    def title(self) -> str:
+        """The title that the input gives."""
+        return self.header.get("title", "")
+
+    @property
+    def kind(self) -> str:
+        """The kind of the study, or of the table beside that of the study."""
+        beside = {EVENT: "events", BIN: "statistics", COLUMN_NAME: "histogram"}
+        if FACTOR in self.rows:
+            return "indices"
+        return beside.get(self.rows.columns[0], self.setting("study.kind"))
+
+    def setting(self, key: str) -> str:
+        """The first value of a setting, such as study.kind; empty if it has none."""
+        return self.settings.get(key, [""])[0]
+
+    def missing(self, columns: Iterable[str]) -> list[str]:
+        """Those of these columns that are not there."""
+        return [name for name in columns if name not in self.rows]
+
+    def empty(self, columns: Iterable[str]) -> list[str]:
+        """Those of these columns that are there but have no finite number."""
+        there = [name for name in columns if name in self.rows]
+        return [name for name in there if not (self.numeric(name) and self.finite(name).any())]
+
+    def numeric(self, column: str) -> bool:
+        """Whether a column holds numbers, and no words."""
+        return pd.api.types.is_numeric_dtype(self.rows[column])
+
+    def finite(self, column: str) -> np.ndarray:
+        """Which rows have a finite number in a column."""
+        return np.isfinite(self.rows[column].to_numpy(float))
+
+    def axes(self) -> list[str]:
+        """The swept parameters: the columns between `case` and `status`."""
+        return swept(list(self.rows.columns))
+
+
+def swept(names: list[str]) -> list[str]:
+    """The swept parameters among the columns of a sweep."""
+    if names[0] != "case" or "status" not in names:
+        return []
+    return names[1 : names.index("status")]
+
+
+def read_table(path: str | Path) -> Table:
+    """Read a table, or raise a TableError that says why it is none."""
+    path = Path(path)
+    return read_netcdf_table(path) if path.suffix == ".nc" else read_text_table(path)
+
+
+def read_netcdf_table(path: Path) -> Table:
+    """Read the NetCDF table of a sweep."""
+    try:
+        return table_of_netcdf(path, *read_netcdf(path))
+    except OSError as error:
+        raise TableError((error.strerror or str(error)).lower()) from error
+    except FormatError as error:
+        raise TableError(str(error)) from error
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        raise TableError("is damaged or cut short") from error
+
+
+def table_of_netcdf(path: Path, attributes: Attributes, variables: dict[str, Variable]) -> Table:
+    """The table that a NetCDF file holds."""
+    if not str(attributes.get("program", "")).startswith("spintop"):
+        raise TableError("is no table of spintop: its attributes name no program")
+    texts = {key: str(value) for key, value in attributes.items()}
+    check_format(texts)
+    lines = [printable(line) for line in texts.pop("input", "").split("\n")]
+    resolved = "\n".join(lines)
+    header = {key: printable(text) for key, text in texts.items()}
+    _, settings, _, _ = read_head([line.strip() for line in lines])
+    if "all_cases" in variables:
+        return table_of_statistics(path, header, settings, variables, resolved)
+    columns = {printable(each.attributes["column"]): each for each in variables.values()}
+    stride = stride_of(settings, list(columns), columns["case"].values.size)
+    cells = {name: cells_of(column, columns["case"]) for name, column in columns.items()}
+    rows = pd.DataFrame({name: native(column[::stride]) for name, column in cells.items()})
+    units = {name: attribute(column, "units") for name, column in columns.items()}
+    meanings = {name: attribute(column, "long_name") for name, column in columns.items()}
+    return Table(path, header, settings, units, meanings, rows, None, stride, resolved)
+
+
+def table_of_statistics(
+    path: Path,
+    header: dict[str, str],
+    settings: dict[str, list[str]],
+    variables: dict[str, Variable],
+    resolved: str,
+) -> Table:
+    """The statistics in a NetCDF file as a table: a row of all cases, then one of each bin."""
+    over = variables["cases"].dimensions[::-1] if "cases" in variables else ()
+    shape = tuple(variables[name].values.size for name in over[::-1])
+    count = int(np.prod(shape)) if over else 0
+    cells: dict[str, np.ndarray] = {BIN: np.arange(count + 1)}
+    units, meanings = {}, {}
+    none = [np.nan]
+    for place, axis in enumerate(over):
+        name = printable(variables[axis].attributes["column"])
+        along = [-1 if i == len(over) - 1 - place else 1 for i in range(len(over))]
+        ends = native(variables[f"{axis}_bounds"].values)
+        parts = {"": native(variables[axis].values), "_from": ends[:, 0], "_to": ends[:, 1]}
+        for ending, values in parts.items():
+            grid = np.broadcast_to(values.reshape(along), shape).reshape(-1)
+            cells[name + ending] = np.concatenate([none, grid])
+            units[name + ending] = attribute(variables[axis], "units")
+            meanings[name + ending] = attribute(variables[axis], "long_name")
+    for key, variable in variables.items():
+        if not key.startswith("all_"):
+            continue
+        name = printable(variable.attributes["column"])
+        of_bins = variables.get(key.removeprefix("all_"))
+        grid = native(of_bins.values).reshape(-1) if of_bins else np.full(count, np.nan)
+        cells[name] = np.concatenate([[float(variable.values)], grid])
+        units[name], meanings[name] = attribute(variable, "units"), attribute(variable, "long_name")
+    return Table(path, header, settings, units, meanings, pd.DataFrame(cells), None, 1, resolved)
+
+
+def check_format(header: Mapping[str, str]) -> None:
+    """Refuse a table of another format than the one that is known here."""
+    found = header.get("format", f"0 ({header['program']})")
+    if found != FORMAT:
+        known = f"figures are drawn of format {FORMAT}"
+        raise TableError(f"is a table of format {printable(found)}, and {known}: write it again")
+
+
+def attribute(variable: Variable, name: str) -> str:
+    """An attribute of a variable, empty if it has none; a unit as tables of texts have it."""
+    text = printable(variable.attributes.get(name, ""))
+    return UNITS.get(text, text) if name == "units" else text
+
+
+def native(cells: np.ndarray) -> np.ndarray:
+    """Cells in the byte order of this machine."""
+    return cells.astype(cells.dtype.newbyteorder("="))
+
+
+def stride_of(settings: dict[str, list[str]], names: list[str], count: int) -> int:
+    """How many rows there are for one that a figure can show."""
+    is_long = settings.get("study.kind") == ["sweep"] and count > MANY_CASES
+    return count // KEPT_CASES if is_long and len(swept(names)) == 1 else 1
+
+
+def read_text_table(path: Path) -> Table:
+    """Read a table of texts."""
+    try:
+        text = path.read_text(encoding="utf-8", errors="replace")
+    except OSError as error:
+        raise TableError((error.strerror or str(error)).lower()) from error
+    lines = text.replace("\r\n", "\n").split("\n")
+    first = next((i for i, line in enumerate(lines) if not line.startswith("#")), len(lines))
+    if not text.replace("\n", "").replace("\0", "").isprintable():
+        lines = [line if line.isprintable() else printable(line) for line in lines]
+    header, settings, units, meanings = read_head([line[1:].strip() for line in lines[:first]])
+    if not header.get("program", "").startswith("spintop"):
+        raise TableError("is no table of spintop: its header names no program")
+    check_format(header)
+    if not text.endswith("\n"):
+        raise TableError("is cut short: its last line has no end")
+    if "\0" in text:
+        number = text[: text.index("\0")].count("\n") + 1
+        raise TableError(f"line {number} has a byte of value 0: the file is damaged")
+    body = [
+        (number, line)
+        for number, line in enumerate(lines[first:], start=first + 1)
+        if line and not line.startswith("#")
+    ]
+    last = [line[1:].strip() for line in lines[first:] if line.startswith("#")]
+    status = next((line[7:].strip() for line in last if line.startswith("status:")), None)
+    if settings.get("study.kind") == ["trajectory"] and status is None:
+        raise TableError("is cut short: its last line, the status, is missing")
+    if not body:
+        raise TableError("is cut short: it names no columns")
+    names = names_of(*body[0])
+    stride = stride_of(settings, names, len(body) - 1)
+    rows = read_rows(names, body[1::stride])
+    if rows.empty and names[0] != EVENT:
+        raise TableError("has no rows" + (f" (status: {status})" if status else ""))
+    resolved = input_of(lines[:first])
+    words = tuple(line[9:].strip() for line in last if line.startswith("in words:"))
+    return Table(path, header, settings, units, meanings, rows, status, stride, resolved, words)
+
+
+def input_of(head: list[str]) -> str:
+    """The resolved input in the lines of a header, without what marks it as a comment."""
+    lines = [line.removeprefix("# ") for line in head]
+    if "input:" not in lines:
+        return ""
+    below = lines[lines.index("input:") + 1 :]
+    inside = itertools.takewhile(lambda line: line.startswith("    "), below)
+    return "\n".join(line.removeprefix("    ") for line in inside)
+
+
+def read_head(
+    lines: list[str],
+) -> tuple[dict[str, str], dict[str, list[str]], dict[str, str], dict[str, str]]:
+    """The `key: value` lines of a header, the resolved input, units and meanings of the columns."""
+    header: dict[str, str] = {}
+    settings: dict[str, list[str]] = {}
+    units: dict[str, str] = {}
+    meanings: dict[str, str] = {}
+    group = key = ""
+    in_columns = False
+    for line in lines:
+        assignment = ASSIGNMENT.fullmatch(line)
+        if line.startswith("&"):
+            group, key = line[1:].strip().lower(), ""
+        elif line == "/":
+            group = ""
+        elif group and assignment:
+            key = f"{group}.{assignment[1].lower()}"
+            settings[key] = read_values(assignment[2])
+        elif group and key:
+            settings[key] += read_values(line)
+        elif line == "columns:":
+            in_columns = True
+        elif in_columns and (column := COLUMN.match(line)):
+            units[column[1]] = column[2] or ""
+            meanings[column[1]] = column[3]
+        elif ":" in line:
+            name, _, value = line.partition(":")
+            header[name.strip().lower()] = value.strip()
+    return header, settings, units, meanings
+
+
+def read_values(text: str) -> list[str]:
+    """The values of a namelist assignment, without their quotes."""
+    return [word or quoted.replace("''", "'") for quoted, word in VALUE.findall(text)]
+
+
+def names_of(number: int, line: str) -> list[str]:
+    """The names of the columns, which stand in this line."""
+    names = line.split(",")
+    for place, name in enumerate(names):
+        if not name.strip():
+            raise TableError(f"line {number}: column {place + 1} has no name")
+        if name in names[:place]:
+            raise TableError(f"line {number}: there are two columns {printable(name)}")
+    return names
+
+
+def read_rows(names: list[str], body: list[tuple[int, str]]) -> pd.DataFrame:
+    """The rows of columns with these names, from lines with their numbers in the file.
+
+    A column holds numbers or words, and is read as what its cells are.
+    """
+    for number, line in body:
+        cells = line.count(",") + 1
+        if cells != len(names):
+            raise TableError(f"line {number} has {cells} cells in place of {len(names)}")
+    rows = pd.read_csv(
+        io.StringIO("\n".join([",".join(names), *(line for _, line in body)])),
+        keep_default_na=False,
+        na_values=["nan"],
+        low_memory=False,
+        quoting=csv.QUOTE_NONE,
+        lineterminator="\n",
+    )
+    for name in rows if len(rows) else ():
+        column = rows[name]
+        if pd.api.types.is_numeric_dtype(column) and not pd.api.types.is_bool_dtype(column):
+            continue
+        words = [is_word(cell) for cell in column]
+        if name in WORDS and all(words):
+            continue
+        if any(words):
+            bad = words.index(True)
+            cell = printable(str(column[bad]))
+            cell = cell if len(cell) <= LONGEST else f"{cell[:LONGEST]}..."
+            raise TableError(f"line {body[bad][0]}: '{cell}' in {printable(name)} is no number")
+        rows[name] = [float(cell) for cell in column]  # integers that are too long for 64 bits
+    return rows
+
+
+def is_word(cell: object) -> bool:
+    """Whether a cell holds something that is no number."""
+    if isinstance(cell, bool):
+        return True
+    return not isinstance(cell, int | float | np.number) and not NUMBER.fullmatch(str(cell).strip())

@@ -1,1 +1,0 @@
-"""The figures that scripts/plot draws from the tables of spintop."""

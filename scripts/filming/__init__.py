@@ -1,0 +1,1 @@
+"""The films that scripts/film makes of a trajectory, drawn without a browser or a window."""

@@ -1,0 +1,106 @@
+"""The data of a table in the page: the file itself, packed, or as many of its rows as fit."""
+
+import base64
+import gzip
+from dataclasses import dataclass
+
+import numpy as np
+
+from spintop_figures.tables.characters import printable
+from spintop_figures.tables.table import Table
+
+LARGEST_FILE = 64_000_000
+"""Bytes of a file that is read once more for its own lines."""
+
+LEAST = 20_000
+"""Bytes in the page that every table has, whatever the number of tables."""
+
+
+@dataclass(frozen=True)
+class Data:
+    """A table of texts as it can be saved from the page, and how many of its rows it has."""
+
+    name: str
+    packed: bytes
+    kept: int
+    total: int
+    stride: int
+    of_cases: int = 1
+    """Of a long sweep only one case in so many was read."""
+
+    @property
+    def size(self) -> int:
+        """Bytes that it takes in the page."""
+        return -(-len(self.packed) // 3) * 4
+
+    @property
+    def address(self) -> str:
+        """The packed file as a data URI."""
+        return f"data:application/gzip;base64,{base64.b64encode(self.packed).decode()}"
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether it has all rows."""
+        return self.kept == self.total and self.of_cases == 1
+
+    @property
+    def which(self) -> str:
+        """Which rows it has, in words."""
+        cases = f", of one case in {self.of_cases}" if self.of_cases > 1 else ""
+        if self.kept == self.total:
+            return f"all {self.total} rows{cases}"
+        return f"one row in {self.stride} of {self.total}, and the last{cases}"
+
+
+def lines_of(table: Table) -> tuple[list[str], list[str], list[str]]:
+    """The lines of a table before, in and after its rows; written anew where it is no small CSV."""
+    path = table.path
+    if path.suffix != ".csv" or path.stat().st_size > LARGEST_FILE or table.stride > 1:
+        head = [f"# {key}: {value}" for key, value in table.header.items()]
+        head += ["# input:", *(f"#     {line}" for line in table.input.splitlines())]
+        cells = [table.rows[name].astype(object) for name in table.rows]
+        rows = [",".join(str(cell) for cell in row) for row in zip(*cells, strict=True)]
+        return [*head, ",".join(table.rows.columns)], rows, []
+    lines = path.read_text(encoding="utf-8", errors="replace").split("\n")
+    first = next(i for i, line in enumerate(lines) if line and not line.startswith("#"))
+    last = max((i for i, line in enumerate(lines) if line and line[0] != "#"), default=first)
+    return lines[: first + 1], lines[first + 1 : last + 1], lines[last + 1 :]
+
+
+def rows_kept(total: int, stride: int) -> np.ndarray:
+    """Which rows are kept: one in so many, and the last."""
+    return np.unique(np.append(np.arange(0, total, stride), max(total - 1, 0)))[:total]
+
+
+def pack(table: Table, stride: int = 1) -> Data:
+    """A table packed, with one row in so many and the last."""
+    head, rows, foot = lines_of(table)
+    keep = rows_kept(len(rows), stride)
+    if stride > 1:
+        note = f"# rows: one in {stride} of {len(rows)}, and the last"
+        head = [*head[:-1], note, head[-1]]
+    text = "\n".join([*head, *(rows[i] for i in keep), *(foot or [""])])
+    packed = gzip.compress(text.encode("utf-8"), mtime=0)
+    name = printable(table.path.with_suffix(".csv").name)
+    return Data(name, packed, len(keep), len(rows), stride, table.stride)
+
+
+def pack_all(tables: list[Table], room: int) -> list[Data]:
+    """All tables packed so that they fit: those that are too large for their share have less rows.
+
+    What smaller tables leave of their shares the larger ones have.
+    """
+    whole = [pack(table) for table in tables]
+    shares = dict.fromkeys(range(len(tables)), 0)
+    left, waiting = room, sorted(shares, key=lambda i: whole[i].size)
+    for place, i in enumerate(waiting):
+        shares[i] = max(LEAST, min(whole[i].size, left // (len(waiting) - place)))
+        left = max(0, left - shares[i])
+    packed = []
+    for table, data, share in zip(tables, whole, shares.values(), strict=True):
+        fitting = data
+        while fitting.size > share and fitting.kept > 2:
+            stride = max(fitting.stride + 1, -(-fitting.stride * fitting.size // share))
+            fitting = pack(table, stride)
+        packed.append(fitting)
+    return packed

@@ -1,0 +1,94 @@
+"""The scene of a table as a link to the live top, which `scene.js` of the page reads."""
+
+import math
+
+import numpy as np
+
+from reporting.body import SHAPES, Body, read_body
+from reporting.motion import ANGLES, attitude_at_start, find_omega
+from spintop_figures.tables.table import Table, is_word
+
+KEYS = {
+    "spinning_wheel": ("radius", "thickness", "rod_length", "density"),
+    "ring": ("radius", "inner_radius", "thickness", "rod_length", "density"),
+    "sphere": ("radius", "rod_length", "density"),
+    "cylinder": ("radius", "thickness", "density"),
+    "cone": ("radius", "thickness", "density"),
+}
+"""The keys of `top` by which the page builds a shape."""
+
+ALIKE = 1e-12
+"""Moments of inertia that differ by less than this part are equal."""
+
+POLE = 1e-9
+"""Closer to a pole, sin(theta) below this, phi' does not exist."""
+
+
+def live_link(table: Table) -> str:
+    """What the live top begins with; empty if the table is of no undamped symmetric top.
+
+    The symmetry axis is body z, with the centre of mass on it or at the pivot. The precession and
+    spin angles at the start are zero there: the motion differs by a turn about the vertical.
+    """
+    body, omega = read_body(table), find_omega(table)
+    if table.kind != "trajectory" or body is None or omega is None or not is_lagrange(table, body):
+        return ""
+    fields = body_fields(table, body) | start_fields(table, omega[0])
+    times = table.rows["t"].to_numpy(float)
+    fields |= {"gravity": number_of(table, "top.gravity", 9.81), "t_end": times[-1] - times[0]}
+    return "&".join(f"{name}={value}" for name, value in fields.items())
+
+
+def number_of(table: Table, key: str, default: float) -> float:
+    """A number of the resolved input."""
+    text = table.setting(key)
+    return default if not text or is_word(text) else float(text)
+
+
+def is_lagrange(table: Table, body: Body) -> bool:
+    """Whether the body is symmetric about body z, undamped, and not below its pivot."""
+    first, second, _ = body.inertia
+    damping = [word for word in table.settings.get("top.damping", []) if not is_word(word)]
+    return (
+        abs(first - second) <= ALIKE * first
+        and not body.centre[:2].any()
+        and body.centre[2] >= 0
+        and min(body.mass, *body.inertia) > 0
+        and not any(float(word) for word in damping)
+    )
+
+
+def body_fields(table: Table, body: Body) -> dict[str, object]:
+    """The shape with its dimensions, if the input has them, else the mass properties."""
+    shape = table.setting("top.shape")
+    keys = KEYS.get(shape, ()) if shape in SHAPES else ()
+    texts = {key: table.setting(f"top.{key}") for key in keys}
+    if keys and not any(not text or is_word(text) for text in texts.values()):
+        return {"shape": shape} | {key: float(text) for key, text in texts.items()}
+    return {
+        "shape": "inertia",
+        "mass": body.mass,
+        "inertia1": float(body.inertia[0]),
+        "inertia3": float(body.inertia[2]),
+        "length": float(body.centre[2]),
+    }
+
+
+def start_fields(table: Table, omega: np.ndarray) -> dict[str, float]:
+    """Tilt (degrees) and rates of the first row, in radians per second."""
+    q0, q1, q2, q3 = attitude_at_start(table)
+    theta = 2 * math.atan2(math.hypot(q1, q2), math.hypot(q0, q3))
+    if not table.missing(ANGLES):
+        theta = float(table.rows["theta"].iloc[0])
+    psi = math.atan2(q3, q0) - math.atan2(q2, q1)
+    along = omega[0] * math.cos(psi) - omega[1] * math.sin(psi)
+    across = omega[0] * math.sin(psi) + omega[1] * math.cos(psi)
+    sine = math.sin(theta)
+    if abs(sine) < POLE:  # any direction will do
+        along, across = math.hypot(along, across), 0.0
+    return {
+        "theta": float(f"{math.degrees(theta):.14g}"),
+        "omega3": float(omega[2]),
+        "phi_rate": across / sine if across else 0.0,
+        "theta_rate": along,
+    }

@@ -1,0 +1,69 @@
+// A second motion of the same scene on the stage, as a ghost, and the angles between the two.
+
+import { Pair } from "./pair.js";
+import { Plot } from "./plot.js";
+import { inFewDegrees, inShort } from "./text.js";
+
+const NONE = "";
+
+export class Comparison {
+  pair = null;
+
+  /**
+   * @param parts the elements of a moving top @param peers of each its `title` and `load`, which
+   *   promises its motion; `isExact` says whether it is the exact solution
+   * @param onChange called when another motion, or none, is compared @param onPick with a time
+   */
+  constructor(parts, motion, peers, { onChange, onPick }) {
+    this.parts = parts;
+    this.motion = motion;
+    this.peers = peers;
+    this.onChange = onChange;
+    this.onPick = onPick;
+    parts.versus.hidden = peers.length === 0;
+    parts.peer.append(new Option("none", NONE), ...peers.map(({ title }, i) => new Option(title, String(i))));
+    parts.peer.addEventListener("change", () => this.choose(parts.peer.value));
+  }
+
+  /** Compare with the exact solution, unless this is it. */
+  async begin() {
+    const exact = this.peers.findIndex(({ isExact }) => isExact);
+    if (exact >= 0 && !this.motion.isExact) await this.choose(String(exact));
+  }
+
+  async choose(value) {
+    this.parts.peer.value = value;
+    const peer = value === NONE ? null : this.peers[Number(value)];
+    const other = peer && (await peer.load());
+    if (this.parts.peer.value !== value) return; // another one was chosen meanwhile
+    this.pair = other && new Pair(this.motion, other);
+    this.#draw();
+    this.onChange();
+  }
+
+  #draw() {
+    const { parts, pair } = this;
+    parts.angles.hidden = !pair;
+    if (!pair) return;
+    const { times, attitudes, axes, hasRows } = pair.series();
+    const largest = Math.max(...attitudes);
+    const lines = [{ name: "between-axes", values: axes }, { name: "between", values: attitudes }];
+    const { start, end } = this.motion;
+    this.plot = new Plot(parts.between, times, lines, { span: [start, end], range: [0, largest || 1] });
+    this.plot.onPick = this.onPick;
+    parts.most.textContent = inFewDegrees(largest);
+    const when = inShort(times[attitudes.indexOf(largest)]);
+    const how = hasRows ? "" : " The second motion is interpolated between its rows.";
+    parts.farthest.textContent = `Largest at rows: ${inFewDegrees(largest)} at t = ${when} s.${how}`;
+    parts.between.setAttribute("aria-label", `Angle between the attitudes against time, up to ${inFewDegrees(largest)}`);
+  }
+
+  /** Bring the numbers up to a moment. */
+  show(moment) {
+    if (!this.pair) return;
+    const [attitude, axis] = this.pair.anglesAt(moment);
+    this.parts.between_attitudes.textContent = inFewDegrees(attitude);
+    this.parts.between_axes.textContent = inFewDegrees(axis);
+    this.plot.mark(moment.time);
+  }
+}

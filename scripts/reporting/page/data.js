@@ -1,0 +1,40 @@
+// The data of a table, which stand packed in the link that saves them.
+
+/** The bytes that a data URI holds. */
+function bytesOf(address) {
+  const letters = atob(address.slice(address.indexOf(",") + 1));
+  const bytes = new Uint8Array(letters.length);
+  for (let i = 0; i < letters.length; i += 1) bytes[i] = letters.charCodeAt(i);
+  return bytes;
+}
+
+/** The text of the table behind a link. */
+export async function textOf(link) {
+  const packed = new Blob([bytesOf(link.href)]).stream();
+  return new Response(packed.pipeThrough(new DecompressionStream("gzip"))).text();
+}
+
+/** Columns of numbers by their names, from the text of a table. */
+export function columnsOf(text, names) {
+  const lines = text.split("\n").filter((line) => line && !line.startsWith("#"));
+  const places = lines[0].split(",");
+  const wanted = names.map((name) => places.indexOf(name));
+  const columns = names.map(() => new Float64Array(lines.length - 1));
+  for (let row = 1; row < lines.length; row += 1) {
+    const cells = lines[row].split(",");
+    for (let k = 0; k < names.length; k += 1) columns[k][row - 1] = Number(cells[wanted[k]]);
+  }
+  return Object.fromEntries(names.map((name, k) => [name, columns[k]]));
+}
+
+/** Have a link save its table as plain text, by its own name. */
+export function bindDownload(link) {
+  link.addEventListener("click", async (event) => {
+    event.preventDefault();
+    const file = new Blob([await textOf(link)], { type: "text/csv" });
+    const address = URL.createObjectURL(file);
+    const save = Object.assign(document.createElement("a"), { href: address, download: link.dataset.name });
+    save.click();
+    setTimeout(() => URL.revokeObjectURL(address), 60000);
+  });
+}

@@ -1,0 +1,127 @@
+// Sliders and boxes of the parameters. A slider and a box show one number; both write it.
+
+import { NUMBERS, refusal } from "./scene.js";
+
+const STEPS = 1000;
+const ABOUT = 10; // a slider that goes by ratios covers this factor to both sides
+const DIGITS = 6;
+
+/** A number with a few digits, for a box. */
+export function inBox(value) {
+  return String(Number(value.toPrecision(DIGITS)));
+}
+
+/** A round number that is not smaller. */
+export function roundUp(value) {
+  const power = 10 ** Math.floor(Math.log10(value));
+  return power * [1, 1.5, 2, 3, 4, 5, 6, 8, 10].find((digit) => digit * power >= value * (1 - 1e-9));
+}
+
+export class Control {
+  /** Called with the name and the value when one has changed it. */
+  onChange = () => {};
+
+  constructor(name, prefix) {
+    this.name = name;
+    const { symbol, words, unit, log } = NUMBERS[name];
+    this.isLog = Boolean(log);
+    const id = `${prefix}-${name}`;
+    this.element = document.createElement("div");
+    this.element.className = "control";
+    this.element.dataset.name = name;
+    const label = Object.assign(document.createElement("label"), { htmlFor: id });
+    const sign = Object.assign(document.createElement("i"), { textContent: symbol });
+    label.append(sign, ` ${words}`);
+    this.slider = Object.assign(document.createElement("input"), { type: "range", min: 0, max: STEPS, step: 1 });
+    this.slider.setAttribute("aria-label", `${words}${unit ? `, ${unit}` : ""}`);
+    this.box = Object.assign(document.createElement("input"), { type: "text", inputMode: "decimal", id });
+    this.box.autocomplete = "off";
+    const units = Object.assign(document.createElement("span"), { className: "unit", textContent: unit });
+    this.track = Object.assign(document.createElement("div"), { className: "track" });
+    this.tick = Object.assign(document.createElement("i"), { className: "tick", hidden: true });
+    this.track.append(this.slider, this.tick);
+    this.fault = Object.assign(document.createElement("p"), { className: "fault", id: `${id}-fault`, hidden: true });
+    this.element.append(label, this.box, units, this.track, this.fault);
+    this.slider.addEventListener("input", () => this.#slide());
+    this.box.addEventListener("input", () => this.#type(false));
+    this.box.addEventListener("change", () => this.#type(true));
+  }
+
+  /** The values at the ends of the slider. */
+  setRange(low, high) {
+    [this.low, this.high] = [low, high];
+    this.#put(this.value);
+  }
+
+  /** A range that suits a value, where it has none of its own. */
+  suit(value) {
+    const { range } = NUMBERS[this.name];
+    if (range) this.setRange(Math.min(range[0], value), Math.max(range[1], value));
+    else if (this.isLog) this.setRange((value || 0.1) / ABOUT, (value || 0.1) * ABOUT);
+  }
+
+  set(value) {
+    this.value = value;
+    this.box.value = inBox(value);
+    this.#say("");
+    this.#put(value);
+  }
+
+  setDisabled(on) {
+    this.slider.disabled = on;
+    this.box.disabled = on;
+  }
+
+  /** Mark a value on the slider; none for null. */
+  markAt(value) {
+    const part = value === null ? -1 : this.#partOf(value);
+    this.tick.hidden = !(part >= 0 && part <= 1);
+    this.tick.style.left = `calc(${part} * (100% - 1rem) + 0.5rem)`;
+  }
+
+  #partOf(value) {
+    return this.isLog
+      ? Math.log(Math.max(value, 1e-300) / this.low) / Math.log(this.high / this.low)
+      : (value - this.low) / (this.high - this.low);
+  }
+
+  #put(value) {
+    if (this.low === undefined || value === undefined) return;
+    if (value > this.high || (value < this.low && !(this.isLog && value <= 0))) {
+      if (this.isLog) this.suit(value);
+      else [this.low, this.high] = [Math.min(this.low, value), Math.max(this.high, value)];
+    }
+    this.slider.value = Math.round(STEPS * Math.min(Math.max(this.#partOf(value), 0), 1));
+    this.slider.setAttribute("aria-valuetext", `${inBox(value)} ${NUMBERS[this.name].unit}`);
+  }
+
+  #slide() {
+    const part = Number(this.slider.value) / STEPS;
+    const exact = this.isLog ? this.low * (this.high / this.low) ** part : this.low + part * (this.high - this.low);
+    const value = Number(exact.toPrecision(5));
+    this.value = Math.abs(value) < 1e-9 * (this.high - this.low) ? 0 : value;
+    this.box.value = inBox(this.value);
+    this.slider.setAttribute("aria-valuetext", `${inBox(this.value)} ${NUMBERS[this.name].unit}`);
+    this.#say("");
+    this.onChange(this.name, this.value);
+  }
+
+  #type(isFinal) {
+    const text = this.box.value.trim().replace("\u2212", "-").replace(",", ".");
+    const value = text === "" ? NaN : Number(text);
+    const fault = refusal(this.name, value);
+    this.#say(fault && isFinal ? fault : "");
+    if (fault) return;
+    this.value = value;
+    this.#put(value);
+    this.onChange(this.name, value);
+  }
+
+  #say(fault) {
+    this.fault.hidden = !fault;
+    this.fault.textContent = fault;
+    if (fault) this.box.setAttribute("aria-describedby", this.fault.id);
+    else this.box.removeAttribute("aria-describedby");
+    this.box.setAttribute("aria-invalid", String(Boolean(fault)));
+  }
+}

@@ -1,0 +1,358 @@
+// A live top: its controls, its stage and its charts, wired together. Whatever one sets, the exact solution
+// is computed anew and shown in the next frame.
+
+import { Quaternion, Vector3 } from "three";
+import { speedsFor } from "../player.js";
+import { tipOf } from "../stage/solid.js";
+import { Stage } from "../stage/stage.js";
+import { unitsOf } from "../stage/view.js";
+import { Charts, linesOf } from "./charts.js";
+import { Clock } from "./clock.js";
+import { Control, roundUp } from "./controls.js";
+import { Keeper, STILL } from "./keeper.js";
+import { bindKeys } from "./keys.js";
+import { fillPanel, showMoment } from "./panel.js";
+import {
+  FIRST, NUMBERS, PRESETS, SHAPES, START, complete, inputOf, linkOf, resolve, stateOfLink,
+} from "./scene.js";
+import { COARSE, FINE, Track, drawingOf, nutationsIn } from "./track.js";
+import { accountOf } from "./words.js";
+
+const QUIET = 500; // ms without a change before it is announced and the link holds it
+const VECTORS = ["momentum", "omega", "force"];
+const PLOTS = ["theta", "phi", "psi", "energy", "potential", "portrait"];
+const SPOKES = 36; // of a cone
+const SPHERE = { times: [0, 1, 2, 3, 4, 5], points: [1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1] };
+let made = 0;
+
+/** Points of a cone about the pivot: its edge, and spokes to it. */
+function coneOf(table, perUnit) {
+  const edge = new Float32Array(table).map((value) => value * perUnit);
+  const count = edge.length / 3;
+  const spokes = [];
+  for (let k = 0; k <= SPOKES; k += 1) {
+    const i = 3 * Math.round(((count - 1) * k) / SPOKES);
+    spokes.push(0, 0, 0, edge[i], edge[i + 1], edge[i + 2]);
+  }
+  return [edge, [...spokes, 0, 0, 0]];
+}
+
+export class LiveTop {
+  #frame = 0;
+  #isChanged = true;
+  #isCoarse = false; // fewer points than there shall be, for speed
+  #drawn = "";
+  #quiet = 0;
+
+  /**
+   * @param section where it goes @param template what it is made of @param state what it begins with
+   * @param ownsLink whether the address of the page holds the state
+   */
+  constructor(section, template, { state = null, ownsLink = false } = {}) {
+    made += 1;
+    this.section = section;
+    this.ownsLink = ownsLink;
+    section.append(template.content.cloneNode(true));
+    this.parts = Object.fromEntries(
+      [...section.querySelectorAll("[data-part]")].map((part) => [part.dataset.part, part]),
+    );
+    const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.clock = new Clock();
+    this.stage = new Stage(this.parts.stage, { calm });
+    this.charts = new Charts(Object.fromEntries(PLOTS.map((name) => [name, this.parts[`plot_${name}`]])));
+    this.#makeControls();
+    this.#wire();
+    this.load(state ?? (ownsLink && stateOfLink(location.hash)) ?? null);
+    this.#watch();
+    this.stage.open();
+    if (calm) this.pause();
+    else this.play();
+  }
+
+  #makeControls() {
+    const { parts } = this;
+    parts.preset.append(
+      ...Object.entries(PRESETS).map(([key, { title, words }]) => new Option(`${title}: ${words}`, key)),
+      new Option("as set below", ""),
+    );
+    parts.shape.append(...Object.entries(SHAPES).map(([key, { name }]) => new Option(name, key)));
+    this.controls = {};
+    for (const name of Object.keys(NUMBERS)) {
+      const control = new Control(name, `live${made}`);
+      control.onChange = (key, value) => this.change({ [key]: value });
+      this.controls[name] = control;
+      const place = START.includes(name) ? parts.start : name === "nutations" ? parts.span : parts.body;
+      place.append(control.element);
+    }
+    for (const part of ["preset", "shape", "precession", "speed"]) {
+      parts[part].id = `live${made}-${part}`;
+      this.section.querySelector(`label[data-for=${part}]`).htmlFor = parts[part].id;
+    }
+  }
+
+  #wire() {
+    const { parts } = this;
+    parts.preset.addEventListener("change", () => {
+      if (parts.preset.value) this.load(PRESETS[parts.preset.value].state, parts.preset.value);
+    });
+    parts.shape.addEventListener("change", () => {
+      this.change({ shape: parts.shape.value });
+      this.#suitRanges();
+    });
+    parts.precession.addEventListener("change", () => this.change({ precession: parts.precession.value }));
+    parts.threshold.addEventListener("click", () => {
+      this.change({ omega3: Number(this.track.threshold.toPrecision(12)) });
+      this.controls.omega3.set(this.state.omega3);
+    });
+    parts.play.addEventListener("click", () => this.toggle());
+    parts.time.addEventListener("input", () => {
+      this.seek((Number(parts.time.value) / Number(parts.time.max)) * this.track.span);
+    });
+    parts.speed.addEventListener("change", () => { this.clock.speed = Number(parts.speed.value); });
+    parts.reset.addEventListener("click", () => this.stage.look("reset"));
+    for (const name of ["body_shown", "trace", "cones", ...VECTORS]) {
+      parts[name].addEventListener("change", () => this.#showParts());
+    }
+    this.keeper = new Keeper(this);
+    this.charts.onPick = (time) => this.seek(time);
+    bindKeys(this.section, this);
+  }
+
+  #watch() {
+    new ResizeObserver(() => {
+      this.charts.resize();
+      this.redraw();
+    }).observe(this.parts.plots);
+    const recolour = () => {
+      this.stage.recolour();
+      this.redraw();
+    };
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", recolour);
+    addEventListener("beforeprint", () => this.#putOnPaper());
+    addEventListener("afterprint", () => this.redraw());
+    if (this.ownsLink) {
+      addEventListener("hashchange", () => {
+        const state = stateOfLink(location.hash);
+        if (state && linkOf(state) !== linkOf(this.state)) this.load(state);
+      });
+    }
+  }
+
+  /** On paper the stage is a picture, and all is in the colours of paper. */
+  #putOnPaper() {
+    document.documentElement.dataset.paper = "yes";
+    this.stage.recolour();
+    this.redraw();
+    this.parts.still.src = this.stage.still(...STILL);
+    delete document.documentElement.dataset.paper;
+    this.stage.recolour();
+  }
+
+  /** Show a state, with ranges and a speed that suit it. */
+  load(state, preset = null) {
+    const isFirst = !state;
+    const { span, ...given } = state ?? PRESETS[FIRST].state;
+    this.state = complete(given);
+    if (span) this.state.nutations = nutationsIn(this.state, span);
+    this.parts.preset.value = preset ?? (isFirst ? FIRST : "");
+    for (const name of Object.keys(NUMBERS)) this.controls[name].set(this.state[name]);
+    this.parts.shape.value = this.state.shape;
+    this.parts.precession.value = this.state.precession;
+    this.#suitRanges();
+    this.#isChanged = true;
+    this.clock.time = 0;
+    this.#compute();
+    this.#suitSpeed();
+    this.#request();
+  }
+
+  /** Change parameters. */
+  change(fields) {
+    Object.assign(this.state, fields);
+    this.parts.preset.value = "";
+    this.#isChanged = true;
+    this.#request();
+  }
+
+  /** Ranges of the sliders that suit the state. */
+  #suitRanges() {
+    const { state, controls } = this;
+    const { body, threshold, roots } = resolve(state);
+    for (const [name, control] of Object.entries(controls)) control.suit(state[name]);
+    const natural = Math.sqrt((2 * body.mgl) / body.inertia1) || 1;
+    const symmetric = (...values) => {
+      const most = roundUp(Math.max(...values.map(Math.abs), 1e-3));
+      return [-most, most];
+    };
+    const spin = roundUp(Math.max(1.6 * threshold, 1.5 * Math.abs(state.omega3), 1));
+    controls.omega3.setRange(state.omega3 < 0 ? -spin : 0, spin);
+    const fast = state.precession === "fast" ? 1.2 * (roots[1] ?? 0) : 0;
+    controls.phi_rate.setRange(...symmetric(1.2 * natural, 1.5 * state.phi_rate, fast));
+    controls.theta_rate.setRange(...symmetric(2 * natural, 1.5 * state.theta_rate));
+  }
+
+  #suitSpeed() {
+    const { speeds, initial } = speedsFor(this.track.span);
+    this.clock.speed = initial;
+    this.parts.speed.replaceChildren(
+      ...speeds.map((speed) => new Option(`${speed} ×`, speed, false, speed === initial)),
+    );
+  }
+
+  /** The motion of the state in so many points at most, and all that is drawn of it but the moment. */
+  #compute(most = FINE) {
+    const began = performance.now();
+    this.#isChanged = false;
+    const track = new Track(this.state, most);
+    this.#isCoarse = most === COARSE && track.count > COARSE;
+    this.track = track;
+    this.clock.span = track.span;
+    this.clock.time = Math.min(this.clock.time, track.span);
+    this.#fillStage();
+    this.redraw(false);
+    fillPanel(this);
+    this.#settle();
+    const detail = performance.now() - began;
+    this.section.dispatchEvent(new CustomEvent("computed", { detail }));
+  }
+
+  #fillStage() {
+    const { state, track, stage } = this;
+    const { body, label } = drawingOf(state, track.body);
+    const trace = { times: track.t, points: track.axis };
+    const vectors = Object.fromEntries(VECTORS.map((name) => [name, track[name]]));
+    const key = JSON.stringify(body);
+    if (key !== this.#drawn) {
+      this.#drawn = key;
+      this.drawing = body; // the same while the body is the same
+      this.tip = tipOf(body);
+      stage.setTops([{ body, trace: SPHERE, look: "solid" }], vectors);
+      this.#showParts(false);
+    }
+    stage.setTraces([trace], vectors);
+    this.parts.label.textContent = [label, track.lack].filter(Boolean).join(" ");
+    this.#setCurves();
+  }
+
+  #setCurves() {
+    const { track, parts, tip } = this;
+    const curves = [];
+    if (parts.trace.checked) {
+      curves.push({ points: new Float32Array(track.axis).map((value) => value * tip), colour: "faint", width: 1.4 });
+    }
+    if (parts.cones.checked) {
+      const unit = unitsOf([{ body: this.drawing }], { omega: track.omega }).omega;
+      for (const [table, colour, frame] of [[track.omega, "momentum", "space"], [track.omegaBody, "odd", "body"]]) {
+        const [edge, spokes] = coneOf(table, unit);
+        curves.push({ points: edge, colour, width: 2, frame }, { points: spokes, colour, width: 0.7, frame });
+      }
+    }
+    this.stage.setCurves(curves);
+  }
+
+  #showParts(isShown = true) {
+    const { parts, stage } = this;
+    stage.setVisible("body", parts.body_shown.checked);
+    for (const name of ["trace", ...VECTORS]) stage.setVisible(name, parts[name].checked);
+    if (!isShown) return;
+    this.#setCurves();
+    this.#show();
+  }
+
+  /** Draw the charts, and the moment. */
+  redraw(isShown = true) {
+    this.charts.draw(this.track, linesOf(this.section));
+    if (isShown) this.#show();
+  }
+
+  /** Once it is quiet: all points, the words for those who do not see it, the link, and the input. */
+  #settle() {
+    clearTimeout(this.#quiet);
+    this.#quiet = setTimeout(() => {
+      if (this.#isCoarse) {
+        this.#compute();
+        clearTimeout(this.#quiet);
+        this.#request();
+      }
+      this.#tell();
+    }, QUIET);
+  }
+
+  #tell() {
+    const { parts } = this;
+    parts.live.textContent = accountOf(this.track);
+    parts.stage.setAttribute("aria-label", `The top in space. ${accountOf(this.track)}`);
+    parts.input.textContent = inputOf(this.state);
+    if (this.ownsLink) history.replaceState(null, "", `#${linkOf(this.state)}`);
+  }
+
+  #request() {
+    if (!this.#frame) this.#frame = requestAnimationFrame((now) => this.#tick(now));
+  }
+
+  /** A frame of the screen: what has changed, and the moment. */
+  #tick(now) {
+    this.#frame = 0;
+    if (this.#isChanged) this.#compute(COARSE);
+    const began = performance.now();
+    const isEnd = this.clock.tick(now);
+    if (isEnd) this.keeper.endFilm();
+    this.#show();
+    this.section.dispatchEvent(new CustomEvent("frame", { detail: performance.now() - began }));
+    if (this.clock.playing) this.#request();
+  }
+
+  /** Show the moment of the clock. */
+  #show() {
+    const { parts, track, clock } = this;
+    const moment = track.at(clock.time);
+    const [w, x, y, z] = moment.quaternion;
+    this.stage.show({
+      time: clock.time,
+      attitudes: [new Quaternion(x, y, z, w)],
+      vectors: {
+        momentum: new Vector3(...moment.momentum),
+        omega: new Vector3(...moment.omegaSpace),
+        force: new Vector3(...moment.force),
+      },
+    });
+    this.charts.show(moment);
+    showMoment(parts, moment, track);
+  }
+
+  play() {
+    this.clock.play();
+    this.#showPlay();
+    this.#request();
+  }
+
+  pause() {
+    this.clock.pause();
+    this.#showPlay();
+  }
+
+  toggle() {
+    if (this.clock.playing) this.pause();
+    else this.play();
+  }
+
+  #showPlay() {
+    const { play } = this.parts;
+    play.setAttribute("aria-label", this.clock.playing ? "Pause" : "Play");
+    play.dataset.state = this.clock.playing ? "playing" : "paused";
+  }
+
+  /** Pause at a time. */
+  seek(time) {
+    this.pause();
+    this.clock.time = Math.min(Math.max(time, 0), this.track.span);
+    this.#request();
+  }
+
+  /** A speed faster, or slower. */
+  changeSpeed(by) {
+    const { speed } = this.parts;
+    speed.selectedIndex = Math.min(Math.max(speed.selectedIndex + by, 0), speed.length - 1);
+    this.clock.speed = Number(speed.value);
+  }
+}

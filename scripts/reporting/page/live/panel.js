@@ -1,0 +1,48 @@
+// The panel of a live top: what its motion is, and the readings of a moment.
+
+import { inDegrees, inShort } from "../text.js";
+import { SHAPES } from "./scene.js";
+import { classOf, factsOf, sleepOf } from "./words.js";
+
+/** Bring the panel up to the motion of a live top. */
+export function fillPanel({ parts, track, controls, state }) {
+  const { name, meaning } = classOf(track);
+  parts.class.textContent = name;
+  parts.meaning.textContent = meaning;
+  parts.sleep.textContent = sleepOf(track);
+  factsOf(track).forEach(([term, value], i) => {
+    const row = parts.facts.children[i] ?? parts.facts.appendChild(newFact());
+    [row.firstChild.textContent, row.lastChild.textContent] = [term, value];
+  });
+  const isSteady = state.precession !== "given";
+  for (const key of ["phi_rate", "theta_rate"]) controls[key].setDisabled(isSteady);
+  if (isSteady) {
+    controls.phi_rate.set(track.phiRate);
+    controls.theta_rate.set(0);
+  }
+  controls.omega3.markAt(track.threshold > 0 ? track.threshold : null);
+  parts.threshold.disabled = !(track.threshold > 0);
+  const { needs } = SHAPES[state.shape];
+  for (const [key, { element }] of Object.entries(controls)) {
+    if (element.parentNode === parts.body) element.hidden = key !== "gravity" && !needs.includes(key);
+  }
+}
+
+function newFact() {
+  const row = document.createElement("div");
+  row.append(document.createElement("dt"), document.createElement("dd"));
+  return row;
+}
+
+/** The readings of a moment. */
+export function showMoment(parts, moment, track) {
+  parts.t.textContent = `${moment.t.toPrecision(4)} s`;
+  ["phi", "theta", "psi"].forEach((name, k) => {
+    parts[name].textContent = inDegrees(moment.angle[k], 2);
+    parts[`${name}_rate_now`].textContent = inShort(moment.rate[k]);
+  });
+  for (const name of ["kinetic", "potential"]) parts[name].textContent = `${inShort(moment[name])} J`;
+  parts.energy.textContent = `${inShort(moment.kinetic + moment.potential)} J`;
+  parts.time.value = Math.round((Number(parts.time.max) * moment.t) / track.span);
+  parts.time.setAttribute("aria-valuetext", `t = ${inShort(moment.t)} s`);
+}

@@ -1,0 +1,266 @@
+!> The exact motion of a free rigid body: no damping, and no gravitational torque about the fixed point O
+!> (Euler's and Poinsot's case).
+!>
+!> The momentum L in body axes circulates about the principal axis of smallest or of largest inertia, here
+!> axis z of the axes x, y, z; in units of |L| it is (s a cn, b sn, c dn), up to signs. Relative to the momentum
+!> the attitude is
+!>
+!>     (q0 + i q3, q1 + i q2) = exp(i chi) (F+, F-)/norm,    chi = kappa t
+!>
+!> with two theta functions of one argument z, which grows uniformly with time: a series in circular functions
+!> while the complementary modulus k' is not small, one in hyperbolic functions otherwise, the separatrix k' = 0
+!> included. No integral of the third kind is summed, and no phase is followed.
+!> Sources: Jacobi, Sur la rotation d'un corps, Crelle 39, 1849; Whittaker, Analytical Dynamics, chapter VI, 1937;
+!> van Zon and Schofield, J. Comput. Phys. 225, 2007.
+module spintop_free_motion
+    use spintop_kinds, only: dp, xp
+    use spintop_attitude, only: angles_from_quaternion, quaternion_product, rates_from_omega
+    use spintop_body, only: body_t
+    use spintop_compare, only: is_equal, is_zero
+    use spintop_free_circular_series, only: circular_series_t, least_complement, prepare_circular_series
+    use spintop_free_hyperbolic_series, only: hyperbolic_series_t, prepare_hyperbolic_series
+    use spintop_free_theta, only: free_values_t
+    use spintop_motion, only: motion_t
+    use spintop_status, only: status_ok, status_unsuitable
+    use spintop_validity, only: body_status, start_status
+    use spintop_vectors, only: cross
+    implicit none
+    private
+    public :: free_motion_t, prepare_free_motion
+
+    !> The exact motion of one start.
+    type :: free_motion_t
+        private
+        !> Time of the start, s, its attitude, and its angles, rad.
+        real(dp) :: time = 0, start(4) = 0, angle(3) = 0
+        !> Moments of inertia, kg m^2, and angular velocity of the start, rad/s, in body axes.
+        real(dp) :: inertia(3) = 1, omega(3) = 0
+        !> Whether the body turns about one fixed axis; the series that applies otherwise.
+        logical :: is_steady = .true., is_circular = .true.
+        type(circular_series_t) :: circular
+        type(hyperbolic_series_t) :: hyperbolic
+        !> The body axes x, y, z, and their signs.
+        integer :: axis(3) = [1, 2, 3]
+        real(dp) :: sign_of(3) = 1
+        !> Largest components of the angular velocity along x, y, z, rad/s.
+        real(dp) :: greatest(3) = 0
+        !> The conjugate of the attitude relative to the momentum at the start, in the axes x, y, z.
+        real(dp) :: unturn(4) = 0
+        !> Angular momentum, kg m^2/s.
+        real(dp), public :: momentum = 0
+        !> A bound of the angular velocity, rad/s.
+        real(dp), public :: greatest_rate = 0
+        !> Period of the momentum in the body, s (infinite on the separatrix, zero for a steady rotation), and the
+        !> angle by which axis z turns about the momentum in that time, rad.
+        real(dp), public :: period = 0, turn = 0
+        !> Number of the body axis about which the momentum circulates; the direction of its motion is that of s.
+        integer, public :: about = 0
+    contains
+        procedure :: at
+        procedure :: quaternion_at
+        procedure :: omega_at
+    end type free_motion_t
+
+contains
+
+    !> Prepares the exact motion of a free body. `status` is `status_unsuitable` if the body is not free or
+    !> has no inertia about an axis, or `status_non_finite`, `status_bad_body` or `status_bad_start`.
+    pure subroutine prepare_free_motion(body, start, free, status)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        type(free_motion_t), intent(out) :: free !! the exact motion; evaluated with `free%at(t)`
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+
+        status = body_status(body)
+        if (status == status_ok) status = start_status(start)
+        if (status == status_ok .and. .not. (body%is_free() .and. all(body%inertia > 0))) status = status_unsuitable
+        if (status /= status_ok) return
+        free%time = start%t
+        free%start = start%quaternion / norm2(start%quaternion)
+        free%angle = start%angle
+        free%inertia = body%inertia
+        free%omega = start%omega
+        free%momentum = norm2(body%inertia * start%omega)
+        free%is_steady = is_steady(body%inertia, start%omega)
+        free%greatest_rate = norm2(start%omega)
+        if (.not. free%is_steady) call set_series(free)
+    end subroutine prepare_free_motion
+
+    !> Whether the momentum has the direction of the angular velocity: then both stay as they are.
+    pure logical function is_steady(inertia, omega)
+        real(dp), intent(in) :: inertia(3), omega(3)
+        integer :: i, j
+        is_steady = .true.
+        do i = 1, 3
+            j = mod(i, 3) + 1
+            is_steady = is_steady .and. (is_equal(inertia(i), inertia(j)) .or. is_zero(omega(i)) .or. is_zero(omega(j)))
+        end do
+    end function is_steady
+
+    !> Chooses the axes x, y, z and the series, and finds the constants.
+    pure subroutine set_series(free)
+        type(free_motion_t), intent(inout) :: free
+        real(xp) :: inertia(3), omega(3), momentum(3), total, excess, part(3), d_xy, d_xz, d_yz, side
+        real(xp) :: a, b, c, modulus, complement, rate, ratio, spin
+        integer :: axis(3)
+        logical :: is_odd
+        type(free_values_t) :: values
+
+        call sort_axes(free%inertia, axis, is_odd)
+        inertia = free%inertia(axis)
+        omega = free%omega(axis)
+        ! The only difference of products: its sign is the class of the motion, its zero the separatrix.
+        excess = inertia(3) * (inertia(3) - inertia(2)) * omega(3)**2 &
+                 - inertia(1) * (inertia(2) - inertia(1)) * omega(1)**2
+        side = 1
+        if (excess < 0 .or. (.not. excess > 0 .and. .not. inertia(3) > inertia(2))) then
+            side = -1
+            axis([1, 3]) = axis([3, 1])
+            is_odd = .not. is_odd
+            excess = -excess
+            inertia = free%inertia(axis)
+            omega = free%omega(axis)
+        end if
+        free%axis = axis
+        free%about = axis(3)
+        momentum = inertia * omega
+        total = sqrt(sum(momentum**2))
+        free%sign_of(1) = real(side * sign(1.0_xp, momentum(1)), dp)
+        free%sign_of(3) = real(sign(1.0_xp, momentum(3)), dp)
+        free%sign_of(2) = free%sign_of(1) * free%sign_of(3) * merge(-1, 1, is_odd)
+        part = [abs(momentum(1)), free%sign_of(2) * momentum(2), abs(momentum(3))] / total
+
+        d_xy = abs(inertia(1) - inertia(2)) / (inertia(1) * inertia(2))
+        d_xz = abs(inertia(1) - inertia(3)) / (inertia(1) * inertia(3))
+        d_yz = abs(inertia(2) - inertia(3)) / (inertia(2) * inertia(3))
+        a = sqrt(part(1)**2 + part(2)**2 * (d_yz / d_xz))
+        b = sqrt(part(2)**2 + part(1)**2 * (d_xz / d_yz))
+        c = sqrt(part(3)**2 + part(2)**2 * (d_xy / d_xz))
+        modulus = b * sqrt(d_xy / d_xz) / c
+        complement = sqrt(inertia(3) * excess / abs(inertia(3) - inertia(2))) / (total * c)
+        rate = total * c * sqrt(d_xz * d_yz)
+        ratio = a / (1 + c)
+        spin = total * (c / inertia(3) + ratio * a / inertia(1))
+        free%greatest = real(total * [side * a, b, c] / inertia, dp)
+        free%greatest_rate = norm2(free%greatest)
+
+        free%is_circular = complement >= least_complement
+        if (free%is_circular) then
+            call prepare_circular_series(free%circular, modulus, complement, rate, ratio, spin, side, &
+                                         a * part(2), b * part(1))
+            free%period = real(free%circular%period(), dp)
+            free%turn = real(free%circular%turn(total / inertia(1)), dp)
+        else
+            call prepare_hyperbolic_series(free%hyperbolic, modulus, complement, rate, ratio, spin, side, &
+                                           a * part(2), b * part(1))
+            free%period = real(free%hyperbolic%period(), dp)
+            free%turn = real(free%hyperbolic%turn(), dp)
+        end if
+        call find_values(free, 0.0_xp, values)
+        free%unturn = [real(values%upper, dp), -real(values%lower, dp), -aimag(values%lower), -aimag(values%upper)]
+    end subroutine set_series
+
+    !> The numbers of the body axes in the order of their inertia, and whether that permutation is odd.
+    pure subroutine sort_axes(inertia, axis, is_odd)
+        real(dp), intent(in) :: inertia(3)
+        integer, intent(out) :: axis(3)
+        logical, intent(out) :: is_odd
+        axis = [1, 2, 3]
+        is_odd = .false.
+        call order(inertia, axis(1), axis(2), is_odd)
+        call order(inertia, axis(2), axis(3), is_odd)
+        call order(inertia, axis(1), axis(2), is_odd)
+    end subroutine sort_axes
+
+    !> Exchanges two axes if the first has the larger inertia.
+    pure subroutine order(inertia, first, second, is_odd)
+        real(dp), intent(in) :: inertia(3)
+        integer, intent(inout) :: first, second
+        logical, intent(inout) :: is_odd
+        integer :: kept
+        if (.not. inertia(first) > inertia(second)) return
+        kept = first
+        first = second
+        second = kept
+        is_odd = .not. is_odd
+    end subroutine order
+
+    !> The theta functions at a time since the start.
+    pure subroutine find_values(free, elapsed, values)
+        type(free_motion_t), intent(in) :: free
+        real(xp), intent(in) :: elapsed
+        type(free_values_t), intent(out) :: values
+        if (free%is_circular) then
+            call free%circular%evaluate(elapsed, values)
+        else
+            call free%hyperbolic%evaluate(elapsed, values)
+        end if
+    end subroutine find_values
+
+    !> The unit quaternion at time t, s; continuous in time.
+    pure function quaternion_at(self, t) result(q)
+        class(free_motion_t), intent(in) :: self
+        real(dp), intent(in) :: t !! time, s
+        real(dp) :: q(4)
+        type(free_values_t) :: values
+        real(xp) :: elapsed
+        elapsed = real(t, xp) - self%time
+        if (self%is_steady) then
+            q = quaternion_product(self%start, steady_turn(self%omega, elapsed))
+        else
+            call find_values(self, elapsed, values)
+            q = attitude(self, values)
+        end if
+    end function quaternion_at
+
+    !> The attitude from the theta functions.
+    pure function attitude(self, values) result(q)
+        type(free_motion_t), intent(in) :: self
+        type(free_values_t), intent(in) :: values
+        real(dp) :: q(4), r(4), turned(4)
+        r = quaternion_product(self%unturn, [real(values%upper, dp), real(values%lower, dp), &
+                                             aimag(values%lower), aimag(values%upper)])
+        turned(1) = r(1)
+        turned(1 + self%axis) = self%sign_of * r(2:4)
+        q = quaternion_product(self%start, turned)
+    end function attitude
+
+    !> The rotation by a constant angular velocity. Its angle is reduced before it is rounded.
+    pure function steady_turn(omega, elapsed) result(q)
+        real(dp), intent(in) :: omega(3)
+        real(xp), intent(in) :: elapsed
+        real(dp) :: q(4)
+        real(xp) :: rate, half
+        q = [1, 0, 0, 0]
+        rate = sqrt(sum(real(omega, xp)**2))
+        if (.not. rate > 0) return
+        half = rate * elapsed / 2
+        q = [real(cos(half), dp), real(sin(half) * (omega / rate), dp)]
+    end function steady_turn
+
+    !> The angular velocity in body axes at time t (s), rad/s.
+    pure function omega_at(self, t) result(omega)
+        class(free_motion_t), intent(in) :: self
+        real(dp), intent(in) :: t !! time, s
+        real(dp) :: omega(3)
+        type(free_values_t) :: values
+        omega = self%omega
+        if (self%is_steady) return
+        call find_values(self, real(t, xp) - self%time, values)
+        omega(self%axis) = self%sign_of * self%greatest * values%elliptic
+    end function omega_at
+
+    !> The motion at time t, s. phi and psi are those nearest to the start: how often they turned in between
+    !> is not counted.
+    elemental type(motion_t) function at(self, t) result(motion)
+        class(free_motion_t), intent(in) :: self
+        real(dp), intent(in) :: t !! time, s
+        motion%t = t
+        motion%quaternion = self%quaternion_at(t)
+        motion%omega = self%omega_at(t)
+        motion%omega_rate = cross(self%inertia * motion%omega, motion%omega) / self%inertia
+        motion%angle = angles_from_quaternion(motion%quaternion, self%angle)
+        motion%rate = rates_from_omega(motion%angle, motion%omega)
+    end function at
+
+end module spintop_free_motion

@@ -1,0 +1,361 @@
+!> The exact solution of a symmetric top without damping (Lagrange top).
+!>
+!> After its preparation it gives the motion at any time, forward or backward, at a cost and with an accuracy
+!> that do not depend on the time span. The attitude is a product of theta functions (Jacobi 1850; Klein and
+!> Sommerfeld 1898). They are regular at the poles, and nothing has to be integrated or unwrapped.
+!>
+!>     call prepare_symmetric_motion(body, start, exact, status)
+!>     motion = exact%at(t)
+!>
+!> The remaining rounding error is that of rate times time. The constants and the phases are therefore in
+!> extended precision; only the reduced phases are in double precision.
+module spintop_symmetric_motion
+    use spintop_kinds, only: dp, xp, pi_xp, no_number
+    use spintop_compare, only: is_finite
+    use spintop_status, only: status_ok, status_non_finite
+    use spintop_body, only: body_t
+    use spintop_motion, only: motion_t
+    use spintop_scalar_functions, only: argument, unit
+    use spintop_regular_start, only: regular_start_t, find_checked_start
+    use spintop_turning_points, only: turning_points_t, find_turning_points
+    use spintop_theta_functions, only: theta_values_t
+    use spintop_theta_motion, only: theta_motion_t, prepare_theta_motion, regime_resting
+    use spintop_nutation, only: nutation_t, describe_nutation, is_defined
+    implicit none
+    private
+    public :: symmetric_motion_t, prepare_symmetric_motion
+
+    !> The exact solution for one top and one start. It does not change after its preparation, so threads may
+    !> share it.
+    type :: symmetric_motion_t
+        private
+        !> Quantities that do not depend on time.
+        type(nutation_t), public :: nutation
+        type(theta_motion_t) :: theta
+        !> Time of the start, s.
+        real(xp) :: time = 0
+        !> Phases of the upper and the lower component at the start, rad; their rates, and the sum and the
+        !> difference of these, rad/s.
+        real(xp) :: upper_phase = 0, lower_phase = 0
+        real(xp) :: upper_rate = 0, lower_rate = 0, sum_rate = 0, difference_rate = 0
+        !> The components at the start, which an axis at rest keeps. NaN before the preparation, so that any
+        !> motion is NaN then.
+        complex(dp) :: upper = (no_number, no_number), lower = (no_number, no_number)
+        !> Constants of the motion as in `regular_start` and `turning_points`.
+        real(dp) :: a = 0, half_beta = 0, omega3 = no_number, swing_squared = 0
+        real(dp) :: turn = 0, b_minus_a = 0, b_plus_a = 0
+        real(dp) :: y1 = 0, y2 = 0, u2_minus_u1 = 0, one_minus_u2 = 0, one_plus_u1 = 0
+        real(dp) :: k_squared = 0, complement_squared = 1, frequency = 0
+        !> Number of nutations, and of passages of theta = pi, before the start.
+        real(xp) :: tops_before = 0, bottoms_before = 0
+        !> Whether there are exact passages of a pole.
+        logical :: passes_pole = .false.
+        !> Sign of the quaternion at the start, relative to that of its angles.
+        real(dp) :: side = 1
+    contains
+        procedure :: at
+        procedure :: quaternion_at
+    end type symmetric_motion_t
+
+    !> The attitude at an instant, and intermediate results. Without initial values, because it is filled for
+    !> every sample.
+    type :: attitude_t
+        !> The two Cayley-Klein components, and the rotating factors by which U and L are multiplied.
+        complex(dp) :: upper, lower, upper_turn, lower_turn
+        type(theta_values_t) :: theta
+        !> Time since the start, s, and the number of nutations subtracted from the argument.
+        real(xp) :: elapsed, nutations
+        logical :: rising  !! moving from u1 to u2
+    end type attitude_t
+
+    complex(dp), parameter :: i = (0.0_dp, 1.0_dp)
+
+contains
+
+    !> Prepares the exact solution of `body` from `start`. It uses angles and rates or, close to a pole,
+    !> quaternion and omega. `status` is `status_ok`, `status_unsuitable` (not an undamped symmetric top),
+    !> `status_non_finite`, `status_bad_body` or `status_bad_start`.
+    pure subroutine prepare_symmetric_motion(body, start, exact, status)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        type(symmetric_motion_t), intent(out) :: exact !! the exact solution; evaluated with `exact%at(t)`
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        type(regular_start_t) :: regular
+        type(turning_points_t) :: points
+
+        call find_checked_start(body, start, regular, status)
+        if (status /= status_ok) return
+        points = find_turning_points(regular)
+        exact%theta = prepare_theta_motion(regular, points)
+        exact%nutation = describe_nutation(regular, points, exact%theta)
+        exact%passes_pole = exact%nutation%passes_top .or. exact%nutation%passes_bottom
+        call keep_constants(regular, points, exact)
+        if (exact%theta%regime == regime_resting) then
+            call rest(regular, exact)
+        else
+            call set_phases(regular, exact)
+        end if
+        if (is_defined(exact%nutation) .and. is_finite(real(exact%upper_phase + exact%lower_phase, dp))) return
+        status = status_non_finite
+        call forget(exact)
+    end subroutine prepare_symmetric_motion
+
+    !> Resets a solution that overflowed.
+    pure subroutine forget(exact)
+        type(symmetric_motion_t), intent(out) :: exact
+        exact%passes_pole = .false.
+    end subroutine forget
+
+    pure subroutine keep_constants(start, points, exact)
+        type(regular_start_t), intent(in) :: start
+        type(turning_points_t), intent(in) :: points
+        type(symmetric_motion_t), intent(inout) :: exact
+        exact%time = start%time
+        exact%upper = cmplx(start%upper, kind=dp)
+        exact%lower = cmplx(start%lower, kind=dp)
+        exact%side = merge(-1.0_dp, 1.0_dp, start%turns_against_angles)
+        exact%a = real(start%a, dp)
+        exact%half_beta = real(start%beta / 2, dp)
+        exact%omega3 = real(start%omega3, dp)
+        exact%swing_squared = real(start%swing_squared, dp)
+        exact%turn = real(start%turn, dp)
+        exact%b_minus_a = real(start%b_minus_a, dp)
+        exact%b_plus_a = real(start%b_plus_a, dp)
+        exact%y1 = real(points%y1, dp)
+        exact%y2 = real(points%y2, dp)
+        exact%u2_minus_u1 = real(points%u2_minus_u1, dp)
+        exact%one_minus_u2 = real(points%one_minus_u2, dp)
+        exact%one_plus_u1 = real(points%one_plus_u1, dp)
+        exact%k_squared = real(points%k_squared, dp)
+        exact%complement_squared = real(points%complement_squared, dp)
+        exact%frequency = real(points%frequency, dp)
+    end subroutine keep_constants
+
+    !> An axis at rest: the body spins about it.
+    pure subroutine rest(start, exact)
+        type(regular_start_t), intent(in) :: start
+        type(symmetric_motion_t), intent(inout) :: exact
+        exact%upper_phase = start%upper_phase
+        exact%lower_phase = start%lower_phase
+        exact%upper_rate = start%omega3 / 2
+        exact%lower_rate = -start%omega3 / 2
+        exact%difference_rate = start%omega3
+    end subroutine rest
+
+    !> Rates of the phases, and the constants that make the motion pass through the start.
+    pure subroutine set_phases(start, exact)
+        type(regular_start_t), intent(in) :: start
+        type(symmetric_motion_t), intent(inout) :: exact
+        real(dp) :: z, from_top
+        real(xp) :: nutations, upper_then, lower_then
+        type(theta_values_t) :: theta
+
+        associate (clock => exact%theta%clock)
+            exact%upper_rate = start%half() + clock%upper_rate
+            exact%lower_rate = -start%half() + clock%lower_rate
+            exact%sum_rate = clock%sum_rate
+            exact%difference_rate = 2 * start%half() + clock%upper_rate - clock%lower_rate
+
+            call exact%theta%locate(0.0_xp, z, from_top, nutations)
+            exact%tops_before = nutations
+            exact%bottoms_before = merge(nutations, nutations - 1, z >= 0)
+            call exact%theta%evaluate(z, from_top, theta)
+            exact%upper_phase = phase_constant(theta%upper, theta%upper_slope, clock%upper_rate, &
+                                               start%upper, start%upper_rate)
+            exact%lower_phase = phase_constant(theta%lower, theta%lower_slope, clock%lower_rate, &
+                                               start%lower, start%lower_rate)
+
+            ! Whole turns are added: phi and psi begin at their given values.
+            upper_then = exact%upper_phase + argument(theta%upper)
+            lower_then = exact%lower_phase + argument(theta%lower)
+            exact%upper_phase = exact%upper_phase - nutations * clock%upper_step &
+                + 2 * pi_xp * anint((start%upper_phase - upper_then) / (2 * pi_xp))
+            exact%lower_phase = exact%lower_phase - nutations * clock%lower_step &
+                + 2 * pi_xp * anint((start%lower_phase - lower_then) / (2 * pi_xp))
+        end associate
+
+    contains
+
+        !> The angle A for which exp(i A) times the formula of a component gives the start. It uses value and
+        !> rate together, because at a pole one of them may vanish.
+        pure real(dp) function phase_constant(value, slope, rate, x, x_rate)
+            complex(dp), intent(in) :: value, slope  !! of the theta function, by z
+            real(xp), intent(in) :: rate             !! of the phase, rad/s
+            complex(xp), intent(in) :: x, x_rate     !! the component at the start and its rate
+            complex(dp) :: formula, formula_rate
+            real(dp) :: z_rate
+            z_rate = real(exact%theta%clock%rate, dp)
+            formula = value / theta%divisor
+            formula_rate = i * real(rate, dp) * formula + z_rate &
+                * (slope - value * (theta%divisor_slope / theta%divisor)) / theta%divisor
+            phase_constant = argument(exact%frequency**2 * conjg(formula) * cmplx(x, kind=dp) &
+                                      + conjg(formula_rate) * cmplx(x_rate, kind=dp))
+        end function phase_constant
+
+    end subroutine set_phases
+
+    !> The motion at time t, s, or at an array of times. Its attitude is NaN at a time that is not finite, and
+    !> for a solution that was not prepared. At an exact passage of a pole the rates of phi and psi do not
+    !> exist; the result is their limit for passages that approach the pole.
+    elemental type(motion_t) function at(self, t) result(motion)
+        class(symmetric_motion_t), intent(in) :: self
+        real(dp), intent(in) :: t !! time, s
+        type(attitude_t) :: attitude
+        complex(dp) :: swing, swing_rate
+
+        call find_attitude(self, t, attitude)
+        swing = swing_of(self, attitude)
+        swing_rate = -i * (self%omega3 - self%a) * swing &
+            + 2 * self%half_beta * attitude%lower * conjg(attitude%upper)
+        motion%t = t
+        motion%quaternion = self%side * [real(attitude%upper, dp), real(attitude%lower, dp), &
+                                         aimag(attitude%lower), aimag(attitude%upper)]
+        motion%omega = [real(swing, dp), aimag(swing), self%omega3]
+        motion%omega_rate = [real(swing_rate, dp), aimag(swing_rate), 0.0_dp]
+        call add_angles(self, attitude, motion)
+    end function at
+
+    !> The unit quaternion at time t, s.
+    pure function quaternion_at(self, t) result(q)
+        class(symmetric_motion_t), intent(in) :: self
+        real(dp), intent(in) :: t !! time, s
+        real(dp) :: q(4)
+        type(attitude_t) :: attitude
+        call find_attitude(self, t, attitude)
+        q = self%side * [real(attitude%upper, dp), real(attitude%lower, dp), &
+                         aimag(attitude%lower), aimag(attitude%upper)]
+    end function quaternion_at
+
+    !> The Cayley-Klein components at time t.
+    pure subroutine find_attitude(self, t, now)
+        type(symmetric_motion_t), intent(in) :: self
+        real(dp), intent(in) :: t
+        type(attitude_t), intent(out) :: now
+        real(dp) :: z, from_top
+
+        now%elapsed = t - self%time
+        if (self%theta%regime == regime_resting) then
+            now%upper = self%upper * unit(self%upper_rate * now%elapsed)
+            now%lower = self%lower * unit(self%lower_rate * now%elapsed)
+            return
+        end if
+
+        associate (clock => self%theta%clock)
+            call self%theta%locate(now%elapsed, z, from_top, now%nutations)
+            call self%theta%evaluate(z, from_top, now%theta)
+            now%rising = z >= 0
+            now%upper_turn = unit(self%upper_phase + self%upper_rate * now%elapsed &
+                                  + now%nutations * clock%upper_step) &
+                             * (clock%upper_amplitude / now%theta%divisor)
+            now%lower_turn = unit(self%lower_phase + self%lower_rate * now%elapsed &
+                                  + now%nutations * clock%lower_step) &
+                             * (clock%lower_amplitude / now%theta%divisor)
+            now%upper = now%upper_turn * now%theta%upper
+            now%lower = now%lower_turn * now%theta%lower
+        end associate
+    end subroutine find_attitude
+
+    !> omega1 + i omega2 = 2 [conj(upper) lower' - conj(upper') lower], rad/s. The derivative of the divisor
+    !> and the spin that is linear in time cancel and are omitted.
+    pure complex(dp) function swing_of(self, now) result(swing)
+        type(symmetric_motion_t), intent(in) :: self
+        type(attitude_t), intent(in) :: now
+        swing = 0
+        if (self%theta%regime == regime_resting) return
+        associate (clock => self%theta%clock, theta => now%theta)
+            swing = 2 * conjg(now%upper_turn) * now%lower_turn &
+                * (i * real(clock%sum_rate, dp) * conjg(theta%upper) * theta%lower &
+                   + real(clock%rate, dp) * (conjg(theta%upper) * theta%lower_slope &
+                                             - conjg(theta%upper_slope) * theta%lower))
+        end associate
+    end function swing_of
+
+    !> Angles, with all turns of phi and psi, and their rates.
+    pure subroutine add_angles(self, attitude, motion)
+        type(symmetric_motion_t), intent(in) :: self
+        type(attitude_t), intent(in) :: attitude
+        type(motion_t), intent(inout) :: motion
+        real(xp) :: total, difference
+        real(dp) :: sn2, cn2, one_minus_u, one_plus_u, u, y, sine, dn, upper, lower, turn, phi_rate
+
+        total = self%upper_phase + self%lower_phase + self%sum_rate * attitude%elapsed
+        difference = self%upper_phase - self%lower_phase + self%difference_rate * attitude%elapsed
+        if (self%theta%regime == regime_resting) then
+            motion%angle = [real(total, dp), 2 * atan2(abs(self%lower), abs(self%upper)), &
+                            real(difference, dp)]
+            motion%rate = [0.0_dp, 0.0_dp, self%omega3]
+            return
+        end if
+
+        associate (clock => self%theta%clock, theta => attitude%theta)
+            sn2 = theta%sn**2
+            cn2 = theta%cn**2
+            one_minus_u = self%one_minus_u2 + self%u2_minus_u1 * cn2
+            one_plus_u = self%one_plus_u1 + self%u2_minus_u1 * sn2
+            u = (one_plus_u - one_minus_u) / 2
+            sine = sqrt(one_minus_u * one_plus_u)
+
+            if (self%passes_pole) call add_jumps(self, attitude, total, difference)
+            total = total + attitude%nutations * (clock%upper_step + clock%lower_step)
+            difference = difference + attitude%nutations * (clock%upper_step - clock%lower_step)
+            upper = argument(theta%upper)
+            lower = argument(theta%lower)
+            motion%angle = [real(total + (upper + lower), dp), argument(cmplx(u, sine, dp)), &
+                            real(difference + (upper - lower), dp)]
+
+            y = merge(self%y1 + self%u2_minus_u1 * sn2, self%y2 - self%u2_minus_u1 * cn2, sn2 < cn2)
+            turn = turn_at(self, y, one_minus_u, one_plus_u)
+            if (sine > 0) then
+                dn = sqrt(self%complement_squared + self%k_squared * cn2)
+                phi_rate = turn / (one_minus_u * one_plus_u)
+                motion%rate(2) = -2 * self%u2_minus_u1 * self%frequency * theta%sn * theta%cn &
+                                 * (dn / sine)
+            else
+                phi_rate = 0
+                motion%rate(2) = sqrt(self%swing_squared - 2 * self%half_beta * y)
+            end if
+            motion%rate(1) = phi_rate
+            motion%rate(3) = self%omega3 - phi_rate * u
+        end associate
+    end subroutine add_angles
+
+    !> phi' sin(theta)^2 = b - a u, rad/s, in the form that cancels least.
+    pure real(dp) function turn_at(self, y, one_minus_u, one_plus_u) result(turn)
+        type(symmetric_motion_t), intent(in) :: self
+        real(dp), intent(in) :: y, one_minus_u, one_plus_u
+        real(dp) :: from_start, from_top, from_bottom
+        from_start = abs(self%turn) + abs(self%a * y)
+        from_top = abs(self%b_minus_a) + abs(self%a * one_minus_u)
+        from_bottom = abs(self%b_plus_a) + abs(self%a * one_plus_u)
+        if (from_start <= min(from_top, from_bottom)) then
+            turn = self%turn - self%a * y
+        else if (from_top <= from_bottom) then
+            turn = self%b_minus_a + self%a * one_minus_u
+        else
+            turn = self%b_plus_a - self%a * one_plus_u
+        end if
+    end function turn_at
+
+    !> Half turns of phi and psi at exact passages of a pole. The theta functions turn in the same direction
+    !> each time; counted here are half turns of alternating sign.
+    pure subroutine add_jumps(self, attitude, phi, psi)
+        type(symmetric_motion_t), intent(in) :: self
+        type(attitude_t), intent(in) :: attitude
+        real(xp), intent(inout) :: phi, psi  !! rad
+        real(xp) :: tops, bottoms, top_jump, bottom_jump
+        top_jump = 0
+        bottom_jump = 0
+        if (self%nutation%passes_top) then
+            tops = attitude%nutations - self%tops_before
+            top_jump = pi_xp * (modulo(tops, 2.0_xp) - sign(1.0_dp, self%b_minus_a) * tops)
+        end if
+        if (self%nutation%passes_bottom) then
+            bottoms = merge(attitude%nutations, attitude%nutations - 1, attitude%rising) &
+                      - self%bottoms_before
+            bottom_jump = pi_xp * (modulo(bottoms, 2.0_xp) - sign(1.0_dp, self%b_plus_a) * bottoms)
+        end if
+        phi = phi + bottom_jump + top_jump
+        psi = psi + bottom_jump - top_jump
+    end subroutine add_jumps
+
+end module spintop_symmetric_motion

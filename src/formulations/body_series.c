@@ -1,0 +1,307 @@
+// Taylor coefficients of the motion of one body; see rigid_body_series.f90, which has the equations. C with
+// vectors, as no Fortran compiler makes vectors of the products of one body: each term of the series is kept in
+// six arrangements, so that all products of two terms are three products of vectors.
+//
+// The file includes itself once for each level of the processor (processor.c), with LEVEL set.
+
+#ifndef LEVEL
+
+#include <string.h>
+
+// As many numbers in a term as there are state variables, as in capabilities.f90; and terms, at most.
+enum { numbers = 8, half = numbers / 2, most_terms = 31 };
+
+// Constants of the equations, as set_constants in rigid_body_series.f90 has them.
+struct body {
+    double first[numbers], second[numbers], third[numbers], decay[numbers], pull[numbers], swing[numbers];
+};
+
+typedef void expand_body_t(int order, const struct body *body, const double *state, const double *share, double *c);
+expand_body_t spintop_expand_body;
+int spintop_expand_body_at(int level, int order, const struct body *body, const double *state, const double *share,
+                           double *c);
+int spintop_processor_level(void);
+
+// Vectors wider than those of the processor are no arguments of functions that are called.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#pragma GCC push_options
+#pragma GCC target("arch=x86-64-v4")
+#define LEVEL(name) name##_v4
+#include "body_series.c"
+#undef LEVEL
+#pragma GCC pop_options
+#pragma GCC push_options
+#pragma GCC target("arch=x86-64-v3")
+#define LEVEL(name) name##_v3
+#include "body_series.c"
+#undef LEVEL
+#pragma GCC pop_options
+#pragma GCC push_options
+#pragma GCC target("arch=x86-64-v2")
+#define LEVEL(name) name##_v2
+#include "body_series.c"
+#undef LEVEL
+#pragma GCC pop_options
+static expand_body_t *const built[] = {0, 0, expand_v2, expand_v3, expand_v4};
+#else
+#define LEVEL(name) name##_as_built
+#include "body_series.c"
+#undef LEVEL
+static expand_body_t *const built[] = {expand_as_built};
+#endif
+
+static expand_body_t *chosen;
+
+__attribute__((constructor)) static void choose(void) { chosen = built[spintop_processor_level()]; }
+
+void spintop_expand_body(int order, const struct body *body, const double *state, const double *share, double *c) {
+    chosen(order, body, state, share, c);
+}
+
+// The same at a level, for tests; returns whether there is a build for it.
+int spintop_expand_body_at(int level, int order, const struct body *body, const double *state, const double *share,
+                           double *c) {
+    if (level < 0 || level >= (int)(sizeof built / sizeof *built) || !built[level]) return 0;
+    built[level](order, body, state, share, c);
+    return 1;
+}
+
+#else
+
+#define width LEVEL(width)
+#define parts LEVEL(parts)
+#define vector LEVEL(vector)
+#define half_vector LEVEL(half_vector)
+#define factors LEVEL(factors)
+#define get LEVEL(get)
+#define put LEVEL(put)
+#define arrange LEVEL(arrange)
+#define first_half LEVEL(first_half)
+#define sum_of_halves LEVEL(sum_of_halves)
+#define add_last_half LEVEL(add_last_half)
+#define add_inner_products LEVEL(add_inner_products)
+#define expand LEVEL(expand)
+
+// A row of numbers lies in one vector, or in more where the processor has no room for it in one.
+#if defined(__AVX512F__)
+enum { width = 8 };
+#elif defined(__AVX__)
+enum { width = 4 };
+#else
+enum { width = 2 };
+#endif
+enum { parts = numbers / width };
+typedef double vector __attribute__((vector_size(8 * width)));
+typedef double half_vector __attribute__((vector_size(8 * half)));
+
+// A term as the factors of its products with other terms (P momentum, G vertical, q quaternion):
+//     a0 = (P2 P3 P1 .  G2 G3 G1 .)    b0 = (P3 P1 P2 .  P3 P1 P2 .)
+//     a1 = (q3 q3 q1 q2 G3 G1 G2 .)    b1 = (P3 P2 P3 P1 P2 P3 P1 .)
+//     a2 = (q1 q0 q0 q0 q2 q2 q3 q1)   b2 = (P1 P1 P2 P3 P2 P3 P1 P2)
+struct factors {
+    vector a0[parts], b0[parts], a1[parts], b1[parts], a2[parts], b2[parts];
+};
+
+#define inlined static inline __attribute__((always_inline))
+#define shuffle __builtin_shufflevector
+#if defined(__clang__)
+#define for_parts _Pragma("clang loop unroll(full)") for (int p = 0; p < parts; ++p)
+#else
+#define for_parts _Pragma("GCC unroll 4") for (int p = 0; p < parts; ++p)
+#endif
+
+inlined void get(vector *v, const double *from) {
+    for_parts memcpy(&v[p], from + width * p, sizeof *v);
+}
+
+inlined void put(double *to, const half_vector *value) { memcpy(to, value, sizeof *value); }
+
+// Puts (P, G) and q in their arrangements. `torque` are two more, of which the torque of gravity is made:
+//     (G2 G3 G1 . G3 G1 G2 .) and (G3 G1 G2 . P2 P3 P1 .).
+inlined void arrange(const vector *now, const half_vector *quaternion, struct factors *f, vector torque[2][parts]) {
+    const half_vector q = *quaternion;
+#if defined(__AVX512F__)
+    const vector c = now[0], wide = shuffle(q, q, 0, 1, 2, 3, 0, 1, 2, 3);
+    f->a0[0] = shuffle(c, c, 1, 2, 0, 3, 5, 6, 4, 7);
+    f->b0[0] = shuffle(c, c, 2, 0, 1, 3, 2, 0, 1, 3);
+    torque[0][0] = shuffle(c, c, 5, 6, 4, 7, 6, 4, 5, 7);
+    torque[1][0] = shuffle(c, c, 6, 4, 5, 7, 1, 2, 0, 3);
+    f->a1[0] = shuffle(wide, c, 3, 3, 1, 2, 14, 12, 13, 15);
+    f->b1[0] = shuffle(c, c, 2, 1, 2, 0, 1, 2, 0, 3);
+    f->a2[0] = shuffle(wide, wide, 1, 0, 0, 0, 2, 2, 3, 1);
+    f->b2[0] = shuffle(c, c, 0, 0, 1, 2, 1, 2, 0, 1);
+#elif defined(__AVX__)
+    const vector m = now[0], g = now[1];
+    f->a0[0] = shuffle(m, m, 1, 2, 0, 3), f->a0[1] = shuffle(g, g, 1, 2, 0, 3);
+    f->b0[0] = f->b0[1] = shuffle(m, m, 2, 0, 1, 3);
+    f->a1[0] = shuffle(q, q, 3, 3, 1, 2), f->a1[1] = shuffle(g, g, 2, 0, 1, 3);
+    f->b1[0] = shuffle(m, m, 2, 1, 2, 0), f->b1[1] = f->a0[0];
+    f->a2[0] = shuffle(q, q, 1, 0, 0, 0), f->a2[1] = shuffle(q, q, 2, 2, 3, 1);
+    f->b2[0] = shuffle(m, m, 0, 0, 1, 2), f->b2[1] = shuffle(m, m, 1, 2, 0, 1);
+    torque[0][0] = f->a0[1], torque[0][1] = f->a1[1];
+    torque[1][0] = f->a1[1], torque[1][1] = f->a0[0];
+#else
+    double c[numbers];
+    memcpy(c, now, sizeof c);
+#define fill(to, i, j, k, l) (to)[0] = (vector){i, j}, (to)[1] = (vector){k, l}
+    fill(f->a0, c[1], c[2], c[0], 0), fill(f->a0 + 2, c[5], c[6], c[4], 0);
+    fill(f->b0, c[2], c[0], c[1], 0), fill(f->b0 + 2, c[2], c[0], c[1], 0);
+    fill(f->a1, q[3], q[3], q[1], q[2]), fill(f->a1 + 2, c[6], c[4], c[5], 0);
+    fill(f->b1, c[2], c[1], c[2], c[0]), fill(f->b1 + 2, c[1], c[2], c[0], 0);
+    fill(f->a2, q[1], q[0], q[0], q[0]), fill(f->a2 + 2, q[2], q[2], q[3], q[1]);
+    fill(f->b2, c[0], c[0], c[1], c[2]), fill(f->b2 + 2, c[1], c[2], c[0], c[1]);
+#undef fill
+    for (int p = 0; p < parts / 2; ++p) {
+        torque[0][p] = f->a0[p + 2], torque[0][p + 2] = f->a1[p + 2];
+        torque[1][p] = f->a1[p + 2], torque[1][p + 2] = f->a0[p];
+    }
+#endif
+}
+
+// The first four numbers of a row.
+inlined half_vector first_half(const vector *v) {
+#if defined(__AVX512F__)
+    return shuffle(v[0], v[0], 0, 1, 2, 3);
+#elif defined(__AVX__)
+    return v[0];
+#else
+    return shuffle(v[0], v[1], 0, 1, 2, 3);
+#endif
+}
+
+// The sum of the four pairs of products that make the rate of the quaternion.
+inlined half_vector sum_of_halves(const vector *s1, const vector *s2) {
+#if defined(__AVX512F__)
+    return (first_half(s1) + first_half(s2)) + shuffle(s2[0], s2[0], 4, 5, 6, 7);
+#else
+    return (first_half(s1) + first_half(s2)) + first_half(s2 + parts / 2);
+#endif
+}
+
+// Adds the products that belong to the vertical.
+inlined void add_last_half(vector *sum, const vector *s1) {
+#if defined(__AVX512F__)
+    const vector none = {0};
+    sum[0] += shuffle(s1[0], none, 8, 8, 8, 8, 4, 5, 6, 7);
+#else
+    for (int p = parts / 2; p < parts; ++p) sum[p] += s1[p];
+#endif
+}
+
+// Adds the products of the terms 2 to k - 1 to coefficient k + 1 of the rates.
+inlined void add_inner_products(int k, const struct factors *row, vector *s0, vector *s1, vector *s2) {
+    const struct factors *older = row + 2, *newer = row + k - 1;
+    if (parts <= 2) {
+        // As many sums again, so that a product need not wait for the last one.
+        vector t0[parts], t1[parts], t2[parts];
+        for_parts t0[p] = t1[p] = t2[p] = (vector){0};
+        for (; older < newer; ++older, --newer) {
+            for_parts {
+                s0[p] += older->a0[p] * newer->b0[p], t0[p] += newer->a0[p] * older->b0[p];
+                s1[p] += older->a1[p] * newer->b1[p], t1[p] += newer->a1[p] * older->b1[p];
+                s2[p] += older->a2[p] * newer->b2[p], t2[p] += newer->a2[p] * older->b2[p];
+            }
+        }
+        if (older == newer) {
+            for_parts t0[p] += older->a0[p] * older->b0[p];
+            for_parts t1[p] += older->a1[p] * older->b1[p];
+            for_parts t2[p] += older->a2[p] * older->b2[p];
+        }
+        for_parts s0[p] += t0[p], s1[p] += t1[p], s2[p] += t2[p];
+    } else {
+        // There are registers for one sum each.
+        for (; older < row + k; ++older, --newer) {
+            for_parts s0[p] += older->a0[p] * newer->b0[p];
+            for_parts s1[p] += older->a1[p] * newer->b1[p];
+            for_parts s2[p] += older->a2[p] * newer->b2[p];
+        }
+    }
+}
+
+static void expand(int order, const struct body *body, const double *state, const double *share, double *c) {
+    struct factors row[most_terms], start, next, f;
+    vector first[parts], second[parts], third[parts], decay[parts], pull[parts], swing[parts];
+    vector now[parts], rate[parts], ahead[parts], torque[2][parts], by_torque[2][parts], s1[parts], s2[parts];
+    half_vector q, q_ahead = {0}, momentum;
+
+    get(first, body->first), get(second, body->second), get(third, body->third);
+    get(decay, body->decay), get(pull, body->pull), get(swing, body->swing);
+    get(now, state + half);
+    memcpy(&q, state, sizeof q);
+    memcpy(c, state, numbers * sizeof *c);
+    arrange(now, &q, &f, torque);
+    for_parts {
+        start.a0[p] = first[p] * f.b0[p], start.b0[p] = first[p] * f.a0[p];
+        start.a1[p] = second[p] * f.b1[p], start.b1[p] = second[p] * f.a1[p];
+        start.a2[p] = third[p] * f.b2[p], start.b2[p] = third[p] * f.a2[p];
+        rate[p] = start.a0[p] * f.a0[p] + (pull[p] * torque[0][p] - swing[p] * torque[1][p] - decay[p] * now[p]);
+        s1[p] = start.a1[p] * f.a1[p], s2[p] = start.a2[p] * f.a2[p];
+        by_torque[0][p] = pull[p], by_torque[1][p] = -swing[p];
+        ahead[p] = (vector){0};
+    }
+    add_last_half(by_torque[0], start.a1), add_last_half(by_torque[1], start.b1);
+    add_last_half(rate, s1);
+    for_parts now[p] = rate[p];
+    q = sum_of_halves(s1, s2);
+
+    for (int k = 1;; ++k) {
+        // `now` and `q` are term k; `ahead` and `q_ahead` the products of the terms 1 to k - 1.
+        arrange(now, &q, &f, torque);
+        momentum = first_half(now);
+        put(c + numbers * k, &q), put(c + numbers * k + half, &momentum);
+        if (k == order) return;
+        for_parts {
+            rate[p] = ((ahead[p] - decay[p] * now[p]) + start.a0[p] * f.a0[p] + by_torque[1][p] * torque[1][p])
+                      + (start.b0[p] * f.b0[p] + by_torque[0][p] * torque[0][p]);
+            s1[p] = start.b1[p] * f.b1[p] + start.a1[p] * f.a1[p];
+            s2[p] = start.b2[p] * f.b2[p] + start.a2[p] * f.a2[p];
+            now[p] = share[k] * rate[p];
+        }
+        q = share[k] * (sum_of_halves(s1, s2) + q_ahead);
+        // What the next term needs of those before it does not wait for that.
+        if (k + 1 == order) continue;
+        if (k == 1) {
+            for_parts {
+                next.a0[p] = first[p] * f.b0[p], next.b0[p] = first[p] * f.a0[p];
+                next.a1[p] = second[p] * f.b1[p], next.b1[p] = second[p] * f.a1[p];
+                next.a2[p] = third[p] * f.b2[p], next.b2[p] = third[p] * f.a2[p];
+                ahead[p] = next.a0[p] * f.a0[p];
+                s1[p] = next.a1[p] * f.a1[p], s2[p] = next.a2[p] * f.a2[p];
+            }
+            add_last_half(ahead, s1);
+            q_ahead = sum_of_halves(s1, s2);
+            continue;
+        }
+        for_parts {
+            ahead[p] = next.a0[p] * f.a0[p] + next.b0[p] * f.b0[p];
+            s1[p] = next.a1[p] * f.a1[p] + next.b1[p] * f.b1[p];
+            s2[p] = next.a2[p] * f.a2[p] + next.b2[p] * f.b2[p];
+        }
+        add_inner_products(k, row, ahead, s1, s2);
+        for_parts f.a0[p] *= first[p], f.a1[p] *= second[p], f.a2[p] *= third[p];
+        row[k] = f;
+        add_last_half(ahead, s1);
+        q_ahead = sum_of_halves(s1, s2);
+    }
+}
+
+#undef width
+#undef parts
+#undef vector
+#undef half_vector
+#undef factors
+#undef get
+#undef put
+#undef arrange
+#undef first_half
+#undef sum_of_halves
+#undef add_last_half
+#undef add_inner_products
+#undef expand
+#undef inlined
+#undef shuffle
+#undef for_parts
+
+#endif

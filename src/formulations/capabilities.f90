@@ -1,0 +1,212 @@
+!> What a formulation may offer to integrators beside y' = f(t, y): each capability is a type.
+!>
+!> A formulation has a capability or has it not (`formulation_t`); `can_run` asks for those that a
+!> method needs. A capability has constants of its own, set for a body and a start, and is immutable
+!> afterwards.
+module spintop_capabilities
+    use spintop_kinds, only: dp, qp
+    use spintop_body, only: body_t
+    use spintop_motion, only: motion_t
+    implicit none
+    private
+    public :: capability_t, flows_t, group_action_t, series_t, quadruple_series_t, ends_t, reset_t
+    public :: max_states, max_series_order
+    public :: structure_none, structure_split, structure_group, structure_series, &
+        structure_quadruple, structure_names
+
+    !> Largest number of state variables of any formulation, and highest order of its Taylor series.
+    integer, parameter :: max_states = 8, max_series_order = 30
+
+    !> Capabilities that a method may need: drift and kick, the two parts of the motion with flows of
+    !> their own; motion on a Lie group; Taylor coefficients of the motion; the same in quadruple precision.
+    integer, parameter :: structure_none = 0, structure_split = 1, structure_group = 2, &
+        structure_series = 3, structure_quadruple = 4
+    character(*), parameter :: structure_names(structure_split:structure_quadruple) = &
+        [character(32) :: 'drift and kick', 'Lie-group motion', 'Taylor series', &
+         'quadruple Taylor series']
+
+    !> Any capability.
+    type, abstract :: capability_t
+    contains
+        procedure(set), deferred :: set
+    end type capability_t
+
+    !> The motion as two flows, drift and kick, which together are the motion: the sum of their right-hand
+    !> sides is `derivative`. The kick is an exact flow; the drift is one or, without `splits_as_nystrom`, may
+    !> be an approximation that is symmetric in h and of order 2. Equations with such flows do not depend on t.
+    type, abstract, extends(capability_t) :: flows_t
+        !> Whether drift and kick are exact flows, the kick changes rates by a function of the attitude alone,
+        !> and the drift is linear in the rates. Runge-Kutta-Nystrom tables need this.
+        logical :: splits_as_nystrom = .true.
+    contains
+        procedure(flow), deferred :: drift
+        procedure(flow), deferred :: kick
+        procedure :: compose => compose_flows
+    end type flows_t
+
+    !> The motion as that on a Lie group which acts on the states: y' = d/ds move(y, s xi) at s = 0.
+    type, abstract, extends(capability_t) :: group_action_t
+    contains
+        procedure(velocity), deferred :: velocity
+        procedure(bracket), deferred, nopass :: bracket
+        procedure(move), deferred, nopass :: move
+    end type group_action_t
+
+    !> The motion as a Taylor series.
+    type, abstract, extends(capability_t) :: series_t
+    contains
+        procedure(expand), deferred :: expand
+        procedure :: unfold => keep_change
+    end type series_t
+
+    !> The same in quadruple precision.
+    type, abstract, extends(capability_t) :: quadruple_series_t
+    contains
+        procedure(expand_quadruple), deferred :: expand
+    end type quadruple_series_t
+
+    !> The ends of equations in reduced coordinates, which hold between two turning points only.
+    type, abstract, extends(capability_t) :: ends_t
+    contains
+        procedure(time_left), deferred :: time_left
+        procedure(depart), deferred :: depart
+        procedure(arrive), deferred :: arrive
+    end type ends_t
+
+    !> A change of the state that belongs to the equations and follows each accepted step.
+    type, abstract, extends(capability_t) :: reset_t
+    contains
+        procedure(apply), deferred :: apply
+    end type reset_t
+
+    abstract interface
+        !> Sets the constants for a body and its start.
+        pure subroutine set(self, body, start)
+            import :: capability_t, body_t, motion_t
+            class(capability_t), intent(inout) :: self
+            type(body_t), intent(in) :: body !! mass properties about the fixed point
+            type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        end subroutine set
+
+        !> A drift or a kick over `h` seconds, of either sign, from the state y + change: adds to
+        !> `change` what it does.
+        pure subroutine flow(self, y, h, change)
+            import :: flows_t, dp, max_states
+            class(flows_t), intent(in) :: self
+            real(dp), intent(in) :: y(max_states), h !! state at the beginning of the step; time, s
+            real(dp), intent(inout) :: change(max_states) !! since the beginning of the step
+        end subroutine flow
+
+        !> The element xi of the Lie algebra along which the state `y` moves whose slope is `dy`: finite where
+        !> these are.
+        pure subroutine velocity(self, y, dy, xi)
+            import :: group_action_t, dp, max_states
+            class(group_action_t), intent(in) :: self
+            real(dp), intent(in) :: y(max_states), dy(max_states) !! state and slope
+            real(dp), intent(out) :: xi(max_states) !! unused components are zero
+        end subroutine velocity
+
+        !> The bracket [a, b] of two elements of the algebra: a move by a followed by a move by b is the move
+        !> by a + b + [a, b]/2 + ...
+        pure function bracket(a, b)
+            import :: dp, max_states
+            real(dp), intent(in) :: a(max_states), b(max_states) !! elements, in the order of time
+            real(dp) :: bracket(max_states)
+        end function bracket
+
+        !> Change of the state by the exponential of an element of the algebra.
+        pure subroutine move(y, xi, change)
+            import :: dp, max_states
+            real(dp), intent(in) :: y(max_states), xi(max_states) !! state, and element of the algebra
+            real(dp), intent(out) :: change(max_states) !! of the state
+        end subroutine move
+
+        !> Taylor coefficients of the motion that passes through `y` at the time `t`:
+        !> y(t + h) = sum_k coefficient(:, k) h^k, k = 0 .. order, or of other variables that begin as `y`
+        !> does and from which `unfold` makes the state.
+        pure subroutine expand(self, t, y, order, coefficient)
+            import :: series_t, dp, max_states, max_series_order
+            class(series_t), intent(in) :: self
+            real(dp), intent(in) :: t, y(max_states) !! time, s, and state about which the series is
+            integer, intent(in) :: order !! at most `max_series_order`
+            real(dp), intent(out) :: coefficient(max_states, 0:max_series_order) !! columns to `order` are set
+        end subroutine expand
+
+        !> Taylor coefficients of the state that is `y` at the time `t`, in quadruple precision.
+        pure subroutine expand_quadruple(self, t, y, order, coefficient)
+            import :: quadruple_series_t, dp, qp, max_states, max_series_order
+            class(quadruple_series_t), intent(in) :: self
+            real(dp), intent(in) :: t !! s
+            real(qp), intent(in) :: y(max_states) !! state about which the series is
+            integer, intent(in) :: order !! at most `max_series_order`
+            real(qp), intent(out) :: coefficient(max_states, 0:max_series_order) !! columns to `order` are set
+        end subroutine expand_quadruple
+
+        !> Estimate of the time left until the equations end, s; its error goes with its cube. `huge` where
+        !> they do not end.
+        pure real(dp) function time_left(self, y)
+            import :: ends_t, dp, max_states
+            class(ends_t), intent(in) :: self
+            real(dp), intent(in) :: y(max_states) !! state
+        end function time_left
+
+        !> Leaves a start where the right-hand side alone would stay for ever: on return `departed` is
+        !> true and `y` the state a time `h` later by Taylor's series; with `h` = 0 it chooses a short
+        !> one itself.
+        pure subroutine depart(self, y, h, departed)
+            import :: ends_t, dp, max_states
+            class(ends_t), intent(in) :: self
+            real(dp), intent(inout) :: y(max_states), h !! state; time, s
+            logical, intent(out) :: departed !! unless the start needs no departure: then nothing changes
+        end subroutine depart
+
+        !> Goes to the end of the equations if little time is left: `y` becomes the state there, `left` the
+        !> time to it, by a Taylor series.
+        pure subroutine arrive(self, y, left)
+            import :: ends_t, dp, max_states
+            class(ends_t), intent(in) :: self
+            real(dp), intent(inout) :: y(max_states) !! state
+            real(dp), intent(out) :: left !! s
+        end subroutine arrive
+
+        !> Resets the state after an accepted step. An inadmissible value is clipped.
+        pure subroutine apply(self, y, clipped)
+            import :: reset_t, dp, max_states
+            class(reset_t), intent(in) :: self
+            real(dp), intent(inout) :: y(max_states) !! state
+            logical, intent(out) :: clipped !! a value was inadmissible
+        end subroutine apply
+    end interface
+
+contains
+
+    !> How kicks over `kicks` h and drifts over `drifts` h seconds, in turn and beginning with a kick,
+    !> change the state. Flows that cost less than their calls bring one of their own.
+    !>
+    !> The change is summed from zero, so that rounding errors are relative to the change and not to the
+    !> state.
+    pure subroutine compose_flows(self, y, h, kicks, drifts, change)
+        class(flows_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h !! state, and size of the step, s
+        real(dp), intent(in) :: kicks(0:), drifts(:) !! shares of `h`
+        real(dp), intent(out) :: change(max_states) !! of the state
+        integer :: i
+        change = 0
+        if (abs(kicks(0)) > 0) call self%kick(y, h * kicks(0), change)
+        do i = 1, size(drifts)
+            call self%drift(y, h * drifts(i), change)
+            if (abs(kicks(i)) > 0) call self%kick(y, h * kicks(i), change)
+        end do
+    end subroutine compose_flows
+
+    !> Makes the change of the state `y` after a time `h` of that of the variables of the series. Where
+    !> these are the state, nothing is left to do.
+    pure subroutine keep_change(self, y, h, change)
+        class(series_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h !! state at the beginning of the step; time, s
+        real(dp), intent(inout) :: change(max_states) !! of the variables, then of the state
+        associate (unused => self, also_unused => y, nor_used => h, kept => change)
+        end associate
+    end subroutine keep_change
+
+end module spintop_capabilities

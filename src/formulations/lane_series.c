@@ -1,0 +1,319 @@
+// Taylor coefficients of many motions, one in each lane of a vector, and of perturbations of them; see
+// lane_series.f90 and lane_tangents.f90, which have the equations. C with vectors, as a Fortran compiler gets
+// there only with flags that would hold for all files: the loop over the terms needs its sums in registers,
+// and every operand read once.
+//
+// The file includes itself once for each level of the processor (processor.c), with LEVEL set.
+
+#ifndef LEVEL
+
+#include <string.h>
+
+// As many lanes and rows as in lane_series.f90; a row holds one number of each lane.
+enum { lanes = 8, rows = 9, term = lanes * rows };
+
+// Terms of the series whose share is more than one number.
+enum { exact_shares = 8 };
+
+// Components of a perturbation, those of a force on it, and terms at most, as in lane_tangents.f90.
+enum { components = 6, forces = 3, most_terms = 30 };
+
+// The rows of a term of the series.
+enum { w1, w2, w3, g1, g2, g3, angle, quotient, numerator };
+
+// The rows of a term of a perturbation: of omega, and the rotation.
+enum { d1, d2, d3, r1, r2, r3 };
+
+struct body { // a row of lanes for each number
+    const double *coupling, *decay, *pull, *swing;
+};
+
+// 1/k as the sum of two numbers, or as one.
+struct share {
+    double first, rest;
+    int is_sum;
+};
+
+typedef void expand_lanes_t(int order, const double *coupling, const double *decay, const double *pull,
+                            const double *swing, const double *side, const double *state, const double *share,
+                            const double *share_rest, double *c);
+expand_lanes_t spintop_expand_lanes;
+int spintop_expand_lanes_at(int level, int order, const double *coupling, const double *decay, const double *pull,
+                            const double *swing, const double *side, const double *state, const double *share,
+                            const double *share_rest, double *c);
+typedef void carry_tangents_t(int order, const double *coupling, const double *decay, const double *pull,
+                              const double *swing, const double *c, int is_forced, const double *force,
+                              const double *duration, const double *pace, const double *before, double *after,
+                              double *whole, double *last);
+carry_tangents_t spintop_carry_tangents;
+int spintop_processor_level(void);
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#pragma GCC push_options
+#pragma GCC target("arch=x86-64-v4")
+#define LEVEL(name) name##_v4
+#include "lane_series.c"
+#undef LEVEL
+#pragma GCC pop_options
+#pragma GCC push_options
+#pragma GCC target("arch=x86-64-v3")
+#define LEVEL(name) name##_v3
+#include "lane_series.c"
+#undef LEVEL
+#pragma GCC pop_options
+#pragma GCC push_options
+#pragma GCC target("arch=x86-64-v2")
+#define LEVEL(name) name##_v2
+#include "lane_series.c"
+#undef LEVEL
+#pragma GCC pop_options
+static expand_lanes_t *const built[] = {0, 0, expand_v2, expand_v3, expand_v4};
+static carry_tangents_t *const built_to_carry[] = {0, 0, carry_v2, carry_v3, carry_v4};
+#else
+#define LEVEL(name) name##_as_built
+#include "lane_series.c"
+#undef LEVEL
+static expand_lanes_t *const built[] = {expand_as_built};
+static carry_tangents_t *const built_to_carry[] = {carry_as_built};
+#endif
+
+static expand_lanes_t *chosen;
+static carry_tangents_t *chosen_to_carry;
+
+__attribute__((constructor)) static void choose(void) {
+    chosen = built[spintop_processor_level()];
+    chosen_to_carry = built_to_carry[spintop_processor_level()];
+}
+
+void spintop_expand_lanes(int order, const double *coupling, const double *decay, const double *pull,
+                          const double *swing, const double *side, const double *state,
+                          const double *share, const double *share_rest, double *c) {
+    chosen(order, coupling, decay, pull, swing, side, state, share, share_rest, c);
+}
+
+void spintop_carry_tangents(int order, const double *coupling, const double *decay, const double *pull,
+                            const double *swing, const double *c, int is_forced, const double *force,
+                            const double *duration, const double *pace, const double *before, double *after,
+                            double *whole, double *last) {
+    chosen_to_carry(order, coupling, decay, pull, swing, c, is_forced, force, duration, pace, before, after, whole,
+                    last);
+}
+
+// The same at a level, for tests; returns whether there is a build for it.
+int spintop_expand_lanes_at(int level, int order, const double *coupling, const double *decay, const double *pull,
+                            const double *swing, const double *side, const double *state, const double *share,
+                            const double *share_rest, double *c) {
+    if (level < 0 || level >= (int)(sizeof built / sizeof *built) || !built[level]) return 0;
+    built[level](order, coupling, decay, pull, swing, side, state, share, share_rest, c);
+    return 1;
+}
+
+#else
+
+#define width LEVEL(width)
+#define vector LEVEL(vector)
+#define get LEVEL(get)
+#define put LEVEL(put)
+#define scaled LEVEL(scaled)
+#define append LEVEL(append)
+#define expand LEVEL(expand)
+#define bits LEVEL(bits)
+#define append_tangent LEVEL(append_tangent)
+#define magnitude LEVEL(magnitude)
+#define size_of LEVEL(size_of)
+#define carry LEVEL(carry)
+
+// As many lanes at once as the processor has room for in a vector.
+#if defined(__AVX512F__)
+enum { width = 8 };
+#elif defined(__AVX__)
+enum { width = 4 };
+#else
+enum { width = 2 };
+#endif
+typedef double vector __attribute__((vector_size(8 * width)));
+typedef long long bits __attribute__((vector_size(8 * width)));
+
+static inline vector get(const double *rows_of_lanes, int row) {
+    vector value; // may lie anywhere
+    memcpy(&value, rows_of_lanes + lanes * row, sizeof value);
+    return value;
+}
+
+static inline void put(double *rows_of_lanes, int row, vector value) {
+    memcpy(rows_of_lanes + lanes * row, &value, sizeof value);
+}
+
+static inline vector scaled(vector rate, struct share s) {
+    const vector value = s.first * rate;
+    return s.is_sum ? value + s.rest * rate : value;
+}
+
+// Finds the term behind `now`, the k-th from `c` on, and the quotient of `now`. The sums of products start with
+// the term in the middle, if there is one, and go on to pairs of an older and a newer one; the newest
+// pair comes last, as its numbers have just been found. A quotient that is not known yet is zero.
+static inline __attribute__((always_inline)) void append(int k, int lane, struct body b, vector inverse, struct share s,
+                                                         double *c) {
+    double *now = c + term * k, *next = now + term;
+    const double *middle = c + term * (k / 2), *older, *newer;
+    vector w12 = {0}, w23 = w12, w31 = w12, n1 = w12, n2 = w12, g3q = w12;
+    vector g12 = w12, g21 = w12, g23 = w12, g32 = w12, g31 = w12, g13 = w12;
+
+    put(now, quotient, w12);
+    if (k % 2 == 0) {
+        const vector v1 = get(middle, w1), v2 = get(middle, w2), v3 = get(middle, w3);
+        const vector e1 = get(middle, g1), e2 = get(middle, g2), e3 = get(middle, g3);
+        w12 = v1 * v2, w23 = v2 * v3, w31 = v3 * v1;
+        g12 = e1 * v2, g21 = e2 * v1, g23 = e2 * v3, g32 = e3 * v2, g31 = e3 * v1, g13 = e1 * v3;
+        n1 = e1 * v1, n2 = e2 * v2, g3q = e3 * get(middle, quotient);
+        older = middle - term;
+    } else {
+        older = middle;
+    }
+    for (newer = middle + term; newer <= now; older -= term, newer += term) {
+        const vector v1 = get(older, w1), v2 = get(older, w2), v3 = get(older, w3);
+        const vector e1 = get(older, g1), e2 = get(older, g2), e3 = get(older, g3), p = get(older, quotient);
+        const vector u1 = get(newer, w1), u2 = get(newer, w2), u3 = get(newer, w3);
+        const vector f1 = get(newer, g1), f2 = get(newer, g2), f3 = get(newer, g3), q = get(newer, quotient);
+        w12 += v1 * u2, w23 += v2 * u3, w31 += v3 * u1;
+        g12 += e1 * u2, g21 += e2 * u1, g23 += e2 * u3, g32 += e3 * u2, g31 += e3 * u1, g13 += e1 * u3;
+        n1 += e1 * u1, n2 += e2 * u2, g3q += p * f3;
+        w12 += u1 * v2, w23 += u2 * v3, w31 += u3 * v1;
+        g12 += f1 * v2, g21 += f2 * v1, g23 += f2 * v3, g32 += f3 * v2, g31 += f3 * v1, g13 += f1 * v3;
+        n1 += f1 * v1, n2 += f2 * v2, g3q += q * e3;
+    }
+
+    const vector v1 = get(now, w1), v2 = get(now, w2), v3 = get(now, w3);
+    const vector e1 = get(now, g1), e2 = get(now, g2), e3 = get(now, g3);
+    const vector n = n1 + n2, q = (n - g3q) * inverse;
+    put(now, quotient, q);
+    put(now, numerator, n);
+    put(next, w1, scaled(get(b.coupling + lane, 0) * w23
+                         + (e2 * get(b.pull + lane, 0) - e3 * get(b.swing + lane, 0) - v1 * get(b.decay + lane, 0)), s));
+    put(next, w2, scaled(get(b.coupling + lane, 1) * w31
+                         + (e3 * get(b.pull + lane, 1) - e1 * get(b.swing + lane, 1) - v2 * get(b.decay + lane, 1)), s));
+    put(next, w3, scaled(get(b.coupling + lane, 2) * w12
+                         + (e1 * get(b.pull + lane, 2) - e2 * get(b.swing + lane, 2) - v3 * get(b.decay + lane, 2)), s));
+    put(next, g1, scaled(g23 - g32, s));
+    put(next, g2, scaled(g31 - g13, s));
+    put(next, g3, scaled(g12 - g21, s));
+    put(next, angle, scaled(v3 + q, s));
+}
+
+static void expand(int order, const double *coupling, const double *decay, const double *pull, const double *swing,
+                   const double *side, const double *state, const double *share, const double *share_rest, double *c) {
+    const int few = order < exact_shares ? order : exact_shares;
+    const struct body b = {coupling, decay, pull, swing};
+    const vector none = {0};
+    double inverse[lanes];
+
+    for (int lane = 0; lane < lanes; lane += width) {
+        const vector s = get(side + lane, 0);
+        put(inverse + lane, 0, s / (1 + s * get(state + lane, g3)));
+        for (int row = w1; row <= angle; ++row) put(c + lane, row, get(state + lane, row));
+        put(c + term * order + lane, quotient, none);
+        put(c + term * order + lane, numerator, none);
+    }
+    // Vectors of lanes in turn: one is computed while another waits for its last term.
+    for (int k = 0; k < few; ++k) {
+        const struct share s = {share[k], share_rest[k], 1};
+        for (int lane = 0; lane < lanes; lane += width) append(k, lane, b, get(inverse + lane, 0), s, c + lane);
+    }
+    for (int k = few; k < order; ++k) {
+        const struct share s = {share[k] + share_rest[k], 0, 0};
+        for (int lane = 0; lane < lanes; lane += width) append(k, lane, b, get(inverse + lane, 0), s, c + lane);
+    }
+}
+
+// Finds the term behind the k-th of a perturbation. The products are those of two series of different kind, so that
+// no pair is found twice.
+static inline __attribute__((always_inline)) void append_tangent(int k, int lane, struct body b, const double *c,
+                                                                 const double *force, double *z) {
+    vector p1 = {0}, p2 = p1, p3 = p1, e1 = p1, e2 = p1, e3 = p1, t1 = p1, t2 = p1, t3 = p1;
+    const double *base = c + term * k, *now = z;
+    const double share = 1.0 / (k + 1);
+    double *next = z + lanes * components * (k + 1);
+
+    for (; base >= c; base -= term, now += lanes * components) {
+        const vector v1 = get(base, w1), v2 = get(base, w2), v3 = get(base, w3);
+        const vector u1 = get(base, g1), u2 = get(base, g2), u3 = get(base, g3);
+        const vector x1 = get(now, d1), x2 = get(now, d2), x3 = get(now, d3);
+        const vector y1 = get(now, r1), y2 = get(now, r2), y3 = get(now, r3);
+        p1 += x2 * v3, p2 += x3 * v1, p3 += x1 * v2;
+        e1 += y2 * v3, e2 += y3 * v1, e3 += y1 * v2;
+        t1 += u2 * y3, t2 += u3 * y1, t3 += u1 * y2;
+        p1 += x3 * v2, p2 += x1 * v3, p3 += x2 * v1;
+        e1 -= y3 * v2, e2 -= y1 * v3, e3 -= y2 * v1;
+        t1 -= u3 * y2, t2 -= u1 * y3, t3 -= u2 * y1;
+    }
+
+    now = z + lanes * components * k;
+    const vector x1 = get(now, d1), x2 = get(now, d2), x3 = get(now, d3);
+    p1 = get(b.coupling + lane, 0) * p1
+         + (t2 * get(b.pull + lane, 0) - t3 * get(b.swing + lane, 0) - x1 * get(b.decay + lane, 0));
+    p2 = get(b.coupling + lane, 1) * p2
+         + (t3 * get(b.pull + lane, 1) - t1 * get(b.swing + lane, 1) - x2 * get(b.decay + lane, 1));
+    p3 = get(b.coupling + lane, 2) * p3
+         + (t1 * get(b.pull + lane, 2) - t2 * get(b.swing + lane, 2) - x3 * get(b.decay + lane, 2));
+    if (force) {
+        force += lanes * forces * k;
+        p1 += get(force, 0), p2 += get(force, 1), p3 += get(force, 2);
+    }
+    put(next, d1, share * p1);
+    put(next, d2, share * p2);
+    put(next, d3, share * p3);
+    put(next, r1, share * (x1 + e1));
+    put(next, r2, share * (x2 + e2));
+    put(next, r3, share * (x3 + e3));
+}
+
+static inline vector magnitude(vector x) { return (vector)((bits)x & 0x7fffffffffffffffLL); }
+
+// Sum of the magnitudes of a term; those of omega in units of `pace`.
+static inline vector size_of(const double *z, vector pace) {
+    return (magnitude(get(z, d1)) + magnitude(get(z, d2)) + magnitude(get(z, d3))) / pace
+           + (magnitude(get(z, r1)) + magnitude(get(z, r2)) + magnitude(get(z, r3)));
+}
+
+static void carry(int order, const double *coupling, const double *decay, const double *pull, const double *swing,
+                  const double *c, int is_forced, const double *force, const double *duration, const double *pace,
+                  const double *before, double *after, double *whole, double *last) {
+    enum { step = lanes * components };
+    const struct body b = {coupling, decay, pull, swing};
+    double z[step * (most_terms + 1)] __attribute__((aligned(64)));
+
+    memcpy(z, before, step * sizeof *z);
+    for (int k = 0; k < order; ++k) {
+        for (int lane = 0; lane < lanes; lane += width) {
+            append_tangent(k, lane, b, c + lane, is_forced ? force + lane : 0, z + lane);
+        }
+    }
+    for (int lane = 0; lane < lanes; lane += width) {
+        const double *newest = z + step * order + lane;
+        const vector h = get(duration + lane, 0), p = get(pace + lane, 0);
+        vector sum[components], power = h;
+        for (int row = 0; row < components; ++row) sum[row] = get(newest, row);
+        for (int k = order - 1; k >= 0; --k) {
+            for (int row = 0; row < components; ++row) sum[row] = sum[row] * h + get(z + step * k + lane, row);
+        }
+        for (int row = 0; row < components; ++row) put(after + lane, row, sum[row]);
+        for (int k = 2; k < order; ++k) power *= h;
+        put(whole + lane, 0, size_of(z + lane, p));
+        put(last + lane, 0, power * (size_of(newest - step, p) + h * size_of(newest, p)));
+    }
+}
+
+#undef width
+#undef vector
+#undef get
+#undef put
+#undef scaled
+#undef append
+#undef expand
+#undef bits
+#undef append_tangent
+#undef magnitude
+#undef size_of
+#undef carry
+
+#endif

@@ -1,0 +1,221 @@
+!> Writing of JSON (RFC 8259): one object, its members on lines of their own, and the elements of its
+!> lists, too; what is deeper stands in one line.
+!>
+!>     call json%begin()
+!>     call json%open_list('methods')
+!>     call json%open_object()
+!>     call json%add('name', 'rk4')
+!>     call json%add('order', 4)
+!>     call json%close()
+!>     call json%close()
+!>     call json%finish(lines)
+module spintop_json
+    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp
+    use spintop_line_list, only: line_list_t
+    use spintop_text, only: string_t, to_text
+    implicit none
+    private
+    public :: json_t
+
+    !> Containers that are open at once, at most; containers down to this depth have a line per item.
+    integer, parameter :: max_depth = 8, depth_of_lines = 2
+
+    !> A document that is being written.
+    type :: json_t
+        private
+        type(line_list_t) :: lines
+        !> The line that is not yet complete.
+        character(:), allocatable :: line
+        integer :: depth = 0
+        !> What closes each open container, and whether it has an item already.
+        character :: closing(max_depth) = ' '
+        logical :: has_item(max_depth) = .false.
+    contains
+        procedure :: begin
+        procedure :: open_object
+        procedure :: open_list
+        procedure :: close => close_container
+        procedure :: finish
+        !> `add(key, value)`: a member of the innermost object. A text, an integer, a real (null where it
+        !> is not finite), a logical, or a list of texts.
+        generic :: add => add_text, add_integer, add_real, add_logical, add_texts, add_strings
+        procedure :: add_null
+        procedure :: add_optional
+        procedure, private :: add_text, add_integer, add_real, add_logical, add_texts, add_strings
+        procedure, private :: open_container
+        procedure, private :: put_item
+    end type json_t
+
+contains
+
+    !> Begins the document, an object.
+    subroutine begin(self)
+        class(json_t), intent(out) :: self
+        self%line = '{'
+        self%depth = 1
+        self%closing(1) = '}'
+    end subroutine begin
+
+    !> Opens an object: a member of an object, or, without a key, an element of a list.
+    subroutine open_object(self, key)
+        class(json_t), intent(inout) :: self
+        character(*), intent(in), optional :: key !! name of the member
+        call self%open_container('{', '}', key)
+    end subroutine open_object
+
+    !> Opens a list: a member of an object, or, without a key, an element of a list.
+    subroutine open_list(self, key)
+        class(json_t), intent(inout) :: self
+        character(*), intent(in), optional :: key !! name of the member
+        call self%open_container('[', ']', key)
+    end subroutine open_list
+
+    !> Closes the innermost container.
+    subroutine close_container(self)
+        class(json_t), intent(inout) :: self
+        if (self%depth <= depth_of_lines .and. self%has_item(self%depth)) then
+            call self%lines%add(self%line)
+            self%line = repeat(' ', 2 * (self%depth - 1))
+        end if
+        self%line = self%line // self%closing(self%depth)
+        self%depth = self%depth - 1
+    end subroutine close_container
+
+    !> Closes the document, and gives its lines.
+    subroutine finish(self, lines)
+        class(json_t), intent(inout) :: self
+        type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
+        do while (self%depth > 0)
+            call self%close()
+        end do
+        call self%lines%add(self%line)
+        call self%lines%get(lines)
+    end subroutine finish
+
+    !> Adds a member without a value.
+    subroutine add_null(self, key)
+        class(json_t), intent(inout) :: self
+        character(*), intent(in) :: key !! the key
+        call self%put_item('null', key)
+    end subroutine add_null
+
+    !> Adds a text, or null for one that is blank.
+    subroutine add_optional(self, key, value)
+        class(json_t), intent(inout) :: self
+        character(*), intent(in) :: key !! the key
+        character(*), intent(in) :: value !! blanks at its end are left out
+        if (value == '') then
+            call self%add_null(key)
+        else
+            call self%add(key, value)
+        end if
+    end subroutine add_optional
+
+    subroutine add_text(self, key, value)
+        class(json_t), intent(inout) :: self
+        character(*), intent(in) :: key
+        character(*), intent(in) :: value
+        call self%put_item(quoted(trim(value)), key)
+    end subroutine add_text
+
+    subroutine add_integer(self, key, value)
+        class(json_t), intent(inout) :: self
+        character(*), intent(in) :: key
+        integer, intent(in) :: value
+        call self%put_item(to_text(value), key)
+    end subroutine add_integer
+
+    subroutine add_real(self, key, value)
+        class(json_t), intent(inout) :: self
+        character(*), intent(in) :: key
+        real(dp), intent(in) :: value
+        if (is_finite(value)) then
+            call self%put_item(to_text(value), key)
+        else
+            call self%add_null(key)
+        end if
+    end subroutine add_real
+
+    subroutine add_logical(self, key, value)
+        class(json_t), intent(inout) :: self
+        character(*), intent(in) :: key
+        logical, intent(in) :: value
+        call self%put_item(trim(merge('true ', 'false', value)), key)
+    end subroutine add_logical
+
+    subroutine add_texts(self, key, values)
+        class(json_t), intent(inout) :: self
+        character(*), intent(in) :: key
+        character(*), intent(in) :: values(:)
+        integer :: i
+        call self%open_list(key)
+        do i = 1, size(values)
+            call self%put_item(quoted(trim(values(i))))
+        end do
+        call self%close()
+    end subroutine add_texts
+
+    subroutine add_strings(self, key, values)
+        class(json_t), intent(inout) :: self
+        character(*), intent(in) :: key
+        type(string_t), intent(in) :: values(:)
+        integer :: i
+        call self%open_list(key)
+        do i = 1, size(values)
+            call self%put_item(quoted(values(i)%text))
+        end do
+        call self%close()
+    end subroutine add_strings
+
+    subroutine open_container(self, opening, closing, key)
+        class(json_t), intent(inout) :: self
+        character, intent(in) :: opening, closing
+        character(*), intent(in), optional :: key
+        call self%put_item(opening, key)
+        self%depth = self%depth + 1
+        self%closing(self%depth) = closing
+        self%has_item(self%depth) = .false.
+    end subroutine open_container
+
+    !> Adds the text of a value, or of the beginning of a container, to the innermost container.
+    subroutine put_item(self, text, key)
+        class(json_t), intent(inout) :: self
+        character(*), intent(in) :: text
+        character(*), intent(in), optional :: key
+        associate (depth => self%depth)
+            if (self%has_item(depth)) self%line = self%line // ','
+            if (depth <= depth_of_lines) then
+                call self%lines%add(self%line)
+                self%line = repeat(' ', 2 * depth)
+            else if (self%has_item(depth)) then
+                self%line = self%line // ' '
+            end if
+            self%has_item(depth) = .true.
+        end associate
+        if (present(key)) self%line = self%line // quoted(key) // ': '
+        self%line = self%line // text
+    end subroutine put_item
+
+    !> A text in quotes, with what JSON wants to have escaped.
+    pure function quoted(text)
+        character(*), intent(in) :: text
+        character(:), allocatable :: quoted
+        character(2) :: code
+        integer :: i
+        quoted = '"'
+        do i = 1, len(text)
+            select case (text(i:i))
+            case ('"', '\')
+                quoted = quoted // '\' // text(i:i)
+            case (achar(0):achar(31))
+                write (code, '(z2.2)') iachar(text(i:i))
+                quoted = quoted // '\u00' // code
+            case default
+                quoted = quoted // text(i:i)
+            end select
+        end do
+        quoted = quoted // '"'
+    end function quoted
+
+end module spintop_json

@@ -1,0 +1,222 @@
+!> Polynomials of a step, one in each lane, over the step as the unit interval: where they pass zero.
+!>
+!> In Bernstein form a polynomial lies between its smallest and its largest coefficient, and passes zero in the
+!> interval as often as its coefficients change sign, or an even number of times less (Descartes; Farouki,
+!> Computer Aided Geometric Design 29, 2012). So no change or one is certain; an interval with more is halved.
+module spintop_lane_polynomials
+    use spintop_formulation, only: max_series_order
+    use spintop_kinds, only: dp
+    use spintop_lane_series, only: lanes
+    implicit none
+    private
+    public :: to_bernstein, count_changes, refine_root, find_roots, most_roots
+
+    !> Roots of one lane in one step that are found at most.
+    integer, parameter :: most_roots = 32
+    !> Newton's iterations in lanes, and the length of the last from which on the root is right to rounding.
+    integer, parameter :: iterations = 3
+    real(dp), parameter :: still = 1.0e-6_dp
+    !> A root is bisected so often at most.
+    integer, parameter :: most_halvings = 50
+
+    !> Indices in the table below.
+    integer :: i, n
+    !> 1 over the binomial coefficient n over i.
+    real(dp), parameter :: share(0:max_series_order, 0:max_series_order) = reshape( &
+        [((gamma(real(i + 1, dp)) * gamma(real(max(n - i, 0) + 1, dp)) / gamma(real(n + 1, dp)), &
+           i=0, max_series_order), n=0, max_series_order)], [max_series_order + 1, max_series_order + 1])
+
+contains
+
+    !> Bernstein coefficients of the polynomials sum of a_k u^k, k = 0..n, for u from 0 to 1.
+    pure subroutine to_bernstein(n, a, b)
+        integer, intent(in) :: n !! degree
+        real(dp), intent(in) :: a(lanes, 0:n) !! coefficients of the powers of u
+        real(dp), intent(out) :: b(lanes, 0:n) !! Bernstein coefficients
+        integer :: i, j, k
+
+        do k = 0, n
+            !$omp simd
+            do i = 1, lanes
+                b(i, k) = share(k, n) * a(i, k)
+            end do
+        end do
+        do k = 1, n
+            do j = n, k, -1
+                !$omp simd
+                do i = 1, lanes
+                    b(i, j) = b(i, j) + b(i, j - 1)
+                end do
+            end do
+        end do
+    end subroutine to_bernstein
+
+    !> Changes of sign among the coefficients. Those up to `noise` have no sign. The first is preceded by
+    !> `sign_before`, of the end of the last step (1, -1, or 0 if unknown).
+    pure subroutine count_changes(n, b, noise, sign_before, changes, near)
+        integer, intent(in) :: n !! degree
+        real(dp), intent(in) :: b(lanes, 0:n), noise(lanes)
+            !! Bernstein coefficients, and bounds of their rounding errors
+        real(dp), intent(inout) :: sign_before(lanes) !! sign before the interval, replaced by the sign at its end
+        real(dp), intent(out) :: changes(lanes), near(lanes)
+            !! numbers of changes of sign; fractions of the interval at which a single one is
+        real(dp) :: now, place(lanes)
+        integer :: i, j
+
+        changes = 0
+        place = 0
+        do j = 0, n
+            !$omp simd private(now)
+            do i = 1, lanes
+                now = merge(b(i, j), 0.0_dp, abs(b(i, j)) > noise(i))
+                changes(i) = changes(i) + merge(1.0_dp, 0.0_dp, now * sign_before(i) < 0)
+                place(i) = merge(real(j, dp), place(i), now * sign_before(i) < 0)
+                sign_before(i) = merge(sign(1.0_dp, now), sign_before(i), abs(now) > 0)
+            end do
+        end do
+        near = 0
+        do i = 1, lanes
+            j = nint(place(i))
+            if (j > 0) near(i) = (j - abs(b(i, j)) / (abs(b(i, j)) + abs(b(i, j - 1)))) / n
+        end do
+    end subroutine count_changes
+
+    !> Refines roots by Newton's method.
+    pure subroutine refine_root(n, a, u, doubt)
+        integer, intent(in) :: n !! degree
+        real(dp), intent(in) :: a(lanes, 0:n) !! coefficients of the powers of u
+        real(dp), intent(inout) :: u(lanes) !! approximate roots, which are refined
+        real(dp), intent(out) :: doubt(lanes) !! positive where the iteration did not converge
+        integer :: j
+        do j = 1, iterations
+            call take_newton_step(n, a, u, doubt)
+        end do
+    end subroutine refine_root
+
+    !> One step of Newton's method, as for `refine_root`.
+    pure subroutine take_newton_step(n, a, u, doubt)
+        integer, intent(in) :: n
+        real(dp), intent(in) :: a(lanes, 0:n)
+        real(dp), intent(inout) :: u(lanes)
+        real(dp), intent(out) :: doubt(lanes)
+        real(dp) :: value(lanes), slope(lanes), y, y_rate, new
+        integer :: i, k
+        ! No loop around another becomes vectors that has choices in it.
+        !$omp simd private(y, y_rate, k)
+        do i = 1, lanes
+            y = a(i, n)
+            y_rate = 0
+            do k = 1, max(n, 1)
+                y_rate = y_rate * u(i) + y
+                y = y * u(i) + a(i, n - k)
+            end do
+            value(i) = y
+            slope(i) = y_rate
+        end do
+        !$omp simd private(new)
+        do i = 1, lanes
+            new = min(max(u(i) - value(i) / merge(slope(i), 1.0_dp, abs(slope(i)) > 0), 0.0_dp), 1.0_dp)
+            doubt(i) = merge(0.0_dp, 1.0_dp, abs(new - u(i)) <= still)
+            u(i) = new
+        end do
+    end subroutine take_newton_step
+
+    !> All roots of the polynomial of one lane in rising order, by halving; `sign_before` as in `count_changes`.
+    !> At most `most_roots` are found.
+    subroutine find_roots(a, noise, sign_before, roots, signs, found)
+        real(dp), intent(in) :: a(0:), noise !! coefficients, and a bound of their rounding errors
+        real(dp), intent(inout) :: sign_before !! sign before the interval, replaced by the sign at its end
+        real(dp), intent(out) :: roots(most_roots) !! the roots as fractions of the interval
+        real(dp), intent(out) :: signs(most_roots) !! of the slope at each
+        integer, intent(out) :: found !! number of roots
+        real(dp) :: b(0:size(a) - 1)
+        integer :: n, j, k
+
+        n = size(a) - 1
+        b = share(:n, n) * a
+        do k = 1, n
+            do j = n, k, -1
+                b(j) = b(j) + b(j - 1)
+            end do
+        end do
+        found = 0
+        call search(b, 0.0_dp, 1.0_dp, 0)
+
+    contains
+
+        !> Roots in an interval, from its Bernstein coefficients.
+        recursive subroutine search(b, from, to, depth)
+            real(dp), intent(in) :: b(0:), from, to
+            integer, intent(in) :: depth
+            real(dp) :: left(0:size(b) - 1), right(0:size(b) - 1), now, carried
+            integer :: j, k, changes, n
+
+            n = size(b) - 1
+            changes = 0
+            carried = sign_before
+            do j = 0, n
+                now = merge(b(j), 0.0_dp, abs(b(j)) > noise)
+                if (now * carried < 0) changes = changes + 1
+                if (abs(now) > 0) carried = sign(1.0_dp, now)
+            end do
+            if (changes == 0 .or. found == most_roots) then
+                sign_before = carried
+                return
+            end if
+            if (depth == most_halvings .or. (changes == 1 .and. min(abs(b(0)), abs(b(n))) > noise)) then
+                found = found + 1
+                roots(found) = from
+                if (changes == 1 .and. b(0) * b(n) < 0) roots(found) = bisected(a, from, to)
+                signs(found) = carried
+                sign_before = carried
+                return
+            end if
+            ! De Casteljau: both halves.
+            right = b
+            left(0) = b(0)
+            do k = 1, n
+                do j = 0, n - k
+                    right(j) = (right(j) + right(j + 1)) / 2
+                end do
+                left(k) = right(0)
+            end do
+            call search(left, from, (from + to) / 2, depth + 1)
+            call search(right, (from + to) / 2, to, depth + 1)
+        end subroutine search
+
+    end subroutine find_roots
+
+    !> The root between two places at which a polynomial has different signs.
+    pure real(dp) function bisected(a, from, to) result(u)
+        real(dp), intent(in) :: a(0:), from, to
+        real(dp) :: low, high, value, slope, sign_low, next
+        integer :: j, k
+        low = from
+        high = to
+        sign_low = 0
+        u = low
+        do j = 0, 2 * most_halvings
+            value = 0
+            slope = 0
+            do k = size(a) - 1, 0, -1
+                slope = slope * u + value
+                value = value * u + a(k)
+            end do
+            if (j == 0) then
+                sign_low = sign(1.0_dp, value)
+                u = (low + high) / 2
+                cycle
+            end if
+            if (value * sign_low > 0) then
+                low = u
+            else
+                high = u
+            end if
+            next = u - value / merge(slope, 1.0_dp, abs(slope) > 0)
+            if (.not. (next > low .and. next < high)) next = (low + high) / 2
+            if (abs(next - u) <= epsilon(u)) exit
+            u = next
+        end do
+    end function bisected
+
+end module spintop_lane_polynomials

@@ -1,0 +1,123 @@
+!> A watch that looks for the roots of a polynomial in each step: turning points, extremes, passages of levels.
+!>
+!> What extends it gives the polynomials of a step and takes the roots. One root in a lane is found by
+!> Newton's method in all lanes at once, several in the lanes that have them. A root at the end of a step is
+!> found once: the sign there is carried to the next.
+module spintop_root_watch
+    use spintop_kinds, only: dp
+    use spintop_formulation, only: max_series_order
+    use spintop_lane_polynomials, only: count_changes, find_roots, most_roots, refine_root, to_bernstein
+    use spintop_lane_series, only: parts
+    use spintop_lane_steps, only: terms_at
+    use spintop_lane_watch, only: lane_watch_t
+    use spintop_taylor_lanes, only: lanes, taylor_lanes_t
+    implicit none
+    private
+    public :: root_watch_t, of_interval, rounding, states_at
+
+    !> Rounding of a polynomial, in units of its terms.
+    real(dp), parameter :: rounding = 8 * epsilon(1.0_dp)
+
+    !> A watch for roots.
+    type, abstract, extends(lane_watch_t) :: root_watch_t
+        !> Sign of the polynomial at the end of the last step; `begin` sets that of the start, 0 where it is none.
+        real(dp) :: sign(lanes) = 0
+    contains
+        procedure(find_polynomials), deferred :: find_polynomials
+        procedure(take), deferred :: take
+        procedure :: look
+    end type root_watch_t
+
+    abstract interface
+        !> The polynomials over the step as the unit interval, of degree `order` - 1 or `order`, and what of them is
+        !> rounding.
+        subroutine find_polynomials(self, run, degree, a, noise)
+            import :: dp, lanes, max_series_order, root_watch_t, taylor_lanes_t
+            class(root_watch_t), intent(in) :: self
+            type(taylor_lanes_t), intent(in) :: run !! the lanes
+            integer, intent(out) :: degree !! degree of the polynomials
+            real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
+            !! coefficients, and a bound of their rounding errors
+        end subroutine find_polynomials
+
+        !> Takes the roots at the shares `u` of the step: where the polynomial rises `slope` is positive, where it
+        !> falls negative, and where there is no root zero. Those of a lane come in rising order.
+        subroutine take(self, run, u, slope)
+            import :: dp, lanes, root_watch_t, taylor_lanes_t
+            class(root_watch_t), intent(inout) :: self
+            type(taylor_lanes_t), intent(inout) :: run !! the lanes
+            real(dp), intent(in) :: u(lanes), slope(lanes)
+            !! roots as fractions of the step; sign of the slope at each, 0 in lanes without a root
+        end subroutine take
+    end interface
+
+contains
+
+    !> Finds the roots in the last step.
+    subroutine look(self, run)
+        class(root_watch_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(inout) :: run !! the lanes
+        real(dp) :: a(lanes, 0:max_series_order), b(lanes, 0:max_series_order)
+        real(dp), dimension(lanes) :: noise, before, changes, u, doubt, slope
+        real(dp) :: roots(most_roots), signs(most_roots)
+        integer :: lane, k, found, degree
+
+        call self%find_polynomials(run, degree, a, noise)
+        call to_bernstein(degree, a, b)
+        before = self%sign
+        call count_changes(degree, b, noise, self%sign, changes, u)
+        if (.not. maxval(changes) > 0) return
+        call refine_root(degree, a, u, doubt)
+        slope = merge(self%sign, 0.0_dp, changes > 0 .and. changes < 2 .and. .not. doubt > 0)
+        call self%take(run, u, slope)
+        do lane = 1, lanes
+            if (.not. (changes(lane) > 1 .or. (changes(lane) > 0 .and. doubt(lane) > 0))) cycle
+            self%sign(lane) = before(lane)
+            call find_roots(a(lane, :degree), noise(lane), self%sign(lane), roots, signs, found)
+            do k = 1, found
+                u = 0
+                slope = 0
+                u(lane) = roots(k)
+                slope(lane) = signs(k)
+                call self%take(run, u, slope)
+            end do
+        end do
+    end subroutine look
+
+    !> A polynomial of the time since the step began, over the step as the unit interval; and rounding of that, from its
+    !> largest terms.
+    pure subroutine of_interval(degree, step, a, noise)
+        integer, intent(in) :: degree !! degree of the polynomials
+        real(dp), intent(in) :: step(lanes) !! durations of the steps, s
+        real(dp), intent(inout) :: a(lanes, 0:degree) !! coefficients, of the powers of t and then of u
+        real(dp), intent(out) :: noise(lanes) !! bounds of the rounding errors
+        real(dp) :: power(lanes)
+        integer :: i, k
+        power = 1
+        noise = 0
+        do k = 0, degree
+            !$omp simd
+            do i = 1, lanes
+                a(i, k) = a(i, k) * power(i)
+                noise(i) = noise(i) + rounding * abs(a(i, k))
+                power(i) = power(i) * step(i)
+            end do
+        end do
+    end subroutine of_interval
+
+    !> The states t after the beginning of the step.
+    pure subroutine states_at(run, t, states)
+        type(taylor_lanes_t), intent(in) :: run !! the lanes
+        real(dp), intent(in) :: t(lanes) !! times since the beginning of the step, s
+        real(dp), intent(out) :: states(lanes, parts) !! the states
+        integer :: i, m
+        call terms_at(run%order, run%c, t, states)
+        do m = 1, parts
+            !$omp simd
+            do i = 1, lanes
+                states(i, m) = run%c(i, m, 0) + t(i) * states(i, m)
+            end do
+        end do
+    end subroutine states_at
+
+end module spintop_root_watch

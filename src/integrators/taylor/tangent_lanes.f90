@@ -1,0 +1,316 @@
+!> Perturbations of the motions in lanes, carried along with their steps.
+!>
+!> The series of a perturbation may converge more slowly than that of the motion: a body at rest has a motion of one
+!> step, however its perturbations oscillate or grow. The step of a lane is then divided, and the polynomials of the
+!> motion are developed anew about the beginning of each part: the motion itself stays as it is.
+module spintop_tangent_lanes
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_kinds, only: dp
+    use spintop_lane_series, only: rows
+    use spintop_lane_tangents, only: carry_tangents, components
+    use spintop_status, only: status_non_finite, status_ok, status_step_limit
+    use spintop_taylor_lanes, only: lanes, taylor_lanes_t
+    implicit none
+    private
+    public :: tangent_lanes_t, components, body_change_t
+
+    !> Growth by which a perturbation is scaled: far from overflow, also of squares.
+    real(dp), parameter :: far = 2.0_dp**200
+    !> Fraction of the part that the last terms allow, its smallest and largest ratio to the one before.
+    real(dp), parameter :: safety = 0.8_dp, least_ratio = 1.0e-3_dp, most_ratio = 4
+
+    !> Changes of a body that force a perturbation: of the numbers by which its motion is expanded.
+    type :: body_change_t
+        real(dp), dimension(lanes, 3) :: coupling = 0, decay = 0, pull = 0, swing = 0
+    end type body_change_t
+
+    !> Perturbations of the motions in all lanes. `set`, `load` some lanes, then `carry` after every step.
+    type :: tangent_lanes_t
+        !> The perturbations (lane, component, number): delta, epsilon. They are across the vertical; the rotation
+        !> about it is kept apart, rad.
+        real(dp), allocatable :: z(:, :, :), about(:, :)
+        !> All of a lane are to be multiplied by 2 to this power.
+        integer :: doublings(lanes) = 0
+        !> `status_ok`, or why the perturbations of a lane ended.
+        integer :: status(lanes) = status_ok
+        !> Changes of the body that force the last of the perturbations.
+        type(body_change_t), allocatable :: change(:)
+        real(dp), private :: tolerance = 0
+        integer, private :: most_order = 0
+        integer(int64), private :: max_parts = 0, parts(lanes) = 0
+    contains
+        procedure :: set
+        procedure :: load
+        procedure :: carry
+        procedure, private :: try
+        procedure, private :: divide
+        procedure, private :: settle
+        procedure, private :: settle_lane
+        procedure, private :: scale_down
+    end type tangent_lanes_t
+
+contains
+
+    !> Makes room for so many perturbations in each lane, of which the last `forced` are forced.
+    subroutine set(self, number, forced, tolerance, most_order, max_parts)
+        class(tangent_lanes_t), intent(inout) :: self
+        integer, intent(in) :: number, forced !! number of perturbations, and of the forced ones among them
+        real(dp), intent(in) :: tolerance !! of the last terms of a series, relative to the perturbations
+        integer, intent(in) :: most_order !! order of the series, unless that of the motion is lower
+        integer(int64), intent(in) :: max_parts !! number of steps and parts of steps for a case
+        if (allocated(self%z)) deallocate (self%z, self%about, self%change)
+        allocate (self%z(lanes, components, number), self%about(lanes, number), source=0.0_dp)
+        allocate (self%change(forced))
+        self%tolerance = tolerance
+        self%most_order = most_order
+        self%max_parts = max_parts
+        self%status = status_ok
+        self%doublings = 0
+        self%parts = 0
+    end subroutine set
+
+    !> Begins perturbations in a lane.
+    pure subroutine load(self, run, lane, z)
+        class(tangent_lanes_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run !! the lanes
+        integer, intent(in) :: lane !! index of the lane
+        real(dp), intent(in) :: z(:, :) !! the perturbations: (delta, epsilon), one per column
+        self%z(lane, :, :) = z
+        self%about(lane, :) = 0
+        call self%settle_lane(lane, run%now%state(lane, 4:6))
+        self%doublings(lane) = 0
+        self%parts(lane) = 0
+        self%status(lane) = status_ok
+    end subroutine load
+
+    !> Carries all perturbations over the last step.
+    subroutine carry(self, run)
+        class(tangent_lanes_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run !! the lanes
+        real(dp) :: after(lanes, components, size(self%z, 3)), duration(lanes), excess(lanes)
+
+        duration = run%now%t - run%now%t_last
+        call self%try(run, run%c, duration, after, excess)
+        if (all(excess <= 1)) then
+            self%z = after
+            self%parts = self%parts + merge(1, 0, duration > 0)
+        else
+            call self%divide(run, duration, after, excess)
+        end if
+        call self%settle(run)
+        call self%scale_down(run)
+    end subroutine carry
+
+    !> Perturbations after a duration. `excess` is the ratio of the last terms to the tolerance; in lanes that do
+    !> not move it is zero.
+    subroutine try(self, run, c, duration, after, excess)
+        class(tangent_lanes_t), intent(in) :: self
+        type(taylor_lanes_t), intent(in) :: run
+        real(dp), intent(in) :: c(lanes, rows, 0:run%order), duration(lanes)
+        real(dp), intent(out) :: after(:, :, :), excess(lanes)
+        real(dp), dimension(lanes) :: whole, last, all_whole, all_last
+        real(dp) :: products(lanes, 3, 0:run%order), force(lanes, 3, 0:run%order)
+        integer :: v, order, free
+
+        order = min(self%most_order, run%order)
+        free = size(self%z, 3) - size(self%change)
+        all_whole = 0
+        all_last = 0
+        if (size(self%change) > 0) call multiply_rates(order - 1, c, products)
+        do v = 1, size(self%z, 3)
+            associate (now => run%now)
+                if (is_idle(self%z(:, :, v), v - free, self%change)) then
+                    after(:, :, v) = 0
+                    cycle
+                else if (v <= free) then
+                    call carry_tangents(order, now%coupling, now%decay, now%pull, now%swing, c, duration, now%scale, &
+                                        self%z(:, :, v), after(:, :, v), whole, last)
+                else
+                    call find_force(order - 1, self%change(v - free), c, products, force)
+                    call carry_tangents(order, now%coupling, now%decay, now%pull, now%swing, c, duration, now%scale, &
+                                        self%z(:, :, v), after(:, :, v), whole, last, force)
+                end if
+            end associate
+            all_whole = all_whole + whole
+            all_last = all_last + last
+        end do
+        excess = merge(all_last / (self%tolerance * all_whole), 0.0_dp, all_last > self%tolerance * all_whole)
+        ! What is not finite exceeds as well.
+        excess = merge(excess, huge(1.0_dp), all_last <= huge(1.0_dp) .and. excess <= huge(1.0_dp))
+        excess = merge(excess, 0.0_dp, duration > 0 .and. self%status == status_ok)
+    end subroutine try
+
+    !> Whether a perturbation is zero in all lanes and stays so. `forced` is its number among the forced ones.
+    pure logical function is_idle(z, forced, change)
+        real(dp), intent(in) :: z(:, :)
+        integer, intent(in) :: forced
+        type(body_change_t), intent(in) :: change(:)
+        is_idle = .not. any(abs(z) > 0)
+        if (.not. is_idle .or. forced < 1) return
+        associate (by => change(forced))
+            is_idle = .not. any(abs(by%coupling) + abs(by%decay) + abs(by%pull) + abs(by%swing) > 0)
+        end associate
+    end function is_idle
+
+    !> Carries the perturbations over the last step in parts, in the lanes that need it; the others take `after`.
+    subroutine divide(self, run, duration, after, excess)
+        class(tangent_lanes_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run
+        real(dp), intent(in) :: duration(lanes)
+        real(dp), intent(inout) :: after(:, :, :), excess(lanes)
+        real(dp) :: c(lanes, rows, 0:run%order), left(lanes), part(lanes)
+        integer :: lane, order
+
+        order = min(self%most_order, run%order)
+        c = run%c
+        left = duration
+        part = duration
+        do
+            do lane = 1, lanes
+                if (.not. left(lane) > 0) cycle
+                self%parts(lane) = self%parts(lane) + 1
+                if (excess(lane) <= 1) then
+                    self%z(lane, :, :) = after(lane, :, :)
+                    left(lane) = left(lane) - part(lane)
+                    if (left(lane) > 0) then
+                        call move_origin(run%order, part(lane), c(lane, :6, :))
+                        call self%settle_lane(lane, c(lane, 4:6, 0))
+                    end if
+                end if
+                part(lane) = min(left(lane), part(lane) * min(max(least_ratio, safety &
+                                 * (1 / max(excess(lane), tiny(1.0_dp)))**(1.0_dp / order)), most_ratio))
+                if (self%parts(lane) > self%max_parts) self%status(lane) = status_step_limit
+                ! A part that is too short to be taken: the terms overflow.
+                if (left(lane) > 0 .and. .not. left(lane) - part(lane) < left(lane)) self%status(lane) = status_non_finite
+                if (self%status(lane) /= status_ok) left(lane) = 0
+                if (.not. left(lane) > 0) part(lane) = 0
+            end do
+            if (.not. any(left > 0)) exit
+            call self%scale_down(run)
+            call self%try(run, c, part, after, excess)
+        end do
+    end subroutine divide
+
+    !> Develops polynomials anew about a later time.
+    pure subroutine move_origin(order, t, c)
+        integer, intent(in) :: order
+        real(dp), intent(in) :: t
+        real(dp), intent(inout) :: c(6, 0:order)
+        integer :: j, k
+        do k = 0, order - 1
+            do j = order - 1, k, -1
+                c(:, j) = c(:, j) + t * c(:, j + 1)
+            end do
+        end do
+    end subroutine move_origin
+
+    !> Makes the rotations those across the vertical, and adds what is about it to `about`. On their own they would
+    !> come off it by rounding, and after a long decay nothing else would be left.
+    pure subroutine settle(self, run)
+        class(tangent_lanes_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run
+        real(dp) :: along
+        integer :: i, v
+        associate (x => run%now%state, z => self%z)
+            do v = 1, size(z, 3)
+                !$omp simd private(along)
+                do i = 1, lanes
+                    along = (x(i, 4) * z(i, 4, v) + x(i, 5) * z(i, 5, v) + x(i, 6) * z(i, 6, v)) &
+                        / max(x(i, 4)**2 + x(i, 5)**2 + x(i, 6)**2, tiny(along))
+                    z(i, 4, v) = z(i, 4, v) - along * x(i, 4)
+                    z(i, 5, v) = z(i, 5, v) - along * x(i, 5)
+                    z(i, 6, v) = z(i, 6, v) - along * x(i, 6)
+                    self%about(i, v) = self%about(i, v) + along
+                end do
+            end do
+        end associate
+    end subroutine settle
+
+    !> The same in one lane.
+    pure subroutine settle_lane(self, lane, vertical)
+        class(tangent_lanes_t), intent(inout) :: self
+        integer, intent(in) :: lane
+        real(dp), intent(in) :: vertical(3)
+        real(dp) :: along
+        integer :: v
+        do v = 1, size(self%z, 3)
+            along = dot_product(vertical, self%z(lane, 4:6, v)) / sum(vertical**2)
+            self%z(lane, 4:6, v) = self%z(lane, 4:6, v) - along * vertical
+            self%about(lane, v) = self%about(lane, v) + along
+        end do
+    end subroutine settle_lane
+
+    !> Divides perturbations that have become very large or small by a power of two.
+    pure subroutine scale_down(self, run)
+        class(tangent_lanes_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run
+        real(dp) :: peak(lanes)
+        integer :: i, v, m
+        peak = 0
+        do v = 1, size(self%z, 3)
+            do m = 1, components
+                !$omp simd
+                do i = 1, lanes
+                    peak(i) = max(peak(i), abs(self%z(i, m, v)) / merge(run%now%scale(i), 1.0_dp, m <= 3))
+                end do
+            end do
+        end do
+        if (all(peak < far .and. peak * far > 1)) return
+        do i = 1, lanes
+            if ((peak(i) < far .and. peak(i) * far > 1) .or. .not. (peak(i) > 0 .and. peak(i) <= huge(1.0_dp))) cycle
+            m = exponent(peak(i))
+            self%z(i, :, :) = scale(self%z(i, :, :), -m)
+            self%about(i, :) = scale(self%about(i, :), -m)
+            self%doublings(i) = self%doublings(i) + m
+        end do
+    end subroutine scale_down
+
+    !> The series of omega2 omega3 and cyclic.
+    pure subroutine multiply_rates(order, c, products)
+        integer, intent(in) :: order
+        real(dp), intent(in) :: c(lanes, rows, 0:order)
+        real(dp), intent(out) :: products(lanes, 3, 0:order)
+        real(dp) :: w1, w2, w3
+        integer :: i, j, k
+        do k = 0, order
+            !$omp simd private(w1, w2, w3, j)
+            do i = 1, lanes
+                w1 = 0
+                w2 = 0
+                w3 = 0
+                do j = 0, max(k, 0)
+                    w1 = w1 + c(i, 2, j) * c(i, 3, k - j)
+                    w2 = w2 + c(i, 3, j) * c(i, 1, k - j)
+                    w3 = w3 + c(i, 1, j) * c(i, 2, k - j)
+                end do
+                products(i, 1, k) = w1
+                products(i, 2, k) = w2
+                products(i, 3, k) = w3
+            end do
+        end do
+    end subroutine multiply_rates
+
+    !> The angular acceleration due to a change of the body.
+    pure subroutine find_force(order, change, c, products, force)
+        integer, intent(in) :: order
+        type(body_change_t), intent(in) :: change
+        real(dp), intent(in) :: c(lanes, rows, 0:order), products(lanes, 3, 0:order)
+        real(dp), intent(out) :: force(lanes, 3, 0:order)
+        integer :: i, k
+        associate (w => products, coupling => change%coupling, decay => change%decay, pull => change%pull, &
+                   swing => change%swing)
+            do k = 0, order
+                !$omp simd
+                do i = 1, lanes
+                    force(i, 1, k) = coupling(i, 1) * w(i, 1, k) + pull(i, 1) * c(i, 5, k) - swing(i, 1) * c(i, 6, k) &
+                        - decay(i, 1) * c(i, 1, k)
+                    force(i, 2, k) = coupling(i, 2) * w(i, 2, k) + pull(i, 2) * c(i, 6, k) - swing(i, 2) * c(i, 4, k) &
+                        - decay(i, 2) * c(i, 2, k)
+                    force(i, 3, k) = coupling(i, 3) * w(i, 3, k) + pull(i, 3) * c(i, 4, k) - swing(i, 3) * c(i, 5, k) &
+                        - decay(i, 3) * c(i, 3, k)
+                end do
+            end do
+        end associate
+    end subroutine find_force
+
+end module spintop_tangent_lanes

@@ -1,0 +1,161 @@
+!> Where the cases of a sample lie: a point of the unit cube for each case, which follows from the number of the case
+!> alone. Distributions make values of its coordinates.
+!>
+!>     call design%start(design_sobol, cases, seed, dimensions)
+!>     call design%find_fractions(number, fractions)      ! for each case, from 1
+module spintop_sample_design
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_kinds, only: dp
+    use spintop_permutation, only: make_permutation, permutation_t
+    use spintop_random, only: uniform
+    use spintop_sobol_sequence, only: most_sobol_dimensions, sobol_sequence_t
+    implicit none
+    private
+    public :: sample_design_t, saltelli_place_t, place_in_saltelli, dimensions_fit
+    public :: design_random, design_latin_hypercube, design_sobol, design_saltelli
+
+    !> Independent points; a Latin hypercube (M. D. McKay, R. J. Beckman and W. J. Conover, Technometrics 21, 1979); the
+    !> points of a Sobol' sequence; the design of A. Saltelli for sensitivity indices.
+    integer, parameter :: design_random = 1, design_latin_hypercube = 2, design_sobol = 3, design_saltelli = 4
+
+    !> A sample. In the design of Saltelli (A. Saltelli and others, Computer Physics Communications 181, 2010, 259-270) a
+    !> group of k + 2 consecutive cases belongs to one base point of 2 n coordinates: case A has the first n of them,
+    !> case B the last n, and case i of the other k is A with the coordinates of factor i from B.
+    type :: sample_design_t
+        integer :: kind = design_random
+        integer :: dimensions = 0
+        integer(int64) :: cases = 0, seed = 1
+        !> The factor to which each dimension belongs, and the number of factors.
+        integer, allocatable :: factor(:)
+        integer :: factors = 0
+        !> The strata of a Latin hypercube in the order of the cases; and, for a dimension of which every value of a
+        !> list has its share of the strata, the place in each of them, so that the numbers of occurrences of the
+        !> values differ by at most one.
+        type(permutation_t), allocatable, private :: strata(:)
+        real(dp), allocatable, private :: place_in_stratum(:)
+        type(sobol_sequence_t), private :: sequence
+    contains
+        procedure :: start
+        procedure :: find_fractions
+    end type sample_design_t
+
+    !> The place of a case in the design of Saltelli.
+    type :: saltelli_place_t
+        !> Number of the base point, from 1.
+        integer(int64) :: base = 1
+        !> 1 for A, 2 for B, 2 + i for A with factor i from B.
+        integer :: role = 1
+    end type saltelli_place_t
+
+contains
+
+    !> Whether a design can have so many dimensions.
+    pure logical function dimensions_fit(kind, dimensions)
+        integer, intent(in) :: kind !! one of the constants above
+        integer, intent(in) :: dimensions !! number of dimensions
+        select case (kind)
+        case (design_sobol)
+            dimensions_fit = dimensions <= most_sobol_dimensions
+        case (design_saltelli)
+            dimensions_fit = 2 * dimensions <= most_sobol_dimensions
+        case default
+            dimensions_fit = .true.
+        end select
+    end function dimensions_fit
+
+    !> Prepares a sample. `whole` names the dimensions of lists and whole numbers, `factor` the factor of each
+    !> dimension, from 1 and without gaps.
+    pure subroutine start(self, kind, cases, seed, whole, factor)
+        class(sample_design_t), intent(inout) :: self
+        integer, intent(in) :: kind !! one of the constants above
+        integer(int64), intent(in) :: cases, seed !! number of cases; seed
+        logical, intent(in) :: whole(:) !! for each dimension
+        integer, intent(in) :: factor(:) !! for each dimension
+        integer(int64) :: i
+
+        self%kind = kind
+        self%cases = cases
+        self%seed = seed
+        self%dimensions = size(whole)
+        self%factor = factor
+        self%factors = maxval([0, factor])
+        select case (kind)
+        case (design_latin_hypercube)
+            self%strata = [(make_permutation(cases, seed, stream_of_strata(i)), i=1, self%dimensions)]
+            allocate (self%place_in_stratum(self%dimensions))
+            do i = 1, self%dimensions
+                self%place_in_stratum(i) = -1
+                if (whole(i)) self%place_in_stratum(i) = uniform(seed, 0_int64, stream_of_values(i))
+            end do
+        case (design_sobol)
+            call self%sequence%start(self%dimensions, seed)
+        case (design_saltelli)
+            call self%sequence%start(2 * self%dimensions, seed)
+        end select
+    end subroutine start
+
+    !> The streams of random numbers of a dimension.
+    elemental integer(int64) function stream_of_values(dimension)
+        integer(int64), intent(in) :: dimension
+        stream_of_values = 2 * dimension
+    end function stream_of_values
+
+    elemental integer(int64) function stream_of_strata(dimension)
+        integer(int64), intent(in) :: dimension
+        stream_of_strata = 2 * dimension + 1
+    end function stream_of_strata
+
+    !> The point of a case, inside the unit cube.
+    pure subroutine find_fractions(self, number, fractions)
+        class(sample_design_t), intent(in) :: self
+        integer(int64), intent(in) :: number !! number of the case, from 1
+        real(dp), intent(out) :: fractions(:) !! one coordinate for each dimension
+        integer(int64) :: i
+        real(dp) :: place
+
+        select case (self%kind)
+        case (design_latin_hypercube)
+            do i = 1, self%dimensions
+                place = self%place_in_stratum(i)
+                if (place < 0) place = uniform(self%seed, number, stream_of_values(i))
+                fractions(i) = (self%strata(i)%place(number - 1) + place) / self%cases
+            end do
+        case (design_sobol)
+            call self%sequence%find_point(number, fractions)
+        case (design_saltelli)
+            call find_saltelli(self, number, fractions)
+        case default
+            do i = 1, self%dimensions
+                fractions(i) = uniform(self%seed, number, stream_of_values(i))
+            end do
+        end select
+    end subroutine find_fractions
+
+    !> The place of a case in the design of Saltelli.
+    elemental type(saltelli_place_t) function place_in_saltelli(number, factors) result(place)
+        integer(int64), intent(in) :: number !! number of the case, from 1
+        integer, intent(in) :: factors !! number of factors
+        place%base = (number - 1) / (factors + 2) + 1
+        place%role = int(mod(number - 1, factors + 2_int64)) + 1
+    end function place_in_saltelli
+
+    !> The point of a case of the design of Saltelli.
+    pure subroutine find_saltelli(self, number, fractions)
+        type(sample_design_t), intent(in) :: self
+        integer(int64), intent(in) :: number
+        real(dp), intent(out) :: fractions(:)
+        real(dp) :: base(2 * size(fractions))
+        type(saltelli_place_t) :: place
+        integer :: n
+
+        n = size(fractions)
+        place = place_in_saltelli(number, self%factors)
+        call self%sequence%find_point(place%base, base)
+        if (place%role == 2) then
+            fractions = base(n + 1:)
+        else
+            fractions = merge(base(n + 1:), base(:n), self%factor == place%role - 2)
+        end if
+    end subroutine find_saltelli
+
+end module spintop_sample_design

@@ -1,0 +1,159 @@
+!> Growth of perturbations along the motions in lanes: the Lyapunov exponent, and the largest singular value of the
+!> tangent map, as in `spintop_lyapunov`.
+module spintop_growth_lanes
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_body, only: body_t
+    use spintop_compare, only: is_finite
+    use spintop_euler_poisson, only: euler_poisson_state
+    use spintop_kinds, only: dp
+    use spintop_lane_watch, only: lane_watch_t
+    use spintop_lyapunov, only: even_perturbation, scale_up, scales_of, span_perturbations
+    use spintop_motion, only: motion_t
+    use spintop_status, only: status_bad_input, status_non_finite, status_ok
+    use spintop_stepper, only: controls_t
+    use spintop_tangent_lanes, only: components, tangent_lanes_t
+    use spintop_taylor_lanes, only: lanes, taylor_lanes_t
+    use spintop_vectors, only: cross
+    implicit none
+    private
+    public :: growth_lanes_t
+
+    !> The last terms of a perturbation may exceed the tolerance of the motion by this factor: each is to be
+    !> multiplied by its number, compared with those of the motion.
+    real(dp), parameter :: slack = 100
+    !> A tolerance below is not reached.
+    real(dp), parameter :: least_tolerance = 1.0e-15_dp
+
+    !> Watches perturbations: one that has no special direction, for the exponent; or all that keep the length of the
+    !> vertical, for the singular value. `set`, then hand it over.
+    type, extends(lane_watch_t) :: growth_lanes_t
+        !> The exponent, 1/s, or the singular value of each case, and whether there is one.
+        real(dp), allocatable :: value(:)
+        integer, allocatable :: status(:)
+        !> Whether it is the singular value, not the exponent.
+        logical :: is_singular = .false.
+        !> Whether the exponent is found beside the singular value: `exponent` of each case, and whether there is one.
+        !> Its perturbation is the sum of those of the singular value times `share`.
+        logical :: has_exponent = .false.
+        real(dp), allocatable :: exponent(:)
+        integer, allocatable :: exponent_status(:)
+        real(dp), private :: share(5, lanes) = 0
+        type(tangent_lanes_t), private :: tangents
+        real(dp), private :: inertia(3, lanes) = 1, unit(6, lanes) = 1
+    contains
+        procedure :: set
+        procedure :: prepare
+        procedure :: begin
+        procedure :: look
+        procedure :: finish
+    end type growth_lanes_t
+
+contains
+
+    !> What is to be found, and for motions of which tolerance and number of steps.
+    subroutine set(self, controls, is_singular, with_exponent)
+        class(growth_lanes_t), intent(inout) :: self
+        type(controls_t), intent(in) :: controls !! settings of the method
+        logical, intent(in) :: is_singular !! the largest singular value, not the exponent
+        logical, intent(in), optional :: with_exponent !! the exponent beside the singular value
+        self%is_singular = is_singular
+        self%has_exponent = .false.
+        if (present(with_exponent)) self%has_exponent = with_exponent .and. is_singular
+        call self%tangents%set(merge(5, 1, is_singular), 0, &
+                               slack * max(controls%relative_tolerance, least_tolerance), huge(1), &
+                               int(controls%max_steps, int64))
+    end subroutine set
+
+    !> Makes room for so many cases.
+    subroutine prepare(self, cases)
+        class(growth_lanes_t), intent(inout) :: self
+        integer, intent(in) :: cases !! number of cases
+        if (allocated(self%value)) deallocate (self%value, self%status)
+        allocate (self%value(cases), source=0.0_dp)
+        allocate (self%status(cases), source=status_bad_input)
+        if (allocated(self%exponent)) deallocate (self%exponent, self%exponent_status)
+        allocate (self%exponent(cases), source=0.0_dp)
+        allocate (self%exponent_status(cases), source=status_bad_input)
+    end subroutine prepare
+
+    !> A case begins in a lane.
+    subroutine begin(self, run, lane, body, start)
+        class(growth_lanes_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run !! the lanes
+        integer, intent(in) :: lane !! index of the lane
+        type(body_t), intent(in) :: body !! mass properties of the body
+        type(motion_t), intent(in) :: start !! the motion at the start
+        real(dp) :: x(6), z(components, size(self%tangents%z, 3)), vectors(6, size(self%tangents%z, 3)), even(6)
+        integer :: v
+
+        x = euler_poisson_state(body, start)
+        associate (unit => self%unit(:, lane))
+            unit = scales_of(body, x, run%now%t_end(lane))
+            self%inertia(:, lane) = body%inertia
+            if (self%is_singular) then
+                call span_perturbations(x(1:3), unit, vectors)
+                even = even_perturbation(x(1:3), unit) / unit
+                self%share(:, lane) = matmul(even / norm2(even), vectors / spread(unit, 2, size(vectors, 2)))
+            else
+                vectors(:, 1) = even_perturbation(x(1:3), unit)
+                vectors(:, 1) = vectors(:, 1) / norm2(vectors(:, 1) / unit)
+            end if
+        end associate
+        do v = 1, size(z, 2)
+            z(1:3, v) = vectors(4:6, v) / body%inertia
+            z(4:6, v) = cross(vectors(1:3, v), x(1:3))
+        end do
+        call self%tangents%load(run, lane, z)
+    end subroutine begin
+
+    !> Carries the perturbations over the last step.
+    subroutine look(self, run)
+        class(growth_lanes_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(inout) :: run !! the lanes
+        call self%tangents%carry(run)
+    end subroutine look
+
+    !> The case in a lane is at its end.
+    subroutine finish(self, run, lane, case)
+        class(growth_lanes_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run !! the lanes
+        integer, intent(in) :: lane, case !! index of the lane, and of its case
+        real(dp) :: vectors(6, size(self%tangents%z, 3)), z(components), growth
+        integer :: v
+
+        if (.not. run%now%t(lane) > 0) return
+        self%status(case) = self%tangents%status(lane)
+        self%exponent_status(case) = self%status(case)
+        if (self%status(case) /= status_ok) return
+        do v = 1, size(vectors, 2)
+            z = self%tangents%z(lane, :, v)
+            vectors(:, v) = [cross(run%now%state(lane, 4:6), z(4:6)), self%inertia(:, lane) * z(1:3)] / self%unit(:, lane)
+        end do
+        growth = log(2.0_dp) * self%tangents%doublings(lane)
+        if (self%is_singular) then
+            call scale_up(vectors, growth, self%value(case), self%status(case))
+            if (self%has_exponent) then
+                call take_mean(growth + log(norm2(matmul(vectors, self%share(:, lane)))), self%exponent(case), &
+                               self%exponent_status(case))
+            end if
+        else
+            call take_mean(growth + log(norm2(vectors)), self%value(case), self%status(case))
+        end if
+
+    contains
+
+        !> The mean growth rate, of the logarithm of a growth.
+        subroutine take_mean(growth, rate, status)
+            real(dp), intent(in) :: growth
+            real(dp), intent(inout) :: rate
+            integer, intent(inout) :: status
+            if (is_finite(growth)) then
+                rate = growth / run%now%t(lane)
+            else
+                status = status_non_finite
+            end if
+        end subroutine take_mean
+
+    end subroutine finish
+
+end module spintop_growth_lanes

@@ -1,0 +1,267 @@
+!> Statistics of columns, gathered case by case: number, mean, standard deviation, extremes, quantiles and
+!> counts of words, over all cases or over bins of one or two quantities; and what Sobol' indices follow from.
+!>
+!> They do not depend on the order in which cases are added, nor on how cases are divided among accumulators that
+!> are merged: counts are integers, extremes exact, sums as in spintop_exact_sum.
+module spintop_accumulators
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_bins, only: bins_t
+    use spintop_case_groups, only: case_groups_t
+    use spintop_exact_sum, only: add_powers, exact_sum_t
+    use spintop_kinds, only: dp, no_number, qp
+    use spintop_value_counts, only: value_counts_t
+    implicit none
+    private
+    public :: accumulators_t, moments_t, summary_of_column_t
+
+    !> What is gathered of one column in one bin.
+    type :: moments_t
+        !> Cases that have a value.
+        integer(int64) :: count = 0
+        type(exact_sum_t) :: values, squares
+        real(dp) :: minimum = huge(1.0_dp), maximum = -huge(1.0_dp)
+        !> The first case of those that have the extreme.
+        integer(int64) :: case_of_minimum = 0, case_of_maximum = 0
+    contains
+        procedure :: add => add_values
+        procedure :: merge_with => merge_moments
+        procedure :: summary
+    end type moments_t
+
+    !> What follows; NaN for what does not exist.
+    type :: summary_of_column_t
+        integer(int64) :: count
+        real(dp) :: mean, deviation, minimum, maximum
+        integer(int64) :: case_of_minimum, case_of_maximum
+    end type summary_of_column_t
+
+    !> The statistics of columns of numbers and columns of words.
+    type :: accumulators_t
+        !> At most two; none: over all cases. The bin of a case counts fastest along the first.
+        type(bins_t), allocatable :: bins(:)
+        integer(int64) :: bin_count = 1
+        !> Cases of each bin, and those of them that failed. After the last bin come the cases that are in none.
+        integer(int64), allocatable :: cases(:), failed(:)
+        !> Of column i in bin k: `moments(i, k)`.
+        type(moments_t), allocatable :: moments(:, :)
+        !> Of word j of all columns of words, one after the other, in bin k: `words(j, k)`.
+        integer(int64), allocatable :: words(:, :)
+        !> Of each column of numbers, over all cases or by bin.
+        type(value_counts_t), allocatable :: sizes(:)
+        logical :: by_bin = .false.
+        !> For Sobol' indices of the columns of numbers over all cases; without factors if none are wanted.
+        type(case_groups_t) :: groups
+    contains
+        procedure :: start
+        procedure :: bin_of
+        procedure :: add
+        procedure :: merge_with
+        procedure :: over_all
+        procedure :: quantiles
+        procedure :: counts_over_all
+    end type accumulators_t
+
+    !> Bits of a cell's significand for quantiles over all cases, and of each bin.
+    integer, parameter, public :: bits_over_all = 12, bits_by_bin = 7
+
+contains
+
+    !> Starts with no cases.
+    subroutine start(self, bins, columns, words, by_bin)
+        class(accumulators_t), intent(out) :: self
+        type(bins_t), intent(in) :: bins(:)   !! at most two
+        integer, intent(in) :: columns        !! columns of numbers
+        integer, intent(in) :: words          !! words of all columns of words together
+        logical, intent(in) :: by_bin         !! whether quantiles of each bin are wanted
+        integer :: i
+
+        allocate (self%bins, source=bins)
+        self%bin_count = product([(int(bins(i)%count(), int64), i=1, size(bins))])
+        allocate (self%cases(self%bin_count + 1), self%failed(self%bin_count + 1), source=0_int64)
+        allocate (self%words(words, self%bin_count + 1), source=0_int64)
+        allocate (self%moments(columns, self%bin_count + 1))
+        self%by_bin = by_bin
+        allocate (self%sizes(columns))
+        do i = 1, columns
+            call self%sizes(i)%start(merge(bits_by_bin, bits_over_all, by_bin))
+        end do
+    end subroutine start
+
+    !> Number of the bin of a case; one more than there are bins if it is in none.
+    pure integer(int64) function bin_of(self, over) result(bin)
+        class(accumulators_t), intent(in) :: self
+        real(dp), intent(in) :: over(:) !! the quantities that are binned, as many as there are bins
+        integer :: i
+
+        bin = 1
+        if (size(over) > 0) bin = self%bins(1)%place(over(1))
+        if (size(over) > 1) then
+            i = self%bins(2)%place(over(2))
+            bin = merge(bin + (i - 1) * int(self%bins(1)%count(), int64), 0_int64, i > 0 .and. bin > 0)
+        end if
+        if (bin == 0) bin = self%bin_count + 1
+    end function bin_of
+
+    !> Adds consecutive cases of one bin.
+    subroutine add(self, numbers, is_ok, bin, values, words)
+        class(accumulators_t), intent(inout) :: self
+        integer(int64), intent(in) :: numbers(:) !! numbers of the cases, increasing
+        logical, intent(in) :: is_ok(:)      !! a case that failed has no values
+        integer(int64), intent(in) :: bin    !! as `bin_of` gives it
+        real(dp), intent(in) :: values(:, :) !! of the columns of each case; one that is not finite is none
+        integer, intent(in) :: words(:, :)   !! of each column of words of each case, its place among the words of all
+        real(dp) :: there(size(numbers))
+        integer(int64) :: whose(size(numbers))
+        integer :: i, k, n
+
+        self%cases(bin) = self%cases(bin) + size(numbers)
+        self%failed(bin) = self%failed(bin) + count(.not. is_ok)
+        do k = 1, size(numbers)
+            do i = 1, size(words, 1)
+                self%words(words(i, k), bin) = self%words(words(i, k), bin) + 1
+            end do
+        end do
+        do i = 1, size(values, 1)
+            n = 0
+            do k = 1, size(numbers)
+                if (.not. (is_ok(k) .and. abs(values(i, k)) <= huge(values))) cycle
+                n = n + 1
+                there(n) = values(i, k)
+                whose(n) = numbers(k)
+            end do
+            if (n == 0) cycle
+            call self%moments(i, bin)%add(whose(:n), there(:n))
+            call self%sizes(i)%add(merge(bin, 1_int64, self%by_bin), there(:n))
+        end do
+        if (self%groups%factors > 0) call self%groups%add(numbers, is_ok, values)
+    end subroutine add
+
+    !> Adds the cases of others, started alike.
+    subroutine merge_with(self, other)
+        class(accumulators_t), intent(inout) :: self
+        type(accumulators_t), intent(in) :: other !! the other object of this type
+        integer(int64) :: bin
+        integer :: i
+
+        self%cases = self%cases + other%cases
+        self%words = self%words + other%words
+        self%failed = self%failed + other%failed
+        do bin = 1, self%bin_count + 1
+            do i = 1, size(self%moments, 1)
+                call self%moments(i, bin)%merge_with(other%moments(i, bin))
+            end do
+        end do
+        do i = 1, size(self%sizes)
+            call self%sizes(i)%merge_with(other%sizes(i))
+        end do
+        if (self%groups%factors > 0) call self%groups%merge_with(other%groups)
+    end subroutine merge_with
+
+    !> The moments of a column over all cases, those in no bin, too.
+    pure type(moments_t) function over_all(self, column) result(all)
+        class(accumulators_t), intent(in) :: self
+        integer, intent(in) :: column !! number of the column
+        integer(int64) :: bin
+        do bin = 1, self%bin_count + 1
+            call all%merge_with(self%moments(column, bin))
+        end do
+    end function over_all
+
+    !> Quantiles of a column in a bin, or, for bin 0, over all cases; NaN where they are not gathered.
+    subroutine quantiles(self, column, bin, shares, values)
+        class(accumulators_t), intent(inout) :: self
+        integer, intent(in) :: column       !! number of the column
+        integer(int64), intent(in) :: bin   !! number of the bin, or 0
+        real(dp), intent(in) :: shares(:)   !! p, in [0, 1]
+        real(dp), intent(out) :: values(:)  !! as many
+        type(value_counts_t) :: counts
+        type(moments_t) :: moments
+
+        if (bin == 0) then
+            moments = self%over_all(column)
+            call self%counts_over_all(column, counts)
+            call counts%quantiles(1_int64, shares, values)
+        else
+            values = no_number
+            if (.not. self%by_bin) return
+            moments = self%moments(column, bin)
+            call self%sizes(column)%quantiles(bin, shares, values)
+        end if
+        ! A cell may reach beyond the extremes, which are exact.
+        if (moments%count > 0) values = min(max(values, moments%minimum), moments%maximum)
+    end subroutine quantiles
+
+    !> How often values of each size occur in a column, over all cases.
+    subroutine counts_over_all(self, column, counts)
+        class(accumulators_t), intent(in) :: self
+        integer, intent(in) :: column !! number of the column
+        type(value_counts_t), intent(out) :: counts !! all in bin 1
+        call counts%start(merge(bits_by_bin, bits_over_all, self%by_bin))
+        call counts%add_all_of(self%sizes(column))
+    end subroutine counts_over_all
+
+    !> Adds finite values.
+    pure subroutine add_values(self, numbers, values)
+        class(moments_t), intent(inout) :: self
+        integer(int64), intent(in) :: numbers(:) !! numbers of the cases
+        real(dp), intent(in) :: values(:)        !! a value of each
+        integer :: k
+        self%count = self%count + size(values)
+        call add_powers(values, self%values, self%squares)
+        do k = 1, size(values)
+            ! Most values change nothing. The first of cases with the same extreme stays.
+            if (values(k) > self%minimum .and. values(k) < self%maximum) cycle
+            call take_extremes(self, values(k), numbers(k), values(k), numbers(k))
+        end do
+    end subroutine add_values
+
+    !> Adds the values of others.
+    pure subroutine merge_moments(self, other)
+        class(moments_t), intent(inout) :: self
+        type(moments_t), intent(in) :: other !! the other object of this type
+        if (other%count == 0) return
+        self%count = self%count + other%count
+        call self%values%merge_with(other%values)
+        call self%squares%merge_with(other%squares)
+        call take_extremes(self, other%minimum, other%case_of_minimum, other%maximum, other%case_of_maximum)
+    end subroutine merge_moments
+
+    !> Takes extremes that go beyond; of cases with the same extreme the first.
+    pure subroutine take_extremes(self, minimum, case_of_minimum, maximum, case_of_maximum)
+        class(moments_t), intent(inout) :: self
+        real(dp), intent(in) :: minimum, maximum
+        integer(int64), intent(in) :: case_of_minimum, case_of_maximum
+        if (minimum < self%minimum .or. self%case_of_minimum == 0 .or. &
+            (minimum <= self%minimum .and. case_of_minimum < self%case_of_minimum)) then
+            self%minimum = minimum
+            self%case_of_minimum = case_of_minimum
+        end if
+        if (maximum > self%maximum .or. self%case_of_maximum == 0 .or. &
+            (maximum >= self%maximum .and. case_of_maximum < self%case_of_maximum)) then
+            self%maximum = maximum
+            self%case_of_maximum = case_of_maximum
+        end if
+    end subroutine take_extremes
+
+    !> Mean, standard deviation (of a sample: over n - 1) and extremes. Sum and sum of squares are exact to
+    !> 2^-84, so that their difference keeps six digits of a deviation that is 1e-9 of the mean.
+    pure type(summary_of_column_t) function summary(self)
+        class(moments_t), intent(in) :: self
+        real(qp) :: n, total, variance
+
+        summary = summary_of_column_t(self%count, no_number, no_number, no_number, no_number, 0_int64, 0_int64)
+        if (self%count == 0) return
+        n = self%count
+        total = self%values%total()
+        summary%mean = real(total / n, dp)
+        summary%minimum = self%minimum
+        summary%maximum = self%maximum
+        summary%case_of_minimum = self%case_of_minimum
+        summary%case_of_maximum = self%case_of_maximum
+        if (self%count == 1) return
+        variance = (self%squares%total() - total * (total / n)) / (n - 1)
+        summary%deviation = 0
+        if (self%maximum > self%minimum) summary%deviation = real(sqrt(max(variance, 0.0_qp)), dp)
+    end function summary
+
+end module spintop_accumulators

@@ -1,0 +1,201 @@
+!> The result of statistics as CSV: the table of the bins, and beside it that of the histograms, and that of the
+!> Sobol' indices if there are any.
+module spintop_statistics_csv
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_accumulators, only: accumulators_t
+    use spintop_errors, only: error_t
+    use spintop_files, only: output_file_t, remove_file, rename_file, sync_folder_of
+    use spintop_histogram, only: histogram_t, make_histogram
+    use spintop_row_block, only: row_block_t
+    use spintop_statistics_plan, only: statistics_plan_t
+    use spintop_statistics_result, only: index_cells, index_row, result_columns, result_row
+    use spintop_table_column, only: column_of_integers, column_of_words, table_column_t
+    implicit none
+    private
+    public :: write_statistics_csv
+
+    character, parameter :: nl = new_line('a')
+    !> Rows that are written at once.
+    integer, parameter :: rows_at_once = 1000
+    !> The end of the name of a table of statistics.
+    character(*), parameter :: ending = '.statistics.csv'
+
+contains
+
+    !> The path of a table beside a table of statistics, as NAME.histogram.csv.
+    pure function path_beside(path, name) result(beside)
+        character(*), intent(in) :: path !! path of the table of statistics
+        character(*), intent(in) :: name !! what the other table contains
+        character(:), allocatable :: beside
+        integer :: last
+        last = len(path)
+        if (index(path, '.csv', back=.true.) == len(path) - 3) last = len(path) - len('.csv')
+        if (len(path) > len(ending)) then
+            if (path(len(path) - len(ending) + 1:) == ending) last = len(path) - len(ending)
+        end if
+        beside = path(:last) // '.' // name // '.csv'
+    end function path_beside
+
+    !> Writes all tables, each under another name until it is complete.
+    subroutine write_statistics_csv(path, head, plan, accumulators, error)
+        character(*), intent(in) :: path !! path of the table
+        character(*), intent(in) :: head !! its header, ready to write
+        type(statistics_plan_t), intent(in) :: plan !! what is gathered
+        type(accumulators_t), intent(inout) :: accumulators !! the statistics; only sorted
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(table_column_t), allocatable :: columns(:)
+        type(output_file_t) :: file
+        type(row_block_t) :: rows
+        integer(int64) :: bin, last
+
+        call write_histograms(path_beside(path, 'histogram'), head, plan, accumulators, error)
+        if (.not. allocated(error) .and. plan%has_indices()) then
+            call write_indices(path_beside(path, 'indices'), head, plan, accumulators, error)
+        end if
+        if (allocated(error)) return
+        columns = result_columns(plan)
+        call file%create(path // '.new', error)
+        if (.not. allocated(error)) call file%write(head, error)
+        last = merge(plan%bin_count(), 0_int64, size(plan%over) > 0)
+        call rows%reserve(size(columns), rows_at_once)
+        do bin = 0, last
+            if (allocated(error)) exit
+            rows%rows = rows%rows + 1
+            call result_row(plan, accumulators, bin, rows%cells(:, rows%rows))
+            if (rows%rows == rows_at_once .or. bin == last) call put(file, columns, rows, error)
+        end do
+        call finish(file, path, error)
+    end subroutine write_statistics_csv
+
+    !> Writes the table of histograms: the intervals of each column.
+    subroutine write_histograms(path, head, plan, accumulators, error)
+        character(*), intent(in) :: path, head
+        type(statistics_plan_t), intent(in) :: plan
+        type(accumulators_t), intent(in) :: accumulators
+        type(error_t), allocatable, intent(out) :: error
+        type(table_column_t) :: columns(4)
+        type(histogram_t) :: histogram
+        type(output_file_t) :: file
+        type(row_block_t) :: rows
+        integer :: i, k
+
+        columns(1)%kind = column_of_words
+        columns(4)%kind = column_of_integers
+        call take_names(plan%numbers, columns(1))
+        call file%create(path // '.new', error)
+        if (.not. allocated(error)) call file%write(histogram_head(head), error)
+        do i = 1, size(plan%numbers)
+            if (allocated(error)) exit
+            call make_histogram(accumulators, i, histogram)
+            call rows%reserve(size(columns), max(1, size(histogram%counts)))
+            do k = 1, size(histogram%counts)
+                rows%cells(:, k) = [real(i - 1, kind(rows%cells)), histogram%from(k), histogram%to(k), &
+                                    real(histogram%counts(k), kind(rows%cells))]
+                rows%rows = k
+            end do
+            call put(file, columns, rows, error)
+        end do
+        call finish(file, path, error)
+    end subroutine write_histograms
+
+    !> Writes the table of Sobol' indices: the factors of each column.
+    subroutine write_indices(path, head, plan, accumulators, error)
+        character(*), intent(in) :: path, head
+        type(statistics_plan_t), intent(in) :: plan
+        type(accumulators_t), intent(in) :: accumulators
+        type(error_t), allocatable, intent(out) :: error
+        type(table_column_t) :: columns(2 + index_cells)
+        type(output_file_t) :: file
+        type(row_block_t) :: rows
+        integer :: i, k
+
+        columns(1:2)%kind = column_of_words
+        columns(size(columns) - 1:)%kind = column_of_integers
+        call take_names(plan%numbers, columns(1))
+        call take_names(plan%factors, columns(2))
+        call file%create(path // '.new', error)
+        if (.not. allocated(error)) call file%write(indices_head(head), error)
+        do i = 1, size(plan%numbers)
+            if (allocated(error)) exit
+            call rows%reserve(size(columns), size(plan%factors))
+            do k = 1, size(plan%factors)
+                rows%cells(1:2, k) = [i - 1, k - 1]
+                call index_row(accumulators, i, k, rows%cells(3:, k))
+                rows%rows = k
+            end do
+            call put(file, columns, rows, error)
+        end do
+        call finish(file, path, error)
+    end subroutine write_indices
+
+    !> Makes the names of columns the words of another.
+    subroutine take_names(named, column)
+        type(table_column_t), intent(in) :: named(:)
+        type(table_column_t), intent(inout) :: column
+        integer :: i
+        allocate (column%words(size(named)))
+        do i = 1, size(named)
+            column%words(i)%text = trim(named(i)%name)
+        end do
+    end subroutine take_names
+
+    !> The header of the table of indices, as that of the histograms.
+    function indices_head(head) result(text)
+        character(*), intent(in) :: head
+        character(:), allocatable :: text
+        text = provenance_of(head) // '#     column: the column of the sweep' // nl // &
+               '#     factor: the parameter of an axis' // nl // &
+               '#     first_order: share of the variance that is due to the factor alone' // nl // &
+               '#     first_order_low: lower end of its interval of 95 %' // nl // &
+               '#     first_order_high: upper end of its interval of 95 %' // nl // &
+               '#     total: share that is due to the factor with all its interactions' // nl // &
+               '#     total_low: lower end of its interval of 95 %' // nl // &
+               '#     total_high: upper end of its interval of 95 %' // nl // &
+               '#     groups: groups of cases that have values' // nl // &
+               '#     left_out: groups with a case that has no value' // nl // &
+               'column,factor,first_order,first_order_low,first_order_high,total,total_low,total_high,groups,left_out' // nl
+    end function indices_head
+
+    !> The header of the table of histograms: the provenance of that of the statistics, and its own columns.
+    function histogram_head(head) result(text)
+        character(*), intent(in) :: head
+        character(:), allocatable :: text
+        text = provenance_of(head) // '#     column: the column of the sweep' // nl // &
+               '#     from: lower end of an interval, in the unit of the column' // nl // &
+               '#     to: its upper end; intervals without values between two others are left out' // nl // &
+               '#     cases: cases with a value in it' // nl // 'column,from,to,cases' // nl
+    end function histogram_head
+
+    !> A header up to the columns that it describes.
+    function provenance_of(head) result(text)
+        character(*), intent(in) :: head
+        character(:), allocatable :: text
+        character(*), parameter :: mark = '# columns:' // nl
+        text = head(:index(head, mark) - 1) // mark
+    end function provenance_of
+
+    !> Writes rows, and empties their block.
+    subroutine put(file, columns, rows, error)
+        type(output_file_t), intent(in) :: file
+        type(table_column_t), intent(in) :: columns(:)
+        type(row_block_t), intent(inout) :: rows
+        type(error_t), allocatable, intent(out) :: error
+        call rows%format(columns)
+        call file%write(rows%text%contents(), error)
+        call rows%clear()
+    end subroutine put
+
+    !> Renames a file, which is complete unless there is an error.
+    subroutine finish(file, path, error)
+        type(output_file_t), intent(inout) :: file
+        character(*), intent(in) :: path
+        type(error_t), allocatable, intent(inout) :: error
+        type(error_t), allocatable :: ignored
+        if (.not. allocated(error)) call file%sync(error)
+        if (.not. allocated(error)) call rename_file(file%path, path, error)
+        if (allocated(error) .and. file%is_open()) call remove_file(file%path, ignored)
+        call file%close(ignored)
+        if (.not. allocated(error)) call sync_folder_of(path, error)
+    end subroutine finish
+
+end module spintop_statistics_csv

@@ -1,0 +1,160 @@
+!> The result of statistics as rows of a table: the first of all cases, then one of each bin. And the rows of the
+!> Sobol' indices.
+module spintop_statistics_result
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_accumulators, only: accumulators_t, moments_t, summary_of_column_t
+    use spintop_kinds, only: dp, no_number
+    use spintop_sobol_indices, only: sobol_index_t
+    use spintop_statistics_plan, only: statistics_plan_t
+    use spintop_table_column, only: column_of_integers, column_of_reals, table_column_t
+    use spintop_text, only: replace_all, to_text
+    implicit none
+    private
+    public :: result_columns, result_row, columns_before, index_row, index_cells
+
+    !> Columns of a binned quantity (value, and ends of the bin), columns of counts of a bin, and columns of a
+    !> column of numbers beside its quantiles.
+    integer, parameter :: columns_of_over = 3, columns_of_cases = 2, columns_of_number = 7
+
+    !> Cells of the indices of a column and a factor.
+    integer, parameter :: index_cells = 8
+
+contains
+
+    !> The Sobol' indices of a column and a factor: the first-order index with both ends of its confidence interval of
+    !> 95 %, the same of the total index, groups of cases that have values, groups that were left out.
+    subroutine index_row(accumulators, column, factor, cells)
+        type(accumulators_t), intent(in) :: accumulators !! the statistics
+        integer, intent(in) :: column, factor !! numbers of the column of numbers and of the factor
+        real(dp), intent(out) :: cells(index_cells) !! in this order
+        type(sobol_index_t) :: index
+        associate (indices => accumulators%groups%indices(column))
+            call indices%estimate(factor, index)
+            cells = [index%first, index%first - index%first_error, index%first + index%first_error, &
+                     index%total, index%total - index%total_error, index%total + index%total_error, &
+                     real(sum(indices%added), dp), real(indices%left_out, dp)]
+        end associate
+    end subroutine index_row
+
+    !> Number of columns that tell the bin, before those that tell of its cases.
+    pure integer function columns_before(plan)
+        type(statistics_plan_t), intent(in) :: plan !! what is gathered
+        columns_before = 1 + columns_of_over * size(plan%over)
+    end function columns_before
+
+    !> The columns of the result.
+    function result_columns(plan) result(columns)
+        type(statistics_plan_t), intent(in) :: plan !! what is gathered
+        type(table_column_t), allocatable :: columns(:)
+        integer :: i, k, n
+
+        n = columns_before(plan) + columns_of_cases + size(plan%numbers) * (columns_of_number + size(plan%shares)) &
+            + plan%word_count()
+        allocate (columns(n))
+        n = 0
+        call add('bin', '', 'number of the bin; 0 is all cases, those in no bin, too', column_of_integers)
+        do i = 1, size(plan%over)
+            associate (over => plan%over(i)%column)
+                call add(trim(over%name), over%unit, 'middle of the bin: ' // over%what, column_of_reals)
+                call add(trim(over%name) // '_from', over%unit, 'lower end of the bin', column_of_reals)
+                call add(trim(over%name) // '_to', over%unit, 'upper end of the bin', column_of_reals)
+            end associate
+        end do
+        call add('cases', '', 'number of cases', column_of_integers)
+        call add('failed', '', 'number of those that failed, and are in none of the statistics', column_of_integers)
+        do i = 1, size(plan%numbers)
+            call add_number(plan%numbers(i))
+        end do
+        do i = 1, size(plan%categories)
+            associate (category => plan%categories(i))
+                do k = 1, size(category%words)
+                    call add(trim(category%name) // '_' // replace_all(category%words(k)%text, ' ', '_'), '', &
+                             'cases with ' // trim(category%name) // ' ' // category%words(k)%text, column_of_integers)
+                end do
+            end associate
+        end do
+
+    contains
+
+        subroutine add_number(number)
+            type(table_column_t), intent(in) :: number
+            character(:), allocatable :: name
+            integer :: q
+            name = trim(number%name)
+            call add(name // '_count', '', 'cases that have a value of ' // name, column_of_integers)
+            call add(name // '_mean', number%unit, 'mean: ' // number%what, column_of_reals)
+            call add(name // '_deviation', number%unit, 'standard deviation of ' // name // ', over n - 1', column_of_reals)
+            call add(name // '_min', number%unit, 'minimum of ' // name, column_of_reals)
+            call add(name // '_min_case', '', 'first case with it; 0 if there is none', column_of_integers)
+            call add(name // '_max', number%unit, 'maximum of ' // name, column_of_reals)
+            call add(name // '_max_case', '', 'first case with it; 0 if there is none', column_of_integers)
+            do q = 1, size(plan%shares)
+                call add(name // '_q' // to_text(plan%shares(q)), number%unit, 'quantile of ' // name // '; ' &
+                         // trim(merge('relative error below 0.004 ', 'relative error below 0.0002', plan%by_bin)) &
+                         // merge('                   ', ', of all cases only', plan%by_bin), column_of_reals)
+            end do
+        end subroutine add_number
+
+        subroutine add(name, unit, what, kind)
+            character(*), intent(in) :: name, unit, what
+            integer, intent(in) :: kind
+            n = n + 1
+            columns(n)%name = name
+            columns(n)%unit = unit
+            columns(n)%what = what
+            columns(n)%kind = kind
+        end subroutine add
+
+    end function result_columns
+
+    !> The cells of the row of a bin, or, for bin 0, of all cases.
+    subroutine result_row(plan, accumulators, bin, cells)
+        type(statistics_plan_t), intent(in) :: plan !! what is gathered
+        type(accumulators_t), intent(inout) :: accumulators !! the statistics; only sorted
+        integer(int64), intent(in) :: bin !! number of the bin, or 0
+        real(dp), intent(out) :: cells(:) !! as many as there are columns
+        type(moments_t) :: moments
+        type(summary_of_column_t) :: summary
+        integer(int64) :: words(plan%word_count()), rest
+        integer :: i, n, place
+
+        cells(1) = real(bin, dp)
+        n = 1
+        rest = bin - 1
+        do i = 1, size(plan%over)
+            associate (bins => plan%over(i)%bins)
+                if (bin == 0) then
+                    cells(n + 1:n + columns_of_over) = no_number
+                else
+                    place = int(mod(rest, int(bins%count(), int64))) + 1
+                    rest = rest / bins%count()
+                    cells(n + 1:n + columns_of_over) = [bins%value(place), bins%edge(place), bins%edge(place + 1)]
+                end if
+            end associate
+            n = n + columns_of_over
+        end do
+        if (bin == 0) then
+            cells(n + 1:n + 2) = real([sum(accumulators%cases), sum(accumulators%failed)], dp)
+            words = sum(accumulators%words, dim=2)
+        else
+            cells(n + 1:n + 2) = real([accumulators%cases(bin), accumulators%failed(bin)], dp)
+            words = accumulators%words(:, bin)
+        end if
+        n = n + columns_of_cases
+        do i = 1, size(plan%numbers)
+            if (bin == 0) then
+                moments = accumulators%over_all(i)
+            else
+                moments = accumulators%moments(i, bin)
+            end if
+            summary = moments%summary()
+            cells(n + 1:n + columns_of_number) = [real(summary%count, dp), summary%mean, summary%deviation, &
+                summary%minimum, real(summary%case_of_minimum, dp), summary%maximum, real(summary%case_of_maximum, dp)]
+            n = n + columns_of_number
+            call accumulators%quantiles(i, bin, plan%shares, cells(n + 1:n + size(plan%shares)))
+            n = n + size(plan%shares)
+        end do
+        cells(n + 1:) = real(words, dp)
+    end subroutine result_row
+
+end module spintop_statistics_result

@@ -1,0 +1,335 @@
+!> A table of a sweep whose rows are gathered as well, or gathered and not written. Each thread finds the bins of its
+!> rows; one after the other the blocks are added in the order of the cases. What was gathered is written with an
+!> entry of the journal, to one of two files in turn, of which the entry names the one that belongs to its rows: a
+!> later run resumes there.
+module spintop_statistics_table
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_accumulators, only: accumulators_t
+    use spintop_checksum, only: checksum_width
+    use spintop_errors, only: error_t, input_error
+    use spintop_files, only: file_exists, remove_file
+    use spintop_growing_table, only: growing_table_t
+    use spintop_journal, only: journal_entry_t
+    use spintop_kinds, only: dp
+    use spintop_row_block, only: row_block_t
+    use spintop_row_table, only: row_table_t
+    use spintop_statistics_csv, only: write_statistics_csv
+    use spintop_statistics_file, only: read_statistics, sync_snapshot, write_part, write_snapshot
+    use spintop_statistics_netcdf, only: write_statistics_netcdf
+    use spintop_statistics_plan, only: statistics_plan_t
+    use spintop_text, only: to_text
+    implicit none
+    private
+    public :: statistics_table_t, write_statistics
+
+    !> Cells of a row's digest before the values: bin, number of the case, whether it has values.
+    integer, parameter :: bin_cell = 1, number_cell = 2, ok_cell = 3, cells_before = 3
+    !> Bytes of a snapshot that are written per second, at least, on any disk that is in use; and the share of the
+    !> time that the first snapshot takes, as those after it.
+    real(dp), parameter :: slowest_disk = 1.0e8_dp, times_pause = 20, least_pause = 0.05_dp
+
+    !> Rows, and what is gathered of them.
+    type, extends(row_table_t) :: statistics_table_t
+        !> The table of the rows, which may keep none.
+        class(row_table_t), allocatable :: rows_table
+        type(statistics_plan_t) :: plan
+        !> Path of the result, and its header.
+        character(:), allocatable :: path, head
+        !> Path of the table of the rows, beside which the snapshots are.
+        character(:), allocatable :: path_of_rows
+        !> Whether this is a part of a sweep.
+        logical :: is_part = .false.
+        type(accumulators_t), private :: accumulators
+        !> The file of the last snapshot, its checksum, and whether no entry names it yet.
+        integer, private :: last_state = 0
+        character(checksum_width), private :: checksum = ''
+        logical, private :: is_new = .false.
+        !> Numbers of the cases of a block, whether they have values, and their words.
+        integer(int64), allocatable, private :: numbers(:)
+        logical, allocatable, private :: is_ok(:)
+        integer, allocatable, private :: words(:, :)
+        !> Bins to find the place of a row, the same in all ranks.
+        type(accumulators_t), private :: places
+    contains
+        procedure :: prepare
+        procedure :: begin
+        procedure :: format => digest_block
+        procedure :: put
+        procedure :: take_entry
+        procedure :: keep_entry
+        procedure :: end_entry
+        procedure :: is_keeping
+        procedure :: finish
+        procedure :: abandon
+        procedure, private :: state_path
+        procedure, private :: resume
+        procedure, private :: remove_states
+        procedure, private :: take_over
+        procedure, private :: convert
+    end type statistics_table_t
+
+contains
+
+    !> Makes it ready to find bins, in all ranks.
+    subroutine prepare(self)
+        class(statistics_table_t), intent(inout) :: self
+        integer :: i
+        allocate (self%places%bins(size(self%plan%over)))
+        do i = 1, size(self%plan%over)
+            self%places%bins(i) = self%plan%over(i)%bins
+        end do
+        self%places%bin_count = self%plan%bin_count()
+    end subroutine prepare
+
+    !> Begins to gather, after the table of the rows was started; resumes if that did.
+    subroutine begin(self, error)
+        class(statistics_table_t), intent(inout) :: self
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        call self%take_over()
+        self%is_resumable = self%rows_table%is_resumable
+        self%is_complete = self%rows_table%is_complete
+        self%remark = self%rows_table%remark
+        if (self%is_complete) return
+        call self%plan%start(self%accumulators)
+        if (self%rows() > 0) then
+            call self%resume(error)
+            if (allocated(error)) then
+                call self%rows_table%abandon(error)
+                return
+            end if
+        else
+            call self%remove_states(error)
+        end if
+        select type (rows => self%rows_table)
+        type is (growing_table_t)
+            call rows%set_pause(max(least_pause, times_pause * self%plan%bytes_of_bins() / slowest_disk))
+        end select
+    end subroutine begin
+
+    !> Takes what was gathered of the rows that are kept.
+    subroutine resume(self, error)
+        class(statistics_table_t), intent(inout) :: self
+        type(error_t), allocatable, intent(out) :: error
+        type(journal_entry_t) :: entry
+        type(statistics_plan_t) :: plan
+        character(checksum_width) :: checksum
+
+        select type (rows => self%rows_table)
+        type is (growing_table_t)
+            entry = rows%resumed
+        end select
+        if (entry%state == 0) then
+            error = input_error('the journal names no statistics of the kept rows')
+        else
+            call read_statistics(self%state_path(entry%state), plan, self%accumulators, checksum, error)
+            if (.not. allocated(error) .and. checksum /= entry%state_checksum) then
+                error = input_error(self%state_path(entry%state) // ' was changed after it was written')
+            end if
+        end if
+        if (allocated(error)) then
+            error%message = 'cannot resume ' // self%path // ': ' // error%message // new_line('a') // &
+                            '--restart discards it and computes all from the beginning'
+            return
+        end if
+        self%last_state = entry%state
+    end subroutine resume
+
+    !> The path of a snapshot.
+    pure function state_path(self, number) result(path)
+        class(statistics_table_t), intent(in) :: self
+        integer, intent(in) :: number
+        character(:), allocatable :: path
+        path = self%path_of_rows // '.state' // to_text(number)
+    end function state_path
+
+    !> Removes the snapshots.
+    subroutine remove_states(self, error)
+        class(statistics_table_t), intent(in) :: self
+        type(error_t), allocatable, intent(out) :: error
+        integer :: i
+        do i = 1, 2
+            if (.not. file_exists(self%state_path(i))) cycle
+            call remove_file(self%state_path(i), error)
+            if (allocated(error)) return
+        end do
+    end subroutine remove_states
+
+    !> Takes the numbers of rows of the table of the rows.
+    subroutine take_over(self)
+        class(statistics_table_t), intent(inout) :: self
+        self%counts = self%rows_table%counts
+        self%taken_over = self%rows_table%taken_over
+    end subroutine take_over
+
+    !> Finds the bins of rows and what is gathered of them, then formats them for the table of the rows.
+    subroutine digest_block(self, block)
+        class(statistics_table_t), intent(in) :: self
+        type(row_block_t), intent(inout) :: block !! its cells may become text
+        real(dp) :: over(size(self%plan%over)), bin
+        integer :: i, k, n, words
+        logical :: is_same
+
+        bin = 0
+        over = 0
+        associate (plan => self%plan)
+            n = size(plan%numbers)
+            call block%reserve_digest(cells_before + n + size(plan%categories), block%rows)
+            do k = 1, block%rows
+                associate (cells => block%cells(:, k), digest => block%digest(:, k))
+                    ! On a grid most cases are in the bin of the last one.
+                    is_same = k > 1
+                    do i = 1, size(over)
+                        is_same = is_same .and. cells(plan%over(i)%cell) >= over(i) .and. cells(plan%over(i)%cell) <= over(i)
+                        over(i) = cells(plan%over(i)%cell)
+                    end do
+                    if (.not. is_same) bin = real(self%places%bin_of(over), dp)
+                    digest(bin_cell) = bin
+                    digest(number_cell) = cells(1)
+                    digest(ok_cell) = cells(plan%status_cell)
+                    do i = 1, n
+                        digest(cells_before + i) = cells(plan%cells_of_numbers(i))
+                    end do
+                    words = 1
+                    do i = 1, size(plan%categories)
+                        digest(cells_before + n + i) = words + cells(plan%cells_of_categories(i))
+                        words = words + size(plan%categories(i)%words)
+                    end do
+                end associate
+            end do
+        end associate
+        call self%rows_table%format(block)
+    end subroutine digest_block
+
+    !> Adds rows, and writes a snapshot if an entry of the journal is due.
+    subroutine put(self, block, error)
+        class(statistics_table_t), intent(inout) :: self
+        type(row_block_t), intent(in) :: block !! rows in their order
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        integer(int64) :: bin
+        integer :: first, last, n
+
+        n = cells_before + size(self%plan%numbers)
+        first = 1
+        associate (digest => block%digest)
+            call self%convert(digest(:, :block%digested), n)
+            do while (first <= block%digested)
+                bin = int(digest(bin_cell, first), int64)
+                last = first
+                do while (last < block%digested)
+                    if (int(digest(bin_cell, last + 1), int64) /= bin) exit
+                    last = last + 1
+                end do
+                call self%accumulators%add(self%numbers(first:last), self%is_ok(first:last), bin, &
+                                           digest(cells_before + 1:n, first:last), self%words(:, first:last))
+                first = last + 1
+            end do
+        end associate
+        ! A snapshot that no entry names yet is older than these rows.
+        self%is_new = .false.
+        call self%rows_table%put(block, error)
+        call self%take_over()
+        if (allocated(error)) return
+        select type (rows => self%rows_table)
+        type is (growing_table_t)
+            if (rows%is_due()) call take_snapshot(self, error)
+        end select
+    end subroutine put
+
+    !> Writes a snapshot to the file that the last entry of the journal does not name.
+    subroutine take_snapshot(self, error)
+        type(statistics_table_t), intent(inout) :: self
+        type(error_t), allocatable, intent(out) :: error
+        self%last_state = 3 - max(self%last_state, 1)
+        call write_snapshot(self%state_path(self%last_state), self%head, self%plan, self%accumulators, &
+                            self%checksum, error)
+        self%is_new = .not. allocated(error)
+    end subroutine take_snapshot
+
+    !> Takes the whole numbers of a digest, whose last cell before the words is given.
+    subroutine convert(self, digest, last)
+        class(statistics_table_t), intent(inout) :: self
+        real(dp), intent(in) :: digest(:, :)
+        integer, intent(in) :: last
+        integer :: n
+        n = size(digest, 2)
+        if (allocated(self%numbers)) then
+            if (size(self%numbers) < n) deallocate (self%numbers, self%is_ok, self%words)
+        end if
+        if (.not. allocated(self%numbers)) allocate (self%numbers(n), self%is_ok(n), self%words(size(digest, 1) - last, n))
+        self%numbers(:n) = int(digest(number_cell, :), int64)
+        self%is_ok(:n) = digest(ok_cell, :) <= 0
+        self%words(:, :n) = int(digest(last + 1:, :))
+    end subroutine convert
+
+    !> Makes an entry that names the snapshot, if there is a new one.
+    subroutine take_entry(self, entry, due, error)
+        class(statistics_table_t), intent(inout) :: self
+        type(journal_entry_t), intent(inout) :: entry !! the current size of the table, if an entry is due
+        logical, intent(out) :: due !! whether an entry is due
+        type(error_t), allocatable, intent(inout) :: error !! not changed if it is allocated on entry
+        due = .false.
+        if (allocated(error) .or. self%is_keeping()) return
+        if (self%entry_wanted .and. .not. self%is_new) call take_snapshot(self, error)
+        if (.not. self%is_new) return
+        self%is_new = .false.
+        self%rows_table%entry_wanted = self%entry_wanted
+        call self%rows_table%take_entry(entry, due, error)
+        entry%state = self%last_state
+        entry%state_checksum = self%checksum
+    end subroutine take_entry
+
+    !> Waits until rows and snapshot of an entry are on the disk, and then writes the entry.
+    subroutine keep_entry(self, entry, error)
+        class(statistics_table_t), intent(in) :: self
+        type(journal_entry_t), intent(in) :: entry !! entry of the journal
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        call sync_snapshot(self%state_path(entry%state), error)
+        if (.not. allocated(error)) call self%rows_table%keep_entry(entry, error)
+    end subroutine keep_entry
+
+    !> Called after an entry was written.
+    subroutine end_entry(self)
+        class(statistics_table_t), intent(inout) :: self
+        call self%rows_table%end_entry()
+    end subroutine end_entry
+
+    !> Whether an entry is being written.
+    pure logical function is_keeping(self)
+        class(statistics_table_t), intent(in) :: self
+        is_keeping = self%rows_table%is_keeping()
+    end function is_keeping
+
+    !> Writes the result, and finishes the table of the rows.
+    subroutine finish(self, error)
+        class(statistics_table_t), intent(inout) :: self
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        call write_statistics(self%path, self%head, self%is_part, self%plan, self%accumulators, error)
+        if (.not. allocated(error)) call self%rows_table%finish(error)
+        if (.not. allocated(error)) call self%remove_states(error)
+    end subroutine finish
+
+    !> Writes a result: that of a part, or a table.
+    subroutine write_statistics(path, head, is_part, plan, accumulators, error)
+        character(*), intent(in) :: path !! path of the result
+        character(*), intent(in) :: head !! its header, ready to write
+        logical, intent(in) :: is_part !! whether it is that of a part of a sweep
+        type(statistics_plan_t), intent(in) :: plan !! what is gathered
+        type(accumulators_t), intent(inout) :: accumulators !! the statistics; only sorted
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        if (is_part) then
+            call write_part(path, head, plan, accumulators, error)
+        else if (plan%is_netcdf) then
+            call write_statistics_netcdf(path, head, plan, accumulators, error)
+        else
+            call write_statistics_csv(path, head, plan, accumulators, error)
+        end if
+    end subroutine write_statistics
+
+    !> Keeps what a later run can resume, and adds that to the message of the error.
+    subroutine abandon(self, error)
+        class(statistics_table_t), intent(inout) :: self
+        type(error_t), intent(inout) :: error !! its message is completed
+        call self%rows_table%abandon(error)
+    end subroutine abandon
+
+end module spintop_statistics_table

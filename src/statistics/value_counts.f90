@@ -1,0 +1,383 @@
+!> How often values of each size occur, for quantiles of any number of values in bounded memory.
+!>
+!> A double falls in the cell that its sign, its exponent and the first bits of its significand name, so
+!> that a cell is narrow relative to its values, whatever their size. Cells of one sign and exponent are
+!> a page, which takes memory once a value falls in it. Counts are integers: they do not depend on the
+!> order of the values, nor on how these are divided among partial counts.
+module spintop_value_counts
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_kinds, only: dp, no_number
+    use spintop_random, only: mix
+    implicit none
+    private
+    public :: value_counts_t
+
+    integer, parameter :: significand_bits = 52
+    !> The low half of an integer.
+    integer(int64), parameter :: word_mask = 2_int64**32 - 1
+    !> Sign bit and exponent of a double are below.
+    integer, parameter :: exponents = 4096
+    !> Pages at first.
+    integer, parameter :: pages_at_first = 16
+
+    !> Counts of values in bins; the pages of all bins are in one hash table.
+    type :: value_counts_t
+        private
+        !> First bits of the significand that tell cells apart.
+        integer :: bits = 12
+        !> Pages in use, and a power of two that is at least twice as many.
+        integer :: pages = 0, slots = 0
+        !> The page in a slot (0: none), and what it is the page of: the bin, and sign and exponent.
+        integer, allocatable :: page_in(:)
+        integer(int64), allocatable :: bin_of(:)
+        integer, allocatable :: exponent_of(:)
+        !> Values in cell i of page k.
+        integer(int64), allocatable :: counts(:, :)
+        !> The pages of bin 1, which is that of most values where there are no others (0: none).
+        integer, allocatable :: pages_of_first(:)
+        !> The pages in the order of bins and values, when they were last sorted.
+        integer, allocatable :: sorted(:)
+    contains
+        procedure :: start
+        procedure :: add
+        procedure :: merge_with
+        procedure :: add_all_of
+        procedure :: list_cells
+        procedure :: quantiles
+        procedure :: resolution
+        procedure :: pack_counts
+        procedure :: unpack_counts
+        procedure, private :: find_page
+        procedure, private :: sort
+        procedure, private :: key
+        procedure, private :: first_of
+        procedure, private :: grow
+    end type value_counts_t
+
+contains
+
+    !> Starts with no values. A cell is 2**-bits wide relative to the values in it, or narrower.
+    subroutine start(self, bits)
+        class(value_counts_t), intent(out) :: self
+        integer, intent(in) :: bits !! 1 .. 20
+        self%bits = bits
+        allocate (self%pages_of_first(0:exponents - 1), source=0)
+        call self%grow()
+    end subroutine start
+
+    !> The largest relative error of a quantile.
+    pure real(dp) function resolution(self)
+        class(value_counts_t), intent(in) :: self
+        resolution = 2.0_dp**(-self%bits - 1)
+    end function resolution
+
+    !> All counts as a list of numbers, to be stored.
+    subroutine pack_counts(self, numbers)
+        class(value_counts_t), intent(in) :: self
+        integer(int64), allocatable, intent(out) :: numbers(:) !! pages one after the other: bin, exponent, counts
+        integer :: k, length
+        length = 2 + 2**self%bits
+        allocate (numbers(int(length, int64) * self%pages))
+        do k = 1, self%pages
+            numbers((k - 1_int64) * length + 1:k * int(length, int64)) = &
+                [self%bin_of(k), int(self%exponent_of(k), int64), self%counts(:, k)]
+        end do
+    end subroutine pack_counts
+
+    !> Takes stored counts, beside those that are there.
+    subroutine unpack_counts(self, numbers, is_valid)
+        class(value_counts_t), intent(inout) :: self
+        integer(int64), intent(in) :: numbers(:) !! as `pack_counts` makes them
+        logical, intent(out) :: is_valid !! the list is one that pack_counts could have made
+        integer :: length, page
+        integer(int64) :: i
+
+        length = 2 + 2**self%bits
+        is_valid = mod(size(numbers, kind=int64), int(length, int64)) == 0
+        i = 0
+        do while (is_valid .and. i < size(numbers, kind=int64))
+            is_valid = numbers(i + 1) >= 1 .and. numbers(i + 2) >= 0 .and. numbers(i + 2) < exponents &
+                       .and. all(numbers(i + 3:i + length) >= 0)
+            if (.not. is_valid) exit
+            call self%find_page(numbers(i + 1), int(numbers(i + 2)), page)
+            self%counts(:, page) = self%counts(:, page) + numbers(i + 3:i + length)
+            i = i + length
+        end do
+    end subroutine unpack_counts
+
+    !> Counts finite values.
+    subroutine add(self, bin, values)
+        class(value_counts_t), intent(inout) :: self
+        integer(int64), intent(in) :: bin !! number of the bin, from 1
+        real(dp), intent(in) :: values(:) !! the values
+        integer(int64) :: word
+        integer :: i, page, cell, exponent, last
+
+        last = -1
+        page = 0
+        do i = 1, size(values)
+            ! A zero has no sign here.
+            word = transfer(values(i) + 0.0_dp, word)
+            cell = int(iand(shiftr(word, significand_bits - self%bits), 2_int64**self%bits - 1)) + 1
+            exponent = int(shiftr(word, significand_bits))
+            if (exponent /= last) then
+                last = exponent
+                page = 0
+                if (bin == 1) page = self%pages_of_first(exponent)
+                if (page == 0) call self%find_page(bin, exponent, page)
+            end if
+            self%counts(cell, page) = self%counts(cell, page) + 1
+        end do
+    end subroutine add
+
+    !> Adds the counts of others, of the same resolution.
+    subroutine merge_with(self, other)
+        class(value_counts_t), intent(inout) :: self
+        type(value_counts_t), intent(in) :: other !! the other object of this type
+        integer :: k, page
+        do k = 1, other%pages
+            call self%find_page(other%bin_of(k), other%exponent_of(k), page)
+            self%counts(:, page) = self%counts(:, page) + other%counts(:, k)
+        end do
+    end subroutine merge_with
+
+    !> Adds the counts of all bins of others, of the same resolution, to bin 1.
+    subroutine add_all_of(self, other)
+        class(value_counts_t), intent(inout) :: self
+        type(value_counts_t), intent(in) :: other !! the other object of this type
+        integer :: k, page
+        do k = 1, other%pages
+            call self%find_page(1_int64, other%exponent_of(k), page)
+            self%counts(:, page) = self%counts(:, page) + other%counts(:, k)
+        end do
+    end subroutine add_all_of
+
+    !> The cells of bin 1 that have values, in the order of these.
+    subroutine list_cells(self, lower, upper, counts)
+        class(value_counts_t), intent(inout) :: self
+        real(dp), allocatable, intent(out) :: lower(:), upper(:) !! the ends of each cell, lower <= upper
+        integer(int64), allocatable, intent(out) :: counts(:)    !! values in each cell
+        integer :: i, k, n, page, cell, cells, found
+
+        call self%sort()
+        cells = size(self%counts, 1)
+        found = count(self%counts(:, :self%pages) > 0)
+        allocate (lower(found), upper(found), counts(found))
+        n = 0
+        do k = 1, self%pages
+            page = self%sorted(k)
+            do i = 1, cells
+                cell = merge(cells + 1 - i, i, self%exponent_of(page) >= exponents / 2)
+                if (self%counts(cell, page) == 0) cycle
+                n = n + 1
+                counts(n) = self%counts(cell, page)
+                lower(n) = end_of_cell(self%exponent_of(page), cell - 1, self%bits)
+                upper(n) = end_of_cell(self%exponent_of(page), cell, self%bits)
+                if (lower(n) > upper(n)) then
+                    lower(n) = upper(n)
+                    upper(n) = end_of_cell(self%exponent_of(page), cell - 1, self%bits)
+                end if
+            end do
+        end do
+    end subroutine list_cells
+
+    !> Quantiles of the values of a bin: for each share p the middle of the cell that has the value of rank
+    !> ceiling(p n); NaN where there are no values.
+    subroutine quantiles(self, bin, shares, values)
+        class(value_counts_t), intent(inout) :: self
+        integer(int64), intent(in) :: bin !! number of the bin, from 1
+        real(dp), intent(in) :: shares(:)   !! p, in [0, 1]
+        real(dp), intent(out) :: values(:)  !! as many
+        integer(int64) :: ranks(size(shares)), below
+        integer :: i, k, page, cell, cells, first, last
+
+        call self%sort()
+        first = self%first_of(bin)
+        last = self%first_of(bin + 1) - 1
+        values = no_number
+        if (last < first) return
+        ranks = max(ceiling(shares * real(sum([(sum(self%counts(:, self%sorted(k))), k=first, last)]), dp), int64), 1_int64)
+        below = 0
+        cells = size(self%counts, 1)
+        do k = first, last
+            page = self%sorted(k)
+            do i = 1, cells
+                ! Of negative values those of the largest significand are the smallest.
+                cell = merge(cells + 1 - i, i, self%exponent_of(page) >= exponents / 2)
+                associate (here => self%counts(cell, page))
+                    if (here == 0) cycle
+                    where (ranks > below .and. ranks <= below + here)
+                        values = middle(self%exponent_of(page), cell, self%bits)
+                    end where
+                    below = below + here
+                end associate
+            end do
+        end do
+    end subroutine quantiles
+
+    !> Sorts the pages by bin, and those of a bin by the values in them, if pages came since the last time.
+    subroutine sort(self)
+        class(value_counts_t), intent(inout) :: self
+        integer, allocatable :: merged(:)
+        integer :: n, run, first, middle, last, i, k, place
+
+        n = self%pages
+        if (allocated(self%sorted)) then
+            if (size(self%sorted) == n) return
+        end if
+        self%sorted = [(k, k=1, n)]
+        allocate (merged(n))
+        run = 1
+        do while (run < n)
+            do first = 1, n, 2 * run
+                middle = min(first + run, n + 1)
+                last = min(first + 2 * run, n + 1)
+                i = first
+                k = middle
+                do place = first, last - 1
+                    if (k >= last) then
+                        merged(place) = self%sorted(i)
+                        i = i + 1
+                    else if (i >= middle) then
+                        merged(place) = self%sorted(k)
+                        k = k + 1
+                    else if (self%key(self%sorted(i)) <= self%key(self%sorted(k))) then
+                        merged(place) = self%sorted(i)
+                        i = i + 1
+                    else
+                        merged(place) = self%sorted(k)
+                        k = k + 1
+                    end if
+                end do
+            end do
+            self%sorted = merged
+            run = 2 * run
+        end do
+    end subroutine sort
+
+    !> Place of a page among all.
+    pure integer(int64) function key(self, page)
+        class(value_counts_t), intent(in) :: self
+        integer, intent(in) :: page
+        key = self%bin_of(page) * exponents + order(self%exponent_of(page))
+    end function key
+
+    !> The first sorted page of a bin or of a later one.
+    pure integer function first_of(self, bin) result(low)
+        class(value_counts_t), intent(in) :: self
+        integer(int64), intent(in) :: bin
+        integer :: high, middle
+        low = 1
+        high = self%pages + 1
+        do while (low < high)
+            middle = (low + high) / 2
+            if (self%bin_of(self%sorted(middle)) < bin) then
+                low = middle + 1
+            else
+                high = middle
+            end if
+        end do
+    end function first_of
+
+    !> Place of a sign and exponent among the values.
+    pure integer function order(exponent)
+        integer, intent(in) :: exponent !! sign bit and biased exponent, as a double has them
+        order = merge(exponents - 1 - exponent, exponents / 2 + exponent, exponent >= exponents / 2)
+    end function order
+
+    !> The middle of a cell. That of the cell of zero is zero.
+    pure elemental real(dp) function middle(exponent, cell, bits)
+        integer, intent(in) :: exponent, cell, bits
+        integer(int64) :: word
+        word = ior(shiftl(int(exponent, int64), significand_bits), &
+                   shiftl(int(cell - 1, int64), significand_bits - bits))
+        if (word /= 0) word = ior(word, shiftl(1_int64, significand_bits - bits - 1))
+        middle = transfer(word, middle)
+    end function middle
+
+    !> Where a cell ends that is the last of so many with its sign and exponent.
+    pure real(dp) function end_of_cell(exponent, cell, bits) result(value)
+        integer, intent(in) :: exponent, cell, bits
+        integer(int64) :: word
+        ! After the last cell of an exponent comes the first of the next one.
+        word = shiftl(int(exponent, int64), significand_bits) + shiftl(int(cell, int64), significand_bits - bits)
+        value = transfer(word, value)
+        if (.not. abs(value) <= huge(value)) value = sign(huge(value), value)
+    end function end_of_cell
+
+    !> The page of a bin and of a sign and exponent; a new one where it has none.
+    subroutine find_page(self, bin, exponent, page)
+        class(value_counts_t), intent(inout) :: self
+        integer(int64), intent(in) :: bin
+        integer, intent(in) :: exponent
+        integer, intent(out) :: page
+        integer :: slot
+
+        slot = first_slot(bin, exponent, self%slots)
+        do
+            page = self%page_in(slot)
+            if (page == 0) exit
+            if (self%bin_of(page) == bin .and. self%exponent_of(page) == exponent) return
+            slot = mod(slot, self%slots) + 1
+        end do
+        if (self%pages == size(self%bin_of)) then
+            call self%grow()
+            slot = free_slot(self, bin, exponent)
+        end if
+        self%pages = self%pages + 1
+        page = self%pages
+        self%page_in(slot) = page
+        self%bin_of(page) = bin
+        self%exponent_of(page) = exponent
+        if (bin == 1) self%pages_of_first(exponent) = page
+    end subroutine find_page
+
+    !> Where the search for a page begins.
+    pure integer function first_slot(bin, exponent, slots)
+        integer(int64), intent(in) :: bin
+        integer, intent(in) :: exponent, slots
+        integer(int64) :: high, low
+        high = shiftr(bin, 32)
+        low = iand(bin, word_mask)
+        first_slot = int(iand(mix(ieor(low, mix(ior(shiftl(iand(high, 2_int64**20 - 1), 12), int(exponent, int64))))), &
+                              int(slots - 1, int64))) + 1
+    end function first_slot
+
+    !> A slot that is free, where the search for a page ends.
+    pure integer function free_slot(self, bin, exponent) result(slot)
+        class(value_counts_t), intent(in) :: self
+        integer(int64), intent(in) :: bin
+        integer, intent(in) :: exponent
+        slot = first_slot(bin, exponent, self%slots)
+        do while (self%page_in(slot) /= 0)
+            slot = mod(slot, self%slots) + 1
+        end do
+    end function free_slot
+
+    !> Makes room for twice as many pages.
+    subroutine grow(self)
+        class(value_counts_t), intent(inout) :: self
+        integer(int64), allocatable :: bins(:), counts(:, :)
+        integer, allocatable :: page_exponents(:)
+        integer :: room, k
+
+        room = max(pages_at_first, 2 * self%pages)
+        allocate (bins(room), page_exponents(room), counts(2**self%bits, room))
+        counts = 0
+        if (self%pages > 0) then
+            bins(:self%pages) = self%bin_of
+            page_exponents(:self%pages) = self%exponent_of
+            counts(:, :self%pages) = self%counts
+            deallocate (self%page_in)
+        end if
+        call move_alloc(bins, self%bin_of)
+        call move_alloc(page_exponents, self%exponent_of)
+        call move_alloc(counts, self%counts)
+        self%slots = 2 * room
+        allocate (self%page_in(self%slots), source=0)
+        do k = 1, self%pages
+            self%page_in(free_slot(self, self%bin_of(k), self%exponent_of(k))) = k
+        end do
+    end subroutine grow
+
+end module spintop_value_counts

@@ -1,0 +1,233 @@
+!> Makes jobs of inputs: each is read, checked and planned by its study, before any is run.
+module spintop_preparation
+    use spintop_column_choice, only: choose_columns
+    use spintop_diagnostics, only: diagnostics_t
+    use spintop_errors, only: error_t, input_error
+    use spintop_event_choice, only: choose_events
+    use spintop_interrupted_run, only: refuse_to_discard_idle
+    use spintop_job, only: job_t
+    use spintop_namelist, only: read_namelist
+    use spintop_netcdf_grid, only: most_netcdf_rows
+    use spintop_netcdf_table, only: has_netcdf
+    use spintop_options, only: options_t
+    use spintop_plain_text, only: escaped
+    use spintop_parameters, only: unset_integer
+    use spintop_problems, only: problems_t
+    use spintop_scene, only: describe_scene
+    use spintop_studies, only: create_study
+    use spintop_study, only: study_info_t, study_t
+    use spintop_terminal, only: message_width
+    use spintop_text, only: string_t, to_text
+    implicit none
+    private
+    public :: prepared_t, prepare_jobs, protect_interrupted
+
+    !> A job, and the study that runs it.
+    type :: prepared_t
+        type(job_t) :: job
+        class(study_t), allocatable :: study
+    end type prepared_t
+
+contains
+
+    !> Reads and checks all inputs before any is run. The error contains all problems, and is the same in all
+    !> ranks.
+    subroutine prepare_jobs(inputs, options, prepared, error)
+        type(string_t), intent(in) :: inputs(:) !! their paths
+        type(options_t), intent(in) :: options !! options of the command line
+        type(prepared_t), allocatable, target, intent(out) :: prepared(:) !! the jobs with their studies
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(error_t), allocatable :: problem
+        integer :: i
+
+        allocate (prepared(size(inputs)))
+        do i = 1, size(inputs)
+            call prepare_job(inputs(i)%text, options, prepared(i)%job, prepared(i)%study, problem)
+            if (.not. allocated(problem)) call refuse_same_table(prepared(:i), problem)
+            if (.not. allocated(problem)) cycle
+            if (allocated(error)) then
+                error%message = error%message // new_line('a') // problem%message
+                error%code = max(error%code, problem%code)
+            else
+                error = problem
+            end if
+        end do
+        call options%ranks%agree(error)
+    end subroutine prepare_jobs
+
+    !> Returns an error if the last of some jobs writes the same table as another one.
+    subroutine refuse_same_table(prepared, error)
+        type(prepared_t), intent(in) :: prepared(:)
+        type(error_t), allocatable, intent(inout) :: error
+        integer :: k
+
+        associate (last => prepared(size(prepared))%job)
+            do k = 1, size(prepared) - 1
+                associate (other => prepared(k)%job)
+                    if (.not. allocated(other%output)) cycle
+                    if (other%output == last%output .or. other%output == last%event_output &
+                        .or. other%event_output == last%output .or. other%output == last%statistics_output &
+                        .or. other%statistics_output == last%output) then
+                        error = input_error(escaped(last%input) // ': error: its table ' // escaped(last%output) &
+                            // ' is also that of ' // escaped(other%input) // '; set output.file in one of them')
+                    end if
+                end associate
+            end do
+        end associate
+    end subroutine refuse_same_table
+
+    !> Reads an input with the overrides of the command line, makes its case, plan and columns, and reports
+    !> all its problems at once.
+    subroutine prepare_job(input, options, job, study, error)
+        character(*), intent(in) :: input !! its path
+        type(options_t), intent(in) :: options
+        type(job_t), target, intent(inout) :: job
+        class(study_t), allocatable, intent(out) :: study
+        type(error_t), allocatable, intent(out) :: error
+        type(diagnostics_t) :: diagnostics
+        type(problems_t) :: problems
+        type(study_info_t) :: info
+
+        job%input = input
+        job%name = base_name(input)
+        call describe_scene(job%scene, job%table)
+        call job%table%verify(error)
+        if (allocated(error)) return
+        call read_namelist(input, options%overrides, job%table, diagnostics, error)
+        if (allocated(error)) return
+        call create_study(trim(job%scene%kind), study)
+        info = study%info()
+        call check_job(study, job, problems, diagnostics)
+        if (.not. info%has_parts) call refuse_parts(options, problems)
+        if (job%scene%format == 'netcdf') call refuse_netcdf(info, job, options, problems)
+        call choose_columns(study, job, problems)
+        call study%complete(job, problems)
+        call choose_events(info, job%scene, job%case, job%events, problems)
+        if (job%scene%stop_after /= unset_integer) job%stop_after = job%scene%stop_after
+        call problems%report_to(job%table, diagnostics)
+        call diagnostics%raise(error, message_width())
+        if (allocated(error)) return
+        job%warnings = ''
+        if (diagnostics%has_warnings()) job%warnings = diagnostics%report(message_width())
+        call name_outputs(options, job)
+    end subroutine prepare_job
+
+    !> Checks that are common to all studies, then those of the study.
+    subroutine check_job(study, job, problems, diagnostics)
+        class(study_t), intent(inout) :: study
+        type(job_t), target, intent(inout) :: job
+        type(problems_t), intent(inout) :: problems
+        type(diagnostics_t), intent(inout) :: diagnostics
+        type(study_info_t) :: info
+
+        info = study%info()
+        if (scan(trim(job%scene%file), '/') > 0) then
+            call problems%add('output.file', 'the name of the table contains a slash', &
+                              'name the folder with --output')
+        end if
+        if (job%names_axes() .and. .not. info%takes_axes) then
+            call problems%add('sweep', info%phrase // ' has no axes', "set study.kind = 'sweep'")
+        end if
+        if (.not. info%has_statistics) then
+            if (job%names_statistics()) call problems%add('statistics', info%phrase // ' has no statistics', &
+                                                          "omit the group, or set study.kind = 'sweep'")
+            if (job%scene%rows /= '') call problems%add('output.rows', info%phrase // ' always has its rows', 'omit it')
+        end if
+        allocate (job%axes%axis(0))
+        call study%check(job, problems, diagnostics)
+    end subroutine check_job
+
+    !> Reports shards, a resumed run and ranks for studies that are not computed in parts.
+    subroutine refuse_parts(options, problems)
+        type(options_t), intent(in) :: options
+        type(problems_t), intent(inout) :: problems
+        if (options%shard%is_part()) then
+            call problems%add('study.kind', '--shard is for sweeps: this study has no parts', 'omit --shard')
+        end if
+        if (options%resume) then
+            call problems%add('study.kind', '--resume is for sweeps: this study is always computed as a whole', &
+                              'omit --resume')
+        end if
+        if (options%ranks%count > 1) then
+            call problems%add('study.kind', 'MPI is for sweeps: this study is computed by one process', &
+                              'run it without mpirun')
+        end if
+    end subroutine refuse_parts
+
+    !> Reports properties that a NetCDF table cannot have.
+    subroutine refuse_netcdf(info, job, options, problems)
+        type(study_info_t), intent(in) :: info
+        type(job_t), intent(in) :: job
+        type(options_t), intent(in) :: options
+        type(problems_t), intent(inout) :: problems
+        character(*), parameter :: key = 'output.format', hint = "set output.format = 'csv'"
+        if (.not. has_netcdf()) then
+            call problems%add(key, 'this build has no NetCDF', 'SPINTOP_NETCDF=1 scripts/run ... makes a build with NetCDF')
+        else if (.not. info%has_netcdf) then
+            call problems%add(key, 'only the table of a sweep can be NetCDF', hint)
+        else if (.not. job%keeps_rows()) then
+            return
+        else if (options%shard%is_part() .or. options%resume) then
+            call problems%add(key, 'a NetCDF table is written as a whole: --shard and --resume are not possible', hint)
+        else if (job%axes%cases > most_netcdf_rows) then
+            call problems%add(key, 'a NetCDF table holds ' // to_text(most_netcdf_rows) // ' cases at most', hint)
+        end if
+    end subroutine refuse_netcdf
+
+    !> Sets the names of the files that a job writes.
+    subroutine name_outputs(options, job)
+        type(options_t), intent(in) :: options
+        type(job_t), intent(inout) :: job
+        character(6) :: ending
+        if (job%scene%file /= '') job%name = base_name(trim(job%scene%file))
+        associate (stem => options%output // '/' // job%name // options%shard%suffix())
+            ending = merge('.nc ', '.csv', job%scene%format == 'netcdf')
+            job%output = stem // trim(ending)
+            job%statistics_output = ''
+            if (job%statistics%is_wanted) then
+                if (options%shard%is_part()) ending = '.state'
+                job%statistics_output = stem // '.statistics' // trim(ending)
+            end if
+            if (.not. job%keeps_rows()) then
+                job%output = job%statistics_output
+                job%statistics_output = ''
+            end if
+            job%log = stem // '.log'
+            job%event_output = ''
+            if (any(job%events%is_listed)) job%event_output = stem // '.events.csv'
+        end associate
+    end subroutine name_outputs
+
+    !> Returns an error, the same in all ranks, if the jobs would discard rows of interrupted runs without a
+    !> request.
+    subroutine protect_interrupted(prepared, options, error)
+        type(prepared_t), intent(in) :: prepared(:) !! the jobs with their studies
+        type(options_t), intent(in) :: options !! options of the command line
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        integer :: i
+
+        if (options%ranks%is_writer() .and. .not. (options%resume .or. options%restart)) then
+            do i = 1, size(prepared)
+                associate (job => prepared(i)%job)
+                    call refuse_to_discard_idle(job%output, error)
+                    if (.not. allocated(error) .and. job%event_output /= '') then
+                        call refuse_to_discard_idle(job%event_output, error)
+                    end if
+                end associate
+                if (allocated(error)) exit
+            end do
+        end if
+        call options%ranks%agree(error)
+    end subroutine protect_interrupted
+
+    !> Name of a file without its folder and its extension.
+    pure function base_name(path) result(name)
+        character(*), intent(in) :: path
+        character(:), allocatable :: name
+        integer :: dot
+        name = path(index(path, '/', back=.true.) + 1:)
+        dot = index(name, '.', back=.true.)
+        if (dot > 1) name = name(:dot - 1)
+    end function base_name
+
+end module spintop_preparation

@@ -1,0 +1,156 @@
+!> The interface of all kinds of study. The registry is in `studies.f90`.
+module spintop_study
+    use spintop_case, only: case_t
+    use spintop_diagnostics, only: diagnostics_t
+    use spintop_errors, only: error_t
+    use spintop_job, only: job_t
+    use spintop_options, only: options_t
+    use spintop_problems, only: problems_t
+    use spintop_study_column, only: study_column_t
+    use spintop_summary, only: summary_t
+    implicit none
+    private
+    public :: study_info_t, study_t
+
+    !> Properties of a kind of study, which do not depend on the input.
+    type :: study_info_t
+        !> Its name in an input: study.kind.
+        character(:), allocatable :: name
+        !> Singular with an article, and plural, for messages: 'a sweep', 'sweeps'.
+        character(:), allocatable :: phrase, plural
+        !> Remark in the heading of the list of its columns.
+        character(:), allocatable :: remark
+        !> What it computes, in a few words.
+        character(:), allocatable :: what
+        !> Whether it can vary parameters.
+        logical :: takes_axes = .false.
+        !> Whether output.columns selects its columns.
+        logical :: takes_columns = .false.
+        !> Whether it can be computed in shards and by ranks, and resumed after an interruption.
+        logical :: has_parts = .false.
+        !> Whether it can compute statistics of its rows.
+        logical :: has_statistics = .false.
+        !> Whether its table can be NetCDF.
+        logical :: has_netcdf = .false.
+        !> Whether it can write a table of events.
+        logical :: has_events = .false.
+        !> Whether its events may use the exact solution.
+        logical :: keeps_exact_motion = .true.
+        !> Whether it computes the case of the input, and not a catalogue.
+        logical :: has_case = .true.
+    end type study_info_t
+
+    !> A kind of study, with its plan for one job.
+    type, abstract :: study_t
+    contains
+        procedure(info_i), deferred, nopass :: info
+        procedure(columns_i), deferred, nopass :: columns
+        procedure(check_i), deferred :: check
+        procedure(explain_i), deferred :: explain
+        procedure(run_i), deferred :: run
+        procedure :: default_columns
+        procedure :: has_column
+        procedure :: complete
+        procedure :: remark
+        procedure :: forecast
+    end type study_t
+
+    abstract interface
+        !> Properties of the kind.
+        function info_i() result(info)
+            import :: study_info_t
+            implicit none
+            type(study_info_t) :: info
+        end function info_i
+
+        !> All columns of its table, in their order.
+        function columns_i() result(columns)
+            import :: study_column_t
+            implicit none
+            type(study_column_t), allocatable :: columns(:)
+        end function columns_i
+
+        !> Plans a job whose input has been read: axes, case, plan, and data of the study.
+        subroutine check_i(self, job, problems, diagnostics)
+            import :: study_t, job_t, problems_t, diagnostics_t
+            implicit none
+            class(study_t), intent(inout) :: self
+            type(job_t), target, intent(inout) :: job !! the job; completed by this procedure
+            type(problems_t), intent(inout) :: problems !! problems of the scene
+            type(diagnostics_t), intent(inout) :: diagnostics !! errors in files that the scene names
+        end subroutine check_i
+
+        !> Description of the computation in a phrase.
+        function explain_i(self, job) result(phrase)
+            import :: study_t, job_t
+            implicit none
+            class(study_t), intent(in) :: self
+            type(job_t), intent(in) :: job !! the job
+            character(:), allocatable :: phrase
+        end function explain_i
+
+        !> Runs a checked job, and writes its tables.
+        subroutine run_i(self, job, options, summary, code, error)
+            import :: study_t, job_t, options_t, summary_t, error_t
+            implicit none
+            class(study_t), intent(in) :: self
+            type(job_t), target, intent(inout) :: job !! the job
+            type(options_t), intent(in) :: options !! options of the command line
+            type(summary_t), intent(out) :: summary !! lines for standard output
+            integer, intent(out) :: code !! exit code: whether all cases succeeded
+            type(error_t), allocatable, intent(out) :: error !! if the tables could not be written
+        end subroutine run_i
+    end interface
+
+contains
+
+    !> Indices of the default columns; all columns unless the kind overrides this.
+    function default_columns(self, case) result(places)
+        class(study_t), intent(in) :: self
+        type(case_t), intent(in) :: case !! body, start and span
+        integer, allocatable :: places(:)
+        integer :: i
+        places = [(i, i=1, size(self%columns()))]
+        places = pack(places, [(self%has_column(case, i), i=1, size(places))])
+    end function default_columns
+
+    !> Whether the table of a case can have a column; all columns unless the kind overrides this.
+    logical function has_column(self, case, place)
+        class(study_t), intent(in) :: self
+        type(case_t), intent(in) :: case !! body, start and span
+        integer, intent(in) :: place !! index of the column in the list of all columns
+        associate (unused => self, also_unused => case, nor_used => place)
+        end associate
+        has_column = .true.
+    end function has_column
+
+    !> Completes a job whose columns are chosen; nothing is left to do unless the kind overrides this.
+    subroutine complete(self, job, problems)
+        class(study_t), intent(in) :: self
+        type(job_t), intent(inout) :: job !! the job; completed by this procedure
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        associate (unused_study => self, unused_job => job, also_unused => problems)
+        end associate
+    end subroutine complete
+
+    !> Addition to the reasons of the plan in the output of --check; '' unless the kind overrides this.
+    function remark(self, job) result(text)
+        class(study_t), intent(in) :: self
+        type(job_t), intent(in) :: job !! the job
+        character(:), allocatable :: text
+        associate (unused_study => self, unused_job => job)
+        end associate
+        text = ''
+    end function remark
+
+    !> Adds lines on what the computation will need to the output of --check; none unless the kind overrides this.
+    subroutine forecast(self, job, options, summary)
+        class(study_t), intent(in) :: self
+        type(job_t), target, intent(in) :: job !! the job
+        type(options_t), intent(in) :: options !! options of the command line
+        type(summary_t), intent(inout) :: summary !! lines are added
+        associate (unused_study => self, unused_job => job, unused_options => options, unused_lines => summary)
+        end associate
+    end subroutine forecast
+
+end module spintop_study

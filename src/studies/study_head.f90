@@ -1,0 +1,57 @@
+!> The header of the dated table of a study: where it comes from, its input, and its columns.
+module spintop_study_head
+    use spintop_body, only: body_t
+    use spintop_job, only: job_t
+    use spintop_kinds, only: dp
+    use spintop_parameter_print, only: print_namelist
+    use spintop_provenance, only: describe_provenance, fact_count, fact_t, gather_facts
+    use spintop_table_column, only: column_t
+    use spintop_table_head, only: table_head
+    use spintop_text, only: string_t, to_text
+    implicit none
+    private
+    public :: study_head
+
+contains
+
+    !> The header of a table of a job. A job with a plan has one model, method and body; otherwise each row has
+    !> its own.
+    function study_head(job, columns, remarks) result(head)
+        type(job_t), intent(in) :: job !! the job
+        class(column_t), intent(in) :: columns(:) !! columns of the table
+        type(string_t), intent(in), optional :: remarks(:) !! lines after the columns
+        character(:), allocatable :: head
+        type(fact_t) :: facts(fact_count)
+        type(string_t), allocatable :: input(:), lines(:)
+
+        if (allocated(job%plan%model)) then
+            call gather_facts(job%scene%title, job%plan%model, job%plan%method, dated=.true., facts=facts, &
+                              body=body_in_words(job%case%given_body))
+        else
+            call gather_facts(job%scene%title, 'those of the column formulation', 'those of the column method', &
+                              dated=.true., facts=facts)
+        end if
+        call print_namelist(job%table, input)
+        call describe_provenance(facts, input, columns, lines)
+        if (present(remarks)) lines = [lines, remarks]
+        head = table_head(lines, columns%name)
+    end function study_head
+
+    !> The mass properties of a body, in the axes in which they were given.
+    function body_in_words(body) result(text)
+        type(body_t), intent(in) :: body
+        character(:), allocatable :: text
+        text = 'mass ' // to_text(body%mass) // ' kg; inertia ' // listed(body%inertia) // &
+               ' kg m^2 about the pivot; centre of mass ' // listed(body%centre_of_mass) // ' m'
+
+    contains
+
+        function listed(x) result(list)
+            real(dp), intent(in) :: x(3)
+            character(:), allocatable :: list
+            list = to_text(x(1)) // ', ' // to_text(x(2)) // ', ' // to_text(x(3))
+        end function listed
+
+    end function body_in_words
+
+end module spintop_study_head

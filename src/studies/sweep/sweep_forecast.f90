@@ -1,0 +1,147 @@
+!> What a sweep will need: the size of its table, memory and time, from a sample of its cases that is computed.
+module spintop_sweep_forecast
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_clock, only: seconds
+    use spintop_job, only: job_t
+    use spintop_kinds, only: dp
+    use spintop_options, only: options_t
+    use spintop_process, only: peak_memory
+    use spintop_row_block, only: row_block_t
+    use spintop_row_table, only: row_table_t
+    use spintop_summary, only: rounded, summary_t
+    use spintop_sweep_table, only: cells_of_row, describe_table
+    use spintop_sweep_team, only: blocks_ahead
+    use spintop_sweep_worker, only: size_of_block, sweep_worker_t
+    use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words
+    use spintop_text, only: to_text
+    !$ use omp_lib, only: omp_get_max_threads
+    implicit none
+    private
+    public :: forecast_sweep
+
+    !> The sample: places in the range of the cases, consecutive cases at each, and the time after which no more
+    !> places are computed, s.
+    integer, parameter :: places = 8, cases_at_place = 25
+    real(dp), parameter :: long_enough = 1
+
+    !> What a sample has shown.
+    type :: sample_t
+        integer(int64) :: cases = 0, bytes = 0
+        real(dp) :: time = 0
+    end type sample_t
+
+contains
+
+    !> Adds lines on the table, the memory and the time. At least one place of the sample is computed, however long that
+    !> takes.
+    subroutine forecast_sweep(job, options, summary)
+        type(job_t), target, intent(in) :: job !! the job
+        type(options_t), intent(in) :: options !! options of the command line
+        type(summary_t), intent(inout) :: summary !! lines are added
+        class(row_table_t), allocatable :: table
+        type(sample_t) :: sample
+        character(:), allocatable :: head
+        integer(int64) :: first, cases
+        integer :: threads
+        real(dp) :: bytes, memory
+
+        first = options%shard%first(job%axes%cases)
+        cases = options%shard%last(job%axes%cases) - first + 1
+        if (cases < 1) return
+        call describe_table(job, options%shard, table, head)
+        call compute_sample(job, first, cases, table, sample)
+        threads = options%threads
+        !$ if (threads == 0) threads = omp_get_max_threads()
+        threads = max(1, threads)
+        bytes = real(sample%bytes, dp) / sample%cases
+        memory = peak_memory() + real(blocks_ahead * threads, dp) * size_of_block(job) * (bytes + 8 * cells_of_row(job))
+        call summary%add('table', 'about ' // amount(len(head) + bytes * cases, 'B') // ', ' // rounded(bytes, 3) // &
+                         ' bytes per case')
+        call summary%add('memory', 'about ' // amount(memory, 'B'))
+        call summary%add('time', 'about ' // duration(sample%time / sample%cases * cases / threads) // ' on ' // &
+                         to_text(threads) // ' threads, from ' // to_text(sample%cases) // ' cases in ' // &
+                         duration(sample%time))
+    end subroutine forecast_sweep
+
+    !> Computes a sample from the whole range of the cases.
+    subroutine compute_sample(job, first, cases, table, sample)
+        type(job_t), target, intent(in) :: job
+        integer(int64), intent(in) :: first, cases
+        class(row_table_t), intent(in) :: table
+        type(sample_t), intent(out) :: sample
+        type(sweep_worker_t), allocatable, target :: worker
+        type(row_block_t) :: rows
+        integer(int64) :: begin
+        integer :: place, last_place, width
+        real(dp) :: began
+
+        allocate (worker)
+        call worker%prepare(job)
+        width = int(min(cases, int(min(cases_at_place, size_of_block(job)), int64)))
+        last_place = int(min(int(places, int64), (cases - 1) / width + 1))
+        ! The first time also pays for what later ones find done.
+        do place = 0, last_place
+            begin = first + nint(real(cases - width, dp) * max(place - 1, 0) / max(last_place - 1, 1), int64)
+            began = seconds()
+            call worker%compute_rows(job, begin, begin + width - 1, rows)
+            if (place == 0 .and. seconds() - began < long_enough / places) cycle
+            sample%bytes = sample%bytes + bytes_of(rows, table)
+            sample%time = sample%time + (seconds() - began)
+            sample%cases = sample%cases + width
+            if (sample%time > long_enough) exit
+        end do
+    end subroutine compute_sample
+
+    !> Bytes of rows in the table, by its format.
+    integer(int64) function bytes_of(rows, table) result(bytes)
+        type(row_block_t), intent(inout) :: rows
+        class(row_table_t), intent(in) :: table
+        integer, parameter :: bytes_of_double = 8, bytes_of_integer = 4
+        integer :: i, each
+        call table%format(rows)
+        bytes = rows%text%length
+        if (bytes > 0) return
+        do i = 1, size(table%columns)
+            select case (table%columns(i)%kind)
+            case (column_of_integers, column_of_notes)
+                each = bytes_of_integer
+            case (column_of_words)
+                each = 1
+            case default
+                each = bytes_of_double
+                if (table%columns(i)%axis > 0) each = 0
+            end select
+            bytes = bytes + each * rows%rows
+        end do
+    end function bytes_of
+
+    !> A large number with the prefix of its unit.
+    function amount(value, unit) result(text)
+        real(dp), intent(in) :: value
+        character(*), intent(in) :: unit
+        character(:), allocatable :: text
+        character, parameter :: prefixes(0:6) = [' ', 'k', 'M', 'G', 'T', 'P', 'E']
+        integer :: step
+        step = min(ubound(prefixes, 1), max(0, int(log10(max(value, 1.0_dp)) / 3)))
+        text = rounded(value / 1000.0_dp**step, 3) // ' ' // trim(prefixes(step)) // unit
+    end function amount
+
+    !> A time in the unit that suits it.
+    function duration(time) result(text)
+        real(dp), intent(in) :: time !! s
+        character(:), allocatable :: text
+        real(dp), parameter :: minute = 60, hour = 3600, day = 86400
+        if (time < 1) then
+            text = rounded(1000 * time, 2) // ' ms'
+        else if (time < 3 * minute) then
+            text = rounded(time, 2) // ' s'
+        else if (time < 3 * hour) then
+            text = rounded(time / minute, 2) // ' minutes'
+        else if (time < 3 * day) then
+            text = rounded(time / hour, 2) // ' hours'
+        else
+            text = rounded(time / day, 2) // ' days'
+        end if
+    end function duration
+
+end module spintop_sweep_forecast

@@ -1,0 +1,325 @@
+!> The sweep as a kind of study: a case for each combination of the axes, one row each, on all cores, in one
+!> process or in many. A team of threads and ranks computes the cases (`spintop_sweep_team`); here its table is
+!> begun, finished and summarized.
+module spintop_sweep_study
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_case, only: case_t
+    use spintop_clock, only: seconds, utc_now
+    use spintop_diagnostics, only: diagnostics_t
+    use spintop_errors, only: error_t, exit_failed, exit_ok, input_error
+    use spintop_files, only: replace_file
+    use spintop_job, only: job_t
+    use spintop_kinds, only: dp
+    use spintop_options, only: options_t, shell_word
+    use spintop_plan, only: make_plan
+    use spintop_problems, only: problems_t
+    use spintop_process, only: host_name, watch_no_more, watch_signals
+    use spintop_ranks, only: ranks_t
+    use spintop_row_table, only: row_table_t
+    use spintop_scene, only: scene_t
+    use spintop_scene_words, only: kind_sweep, study_kinds
+    use spintop_shard, only: shard_t
+    use spintop_statistics_choice, only: choose_statistics
+    use spintop_status, only: last_status, status_meaning, status_name, status_ok
+    use spintop_study, only: study_info_t, study_t
+    use spintop_study_column, only: study_column_t
+    use spintop_summary, only: rounded, summary_t
+    use spintop_sweep_columns, only: sweep_column_t, sweep_columns, sweep_work_t, work_for
+    use spintop_sweep_forecast, only: forecast_sweep
+    use spintop_sweep_table, only: describe_table, start_table
+    use spintop_sweep_team, only: sweep_team_t
+    use spintop_table_head, only: compare_heads
+    use spintop_text, only: join, to_text
+    implicit none
+    private
+    public :: sweep_study_t
+
+    !> First and last case of an empty range.
+    integer(int64), parameter :: no_cases(2) = [1, 0]
+
+    !> A case for each combination of the axes, one row each.
+    type, extends(study_t) :: sweep_study_t
+    contains
+        procedure, nopass :: info
+        procedure, nopass :: columns
+        procedure :: check
+        procedure :: explain
+        procedure :: run
+        procedure :: default_columns
+        procedure :: complete
+        procedure :: remark
+        procedure :: forecast
+    end type sweep_study_t
+
+contains
+
+    !> Properties of sweeps.
+    function info()
+        type(study_info_t) :: info
+        info = study_info_t(trim(study_kinds(kind_sweep)), 'a sweep', 'sweeps', &
+                            ', besides case, the swept parameters, status and notes', &
+                            'many motions: a row of quantities per combination of parameters', takes_axes=.true., &
+                            takes_columns=.true., has_parts=.true., has_statistics=.true., has_netcdf=.true., &
+                            keeps_exact_motion=.false.)
+    end function info
+
+    !> All quantities.
+    function columns()
+        type(study_column_t), allocatable :: columns(:)
+        type(sweep_column_t), allocatable :: known(:)
+        allocate (known, source=sweep_columns())
+        columns = known%study_column_t
+    end function columns
+
+    !> Plans the first case; the others are made during the run.
+    subroutine check(self, job, problems, diagnostics)
+        class(sweep_study_t), intent(inout) :: self
+        type(job_t), target, intent(inout) :: job !! the job; completed by this procedure
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
+        type(scene_t), allocatable :: first
+
+        associate (unused => self)
+        end associate
+        call job%make_axes(problems, diagnostics)
+        if (job%axes%cases == 0) return
+        call job%make_first_case(first, problems)
+        if (.not. problems%any()) call make_plan(first, job%case, job%plan, problems)
+        call job%warn_of_bodies(problems)
+    end subroutine check
+
+    !> Number of cases.
+    function explain(self, job) result(phrase)
+        class(sweep_study_t), intent(in) :: self
+        type(job_t), intent(in) :: job !! the job
+        character(:), allocatable :: phrase
+        associate (unused => self)
+        end associate
+        phrase = 'a sweep of ' // to_text(job%axes%cases) // ' cases, of which this is the first'
+    end function explain
+
+    !> Computes all cases, or those of one part, and writes the table. After an error the part of the table that
+    !> is complete stays, where a later run can resume it. Only the writer among the ranks has a summary, and a
+    !> code that tells of the cases.
+    subroutine run(self, job, options, summary, code, error)
+        class(sweep_study_t), intent(in) :: self
+        type(job_t), target, intent(inout) :: job !! the job
+        type(options_t), intent(in) :: options !! options of the command line
+        type(summary_t), intent(out) :: summary !! lines for standard output
+        integer, intent(out) :: code !! exit code
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        class(row_table_t), allocatable :: table
+        type(sweep_team_t) :: team
+        integer(int64) :: cases(2)
+        real(dp) :: began
+
+        associate (unused => self)
+        end associate
+        code = exit_ok
+        call begin_table(job, options, table, cases, error)
+        if (allocated(error)) return
+        if (table%is_complete) then
+            call summary%headline(job%input // ': sweep -> ' // job%output)
+            call summary%add('note', table%remark)
+            return
+        end if
+        if (cases(1) <= cases(2)) then
+            call team%assemble(options%ranks, job, cases)
+        else
+            ! There is nothing to compute: the writer finishes the table alone.
+            if (.not. options%ranks%is_writer()) return
+            call team%assemble(ranks_t(), job, cases)
+        end if
+        began = seconds()
+        if (team%ranks%is_writer()) call announce(job, options, table, cases, team)
+        call team%compute(job, table)
+        if (.not. team%ranks%is_writer()) return
+        call finish_table(table, team, error)
+        if (allocated(error)) return
+        code = merge(exit_failed, exit_ok, any(table%counts(status_ok + 1:) > 0))
+        call describe_sweep(job, options%shard, table, team, seconds() - began, summary)
+        ! The table itself contains nothing that varies from run to run.
+        call replace_file(job%log, join(summary%lines, new_line('a')) // new_line('a'), error)
+    end subroutine run
+
+    !> Begins the table of a job or goes on with one, and finds the first and last case to compute, the same in all
+    !> ranks; there are none where the table is complete, or the writer has an error.
+    subroutine begin_table(job, options, table, cases, error)
+        type(job_t), intent(in) :: job
+        type(options_t), intent(in) :: options
+        class(row_table_t), allocatable, intent(out) :: table
+        integer(int64), intent(out) :: cases(2)
+        type(error_t), allocatable, intent(out) :: error
+        character(:), allocatable :: head
+
+        cases = no_cases
+        call describe_table(job, options%shard, table, head)
+        call compare_with_writer(options%ranks, head, error)
+        if (allocated(error)) return
+        if (options%ranks%is_writer()) then
+            call start_table(job, options%resume, options%restart, head, table, error)
+            if (.not. (allocated(error) .or. table%is_complete)) then
+                cases = [options%shard%first(job%axes%cases) + table%rows(), options%shard%last(job%axes%cases)]
+            end if
+        end if
+        call options%ranks%broadcast(cases)
+    end subroutine begin_table
+
+    !> Checks that all ranks have the same build and input: their tables must have equal headers.
+    subroutine compare_with_writer(ranks, head, error)
+        type(ranks_t), intent(in) :: ranks
+        character(:), allocatable, intent(in) :: head
+        type(error_t), allocatable, intent(out) :: error
+        character(:), allocatable :: head_of_writer, problem
+        head_of_writer = head
+        call ranks%broadcast(head_of_writer)
+        problem = compare_heads(head_of_writer, 'rank 0', head, 'rank ' // to_text(ranks%number))
+        if (problem /= '') error = input_error('the ranks have different builds or inputs' // problem)
+        call ranks%agree(error)
+    end subroutine compare_with_writer
+
+    !> Starts the progress of the cases, and says what a signal that ends the run is to tell.
+    subroutine announce(job, options, table, cases, team)
+        type(job_t), intent(in) :: job
+        type(options_t), intent(in) :: options
+        class(row_table_t), intent(in) :: table
+        integer(int64), intent(in) :: cases(2)
+        type(sweep_team_t), intent(inout) :: team
+        integer(int64) :: rows
+
+        rows = table%rows() + cases(2) - cases(1) + 1
+        call team%progress%start(job%name, 'cases', rows, options%quiet, options%progress, before=table%rows())
+        if (table%remark /= '') call team%progress%note(table%remark)
+        call announce_signals(job, options, table, rows)
+    end subroutine announce
+
+    !> Sets the message of a signal that ends the run: the number of kept rows, and the command that resumes
+    !> it.
+    subroutine announce_signals(job, options, table, rows)
+        type(job_t), intent(in) :: job
+        type(options_t), intent(in) :: options
+        class(row_table_t), intent(in) :: table
+        integer(int64), intent(in) :: rows
+        character, parameter :: nl = new_line('a')
+        character(:), allocatable :: command
+
+        if (.not. table%is_resumable) then
+            call watch_signals('', 'spintop: interrupted: nothing is kept of ' // job%output // nl, -1_int64)
+            return
+        end if
+        command = 'the same command with --resume'
+        if (options%ranks%count == 1 .and. allocated(options%command)) then
+            command = options%command // ' --resume '
+            if (index(job%input, '-') == 1) command = command // '-- '
+            command = command // shell_word(job%input)
+        end if
+        call watch_signals('spintop: interrupted: ', ' of ' // to_text(rows) // ' rows of ' // job%output // &
+                           ' are kept' // nl // 'to resume: ' // command // nl, table%rows())
+    end subroutine announce_signals
+
+    !> Finishes the table, unless its rows could not all be written; after an error it is abandoned.
+    subroutine finish_table(table, team, error)
+        class(row_table_t), intent(inout) :: table
+        type(sweep_team_t), intent(inout) :: team
+        type(error_t), allocatable, intent(out) :: error
+        real(dp) :: moment
+
+        call team%progress%finish()
+        moment = seconds()
+        call move_alloc(team%queue%error, error)
+        if (.not. allocated(error)) call table%finish(error)
+        call watch_no_more()
+        if (allocated(error)) call table%abandon(error)
+        team%costs%writing = team%costs%writing + (seconds() - moment)
+    end subroutine finish_table
+
+    !> The summary: plan, cases by status, times.
+    subroutine describe_sweep(job, shard, table, team, elapsed, summary)
+        type(job_t), intent(in) :: job
+        type(shard_t), intent(in) :: shard
+        class(row_table_t), intent(in) :: table
+        type(sweep_team_t), intent(in) :: team
+        real(dp), intent(in) :: elapsed
+        type(summary_t), intent(out) :: summary
+        character(:), allocatable :: outputs
+        integer(int64) :: computed
+        integer :: status
+
+        outputs = job%output
+        if (job%statistics_output /= '') outputs = outputs // ', ' // job%statistics_output
+        computed = table%rows() - sum(table%taken_over)
+        call summary%headline(job%input // ': sweep of ' // to_text(job%axes%cases) // ' cases -> ' // outputs)
+        if (shard%is_part()) call summary%add('shard', shard%line(job%axes%cases))
+        call summary%describe_plan(job%plan)
+        if (table%remark /= '') call summary%add('note', table%remark)
+        call summary%add('ended', utc_now() // ' on ' // host_name())
+        call summary%add('time', rounded(elapsed) // ' s on ' // team%in_words() // ', ' &
+            // rounded(computed / elapsed) // ' cases/s')
+        associate (costs => team%costs)
+            call summary%add('parts', 'making cases ' // rounded(costs%making) // ' s, computing ' &
+                // rounded(costs%computing) // ' s (' // rounded(computed / max(costs%computing, tiny(elapsed))) &
+                // ' cases/s per thread), formatting ' // rounded(costs%formatting) &
+                // ' s, all threads together; writing ' // rounded(costs%writing) // ' s')
+            call summary%add('memory', rounded(costs%memory / 1.0e6_dp) // ' MB peak')
+        end associate
+        do status = status_ok, last_status
+            if (table%counts(status) == 0) cycle
+            call summary%add('status', to_text(table%counts(status)) // ' ' // status_name(status) // ': ' &
+                             // status_meaning(status))
+        end do
+    end subroutine describe_sweep
+
+    !> All quantities except the expensive ones.
+    function default_columns(self, case) result(places)
+        class(sweep_study_t), intent(in) :: self
+        type(case_t), intent(in) :: case !! body, start and span
+        integer, allocatable :: places(:)
+        type(sweep_column_t), allocatable :: known(:)
+        integer :: i
+        associate (unused_study => self, unused_case => case)
+        end associate
+        allocate (known, source=sweep_columns())
+        places = pack([(i, i=1, size(known))], known%is_default)
+    end function default_columns
+
+    !> Plans the statistics.
+    subroutine complete(self, job, problems)
+        class(sweep_study_t), intent(in) :: self
+        type(job_t), intent(inout) :: job !! the job; completed by this procedure
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        associate (unused => self)
+        end associate
+        call choose_statistics(job, problems)
+    end subroutine complete
+
+    !> Whether a sweep integrates its cases numerically.
+    function remark(self, job) result(text)
+        class(sweep_study_t), intent(in) :: self
+        type(job_t), intent(in) :: job !! the job
+        character(:), allocatable :: text
+        type(sweep_column_t), allocatable :: known(:)
+        type(sweep_work_t) :: work
+        associate (unused => self)
+        end associate
+        text = ''
+        if (.not. job%case%body%is_lagrange()) return
+        allocate (known, source=sweep_columns())
+        work = work_for(known(job%columns))
+        ! Beside the formulas of a fast top.
+        if (any([work%period, work%end, work%energy, work%oracle, work%cost, work%inherent, work%details, &
+                 work%growth, work%lyapunov, work%singular])) return
+        text = ' The selected columns need only the closed form of the nutation: no case is integrated.'
+    end function remark
+
+    !> The table, memory and time, from a sample of the cases.
+    subroutine forecast(self, job, options, summary)
+        class(sweep_study_t), intent(in) :: self
+        type(job_t), target, intent(in) :: job !! the job
+        type(options_t), intent(in) :: options !! options of the command line
+        type(summary_t), intent(inout) :: summary !! lines are added
+        associate (unused => self)
+        end associate
+        call forecast_sweep(job, options, summary)
+    end subroutine forecast
+
+end module spintop_sweep_study

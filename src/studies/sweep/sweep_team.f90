@@ -1,0 +1,370 @@
+!> The threads and ranks that compute the cases of a sweep. Each thread takes a block of cases, computes it and
+!> hands in its rows, until no block is left; the rows are written in the order of the cases. Threads know nothing
+!> of each other; the other ranks exchange their blocks with a thread of the writer (see `spintop_ranks`). One more
+!> thread of the writer, mostly asleep, sees that written rows are kept by the journal in time, even while all others
+!> compute for long, and ends the process after a signal when they are.
+!>
+!>     call team%assemble(ranks, job, cases)       ! in all ranks
+!>     call team%compute(job, table)               ! in all ranks; in the writer the table is then written
+module spintop_sweep_team
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_clock, only: pause_for, seconds
+    use spintop_errors, only: error_t
+    use spintop_job, only: job_t
+    use spintop_journal, only: journal_entry_t
+    use spintop_kinds, only: dp
+    use spintop_process, only: end_by_signal, end_is_wanted, peak_memory, set_keeper
+    use spintop_progress, only: progress_t
+    use spintop_ranks, only: ranks_t, signed_off
+    use spintop_row_block, only: row_block_t
+    use spintop_row_queue, only: none_left, retry_later, row_queue_t
+    use spintop_row_table, only: row_table_t
+    use spintop_sweep_worker, only: size_of_block, sweep_worker_t
+    use spintop_text, only: to_text
+    !$ use omp_lib, only: omp_get_max_threads, omp_get_num_threads, omp_get_thread_num
+    implicit none
+    private
+    public :: sweep_team_t, sweep_costs_t, team_in_words, blocks_ahead
+
+    !> Number of blocks per thread that a fast thread may be ahead of a slow one, or of a writing one; and the
+    !> time it waits then, s.
+    integer, parameter :: blocks_ahead = 16
+    real(dp), parameter :: pause_when_ahead = 2.0e-4_dp
+
+    !> Time that the writer waits if there is no message of another rank, s.
+    real(dp), parameter :: pause_of_writer = 5.0e-5_dp
+
+    !> Time between two looks of the keeper, s.
+    real(dp), parameter :: pause_of_keeper = 2.0e-3_dp
+
+    !> Time of all threads for making, computing, formatting and writing cases, s; and the peak memory of all
+    !> ranks, bytes.
+    type :: sweep_costs_t
+        real(dp) :: making = 0, computing = 0, formatting = 0, writing = 0, memory = 0
+    end type sweep_costs_t
+
+    !> Those who compute a sweep, and what they share.
+    type :: sweep_team_t
+        type(ranks_t) :: ranks
+        !> First and last case to compute.
+        integer(int64), private :: cases(2) = [1, 0]
+        !> Threads of this rank that compute, those of all ranks (known to the writer), and those that serve
+        !> other ranks.
+        integer, private :: threads = 1, all_threads = 1, servers = 0
+        !> Threads of this rank that still compute or serve.
+        integer, private :: active = 0
+        !> Blocks to compute, and rows that wait to be written.
+        type(row_queue_t) :: queue
+        type(progress_t) :: progress
+        type(sweep_costs_t) :: costs
+    contains
+        procedure :: assemble
+        procedure :: compute
+        procedure :: in_words
+        procedure, private :: compute_share
+        procedure, private :: serve_others
+        procedure, private :: keep_watch
+        procedure, private :: keep_entry_if_due
+        procedure, private :: end_on_signal
+        procedure, private :: exchange
+        procedure, private :: write_next
+        procedure, private :: reduce_costs
+    end type sweep_team_t
+
+contains
+
+    !> Makes up the team for the cases from the first to the last; all ranks call it.
+    subroutine assemble(self, ranks, job, cases)
+        class(sweep_team_t), intent(inout) :: self
+        type(ranks_t), intent(in) :: ranks !! the ranks of this run
+        type(job_t), intent(in) :: job !! the job
+        integer(int64), intent(in) :: cases(2) !! first and last case
+        real(dp) :: sum(1)
+
+        self%ranks = ranks
+        self%cases = cases
+        !$ self%threads = omp_get_max_threads()
+        sum = self%threads
+        call ranks%reduce(sum)
+        self%all_threads = nint(sum(1))
+        if (.not. ranks%is_writer()) return
+        if (ranks%count > 1) self%servers = 1
+        call self%queue%start(blocks_ahead * self%all_threads, (cases(2) - cases(1)) / size_of_block(job) + 1)
+    end subroutine assemble
+
+    !> Computes the cases; all ranks call it. In the writer their rows are then put to the table, or
+    !> `queue%error` tells why not, and the costs are those of all ranks.
+    subroutine compute(self, job, table)
+        class(sweep_team_t), intent(inout) :: self
+        type(job_t), target, intent(in) :: job !! the job
+        class(row_table_t), intent(inout) :: table !! the table
+
+        integer :: keepers
+        logical :: has_keeper
+
+        keepers = merge(1, 0, self%ranks%is_writer() .and. table%is_resumable)
+        !$omp parallel num_threads(self%threads + self%servers + keepers)
+        !$omp single
+        self%active = self%threads + self%servers
+        has_keeper = count_threads() > self%threads + self%servers
+        ! Other ranks give the writer time.
+        call set_keeper(has_keeper .or. .not. self%ranks%is_writer())
+        !$omp end single
+        if (this_thread() < self%servers) then
+            call self%serve_others(table)
+        else if (this_thread() < self%threads + self%servers) then
+            call self%compute_share(job, table)
+        else
+            call self%keep_watch(table)
+        end if
+        !$omp end parallel
+        call set_keeper(.false.)
+        if (end_is_wanted()) call self%end_on_signal(table)
+        if (.not. self%ranks%is_writer()) call self%ranks%sign_off()
+        call self%reduce_costs()
+    end subroutine compute
+
+    !> The loop of each computing thread: take the next block, compute it and pass it to the queue, until none
+    !> is left.
+    subroutine compute_share(self, job, table)
+        class(sweep_team_t), intent(inout) :: self
+        type(job_t), target, intent(in) :: job
+        class(row_table_t), intent(inout) :: table
+        type(sweep_worker_t), allocatable, target :: worker
+        type(row_block_t) :: rows
+        integer(int64) :: number, start
+        integer :: cases_of_block
+        real(dp) :: moment, formatting
+
+        cases_of_block = size_of_block(job)
+        allocate (worker)
+        ! Only one thread at a time: gfortran keeps the length of the result of a text function in static
+        ! memory at the call (seen in 12 and 14), and this creates many texts.
+        !$omp critical (texts)
+        call worker%prepare(job)
+        !$omp end critical (texts)
+        formatting = 0
+        number = retry_later
+        do
+            if (self%ranks%is_writer()) then
+                call self%exchange(table, number, rows)
+            else
+                call self%ranks%exchange(number, rows)
+            end if
+            if (number == none_left) exit
+            if (number == retry_later) then
+                call pause_for(pause_when_ahead)
+                cycle
+            end if
+            start = self%cases(1) + (number - 1) * cases_of_block
+            call worker%compute_rows(job, start, min(start + cases_of_block - 1, self%cases(2)), rows)
+            moment = seconds()
+            call table%format(rows)
+            formatting = formatting + (seconds() - moment)
+        end do
+        !$omp critical (queue)
+        self%active = self%active - 1
+        associate (costs => self%costs)
+            costs%making = costs%making + worker%making
+            costs%computing = costs%computing + worker%computing
+            costs%formatting = costs%formatting + worker%filling + formatting
+        end associate
+        !$omp end critical (queue)
+    end subroutine compute_share
+
+    !> The loop of a thread of the writer for the other ranks: exchanges blocks for them, until all have
+    !> signed off.
+    subroutine serve_others(self, table)
+        class(sweep_team_t), intent(inout) :: self
+        class(row_table_t), intent(inout) :: table
+        type(row_block_t) :: rows
+        integer(int64) :: number
+        integer :: rank, left
+        logical :: is_there
+
+        left = self%ranks%count - 1
+        do while (left > 0)
+            call self%ranks%receive(rank, number, rows, is_there)
+            if (.not. is_there) then
+                call pause_for(pause_of_writer)
+            else if (number == signed_off) then
+                left = left - 1
+            else
+                call self%exchange(table, number, rows)
+                call self%ranks%answer(rank, number)
+            end if
+        end do
+        !$omp critical (queue)
+        self%active = self%active - 1
+        !$omp end critical (queue)
+    end subroutine serve_others
+
+    !> The loop of the keeper, while others compute: an entry of the journal when it is due, and the end of the process
+    !> after a signal.
+    subroutine keep_watch(self, table)
+        class(sweep_team_t), intent(inout) :: self
+        class(row_table_t), intent(inout) :: table
+        logical :: is_over
+
+        do
+            call pause_for(pause_of_keeper)
+            !$omp critical (queue)
+            is_over = self%active == 0
+            !$omp end critical (queue)
+            if (is_over) exit
+            if (end_is_wanted()) call self%end_on_signal(table)
+            call self%keep_entry_if_due(table)
+        end do
+    end subroutine keep_watch
+
+    !> Keeps the written rows, if that is due and nobody is writing.
+    subroutine keep_entry_if_due(self, table)
+        class(sweep_team_t), intent(inout) :: self
+        class(row_table_t), intent(inout) :: table
+        type(journal_entry_t) :: entry
+        type(error_t), allocatable :: problem
+        logical :: has_entry
+
+        !$omp critical (queue)
+        has_entry = .false.
+        !$omp critical (texts)
+        if (.not. self%queue%is_writing()) call table%take_entry(entry, has_entry, self%queue%error)
+        !$omp end critical (texts)
+        !$omp end critical (queue)
+        if (.not. has_entry) return
+        call table%keep_entry(entry, problem)
+        !$omp critical (queue)
+        call table%end_entry()
+        if (.not. allocated(self%queue%error)) call move_alloc(problem, self%queue%error)
+        !$omp end critical (queue)
+    end subroutine keep_entry_if_due
+
+    !> Writes the blocks that are due, keeps all written rows, and ends the process by the signal that it got. Other
+    !> threads compute meanwhile; what they have not handed in is lost.
+    subroutine end_on_signal(self, table)
+        class(sweep_team_t), intent(inout) :: self
+        class(row_table_t), intent(inout) :: table
+        logical :: is_due, is_busy
+
+        if (self%ranks%is_writer() .and. table%is_resumable) then
+            do
+                !$omp critical (queue)
+                call self%queue%begin_write(is_due)
+                !$omp end critical (queue)
+                do while (is_due)
+                    call self%write_next(table, is_due)
+                end do
+                !$omp critical (queue)
+                table%entry_wanted = .true.
+                is_busy = self%queue%is_writing() .or. table%is_keeping()
+                !$omp end critical (queue)
+                call self%keep_entry_if_due(table)
+                if (.not. is_busy) exit
+                call pause_for(pause_of_keeper)
+            end do
+        end if
+        call end_by_signal()
+    end subroutine end_on_signal
+
+    !> Passes a block to the queue (`number` > 0), writes blocks that are due, and takes the number of another
+    !> block.
+    subroutine exchange(self, table, number, rows)
+        class(sweep_team_t), intent(inout) :: self
+        class(row_table_t), intent(inout) :: table
+        integer(int64), intent(inout) :: number
+        type(row_block_t), intent(inout) :: rows
+        logical :: is_due
+
+        !$omp critical (queue)
+        if (number > 0) call self%queue%hand_in(number, rows)
+        call self%queue%begin_write(is_due)
+        !$omp end critical (queue)
+        do while (is_due)
+            call self%write_next(table, is_due)
+        end do
+        !$omp critical (queue)
+        call self%queue%take(number)
+        !$omp end critical (queue)
+    end subroutine exchange
+
+    !> Writes the next block, and the journal if it is due; `is_due` reports whether the block after it is due
+    !> too. Other threads wait only for the bookkeeping.
+    subroutine write_next(self, table, is_due)
+        class(sweep_team_t), intent(inout) :: self
+        class(row_table_t), intent(inout) :: table
+        logical, intent(out) :: is_due
+        type(journal_entry_t) :: entry
+        type(error_t), allocatable :: problem
+        real(dp) :: moment
+        logical :: has_entry
+
+        moment = seconds()
+        call self%queue%write_next(table, problem)
+        !$omp critical (queue)
+        call self%queue%end_write(problem)
+        ! These make texts: see `status_names`.
+        !$omp critical (texts)
+        call self%progress%update(table%rows())
+        call table%take_entry(entry, has_entry, self%queue%error)
+        !$omp end critical (texts)
+        if (.not. has_entry) call self%queue%begin_write(is_due)
+        self%costs%writing = self%costs%writing + (seconds() - moment)
+        !$omp end critical (queue)
+        if (.not. has_entry) return
+        ! Other threads may write while the entry is brought to the disk.
+        moment = seconds()
+        call table%keep_entry(entry, problem)
+        !$omp critical (queue)
+        call table%end_entry()
+        if (.not. allocated(self%queue%error)) call move_alloc(problem, self%queue%error)
+        call self%queue%begin_write(is_due)
+        self%costs%writing = self%costs%writing + (seconds() - moment)
+        !$omp end critical (queue)
+    end subroutine write_next
+
+    !> Adds the costs of the other ranks to those of the writer.
+    subroutine reduce_costs(self)
+        class(sweep_team_t), intent(inout) :: self
+        real(dp) :: parts(5)
+        associate (costs => self%costs)
+            parts = [costs%making, costs%computing, costs%formatting, costs%writing, real(peak_memory(), dp)]
+            call self%ranks%reduce(parts)
+            costs = sweep_costs_t(parts(1), parts(2), parts(3), parts(4), parts(5))
+        end associate
+    end subroutine reduce_costs
+
+    !> The team for a reader, where it is the writer's.
+    function in_words(self) result(text)
+        class(sweep_team_t), intent(in) :: self
+        character(:), allocatable :: text
+        text = team_in_words(self%ranks%count, self%threads, self%all_threads)
+    end function in_words
+
+    !> `2 threads`, `4 ranks x 2 threads`, or `2 ranks, 24 threads` where they differ.
+    function team_in_words(ranks, threads, all_threads) result(text)
+        integer, intent(in) :: ranks !! the ranks of this run
+        integer, intent(in) :: threads     !! of the writer
+        integer, intent(in) :: all_threads !! of all ranks
+        character(:), allocatable :: text
+        if (ranks == 1) then
+            text = to_text(threads) // ' threads'
+        else if (ranks * threads == all_threads) then
+            text = to_text(ranks) // ' ranks x ' // to_text(threads) // ' threads'
+        else
+            text = to_text(ranks) // ' ranks, ' // to_text(all_threads) // ' threads'
+        end if
+    end function team_in_words
+
+    !> Number of threads of the region.
+    integer function count_threads()
+        count_threads = 1
+        !$ count_threads = omp_get_num_threads()
+    end function count_threads
+
+    !> Number of the calling thread, from 0.
+    integer function this_thread()
+        this_thread = 0
+        !$ this_thread = omp_get_thread_num()
+    end function this_thread
+
+end module spintop_sweep_team

@@ -1,0 +1,233 @@
+!> The quantities of a sweep that watches measure along the motions in lanes.
+module spintop_sweep_watches
+    use spintop_angle_stop_lanes, only: angle_stop_lanes_t, of_phi, of_psi
+    use spintop_azimuth_lanes, only: azimuth_lanes_t
+    use spintop_compare, only: is_equal, is_zero
+    use spintop_event_text, only: column_event_t
+    use spintop_kinds, only: dp, pi, no_number
+    use spintop_case, only: case_t
+    use spintop_energy_lanes, only: energy_lanes_t
+    use spintop_extreme_lanes, only: height_lanes_t, precession_lanes_t
+    use spintop_form_stop_lanes, only: form_columns, form_stop_lanes_t
+    use spintop_growth_lanes, only: growth_lanes_t
+    use spintop_inherent_lanes, only: inherent_lanes_t
+    use spintop_lane_watch, only: lane_watch_t, watch_slot_t
+    use spintop_nutation, only: nutation_t
+    use spintop_nutation_watch, only: no_class, nutation_of
+    use spintop_status, only: status_meanings, status_non_finite, status_ok, status_step_limit
+    use spintop_stepper, only: controls_t
+    use spintop_stop_lanes, only: stop_lanes_t
+    use spintop_sweep_columns, only: sweep_work_t
+    use spintop_sweep_notes, only: note_no_class, note_no_extremes, note_no_inherent, note_no_lyapunov, &
+        note_no_nutation, note_no_singular, note_no_stop, note_t
+    use spintop_sweep_quantities, only: put_azimuth, put_nutation
+    use spintop_sweep_result, only: sweep_result_t
+    use spintop_turning_lanes, only: turning_lanes_t
+    implicit none
+    private
+    public :: sweep_watches_t, ends_in_lanes
+
+    !> Least sine of an inclination whose passages are found by its cosine.
+    real(dp), parameter :: least_sine = 1.0e-3_dp
+
+    !> Watches for the work of a sweep; `slots` is passed to `integrate_many`.
+    type :: sweep_watches_t
+        type(watch_slot_t), allocatable :: slots(:)
+    contains
+        procedure :: create
+        procedure :: put
+    end type sweep_watches_t
+
+contains
+
+    !> Whether a watch finds the events that end the motions: passages of one value of a column that is an angle or a
+    !> form of the motion, or turning points, of a body in the axes in which it was given.
+    pure logical function ends_in_lanes(events, case)
+        type(column_event_t), intent(in) :: events(:) !! the events, each of which ends the motion
+        type(case_t), intent(in) :: case !! body, start and span
+        integer :: i
+        ends_in_lanes = size(events) == 0
+        if (ends_in_lanes .or. case%turn%is_turned()) return
+        do i = 1, size(events)
+            associate (event => events(i)%event)
+                if (events(i)%column%name /= events(1)%column%name) return
+                if (event%every_turn .neqv. events(1)%event%every_turn) return
+                if (event%turn_by_turn .neqv. events(1)%event%turn_by_turn) return
+                if (.not. is_equal(event%level, events(1)%event%level)) return
+                select case (events(i)%column%name)
+                case ('theta')
+                    ! Near a pole cos(theta) does not determine theta.
+                    if (.not. (event%level > 0 .and. event%level < pi .and. sin(event%level) > least_sine)) return
+                case ('axis_z_rate')
+                    if (.not. is_zero(event%level)) return
+                case ('phi', 'psi')
+                    ! Either angle passes any value.
+                case default
+                    if (all(form_columns /= events(i)%column%name)) return
+                end select
+            end associate
+        end do
+        ends_in_lanes = .true.
+    end function ends_in_lanes
+
+    !> Creates the watch for events that end the motions at the n-th of them.
+    subroutine create_stop(events, n, watch)
+        type(column_event_t), intent(in) :: events(:)
+        integer, intent(in) :: n
+        class(lane_watch_t), allocatable, intent(out) :: watch
+        type(stop_lanes_t) :: of_inclination
+        type(angle_stop_lanes_t) :: of_angle
+        type(form_stop_lanes_t) :: of_form
+        logical :: rises, falls
+        rises = any(events%event%direction > 0)
+        falls = any(events%event%direction < 0)
+        associate (event => events(1)%event)
+            select case (events(1)%column%name)
+            case ('theta')
+                call of_inclination%set_level(event%level, rises, falls, n)
+                allocate (watch, source=of_inclination)
+            case ('axis_z_rate')
+                call of_inclination%set_turning(upper=falls, lower=rises, n=n)
+                allocate (watch, source=of_inclination)
+            case ('phi', 'psi')
+                call of_angle%set_angle(merge(of_phi, of_psi, events(1)%column%name == 'phi'), event%level, &
+                                        event%every_turn, event%turn_by_turn, rises, falls, n)
+                allocate (watch, source=of_angle)
+            case default
+                call of_form%set_form(events(1)%column%name, event%level, rises, falls, n)
+                allocate (watch, source=of_form)
+            end select
+        end associate
+    end subroutine create_stop
+
+    !> Creates the watches for the work and for the events.
+    subroutine create(self, wanted, controls, events, stop_after)
+        class(sweep_watches_t), intent(inout) :: self
+        type(sweep_work_t), intent(in) :: wanted !! what is to be computed
+        type(controls_t), intent(in) :: controls !! settings of the method
+        type(column_event_t), intent(in) :: events(:) !! the events that end the motion, `ends_in_lanes`
+        integer, intent(in) :: stop_after !! number of events after which the motion ends
+        type(growth_lanes_t) :: growth
+        type(inherent_lanes_t) :: inherent
+        class(lane_watch_t), allocatable :: stop_watch
+        if (allocated(self%slots)) deallocate (self%slots)
+        allocate (self%slots(0))
+        ! First, so that the others see the motion up to its end.
+        if (size(events) > 0) then
+            call create_stop(events, stop_after, stop_watch)
+            call append(stop_watch)
+        end if
+        if (wanted%period) call append(azimuth_lanes_t())
+        if (wanted%nutation .or. wanted%details) call append(turning_lanes_t())
+        if (wanted%fastest) call append(precession_lanes_t())
+        if (wanted%lowest) call append(height_lanes_t())
+        if (wanted%energy) call append(energy_lanes_t())
+        if (wanted%lyapunov .or. wanted%singular) then
+            call growth%set(controls, is_singular=wanted%singular, with_exponent=wanted%lyapunov)
+            call append(growth)
+        end if
+        if (wanted%inherent) then
+            call inherent%set(controls%max_steps)
+            call append(inherent)
+        end if
+
+    contains
+
+        !> Appends a watch to the list.
+        subroutine append(watch)
+            class(lane_watch_t), intent(in) :: watch
+            type(watch_slot_t), allocatable :: more(:)
+            integer :: i
+            allocate (more(size(self%slots) + 1))
+            do i = 1, size(self%slots)
+                call move_alloc(self%slots(i)%watch, more(i)%watch)
+            end do
+            allocate (more(size(more))%watch, source=watch)
+            call move_alloc(more, self%slots)
+        end subroutine append
+
+    end subroutine create
+
+    !> Sets the quantities measured of a case of the last run. `status` reports work on perturbations that was not
+    !> finished, or overflow.
+    subroutine put(self, case, wanted, i, values, status, note)
+        class(sweep_watches_t), intent(in) :: self
+        type(case_t), intent(in) :: case !! body, start and span
+        type(sweep_work_t), intent(in) :: wanted !! what is to be computed
+        integer, intent(in) :: i !! number of the case in the run
+        type(sweep_result_t), intent(inout) :: values !! the quantities of the case
+        integer, intent(inout) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        type(note_t), intent(inout) :: note !! notes on the case
+        type(nutation_t) :: nutation
+        real(dp) :: height, rate
+        logical :: seen
+        integer :: k
+
+        seen = .false.
+        rate = no_number
+        height = rate
+        do k = size(self%slots), 1, -1 ! the turning points last: they need the others
+            select type (watch => self%slots(k)%watch)
+            class is (stop_lanes_t)
+                if (.not. watch%came(i)) call note%add(note_no_stop)
+            type is (azimuth_lanes_t)
+                call put_azimuth(watch%seen(i), watch%azimuth(i), values, note)
+            type is (energy_lanes_t)
+                values%energy_error_max = watch%error_max(i)
+            type is (height_lanes_t)
+                height = watch%height_min(i)
+            type is (precession_lanes_t)
+                rate = watch%rate_max(i)
+            type is (growth_lanes_t)
+                if (watch%is_singular) then
+                    call take(values%largest_singular_value, watch%value(i), watch%status(i), note_no_singular)
+                    if (watch%has_exponent) then
+                        call take(values%lyapunov_exponent, watch%exponent(i), watch%exponent_status(i), &
+                                  note_no_lyapunov)
+                    end if
+                else
+                    call take(values%lyapunov_exponent, watch%value(i), watch%status(i), note_no_lyapunov)
+                end if
+            type is (inherent_lanes_t)
+                call take(values%inherent_error, watch%error(i), watch%status(i), note_no_inherent)
+            type is (turning_lanes_t)
+                if (wanted%fastest) then
+                    call nutation_of(watch%turns(:, i), nutation, seen, rate)
+                else
+                    call nutation_of(watch%turns(:, i), nutation, seen)
+                    nutation%phi_rate_max = rate
+                end if
+            end select
+        end do
+        if (.not. (wanted%nutation .or. wanted%details)) return
+        if (seen) then
+            call put_nutation(case, nutation, values, note)
+            values%com_z_min = height
+            values%spin_per_nutation = nutation%spin
+            values%motion_class = nutation%class
+            if (wanted%fastest .and. nutation%class == no_class) then
+                call note%add(note_no_class, 'it changes from nutation to nutation')
+            end if
+        else
+            call note%add(note_no_nutation)
+        end if
+        if (wanted%details) call note%add(note_no_extremes, 'they are not measured')
+
+    contains
+
+        !> Stores a value, or notes the reason why there is none.
+        subroutine take(quantity, value, how, reason)
+            real(dp), intent(inout) :: quantity
+            real(dp), intent(in) :: value
+            integer, intent(in) :: how, reason
+            if (how == status_ok) then
+                quantity = value
+            else
+                call note%add(reason, trim(status_meanings(how)))
+                if (how == status_step_limit .or. how == status_non_finite) status = how
+            end if
+        end subroutine take
+
+    end subroutine put
+
+end module spintop_sweep_watches

@@ -1,0 +1,161 @@
+!> A motion as the columns of a trajectory see it: in the axes in which the body was given, beside the
+!> start and the exact motion. What several columns need is computed once per motion, when one of them asks.
+module spintop_motion_view
+    use spintop_attitude, only: to_space
+    use spintop_body, only: body_t
+    use spintop_case, only: case_t
+    use spintop_compare, only: is_finite
+    use spintop_conditioning, only: conditioning_t, prepare_conditioning
+    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
+    use spintop_kinds, only: dp
+    use spintop_motion, only: motion_t
+    use spintop_quantities, only: energy_scale, euler_residuals, kinetic_energy, potential_energy, &
+        support_force, vertical_momentum
+    implicit none
+    private
+    public :: motion_view_t
+
+    !> One motion after the other of a case.
+    type :: motion_view_t
+        !> The body as it was given, and that of the computation.
+        type(body_t) :: body, turned_body
+        !> The motion of the body as it was given, and as it was computed.
+        type(motion_t) :: motion, computed
+        !> Energies, J.
+        real(dp) :: kinetic = 0, potential = 0
+        !> Energy and vertical momentum at the start, and the scale of the energy error.
+        real(dp), private :: energy_of_start = 0, momentum_of_start = 0, energy_scale = 1
+        type(case_t), private :: case
+        !> Angles of the last motion; those of the next are continuous with them.
+        real(dp) :: near(3) = 0
+        type(exact_motion_t), allocatable, private :: oracle
+        type(conditioning_t), allocatable, private :: conditioning
+        !> What was computed of this motion when a column asked for it.
+        logical, private :: has_force = .false., has_residuals = .false., has_exact = .false.
+        real(dp), private :: known_force(3) = 0, known_residuals(3) = 0
+        type(motion_t), private :: known_exact
+    contains
+        procedure :: set
+        procedure :: look
+        procedure :: energy_change
+        procedure :: energy_error
+        procedure :: momentum_change
+        procedure :: centre
+        procedure :: force
+        procedure :: residuals
+        procedure :: exact
+        procedure :: inherent_error
+    end type motion_view_t
+
+contains
+
+    !> Takes a case, and the invariants of its start.
+    subroutine set(self, case)
+        class(motion_view_t), intent(out) :: self
+        type(case_t), intent(in) :: case !! body, start and span
+        self%case = case
+        self%near = case%given_start%angle
+        self%body = case%given_body
+        self%turned_body = case%body
+        associate (body => case%given_body, start => case%given_start)
+            self%energy_of_start = kinetic_energy(body, start) + potential_energy(body, start)
+            self%momentum_of_start = vertical_momentum(body, start)
+            self%energy_scale = energy_scale(body, start)
+        end associate
+    end subroutine set
+
+    !> Looks at the next motion. That of the start is told as it was given.
+    subroutine look(self, computed, is_start)
+        class(motion_view_t), intent(inout) :: self
+        type(motion_t), intent(in) :: computed !! in the axes of the computation
+        logical, intent(in) :: is_start !! whether it is the start
+        self%computed = computed
+        self%motion = self%case%turn%back(computed, self%near)
+        if (is_start) call take_start(self%case%given_start, self%motion)
+        self%near = self%motion%angle
+        self%kinetic = kinetic_energy(self%body, self%motion)
+        self%potential = potential_energy(self%body, self%motion)
+        self%has_force = .false.
+        self%has_residuals = .false.
+        self%has_exact = .false.
+    end subroutine look
+
+    !> Replaces the attitude and the rates of a formulation by the given values. Rates that do not exist at a
+    !> pole are not replaced.
+    pure subroutine take_start(start, motion)
+        type(motion_t), intent(in) :: start
+        type(motion_t), intent(inout) :: motion
+        motion%angle = start%angle
+        where (is_finite(start%rate)) motion%rate = start%rate
+        motion%omega = start%omega
+        motion%quaternion = start%quaternion
+    end subroutine take_start
+
+    !> Change of the energy since the start, J.
+    pure real(dp) function energy_change(self)
+        class(motion_view_t), intent(in) :: self
+        energy_change = self%kinetic + self%potential - self%energy_of_start
+    end function energy_change
+
+    !> The same, relative to the scale of the energies.
+    pure real(dp) function energy_error(self)
+        class(motion_view_t), intent(in) :: self
+        energy_error = self%energy_change() / self%energy_scale
+    end function energy_error
+
+    !> Change of the vertical momentum since the start, J s.
+    pure real(dp) function momentum_change(self)
+        class(motion_view_t), intent(in) :: self
+        momentum_change = vertical_momentum(self%body, self%motion) - self%momentum_of_start
+    end function momentum_change
+
+    !> The centre of mass in space axes, m.
+    pure function centre(self)
+        class(motion_view_t), intent(in) :: self
+        real(dp) :: centre(3)
+        centre = to_space(self%motion%quaternion, self%body%centre_of_mass)
+    end function centre
+
+    !> The support force in space axes, N.
+    function force(self)
+        class(motion_view_t), intent(inout) :: self
+        real(dp) :: force(3)
+        if (.not. self%has_force) self%known_force = support_force(self%body, self%motion)
+        self%has_force = .true.
+        force = self%known_force
+    end function force
+
+    !> The residuals of Euler's equations, N m.
+    function residuals(self)
+        class(motion_view_t), intent(inout) :: self
+        real(dp) :: residuals(3)
+        if (.not. self%has_residuals) self%known_residuals = euler_residuals(self%body, self%motion)
+        self%has_residuals = .true.
+        residuals = self%known_residuals
+    end function residuals
+
+    !> The exact motion at the same time, in the axes of the computation. The body must have one.
+    type(motion_t) function exact(self)
+        class(motion_view_t), intent(inout) :: self
+        integer :: status
+        if (.not. allocated(self%oracle)) then
+            allocate (self%oracle)
+            call prepare_exact_motion(self%case%body, self%case%start, self%oracle, status)
+        end if
+        if (.not. self%has_exact) self%known_exact = self%oracle%at(self%computed%t)
+        self%has_exact = .true.
+        exact = self%known_exact
+    end function exact
+
+    !> The error of the attitude due to rounding of the data, rad. The body must have an exact motion.
+    real(dp) function inherent_error(self)
+        class(motion_view_t), intent(inout) :: self
+        integer :: status
+        if (.not. allocated(self%conditioning)) then
+            allocate (self%conditioning)
+            call prepare_conditioning(self%case%body, self%case%start, self%conditioning, status)
+        end if
+        inherent_error = self%conditioning%floor_at(self%motion%t)
+    end function inherent_error
+
+end module spintop_motion_view

@@ -1,0 +1,112 @@
+"""Tests of the counts at the end of a Python suite: nothing that fails is lost."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+TESTS = Path(__file__).resolve().parent.parent
+SUITE = """\
+import unittest
+import pytest
+
+@pytest.mark.usefixtures("folder")
+class MixedTest(unittest.TestCase):
+    def setUp(self):
+        self.file = self.folder / "a file"
+
+    def test_good(self):
+        self.file.write_text("text")
+        print("noise")
+
+    def test_bad(self):
+        self.assertEqual(1, 2)
+
+    def test_one_bad_part(self):
+        for number in range(3):
+            with self.subTest(number):
+                self.assertNotEqual(number, 1)
+
+    def test_good_parts(self):
+        for number in range(3):
+            with self.subTest(number):
+                self.assertGreater(number, -1)
+
+    def test_skipped(self):
+        self.skipTest("a reason")
+
+    @unittest.expectedFailure
+    def test_unexpected(self):
+        pass
+
+class NoClassTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        raise ValueError("no class")
+
+    def test_lost(self):
+        pass
+
+def test_function(folder):
+    assert " " in str(folder)
+
+def test_untidy(request):
+    request.addfinalizer(lambda: 1 / 0)
+"""
+
+
+def run_suite(folder: Path, text: str, **environment: str) -> tuple[int, list[str]]:
+    """Run a suite as scripts/test does; give the exit code and the lines."""
+    for name in ("conftest.py", "pytest.ini"):
+        shutil.copy(TESTS / name, folder)
+    (folder / "some_test.py").write_text(text, encoding="utf-8")
+    run = subprocess.run(
+        [sys.executable, "-m", "pytest", "-qq", "--tb=short", "--counts", folder / "some_test.py"],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | environment,
+    )
+    return run.returncode, (run.stdout + run.stderr).splitlines()
+
+
+def test_each_test_counts_once(folder: Path) -> None:
+    """Parts, classes and what comes after a test count as that test."""
+    code, lines = run_suite(folder, SUITE)
+    assert code == 1
+    assert lines[-1] == "some_test: 3 passed, 5 failed"
+    assert "  left out: a reason" in lines
+    assert "noise" not in lines
+
+
+@pytest.mark.parametrize("text", ["import no_such_module\n", "def test_one(:\n"])
+def test_what_cannot_be_collected_fails(folder: Path, text: str) -> None:
+    """A suite that cannot be read is one that failed, not one without tests."""
+    code, lines = run_suite(folder, text)
+    assert code != 0
+    assert lines[-1] == "some_test: 0 passed, 1 failed"
+
+
+def test_a_suite_that_ends_python_fails(folder: Path) -> None:
+    """A good exit code of the suite itself is none of the tests."""
+    code, lines = run_suite(folder, "def test_good():\n    pass\n\nexit(0)\n")
+    assert code != 0
+    assert "some_test: 0 passed, 0 failed" in lines
+
+
+def test_no_test_is_an_error(folder: Path) -> None:
+    """A suite without tests passes none, and ends with an error."""
+    code, lines = run_suite(folder, "def no_tset():\n    pass\n")
+    assert code != 0
+    assert lines[-1] == "some_test: 0 passed, 0 failed"
+
+
+def test_a_suite_that_is_left_out_says_why(folder: Path) -> None:
+    """A module that skips itself is not a failure."""
+    text = "import pytest\npytest.skip('no such thing here', allow_module_level=True)\n"
+    code, lines = run_suite(folder, text)
+    assert code == 0
+    assert lines[-2:] == ["  left out: no such thing here", "some_test: 0 passed, 0 failed"]

@@ -1,0 +1,458 @@
+"""Tests of what figures say: their data, lines, labels and titles, not their pixels."""
+
+import itertools
+import math
+import os
+import subprocess
+import sys
+import unittest
+from dataclasses import replace
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.colors import to_rgb
+from PIL import Image
+
+sys.dont_write_bytecode = True
+TESTS = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
+
+import spintop_figures  # noqa: E402
+from plot_case import (  # noqa: E402
+    TRAJECTORY,
+    TableCase,
+    a_stability,
+    a_sweep,
+    a_table,
+    a_trajectory,
+)
+from spintop_figures.methods.costs import draw_costs  # noqa: E402
+from spintop_figures.methods.trials import cases_by_reference, trials  # noqa: E402
+from spintop_figures.methods.verdicts import lay_out as lay_out_verdicts  # noqa: E402
+from spintop_figures.motion.events import describe_event, draw_events  # noqa: E402
+from spintop_figures.motion.extremes import (  # noqa: E402
+    height_extremes,
+    inclination_extremes,
+    sparseness,
+)
+from spintop_figures.motion.path import draw_path  # noqa: E402
+from spintop_figures.motion.residuals import draw_error, draw_residuals  # noqa: E402
+from spintop_figures.motion.trace import draw_trace, draw_traces  # noqa: E402
+from spintop_figures.motion.trajectory import draw_angles, draw_forces  # noqa: E402
+from spintop_figures.registry import FIGURES, choose_figures  # noqa: E402
+from spintop_figures.style.lines import draw_sizes  # noqa: E402
+from spintop_figures.style.saving import lay_out, save_as, save_small  # noqa: E402
+from spintop_figures.sweeps.fields import jumps, spots  # noqa: E402
+from spintop_figures.sweeps.maps import draw_maps  # noqa: E402
+from spintop_figures.sweeps.scales import SIGNED  # noqa: E402
+from spintop_figures.sweeps.scatter import draw_scatter  # noqa: E402
+from spintop_figures.sweeps.sweep import draw_sweep  # noqa: E402
+from spintop_figures.tables.table import Table, TableError, read_table  # noqa: E402
+
+EXE = os.environ["SPINTOP_EXE"]
+INPUTS = TESTS.parent / "input"
+
+
+class FigureCase(TableCase):
+    """Reads made-up tables, and those that the program makes of inputs."""
+
+    def read(self, text: str) -> Table:
+        """A made-up table."""
+        return read_table(self.put("a.csv", text))
+
+    def compute(self, name: str, *settings: str) -> Table:
+        """The table of an input."""
+        words = [word for setting in settings for word in ("--set", setting)]
+        command = [EXE, "--quiet", "--restart", "-o", self.folder, *words, INPUTS / f"{name}.nml"]
+        subprocess.run(command, check=True, capture_output=True)
+        return read_table(self.folder / f"{name}.csv")
+
+
+def texts_of(axes: mpl.axes.Axes) -> list[str]:
+    """The text in a panel."""
+    titles = (axes.get_title(loc=side) for side in ("left", "center", "right"))
+    return [*(text.get_text() for text in axes.texts), *filter(None, titles)]
+
+
+class PackageTest(FigureCase):
+    """The figures as a package that others import."""
+
+    def test_public(self) -> None:
+        """A table is read, drawn and saved by the public names; wrong names are refused by name."""
+        table = spintop_figures.read_table(self.put("a.csv", a_trajectory()))
+        figure = spintop_figures.draw(table, "angles")
+        spintop_figures.save_as(figure, self.folder / "b")
+        self.assertTrue((self.folder / "b.svg").exists())
+        with self.assertRaisesRegex(TableError, "there is no figure pie"):
+            spintop_figures.draw(table, "pie")
+        with self.assertRaisesRegex(TableError, "is no table of the kind sweep: no maps figure"):
+            spintop_figures.draw(table, "maps")
+        for name in spintop_figures.__all__:
+            self.assertTrue(hasattr(spintop_figures, name))
+
+    def test_settings(self) -> None:
+        """The package does not change the settings of matplotlib."""
+        before = dict(mpl.rcParams)
+        figure = spintop_figures.draw(self.read(a_trajectory()), "angles")
+        spintop_figures.save_as(figure, self.folder / "b")
+        self.assertEqual(before, dict(mpl.rcParams))
+        self.assertFalse(figure.axes[0].spines["top"].get_visible())
+
+    def test_provenance(self) -> None:
+        """One line below a picture; the run and the program are in the metadata of the files."""
+        table = replace(self.read(a_trajectory()), status="pole at t = 1.25000000001")
+        figure = spintop_figures.draw(table, "angles")
+        caption = figure.get_supxlabel()
+        self.assertEqual(caption, "A top, trajectory: $5; ended with status pole at t = 1.25 s")
+        png, svg = save_as(figure, self.folder / "b")
+        save_small(figure, small := self.folder / "c.png")
+        for path in (png, small):
+            with Image.open(path) as picture:
+                known = picture.text
+            self.assertEqual(known["Software"], "spintop 0.1.0, revision 0123456789ab-dirty")
+            self.assertIn("Formulation lagrange, method rk4, 992 steps", known["Description"])
+            self.assertEqual(known["Source"], "a.csv")
+        self.assertIn("method rk4, 992 steps", svg.read_text(encoding="utf-8"))
+        long = replace(table, header=table.header | {"title": "word " * 99})
+        caption = spintop_figures.draw(long, "angles").get_supxlabel()
+        self.assertLess(len(caption), 109)
+        self.assertTrue(caption.endswith("s") and "\N{HORIZONTAL ELLIPSIS}; ended" in caption)
+
+    def test_nothing_is_hidden(self) -> None:
+        """A panel in space has no ground that covers the labels of the one beside it."""
+        table = self.compute("regular_precession", "output.columns=all")
+        for name in ("cones", "path"):
+            for axes in spintop_figures.draw(table, name).axes:
+                self.assertNotEqual(axes.name == "3d", axes.patch.get_visible())
+
+    def test_nothing_is_cut_off(self) -> None:
+        """All texts lie in the picture: of long titles, in space, beside panels."""
+        cones = self.compute("regular_precession")
+        titled = [
+            replace(cones, header=cones.header | {"title": f"{name} released with precession"})
+            for name in ("Loops:", "Waves: these were")
+        ]
+        figures = [spintop_figures.draw(cones, "cones"), draw_traces(titled + titled[:1])]
+        for figure in figures:
+            lay_out(figure)
+            renderer = figure.canvas.get_renderer()
+            labels = [figure._suptitle, *itertools.chain(*(axes.texts for axes in figure.axes))]
+            for axes in figure.axes:
+                labels.append(axes.title)
+                labels += [getattr(axes, f"{which}axis").label for which in axes._axis_names]
+            for axes in figure.axes:
+                axes.draw(renderer)  # labels of axes in space are placed as they are drawn
+            for label in filter(lambda label: label.get_text() and label.get_visible(), labels):
+                box = label.get_window_extent(renderer)
+                inside = box.x0 >= 0 and box.x1 <= figure.bbox.x1 and box.y0 >= 0
+                self.assertTrue(inside, label.get_text())
+
+
+class MapTest(FigureCase):
+    """Fields over two parameters."""
+
+    def test_jumps(self) -> None:
+        """A change of sign by a branch cut is a jump, one of a slope is none."""
+        x = np.linspace(-2, 3, 40)
+        slope = np.ma.masked_invalid(np.tile(x, (5, 1)))
+        self.assertFalse(jumps(slope)[0].any())
+        cut, size = jumps(np.ma.masked_invalid(np.where(slope > 0.3, slope - 360, slope + 5)))
+        self.assertEqual(cut.sum(), 10)
+        self.assertAlmostEqual(size, 365, delta=1)
+
+    def test_zero(self) -> None:
+        """The line of zero is not drawn along a jump; signed data have a neutral zero."""
+        settings = ["sweep.count=40,30", "sweep.combine=grid"]
+        table = self.compute("map_spin_tilt", *settings)
+        figure = draw_maps(table)
+        by_title = {axes.get_title(loc="left"): axes for axes in figure.axes}
+        name = next(title for title in by_title if title.startswith("precession per nutation"))
+        self.assertRegex(name, r"with jumps by about 3\d\d")
+        precession = by_title[name]
+        contours = [c for c in precession.collections if isinstance(c, mpl.contour.ContourSet)]
+        lines = [path for contour in contours for path in contour.get_paths() if len(path)]
+        self.assertEqual(lines, [])
+        force = by_title["minimum vertical support force (N)"]
+        contours = [c for c in force.collections if isinstance(c, mpl.contour.ContourSet)]
+        self.assertTrue(any(len(path) for c in contours for path in c.get_paths()))
+        for axes in (precession, force):
+            image = axes.collections[0]
+            self.assertEqual(image.cmap.name, SIGNED.name)
+            self.assertEqual(image.norm.vmin, -image.norm.vmax)
+            self.assertEqual({text.get_text() for text in axes.texts}, {"< 0", "> 0"})
+        shade = np.array(SIGNED(0.5)[:3])
+        self.assertGreater(shade.min(), 0.9)
+        self.assertLess(np.ptp(shade), 0.05)
+
+    def test_classes_in_place(self) -> None:
+        """Classes have their names in their regions, the other ones in a legend."""
+        table = self.compute("map_spin_tilt", "sweep.count=40,30")
+        axes = draw_maps(table).axes[0]
+        rows = table.rows
+        self.assertEqual({text.get_text() for text in axes.texts}, {"loop", "wave"})
+        self.assertIsNone(axes.get_legend())
+        spin, tilt = (np.unique(rows[name]) for name in table.axes())
+        for text in axes.texts:
+            x, y = text.get_position()
+            near = rows[
+                (rows[table.axes()[0]] == spin[int(x * spin.size)])
+                & (rows[table.axes()[1]] == tilt[int(y * tilt.size)])
+            ]
+            self.assertEqual(list(near["motion_class"]), [text.get_text()])
+
+    def test_spots(self) -> None:
+        """A region has its name inside, also if it is bent; small regions have none."""
+        codes = np.zeros((30, 40))
+        codes[10:, :25] = 1
+        codes[0, 0] = 2
+        found = {spot.code: spot for spot in spots(codes)}
+        self.assertEqual(set(found), {0, 1})
+        for code, spot in found.items():
+            self.assertEqual(codes[int(spot.y * 30), int(spot.x * 40)], code)
+
+
+class ResidualTest(FigureCase):
+    """Residuals and true errors."""
+
+    def test_exact_solution(self) -> None:
+        """It has no figure of residuals; other runs have it as the last one."""
+        exact = self.compute("slow_top", "output.columns=all")
+        names = [kind.name for kind in choose_figures(exact)[0]]
+        self.assertNotIn("residuals", names)
+        refusal = next(kind for kind in FIGURES if kind.name == "residuals").refusal(exact)
+        self.assertIn("of the exact solution, which has no residuals", refusal)
+        kinds, _ = choose_figures(self.compute("slow_top_lagrange_rk4"))
+        self.assertEqual(kinds[-1].name, "residuals")
+
+    def test_scales(self) -> None:
+        """Residuals are named; R1 and R2 have one scale, the others say that they have not."""
+        panels = draw_residuals(self.compute("slow_top_lagrange_rk4")).axes
+        for number, axes in enumerate(panels, 1):
+            self.assertTrue(axes.get_title(loc="left").startswith(f"R{number}: "))
+            scale = "scale of R1 and R2" if number < 3 else f"scale of R{number} alone"
+            self.assertTrue(any(scale in text and "largest" in text for text in texts_of(axes)))
+        self.assertEqual(panels[0].get_ylim(), panels[1].get_ylim())
+
+    def test_zeros(self) -> None:
+        """Zeros are gaps with ticks on a log axis, and no line passes them by."""
+        figure = mpl.figure.Figure()
+        axes = figure.subplots()
+        y = np.array([1e-15, 0.0, 1e-15, 2e-15, 0.0, 0.0, -3e-15])
+        draw_sizes(axes, np.arange(7.0), y)
+        line, alone, zeros = axes.lines
+        np.testing.assert_array_equal(np.isnan(line.get_ydata()), y == 0)
+        self.assertEqual(list(alone.get_xdata()), [0, 6])
+        self.assertEqual(list(zeros.get_xdata()), [1, 4, 5])
+        self.assertIn("exactly zero (3 rows)", axes.get_legend().get_texts()[0].get_text())
+
+    def test_largest_error(self) -> None:
+        """It is marked where it is, in radians and in degrees."""
+        table = self.compute("slow_top_scenario2_rk4")
+        error = table.rows["orientation_error"]
+        axes = draw_error(table).axes[0]
+        marked = [line for line in axes.lines if len(line.get_xdata()) == 1 and line.get_marker()]
+        self.assertIn(
+            (table.rows["t"][error.idxmax()], error.max()),
+            [(line.get_xdata()[0], line.get_ydata()[0]) for line in marked],
+        )
+        words = " ".join(texts_of(axes))
+        self.assertIn(f"{error.max():.2g} rad", words)
+        self.assertIn(f"{math.degrees(error.max()):.2g}°", words)
+
+    def test_vertical_force(self) -> None:
+        """The sign changes of Figure 9 are drawn; horizontal forces share a scale."""
+        table = self.compute("slow_top_lagrange_ode45")
+        panels = draw_forces(table).axes
+        self.assertIn(r"zero at $\theta$ = 56.6° and 83.9°", texts_of(panels[2]))
+        dots = next(line for line in panels[2].lines if line.get_marker() == "o").get_xdata()
+        force = np.interp(dots, table.rows["t"], table.rows["force_z"])
+        np.testing.assert_allclose(force, 0, atol=1e-10)
+        self.assertEqual(panels[0].get_ylim(), panels[1].get_ylim())
+
+
+class ExtremesTest(FigureCase):
+    """Numbers on a figure belong to the motion, or are marked as those of the rows."""
+
+    def test_sparse(self) -> None:
+        """Turning points between few rows are those of the same motion with many."""
+        many = self.compute("slow_top", "span.samples=4001")
+        few = self.compute("slow_top", "span.samples=38")
+        degrees = np.degrees(many.rows["theta"])
+        self.assertGreater(abs(np.degrees(few.rows["theta"].max()) - degrees.max()), 0.01)
+        for one, end in zip(inclination_extremes(few), (degrees.min(), degrees.max()), strict=True):
+            self.assertAlmostEqual(math.degrees(one.value), end, 3)
+            self.assertFalse(one.of_rows)
+        low, high = (end.value for end in height_extremes(few))
+        self.assertAlmostEqual(low, many.rows["com_z"].min(), 5)
+        self.assertAlmostEqual(high, many.rows["com_z"].max(), 5)
+        panels = draw_angles(few).axes
+        self.assertIn(f"{degrees.max():.2f}°", texts_of(panels[1]))
+
+    def test_of_the_rows(self) -> None:
+        """Extremes of a body without turning points, or that a run does not reach, say it."""
+        body = self.compute("rigid_body_chaotic", "output.columns=all")
+        self.assertTrue(all(end.of_rows for end in inclination_extremes(body)))
+        self.assertTrue(any("of the rows" in text for text in texts_of(draw_angles(body).axes[1])))
+        rising = self.compute("separatrix")
+        least, largest = inclination_extremes(rising)
+        self.assertEqual((least.of_rows, largest.of_rows), (True, False))
+        drifting = self.compute("slow_top_lagrange_ode45")  # with the tolerances of the paper
+        self.assertTrue(inclination_extremes(drifting)[0].of_rows)
+
+    def test_paths(self) -> None:
+        """Rows that are far apart are points: no chords, no arcs."""
+        few = self.compute("slow_top", "span.samples=21")
+        many = self.compute("slow_top")
+        for table, is_sparse in ((few, True), (many, False)):
+            com = (table.rows[f"com_{name}"].to_numpy() for name in "xyz")
+            words = sparseness(*com)
+            self.assertEqual(words.startswith("points only: rows are up to"), is_sparse)
+            trace, path = draw_trace(table), draw_path(table)
+            lines = [*trace.axes[0].lines, *path.axes[0].lines, *path.axes[1].lines]
+            whole = [line for line in lines if len(line.get_xdata()) == len(table.rows)]
+            self.assertGreaterEqual(len(whole), 4)
+            for line in whole:
+                self.assertEqual(line.get_linestyle() == "None", is_sparse)
+            told = [path.get_suptitle(), *texts_of(trace.axes[0])]
+            self.assertEqual(sum(words in text for text in told if words), 2 * is_sparse)
+
+
+class SphereTest(FigureCase):
+    """Both halves of a sphere are distinguished."""
+
+    def test_halves(self) -> None:
+        """The far half has a paler tint of the colour of the near one; a legend says so."""
+        figure = draw_trace(self.compute("tip_wave"))
+        rows = len(self.compute("tip_wave").rows)
+        back, front = (
+            np.array(to_rgb(line.get_color()))
+            for line in sorted(
+                (line for line in figure.axes[0].lines if len(line.get_xdata()) == rows),
+                key=lambda line: line.get_zorder(),
+            )
+        )
+        toward = (back - front) / (1 - front)  # the same share of the way to white
+        self.assertLess(np.ptp(toward), 0.2)
+        self.assertGreater(toward.min(), 0.4)
+        legends = [axes.get_legend() for axes in figure.axes if axes.get_legend()]
+        words = [text.get_text() for legend in legends for text in legend.get_texts()]
+        self.assertIn("on the far side", words)
+
+    def test_from_above(self) -> None:
+        """Seen from above, the path below the pivot is paler than that above it."""
+        table = self.compute("slow_top")
+        axes = draw_path(table).axes[1]
+        parts = {line.get_label(): line for line in axes.lines}
+        for label, sign in (("below the pivot", -1), ("above the pivot", 1)):
+            shown = np.isfinite(parts[label].get_xdata())
+            z = sign * table.rows["com_z"].to_numpy()
+            self.assertTrue(shown[z > 0].all())
+            self.assertLess(shown[z < 0].sum(), 10)
+        self.assertNotEqual(
+            parts["below the pivot"].get_color(), parts["above the pivot"].get_color()
+        )
+
+
+class SweepTest(FigureCase):
+    """The figure of Table 1."""
+
+    def test_azimuth(self) -> None:
+        """The line of the full turn does not strike the legend."""
+        figure = draw_sweep(self.compute("spinning_wheel_sweep"))
+        lay_out(figure)
+        axes = figure.axes[4]
+        legend = axes.get_legend().get_window_extent(figure.canvas.get_renderer())
+        for line in axes.lines:
+            heights = axes.transData.transform(line.get_xydata())[:, 1]
+            self.assertLess(heights.max(), legend.y0)
+
+    def test_signs(self) -> None:
+        """Errors of a formula have no line through a change of their sign, like a dip."""
+        table = self.compute("spinning_wheel_sweep")
+        lines = {line.get_label(): line for line in draw_sweep(table).axes[5].lines}
+        for equation, column in (("Eq 29", "delta_u"), ("Eq 32", "precession_rate")):
+            deviation = table.rows[f"{column}_fast_top"] / table.rows[column] - 1
+            for words, sign in (("too large", 1), ("too small", -1)):
+                shown = lines[f"{equation} {words}"].get_ydata()
+                np.testing.assert_array_equal(np.isfinite(shown), sign * deviation > 0)
+
+
+class EventsTest(FigureCase):
+    """The instants of events."""
+
+    def test_names(self) -> None:
+        """Events have names that can be read."""
+        names = {
+            "theta_deg=90 rising": "θ = 90°, rising",
+            "psi=0 every turn rising": "ψ = 0, every turn, rising",
+            "lower_turning_point": "lower turning point",
+            "force_z=-1.5": "vertical force = \N{MINUS SIGN}1.5",
+        }
+        self.assertEqual({name: describe_event(name) for name in names}, names)
+
+    def test_density(self) -> None:
+        """Hundreds of events are counted per interval, few are drawn one by one."""
+        rows = [["omega3=0 rising", i, 0.01 * i, 0.5, 1.0] for i in range(400)]
+        rows += [["psi=0 rising", i, 1.0 * i, 0.5, 1.0] for i in range(4)]
+        columns = ["event", "number", "t", "theta", "theta_rate"]
+        text = a_table("trajectory", columns, rows) + "# status: ok\n"
+        axes = draw_events(self.read(text)).axes[0]
+        self.assertEqual([len(line.get_xdata()) for line in axes.lines], [4])
+        (bars,) = axes.containers
+        self.assertGreater(len(bars), 30)
+        label = axes.get_yticklabels()[0].get_text()
+        self.assertIn("(400)", label)
+        self.assertRegex(label, r"per 0\.0\d+ s: up to [78]")
+
+
+class CloudTest(FigureCase):
+    """Cases as points."""
+
+    def test_density(self) -> None:
+        """Thousands of cases are counted in cells; each case is in one."""
+        table = self.compute("random_tops")
+        figure = draw_scatter(table)
+        panels = [axes for axes in figure.axes if axes.collections and axes.get_ylabel() != ""]
+        cells = [
+            c for axes in panels for c in axes.collections if type(c).__name__ == "PolyCollection"
+        ]
+        self.assertTrue(cells)
+        for part in cells:
+            self.assertEqual(part.get_array().sum(), 4000)
+
+    def test_noise(self) -> None:
+        """Errors at rounding are not drawn as data, and the title says so."""
+        figure = draw_scatter(self.compute("random_tops"))
+        labels = " ".join(axes.get_ylabel().replace("\n", " ") for axes in figure.axes)
+        self.assertNotIn("energy error", labels)
+        self.assertIn("largest energy error at rounding", figure.get_suptitle().replace("\n", " "))
+
+
+class StudyTest(FigureCase):
+    """Stability studies."""
+
+    def test_order_of_cases(self) -> None:
+        """Costs have the cases in the order of the verdicts, which is that of references."""
+        lines = a_stability().split("\n")
+        first = next(i for i, line in enumerate(lines) if line.startswith("fall,"))
+        lines.insert(first + 1, lines[first].replace("fall", "flip").replace("exact", "other"))
+        table = self.read("\n".join(lines))
+        rows = trials(table)
+        order = [case for cases in cases_by_reference(rows).values() for case in cases]
+        self.assertEqual(list(lay_out_verdicts(rows).x), order)
+        titles = [axes.get_title(loc="left") for axes in draw_costs(table).axes]
+        self.assertEqual([title for title in titles if title], order)
+
+
+class MarksTest(FigureCase):
+    """Tables of the kinds that scripts write by hand."""
+
+    def test_plain(self) -> None:
+        """A sweep and a trajectory without meanings of their columns are drawn."""
+        self.assertEqual(len(draw_sweep(self.read(a_sweep())).axes), 6)
+        self.assertEqual(len(draw_residuals(self.read(a_trajectory(TRAJECTORY))).axes), 4)
+
+
+if __name__ == "__main__":
+    unittest.main()

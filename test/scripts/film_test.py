@@ -1,0 +1,213 @@
+"""Tests of scripts/film."""
+
+import contextlib
+import io
+import os
+import shutil
+import subprocess
+import sys
+import unittest
+import unittest.mock
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+sys.dont_write_bytecode = True
+ROOT = Path(__file__).resolve().parent.parent.parent
+sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python")]
+
+from filming import __main__ as command  # noqa: E402
+from filming.encode import check_means, write  # noqa: E402
+from filming.picture import Camera, project  # noqa: E402
+from filming.solids import surface  # noqa: E402
+from filming.take import FINE, FilmError, compute  # noqa: E402
+
+PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
+INPUT = ROOT / "input" / "tip_loop.nml"
+SIZE = (320, 180)
+QUICK = ("--seconds", "0.5", "--rate", "10", "--size", "320x180")
+RAW = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-")
+
+
+@dataclass(frozen=True)
+class Done:
+    """What a call of scripts/film ended with."""
+
+    returncode: int
+    stderr: str
+
+
+def film(*arguments: object, **changes: str) -> Done:
+    """Call scripts/film, without the set-up."""
+    said, ways = io.StringIO(), {"stdout": io.TextIOWrapper(io.BytesIO())}
+    with (
+        unittest.mock.patch.object(sys, "argv", ["film", *map(str, arguments)]),
+        unittest.mock.patch.dict(os.environ, changes),
+        unittest.mock.patch.multiple(sys, **ways),
+        contextlib.redirect_stderr(said),
+    ):
+        try:
+            code = command.main()
+        except SystemExit as end:
+            code = end.code
+    return Done(code, said.getvalue())
+
+
+@pytest.mark.usefixtures("folder")
+class FilmTest(unittest.TestCase):
+    """Films as files."""
+
+    folder: Path
+
+    def test_gif(self) -> None:
+        """A GIF of so many pictures, which differ; it needs nothing but Pillow."""
+        path = self.folder / "a film.gif"
+        done = film(INPUT, "-o", path, *QUICK, "--arrow", "momentum", PATH="/nowhere")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        with Image.open(path) as image:
+            self.assertEqual((image.size, image.n_frames), (SIZE, 5))
+            first = np.asarray(image.convert("RGB"), int)
+            image.seek(4)
+            last = np.asarray(image.convert("RGB"), int)
+        self.assertGreater((np.abs(first - last).max(axis=2) > 40).mean(), 0.01)
+
+    def test_mp4_and_webm(self) -> None:
+        """What ffmpeg makes has the size and the number of pictures, and shows the same."""
+        if not shutil.which("ffmpeg"):
+            self.skipTest("no ffmpeg")
+        shown = []
+        for ending in ("mp4", "webm"):
+            path = self.folder / f"film.{ending}"
+            done = film(INPUT, "-o", path, *QUICK)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            words = ["ffmpeg", "-loglevel", "error", "-i", path, *RAW]
+            raw = subprocess.run(words, check=True, capture_output=True).stdout
+            pictures = np.frombuffer(raw, np.uint8).reshape(-1, SIZE[1], SIZE[0], 3)
+            self.assertEqual(len(pictures), 5)
+            shown.append(pictures[-1].astype(int))
+        self.assertLess(np.abs(shown[0] - shown[1]).mean(), 6)
+
+    def test_table(self) -> None:
+        """A table is filmed by the input in its header; what is no trajectory is refused."""
+        command = [PROGRAM, "--quiet", "-o", self.folder]
+        subprocess.run(
+            [*command, "--set", "span.samples=5", INPUT], check=True, capture_output=True
+        )
+        path = self.folder / "film.gif"
+        done = film(self.folder / "tip_loop.csv", "-o", path, *QUICK)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        done = film(ROOT / "input" / "spinning_wheel_sweep.nml", "-o", path, *QUICK)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("this is no trajectory", done.stderr)
+
+    def test_messages(self) -> None:
+        """What is missing or wrong is said in a line or two, and no film is left."""
+        path = self.folder / "film.mp4"
+        done = film(INPUT, "-o", path, *QUICK, PATH="/nowhere")
+        self.assertEqual(done.returncode, 4)
+        self.assertIn("ffmpeg is not found", done.stderr)
+        self.assertIn("apt-get install ffmpeg", done.stderr)
+        self.assertIn("film.gif", done.stderr)
+        for arguments, code, words in (
+            ((INPUT, "-o", self.folder / "film.avi"), 2, "ends in .mp4, .webm or .gif"),
+            ((self.folder / "none.nml", "-o", self.folder / "a.gif"), 2, "no such file"),
+            ((INPUT, "-o", self.folder / "a.gif", "--size", "31x17"), 2, "is no size"),
+            ((INPUT, "-o", self.folder / "a.gif", "--seconds", "0"), 2, "is no duration"),
+            ((INPUT, "-o", "/dev/null/a.gif", *QUICK), 4, "cannot write"),
+        ):
+            with self.subTest(words):
+                done = film(*arguments)
+                self.assertEqual(done.returncode, code, done.stderr)
+                self.assertIn(words, done.stderr)
+                self.assertNotIn("Traceback", done.stderr)
+        wrong = self.folder / "wrong.nml"
+        wrong.write_text("&top mass = -1 /\n", encoding="utf-8")
+        done = film(wrong, "-o", self.folder / "a.gif", *QUICK)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("wrong.nml:1", done.stderr)
+        self.assertEqual([p.name for p in self.folder.iterdir()], ["wrong.nml"])
+
+    def test_failure_of_ffmpeg(self) -> None:
+        """What ffmpeg says is passed on, and an older film is kept."""
+        if not shutil.which("ffmpeg"):
+            self.skipTest("no ffmpeg")
+        path = self.folder / "film.mp4"
+        path.write_text("older", encoding="utf-8")
+        with self.assertRaisesRegex(FilmError, "ffmpeg failed"):
+            write(path, iter([b"\0" * 27]), (3, 3), 10)
+        self.assertEqual(path.read_text(encoding="utf-8"), "older")
+
+    def test_kinds(self) -> None:
+        """A name without a known ending is refused before anything is computed."""
+        with self.assertRaisesRegex(FilmError, "ends in"):
+            check_means(Path("film"))
+
+
+class PictureTest(unittest.TestCase):
+    """What is on a picture."""
+
+    def test_trajectories_of_all_kinds(self) -> None:
+        """Any body, damped or not, and a motion that an event ends."""
+        for name in ("damped_top", "rigid_body_chaotic", "slow_top_events", "spinning_wheel"):
+            with self.subTest(name):
+                take = compute(ROOT / "input" / f"{name}.nml", 3)
+                camera = Camera(take, SIZE, ["momentum", "omega", "force"], dark=True)
+                for picture in range(3):
+                    pixels = np.frombuffer(camera.shoot(picture), np.uint8)
+                    self.assertEqual(pixels.size, 3 * SIZE[0] * SIZE[1])
+                    self.assertGreater(len(np.unique(pixels)), 30)
+
+    def test_axis_and_vectors(self) -> None:
+        """The last picture is the end of the motion; body z and the vectors are in space axes."""
+        take = compute(INPUT, 4)
+        self.assertEqual(take.rows[-1], len(take.times) - 1)
+        self.assertEqual(take.rows[0], 0)
+        np.testing.assert_allclose(np.cos(take.theta), take.axis[:, 2], atol=1e-14)
+        momentum = take.vectors["momentum"]  # its height is constant, and so is its part along z
+        np.testing.assert_allclose(momentum[:, 2], momentum[0, 2], rtol=1e-13)
+        along = np.sum(momentum * take.axis, axis=1)
+        np.testing.assert_allclose(along, 0.25 * 30, rtol=1e-13)
+
+    def test_path_between_pictures(self) -> None:
+        """Few pictures of a long motion: the path is as smooth as that of many."""
+        for name in ("rigid_body_chaotic", "damped_top"):
+            take = compute(ROOT / "input" / f"{name}.nml", 8)
+            self.assertEqual(len(take.rows), 8)
+            self.assertLess(take.steps().max(), FINE)
+            np.testing.assert_allclose(
+                np.diff(take.times[take.rows]), take.times[-1] / 7, rtol=1e-9
+            )
+
+    def test_projection(self) -> None:
+        """It is a rotation: lengths are kept, and the vertical stays upright."""
+        points = np.array([[0.3, -0.2, 0.9], [0, 0, 1.0]])
+        lengths = np.linalg.norm(project(points), axis=1)
+        np.testing.assert_allclose(lengths, np.linalg.norm(points, axis=1), rtol=1e-15)
+        self.assertAlmostEqual(project(points)[1, 0], 0, places=15)
+        self.assertGreater(project(points)[1, 1], 0.9)
+
+    def test_solids(self) -> None:
+        """The polygons of every kind of solid have its extent and its place."""
+        place = {"axes": [1, 0, 0, 0, 1, 0, 0, 0, 1], "place": [0, 0, 2.0]}
+        for solid, low, high, girth in (
+            ({"kind": "cylinder", "radius": 1, "height": 0.5}, 1.75, 2.25, 1),
+            ({"kind": "ring", "radius": 1, "inner": 0.5, "height": 0.5}, 1.75, 2.25, 1),
+            ({"kind": "cone", "radius": 1, "height": 2}, 0.5, 2.5, 1),
+            ({"kind": "sphere", "radius": 1}, 1, 3, 1),
+            ({"kind": "cuboid", "edges": [2, 1, 1]}, 1.5, 2.5, 1),
+            ({"kind": "ellipsoid", "semiaxes": [1, 0.5, 0.25]}, 1.75, 2.25, 1),
+        ):
+            with self.subTest(solid["kind"]):
+                polygons, colours = surface(solid | place)
+                self.assertEqual(len(polygons), len(colours))
+                heights = polygons[:, :, 2]
+                self.assertAlmostEqual(heights.min(), low)
+                self.assertAlmostEqual(heights.max(), high)
+                self.assertAlmostEqual(polygons[:, :, 0].max(), girth)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,183 @@
+"""Tests of scripts/gallery: its table of figures, what it draws, what it complains of."""
+
+import contextlib
+import io
+import os
+import re
+import runpy
+import subprocess
+import sys
+import unittest
+import unittest.mock
+from pathlib import Path
+
+from PIL import Image
+
+sys.dont_write_bytecode = True
+TESTS = Path(__file__).resolve().parent.parent
+ROOT = TESTS.parent
+sys.path[:0] = [str(TESTS), str(ROOT / "scripts"), str(ROOT / "python")]
+
+from manual.pages import links_of, manual_pages  # noqa: E402
+from plot_case import TableCase  # noqa: E402
+from spintop_figures.gallery import COST, DRIFT, EQUAL_COST, GALLERY, Run  # noqa: E402
+from spintop_figures.methods.peers import DOCUMENTED as PEERS  # noqa: E402
+from spintop_figures.registry import COMPARISONS, FIGURES  # noqa: E402
+
+EXE = os.environ["SPINTOP_EXE"]
+run_it = subprocess.run
+NUTATIONS = 500
+
+
+def run_program(command: list[object], **options: object) -> subprocess.CompletedProcess:
+    """Run the program under test in place of scripts/run, which would build another."""
+    assert command[:2] == [ROOT / "scripts" / "run", "--no-plots"], command
+    return run_it([EXE, *command[2:]], **options)
+
+
+class TableTest(unittest.TestCase):
+    """The exhibits and what they refer to."""
+
+    def test_exhibits(self) -> None:
+        """Names are different; inputs and kinds of figures exist; captions end."""
+        names = [exhibit.name for exhibit in GALLERY]
+        self.assertEqual(len(names), len(set(names)))
+        kinds = {kind.name for kind in (*FIGURES, *COMPARISONS)}
+        joined = {kind.name for kind in COMPARISONS}
+        for exhibit in GALLERY:
+            with self.subTest(exhibit.name):
+                self.assertLessEqual(set(exhibit.figures), kinds)
+                self.assertLessEqual(set(exhibit.documented), set(exhibit.figures))
+                self.assertTrue(exhibit.caption.endswith("."))
+                self.assertTrue(len(exhibit.runs) == 1 or set(exhibit.figures) <= joined)
+                for run in exhibit.runs:
+                    self.assertTrue((ROOT / "input" / f"{run.input}.nml").is_file())
+
+    def test_paper(self) -> None:
+        """Every figure of the paper that has numbers is there, and its table."""
+        names = {exhibit.name for exhibit in GALLERY}
+        paper = {f"figure{number}" for number in (2, 3, 4, 5, 6, 7, 8, 9, 11)} | {"table1"}
+        self.assertLessEqual(paper, names)
+
+    def test_manual(self) -> None:
+        """The pictures of the front page and of the manual are those that --doc draws."""
+        links = [link for page in manual_pages() for _, link in links_of(page)]
+        shown = {Path(link).stem for link in links if re.search(r"figures/\w+\.png$", link)}
+        joined = {kind.name for kind in COMPARISONS}
+        drawn = {
+            name if name in joined else f"{exhibit.runs[0].table}_{name}"
+            for exhibit in GALLERY
+            for name in exhibit.documented
+        } | set(PEERS)
+        files = {path.stem for path in (ROOT / "doc" / "figures").glob("*.png")}
+        self.assertEqual((shown, files), (drawn, drawn))
+
+    def test_runs(self) -> None:
+        """Runs of one input with other settings have tables of their own."""
+        self.assertEqual(Run("a").table, "a")
+        self.assertEqual(Run("a").command(), "scripts/run input/a.nml")
+        run = Run("a", ("integration.method=rk4",))
+        expected = "--set integration.method=rk4 --set output.file=a_rk4"
+        self.assertEqual(
+            (run.table, run.command()), ("a_rk4", f"scripts/run {expected} input/a.nml")
+        )
+        runs = {run for exhibit in GALLERY for run in exhibit.runs}
+        self.assertEqual(len({run.table for run in runs}), len(runs))
+
+
+class CostTest(TableCase):
+    """The methods whose drift is compared cost the same."""
+
+    def test_equal_cost(self) -> None:
+        """In a short part of the runs, to four percent of what the picture says."""
+        short = ["--set", f"span.nutations={NUTATIONS}", "--set", "span.samples=2"]
+        for run in DRIFT:
+            settings = [setting for setting in run.settings if "steps=" not in setting]
+            for setting in set(run.settings) - set(settings):
+                steps = int(setting.partition("=")[2]) * NUTATIONS / 1e6
+                settings.append(f"integration.steps={round(steps)}")
+            words = [word for setting in settings for word in ("--set", setting)]
+            command = [EXE, "-o", self.folder, *words, *short, ROOT / "input" / "long_drift.nml"]
+            said = run_it(command, check=True, capture_output=True, text=True).stdout
+            count = re.search(r"(\d+) (right-hand sides|(RHS|function) evaluations)", said)
+            with self.subTest(run.table):
+                self.assertAlmostEqual(int(count[1]) / NUTATIONS / COST, 1, delta=0.04)
+                self.assertIn(f"{COST} function evaluations per nutation", EQUAL_COST)
+                self.assertIn(EQUAL_COST, run.settings)
+
+
+class DrawTest(TableCase):
+    """Runs the script."""
+
+    def gallery(self, *arguments: str | Path) -> tuple[int, str, str]:
+        """Run its main procedure with the program under test."""
+        script = str(ROOT / "scripts" / "gallery")
+        main = runpy.run_path(script)["main"]
+        output, complaints = io.StringIO(), io.StringIO()
+        with (
+            unittest.mock.patch("sys.argv", [script, *map(str, arguments)]),
+            unittest.mock.patch("subprocess.run", run_program),
+            contextlib.redirect_stdout(output),
+            contextlib.redirect_stderr(complaints),
+        ):
+            try:
+                code = main()
+            except SystemExit as end:
+                code = end.code
+        return code, output.getvalue(), complaints.getvalue()
+
+    def test_draw(self) -> None:
+        """Figures, tables and an index with captions; a table is computed once."""
+        folder = self.folder / "new" / "gallery"
+        code, output, complaints = self.gallery(
+            "-o", folder, "figure8", "figure9", "tips", "events"
+        )
+        self.assertEqual((code, complaints), (0, ""))
+        stems = [
+            *("slow_top_lagrange_ode45_angles", "slow_top_lagrange_ode45_forces", "traces"),
+            "slow_top_events.events_events",
+        ]
+        expected = [*(str(folder / f"{stem}.png") for stem in stems), str(folder / "gallery.md")]
+        self.assertEqual(output.split("\n")[:-1], expected)
+        tables = {path.stem for path in (folder / "tables").iterdir()}
+        expected = {"slow_top_lagrange_ode45", "tip_loop", "tip_cusp", "tip_wave"}
+        self.assertEqual(tables, {*expected, "slow_top_events", "slow_top_events.events"})
+        index = (folder / "gallery.md").read_text("utf-8")
+        for exhibit in GALLERY:
+            shown = exhibit.name in ("figure8", "figure9", "tips", "events")
+            self.assertEqual(exhibit.caption in index, shown)
+        self.assertIn("slow_top_events.events.csv. spintop ", index)
+        self.assertIn("method ode45, default tolerances", index)
+        for stem in stems:
+            self.assertIn(f"]({stem}.png)", index)
+            self.assertGreater((folder / f"{stem}.svg").stat().st_size, 10_000)
+
+    def test_list(self) -> None:
+        """All are listed, nothing is drawn."""
+        code, output, _ = self.gallery("--list", "-o", self.folder / "none")
+        self.assertEqual((code, len(output.split("\n")) - 1), (0, len(GALLERY)))
+        self.assertIn("(long)", output)
+        self.assertFalse((self.folder / "none").exists())
+
+    def test_complaints(self) -> None:
+        """An unknown name is wrong usage; a figure that fails has a message."""
+        code, _, complaints = self.gallery("figure1")
+        self.assertEqual((code, "nothing is named figure1" in complaints), (2, True))
+        file = self.put("file", "")
+        code, _, complaints = self.gallery("-o", file, "figure8")
+        self.assertEqual((code, f"cannot write to {file}" in complaints), (4, True))
+        with unittest.mock.patch(f"{__name__}.EXE", "false"):
+            code, _, complaints = self.gallery("-o", self.folder, "figure8")
+        self.assertEqual(code, 2)
+        self.assertIn("slow_top_lagrange_ode45.nml ended with exit code 1", complaints)
+
+    def test_small(self) -> None:
+        """Pictures of the documentation are of few colours, and small."""
+        for path in (ROOT / "doc" / "figures").glob("*.png"):
+            self.assertLess(path.stat().st_size, 200_000, path.name)
+            with Image.open(path) as picture:
+                self.assertEqual(picture.mode, "P")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,160 @@
+"""Tests of scripts/plot: the figures of stability studies, of sweeps over grids, of events."""
+
+import itertools
+import math
+import sys
+import unittest
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from matplotlib.colors import to_rgb
+
+sys.dont_write_bytecode = True
+TESTS = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
+
+from plot_case import TableCase, a_map, a_stability, some_events  # noqa: E402
+from spintop_figures.methods.trials import NO_TRIAL, VERDICTS, trials  # noqa: E402
+from spintop_figures.methods.verdicts import digits_of, letters_of  # noqa: E402
+from spintop_figures.sweeps.maps import make_grid  # noqa: E402
+from spintop_figures.sweeps.quantities import QUANTITIES  # noqa: E402
+from spintop_figures.sweeps.scales import COLOURS  # noqa: E402
+from spintop_figures.tables.table import TableError, read_table  # noqa: E402
+
+
+def lightness(colour: object) -> float:
+    """Lightness of a colour in print without colours, from 0 to 1 (ITU-R BT.601)."""
+    return float(np.dot(to_rgb(colour), (0.299, 0.587, 0.114)))
+
+
+class ChoiceTest(TableCase):
+    """The table decides which figures belong to it."""
+
+    def test_grid(self) -> None:
+        """Two parameters bring maps if all their values are combined, else points; one, curves."""
+        self.assertEqual(self.figures_of(a_map()), "maps")
+        self.assertEqual(self.figures_of(a_map(axes=1)), "curves")
+        lines = a_map().splitlines()
+        self.assertEqual(self.figures_of("\n".join([*lines[:-1], ""])), "scatter")
+        self.assertEqual(self.figures_of("\n".join([*lines, lines[-1], ""])), "scatter")
+        self.assertEqual(self.figures_of(a_map(across=1)), "scatter")
+        self.assertEqual(self.figures_of(a_map().replace(",ok,", ",pole,")), "")
+
+    def test_stability_and_events(self) -> None:
+        """Tables with verdicts or events are recognised by their columns."""
+        self.assertEqual(self.figures_of(a_stability()), "verdicts costs")
+        self.assertEqual(self.figures_of(a_stability().replace("wrong", "odd")), "")
+        self.assertEqual(self.figures_of(some_events()), "events sections")
+        self.assertEqual(self.figures_of(some_events(19)), "events")
+        self.assertEqual(self.figures_of(some_events(swing=1e-9)), "events")
+        self.assertEqual(self.figures_of(some_events(0)), "")
+
+
+class StabilityTest(TableCase):
+    """Verdicts differ in print without colours; trials have names and digits."""
+
+    def test_grey(self) -> None:
+        """Verdicts darken in steps of at least a tenth; the text in them is readable."""
+        whole = [verdict for verdict in VERDICTS.values() if verdict.name not in NO_TRIAL[1:]]
+        faces = [lightness(verdict.face) for verdict in whole]
+        order = sorted(faces, reverse=True)
+        self.assertEqual(faces[:-1], [grey for grey in order if grey in faces[:-1]])
+        for lighter, darker in itertools.pairwise(order):
+            self.assertGreater(lighter - darker, 0.1)
+        for verdict in VERDICTS.values():
+            self.assertGreater(abs(lightness(verdict.face) - lightness(verdict.ink)), 0.4)
+        for name in NO_TRIAL:  # without a trial: white, distinguished by their marks
+            self.assertEqual(lightness(VERDICTS[name].face), order[0])
+        marks = {verdict.mark for verdict in VERDICTS.values()}
+        self.assertEqual(len(marks), len(VERDICTS))
+
+    def test_classes(self) -> None:
+        """The colours of maps lighten from end to end."""
+        shades = [lightness(COLOURS(i / 9)) for i in range(10)]
+        self.assertEqual(shades, sorted(shades))
+
+    def test_entries(self) -> None:
+        """A method has an entry; its other formulations have entries of their own."""
+        rows = trials(read_table(self.put("a.csv", a_stability())))
+        expected = ["rk4", "rk4, lagrange", "new"]
+        self.assertEqual(list(rows["entry"]), 2 * expected)
+        families = ["explicit Runge-Kutta", "explicit Runge-Kutta", "other programs"]
+        self.assertEqual(list(rows["family"]), 2 * families)
+        alone = read_table(self.put("b.csv", "\n".join(a_stability().splitlines()[:-3]) + "\n"))
+        expected = ["rk4, space_frame", "rk4, lagrange", "new"]
+        self.assertEqual(list(trials(alone)["entry"]), expected)
+
+    def test_digits(self) -> None:
+        """Whole digits, none of a wrong attitude, sixteen at most."""
+        expected = {3.1: 0, 0.02: 1, 1e-3: 3, 9e-8: 7, 1e-20: 16, 0.0: 16}
+        for error, digits in expected.items():
+            self.assertEqual(digits_of(error), digits)
+
+    def test_letters(self) -> None:
+        """Reasons to give up that begin alike have letters of their own."""
+        status = ["pole", "pole", "parted", "step_limit"]
+        rows = pd.DataFrame({"verdict": "failed", "status": status})
+        letters = letters_of(rows)
+        self.assertEqual((letters["pole"], letters["step_limit"]), ("P", "S"))
+        self.assertEqual(letters["parted"], "A")
+
+
+class MapTest(TableCase):
+    """The grid and the scales of maps."""
+
+    def test_grid(self) -> None:
+        """Cells lie about their values, by ratios on a log axis; rows run through y first."""
+        listed = "values(1,:) = 0.5, 1.0,"
+        spaced = a_map().replace(listed, "spacing = 'linear', 'linear',")
+        grid = make_grid(read_table(self.put("a.csv", spaced)))
+        self.assertEqual(grid.logs, (False, False))
+        self.assertEqual(grid.fill(np.arange(20.0))[:, 1].tolist(), [4, 5, 6, 7])
+        self.assertEqual(grid.edges()[1].tolist(), [-5, 5, 15, 25, 35])
+        for text in (a_map(), a_map().replace(listed, "spacing = 'log', 'linear',")):
+            grid = make_grid(read_table(self.put("b.csv", text)))
+            self.assertEqual(grid.logs, (True, False))
+        np.testing.assert_allclose(grid.edges()[0], 10.0 ** np.arange(-0.5, 5))
+
+    def test_words(self) -> None:
+        """The type of a column follows from its cells."""
+        table = read_table(self.put("a.csv", a_map()))
+        words = [name for name in table.rows if not table.numeric(name)]
+        self.assertEqual(words, ["status", "motion_class", "notes"])
+        with self.assertRaisesRegex(TableError, "'wave' in theta_min is no number"):
+            read_table(self.put("b.csv", a_map().replace("wave,0.1", "wave,wave", 1)))
+
+    def test_scales(self) -> None:
+        """Errors are compared by ratios; growth that is rounding is none."""
+        known = {quantity.columns[0]: quantity for quantity in QUANTITIES}
+        values = np.array([0.0, 1e-9, 2e-8])
+        self.assertTrue(known["orientation_error"].has_log_scale(values))
+        self.assertFalse(known["theta_min"].has_log_scale(values))
+        growth = np.array([2.0, 1e-2, -1e-15, 1e-9, math.nan])
+        none = known["growth_rate"].is_none(growth).tolist()
+        self.assertEqual(none, [False, False, True, True, False])
+
+
+class DrawTest(TableCase):
+    """Runs the script."""
+
+    def test_studies(self) -> None:
+        """Stability, maps, curves and events, without a warning of the layout."""
+        tables = {
+            "stability": (a_stability(), {"verdicts", "costs"}),
+            "map": (a_map(), {"maps"}),
+            "curve": (a_map(axes=1), {"curves"}),
+            "all_well": (a_map(axes=1).rpartition("20,")[0], {"curves"}),
+            "top.events": (some_events(), {"events", "sections"}),
+        }
+        paths = [self.put(f"{name}.csv", text) for name, (text, _) in tables.items()]
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", UserWarning)
+            self.assertEqual(self.call(*paths), (0, ""))
+        expected = {f"{name}_{kind}" for name, (_, kinds) in tables.items() for kind in kinds}
+        self.check_pictures(self.folder, expected)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,283 @@
+"""Tests of the figures of work-precision studies, and of the styles of methods."""
+
+import itertools
+import json
+import os
+import subprocess
+import sys
+import unittest
+import unittest.mock
+import warnings
+from pathlib import Path
+
+import numpy as np
+
+sys.dont_write_bytecode = True
+TESTS = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
+
+from plot_case import STAGES, TableCase, a_precision  # noqa: E402
+from spintop_figures.methods import known  # noqa: E402
+from spintop_figures.methods.best import best_of_families, spread  # noqa: E402
+from spintop_figures.methods.curves import TARGET, Curve, curves_of, time_to  # noqa: E402
+from spintop_figures.methods.known import OTHER, family_of, known_methods, order_of  # noqa: E402
+from spintop_figures.methods.orders import STEP, equal_steps, measured_order  # noqa: E402
+from spintop_figures.methods.precision import (  # noqa: E402
+    draw_precision_time,
+    draw_precision_work,
+    object_to_precision,
+)
+from spintop_figures.methods.styles import LOOKS, OTHER_LOOK, style_of  # noqa: E402
+from spintop_figures.methods.tolerance_map import (  # noqa: E402
+    draw_tolerance_map,
+    object_to_tolerance_map,
+    table_of_problems,
+)
+from spintop_figures.registry import FIGURES  # noqa: E402
+from spintop_figures.tables.table import read_table  # noqa: E402
+
+EXE = os.environ["SPINTOP_EXE"]
+AXES = ("initial.spin_ratio", "initial.theta")
+
+
+def listed_methods() -> dict[str, dict]:
+    """The methods that the program lists, by their names."""
+    command = [EXE, "list", "methods", "--json"]
+    answer = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
+    return {entry["name"]: entry for entry in answer["methods"]}
+
+
+def a_map_of_problems() -> str:
+    """A study over three by four values."""
+    grid = itertools.product((1.0, 3.0, 10.0), (0.1, 0.5, 1.0, 2.0))
+    return a_precision(
+        {f"top.{i}/{x}/{y}": 0.5 + x * y / 30 for i, (x, y) in enumerate(grid)}, AXES
+    )
+
+
+class StyleTest(unittest.TestCase):
+    """A method is drawn alike in every figure, and unlike others."""
+
+    def test_methods(self) -> None:
+        """Family and order are those of the program; each method has a style of its own."""
+        methods = listed_methods()
+        self.assertGreater(len(methods), 20)
+        styles = set()
+        for name, entry in methods.items():
+            self.assertEqual((family_of(name), order_of(name)), (entry["family"], entry["order"]))
+            style = style_of(name)
+            styles.add((style["marker"], str(style["linestyle"])))
+            for table in entry["tables"] or ():
+                self.assertEqual(family_of(table), entry["family"])
+        self.assertEqual(len(styles), len(methods))
+        looks = [*LOOKS, OTHER_LOOK]
+        self.assertEqual(len({look.marker for look in looks}), len(looks))
+        self.assertGreater(len(LOOKS), len({entry["family"] for entry in methods.values()}))
+        self.assertEqual(family_of("heyoka"), OTHER)
+
+    def test_copy(self) -> None:
+        """Tables are drawn alike without the program (scripts/manual_tables renews the copy)."""
+        copied = json.loads(known.COPY.read_text(encoding="utf-8"))["methods"]
+        self.assertEqual({entry["name"]: entry for entry in copied}, listed_methods())
+        self.addCleanup(known_methods.cache_clear)
+        known_methods.cache_clear()
+        with unittest.mock.patch.dict(os.environ, {"SPINTOP_EXE": "/nowhere/spintop"}):
+            self.assertEqual(order_of("rkmk_4"), 4)
+
+    def test_new_method(self) -> None:
+        """A method that the program gets is drawn with its family and its order."""
+        entry = {"name": "new_6", "family": "Lie group", "order": 6, "kind": "fixed"}
+        self.addCleanup(known_methods.cache_clear)
+        known_methods.cache_clear()
+        registry = [*listed_methods().values(), entry | {"tables": None}]
+        with unittest.mock.patch.object(known, "read_registry", return_value=registry):
+            self.assertEqual((family_of("new_6"), order_of("new_6")), ("Lie group", 6))
+            self.assertEqual(style_of("new_6")["marker"], style_of("rkmk_4")["marker"])
+
+    def test_formulations(self) -> None:
+        """A formulation fills the marker, and changes nothing else."""
+        one, other = (style_of("dop853", name) for name in ("lagrange", "rigid_body"))
+        self.assertEqual({key for key in one if one[key] != other[key]}, {"fillstyle"})
+
+
+class ChoiceTest(TableCase):
+    """Which figures belong to a study."""
+
+    def test_choice(self) -> None:
+        """Curves of few problems; a map of many over two parameters."""
+        curves = "precision_time precision_work orders"
+        self.assertEqual(self.figures_of(a_precision()), curves)
+        self.assertEqual(self.figures_of(a_precision({"one": 1.0, "two": 2.0})), curves)
+        self.assertEqual(self.figures_of(a_map_of_problems()), "tolerance_map")
+
+    def test_refusals(self) -> None:
+        """The reason is given."""
+        table = read_table(self.put("a.csv", a_map_of_problems()))
+        self.assertEqual(object_to_precision(table), "has 12 problems, more than fit (6)")
+        failed = a_precision().replace(",ok,", ",pole,")
+        table = read_table(self.put("b.csv", failed))
+        self.assertIn("no method that went well and takes steps", object_to_precision(table))
+        self.assertEqual(object_to_tolerance_map(table), "is no study over two parameters")
+        text = "\n".join(line for line in a_precision().split("\n") if ",steps " not in line)
+        refusal = next(k for k in FIGURES if k.name == "orders").refusal
+        table = read_table(self.put("c.csv", text))
+        self.assertIn("with several fixed step sizes", refusal(table))
+
+
+class CurveTest(TableCase):
+    """The curves and what is found from them."""
+
+    def curves(self) -> dict[str, Curve]:
+        """The curves of a made-up study, by their labels."""
+        rows = read_table(self.put("a.csv", a_precision())).rows
+        return {curve.label: curve for curve in curves_of(rows[::-1], ("time_s", "error_max"))}
+
+    def test_curves(self) -> None:
+        """From coarse to fine; formulations where there are several; without what failed."""
+        curves = self.curves()
+        self.assertEqual(len(curves), len(STAGES) + 1)
+        self.assertIn("rk4, lagrange", curves)
+        self.assertIn("ode45", curves)
+        self.assertNotIn("galerkin", curves)
+        for curve in curves.values():
+            self.assertTrue((np.diff(curve.rows["time_s"]) > 0).all())
+
+    def test_drawn(self) -> None:
+        """Lines have the times and errors of the table, and the exact solution is there."""
+        table = read_table(self.put("a.csv", a_precision()))
+        axes = draw_precision_time(table).axes[0]
+        lines = {line.get_label(): line for line in axes.lines}
+        rows = self.curves()["splitting_8"].rows
+        for data, name in zip(
+            lines["splitting_8"].get_data(), ("time_s", "error_max"), strict=True
+        ):
+            np.testing.assert_array_equal(data, rows[name])
+        texts = {text.get_text(): text for text in axes.texts}
+        self.assertEqual(texts["exact solution"].xy, (2e-6, 3e-15))
+
+    def test_best(self) -> None:
+        """Of each family the method that is the cheapest at the target has its name and colour."""
+        curves = [curve for curve in self.curves().values() if curve.method != "exact"]
+        best = best_of_families(curves, "time_s")
+        self.assertEqual(len({family_of(curve.method) for curve in best}), len(best))
+        for curve in curves:
+            mate = next(c for c in best if family_of(c.method) == family_of(curve.method))
+            if np.isfinite(time_to(curve)):
+                self.assertLessEqual(time_to(mate), time_to(curve))
+        table = read_table(self.put("a.csv", a_precision()))
+        for draw, cost in ((draw_precision_time, "time_s"), (draw_precision_work, "evaluations")):
+            figure = draw(table)
+            axes = figure.axes[0]
+            named = {curve.label for curve in best_of_families(curves, cost)}
+            texts = {text.get_text() for text in axes.texts}
+            self.assertLessEqual(named, texts)
+            labels = {curve.label for curve in curves}
+            lines = {line.get_label(): line for line in axes.lines if line.get_label() in labels}
+            strong = {label for label, line in lines.items() if line.get_linewidth() > 1}
+            self.assertEqual((set(lines), strong), (labels, named))
+            self.assertEqual(figure.legends, [])
+        self.assertLessEqual({"order", "1", "2", "4", "8"}, texts)
+
+    def test_slopes(self) -> None:
+        """The lines of the fan fall by their orders."""
+        table = read_table(self.put("a.csv", a_precision()))
+        axes = draw_precision_work(table).axes[0]
+        fan = [line for line in axes.lines if len(line.get_xdata()) == 2]
+        slopes = [
+            -np.diff(np.log(line.get_ydata()))[0] / np.diff(np.log(line.get_xdata()))[0]
+            for line in fan
+        ]
+        np.testing.assert_allclose(slopes, (1, 2, 4, 8))
+
+    def test_spread(self) -> None:
+        """Names keep their order and their distance, near their points."""
+        heights = np.array([0.02, 0.03, 0.04, 0.5, 0.9])
+        moved = spread(heights)
+        self.assertGreaterEqual(np.diff(moved).min(), 0.115 - 1e-9)
+        self.assertEqual((moved[3], moved[4]), (0.5, 0.9))
+        self.assertTrue((moved >= 0).all() and (moved <= 1).all())
+
+    def test_measured_orders(self) -> None:
+        """The methods of the program have their orders; rounding has none."""
+        command = [EXE, "--quiet", "-o", self.folder, TESTS.parent / "input" / "convergence.nml"]
+        subprocess.run(command, check=True, capture_output=True)
+        rows = equal_steps(read_table(self.folder / "convergence.csv"))
+        curves = curves_of(rows, (STEP, "error_max"))
+        fixed = {name for name, entry in listed_methods().items() if entry["kind"] == "fixed"}
+        self.assertEqual({curve.method for curve in curves}, fixed)
+        for curve in curves:
+            self.assertAlmostEqual(measured_order(curve.rows), order_of(curve.method), delta=0.3)
+        flat = rows.head(5).assign(error_max=[1e-15, 2e-15, 1e-15, 1e-15, 2e-15])
+        self.assertTrue(np.isnan(measured_order(flat)))
+
+    def test_time_to(self) -> None:
+        """Between two settings times are as the power that joins them says."""
+        curve = self.curves()["gauss_8"]
+        rows = curve.rows[curve.rows["error_max"] > 1e-13]
+        slope, height = np.polyfit(np.log(rows["error_max"]), np.log(rows["time_s"]), 1)
+        expected = np.exp(height + slope * np.log(TARGET))
+        self.assertAlmostEqual(time_to(curve._replace(rows=rows)) / expected, 1, 6)
+        self.assertTrue(np.isnan(time_to(curve, 1e-30)))
+        self.assertAlmostEqual(time_to(curve, 10.0) / curve.rows["time_s"].iloc[0], 1)
+
+
+class MapTest(TableCase):
+    """The map over two parameters."""
+
+    def test_cheapest(self) -> None:
+        """Each problem has the shortest time of its methods; the exact solution is left out."""
+        table = read_table(self.put("a.csv", a_map_of_problems()))
+        problems = table_of_problems(table)
+        self.assertEqual(problems.axes(), list(AXES))
+        self.assertEqual(len(problems.rows), 12)
+        for problem, row in zip(
+            table.rows["problem"].unique(), problems.rows.itertuples(), strict=True
+        ):
+            part = table.rows[table.rows["problem"] == problem]
+            curves = [c for c in curves_of(part, ("time_s", "error_max")) if c.method != "exact"]
+            times = sorted(time for c in curves if np.isfinite(time := time_to(c)))
+            self.assertEqual(row.time_s, times[0])
+            self.assertAlmostEqual(row.ratio, times[1] / times[0])
+        self.assertEqual(set(problems.rows["method"]) & {"exact"}, set())
+
+    def test_cells(self) -> None:
+        """Each cell of the map names the method and its time."""
+        table = read_table(self.put("a.csv", a_map_of_problems()))
+        rows = table_of_problems(table).rows
+        first, second = (
+            ["".join(text.get_text().split("\n")[:-1]) for text in axes.texts]
+            for axes in draw_tolerance_map(table).axes[:2]
+        )
+        self.assertEqual(first, [name.replace(", ", ",") for name in rows["method"]])
+        self.assertEqual(second, [name.replace(", ", ",") for name in rows["next"]])
+
+    def test_unreached(self) -> None:
+        """A problem that no method solves well enough has no time."""
+        lines = a_map_of_problems().split("\n")
+        text = "\n".join(line for line in lines if "top.0" not in line or ",rk2," in line)
+        rows = table_of_problems(read_table(self.put("a.csv", text))).rows
+        self.assertEqual(list(rows["status"]), ["not reached", *["ok"] * 11])
+        self.assertEqual(rows["method"][0], "none")
+
+
+class DrawTest(TableCase):
+    """Runs the script."""
+
+    def test_studies(self) -> None:
+        """All figures, without a warning of the layout."""
+        curves = {"precision_time", "precision_work", "orders"}
+        tables = {
+            "one": (a_precision(), curves),
+            "two": (a_precision({"slow": 1.0, "wheel": 2.0}), curves),
+            "grid": (a_map_of_problems(), {"tolerance_map"}),
+        }
+        paths = [self.put(f"{name}.csv", text) for name, (text, _) in tables.items()]
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", UserWarning)
+            self.assertEqual(self.call(*paths), (0, ""))
+        expected = {f"{name}_{kind}" for name, (_, kinds) in tables.items() for kind in kinds}
+        self.check_pictures(self.folder, expected)
+
+
+if __name__ == "__main__":
+    unittest.main()

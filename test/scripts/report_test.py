@@ -1,0 +1,768 @@
+"""Tests of scripts/report: the description of a study, and the parts of the page."""
+
+import base64
+import contextlib
+import gzip
+import hashlib
+import html.parser
+import http.server
+import io
+import json
+import math
+import os
+import re
+import sys
+import tarfile
+import threading
+import unittest
+import unittest.mock
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+sys.dont_write_bytecode = True
+TESTS = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
+
+from plot_case import TableCase, a_precision, a_stability, a_sweep, a_trajectory  # noqa: E402
+from reporting import __main__ as command  # noqa: E402
+from reporting import packages  # noqa: E402
+from reporting import page as page_module  # noqa: E402
+from reporting import pictures as pictures_module  # noqa: E402
+from reporting import study as study_module  # noqa: E402
+from reporting.body import (  # noqa: E402
+    NO_SUCH_BODY,
+    SHAPES,
+    Body,
+    central_inertia,
+    draw_body,
+    read_body,
+)
+from reporting.data import pack  # noqa: E402
+from reporting.drawing import Glyphs  # noqa: E402
+from reporting.errata import errata_for, numbers_named, read_errata, topics_of  # noqa: E402
+from reporting.motion import GROUPS, find_omega, motion_facts, refusal  # noqa: E402
+from reporting.packages import PAGE, PackageError  # noqa: E402
+from reporting.page import make_page  # noqa: E402
+from reporting.paper import SLOW_TOP_END, caption_of, runs_of  # noqa: E402
+from reporting.pictures import COARSE, FEW_COLOURS, INLINE, Picture, fit, pictures_of  # noqa: E402
+from reporting.study import find_tables, read_study  # noqa: E402
+from spintop_figures.registry import FIGURES  # noqa: E402
+from spintop_figures.tables.table import Table, read_table  # noqa: E402
+
+BODY = (
+    "# body: mass 2 kg; inertia 8.25, 8.25, 0.5 kg m^2 about the pivot; centre of mass 0, 0, 2 m\n"
+)
+ANGLES = ["t", "phi", "theta", "psi"]
+SLOW_TOP = BODY.replace("mass 2", "mass 1").replace("8.25, 8.25, 0.5", "0.875, 0.875, 0.25")
+SLOW_TOP = SLOW_TOP.replace("0, 0, 2", "0, 0, 0.8660254037844387")
+START = "#     &initial\n#         theta = 0.19634954084936207\n#         psi_rate = 1\n#     /\n"
+WHEEL = (
+    "#     &top\n#         shape = 'spinning_wheel'\n#         radius = 0.1\n"
+    "#         thickness = 0.01\n#         density = 7800\n#         rod_length = 1\n#     /\n"
+    "#     &initial\n#         theta_deg = 11.25\n#     /\n"
+)
+"""Examples 1 and 2 of the paper."""
+
+HOSTILE = "</script><script>hacked = 1</script>"
+PNG = bytes(24)
+"""The part of a picture that the page reads."""
+
+SCRIPT = "globalThis.moves = 1;"
+
+
+class ReportCase(TableCase):
+    """Has tables to make reports of; script and pictures of the page are stand-ins."""
+
+    def setUp(self) -> None:
+        """Make the folder, and spare the bundler and the drawing."""
+        super().setUp()
+        self.bundle = self.stand_in(page_module, "bundle", SCRIPT)
+        self.stand_in(
+            study_module,
+            "pictures_of",
+            [Picture("p", "a picture", {".png": PNG, ".svg": b"", FEW_COLOURS: PNG})],
+        )
+
+    def stand_in(self, module: object, name: str, result: object) -> unittest.mock.Mock:
+        """A procedure that only gives this."""
+        patch = unittest.mock.patch.object(module, name, return_value=result)
+        self.addCleanup(patch.stop)
+        return patch.start()
+
+    def table(self, text: str) -> Table:
+        """A table with this text."""
+        return read_table(self.put("table.csv", text))
+
+    def page(self) -> str:
+        """The page of all tables in the folder."""
+        errata = read_errata()
+        sections, problems = read_study(self.folder, errata)
+        return make_page(self.folder.name, sections, problems, errata)[0]
+
+
+class BodyTest(ReportCase):
+    """The body in a header, and the solid that is drawn for it."""
+
+    def test_read(self) -> None:
+        """Mass, inertia and centre of mass; a header without them gives no body."""
+        body = read_body(self.table(BODY + a_trajectory()))
+        self.assertEqual((body.mass, *body.inertia, *body.centre), (2, 8.25, 8.25, 0.5, 0, 0, 2))
+        self.assertEqual(list(body.axis()), [0, 0, 1])
+        self.assertIsNone(read_body(self.table(a_trajectory())))
+
+    def drawing(self, body: Body, top: str = "") -> tuple[list[dict], str]:
+        """The solids that are drawn for a body, and the label; `top` is in the resolved input."""
+        text = a_trajectory().replace("#     &integration", f"{top}#     &integration")
+        drawing = draw_body(self.table(text), body)
+        return drawing.solids, drawing.label
+
+    def test_wheel(self) -> None:
+        """The cylinder of the wheel in Example 2 is that wheel, wherever its axis is."""
+        mass, radius, height, length = 2.45, 0.1, 0.01, 1.0
+        along, across = mass * radius**2 / 2, mass * (3 * radius**2 + height**2) / 12
+        for axis in range(3):
+            inertia = np.full(3, across + mass * length**2)
+            inertia[axis] = along
+            [solid], label = self.drawing(Body(mass, inertia, length * np.eye(3)[axis]))
+            self.assertEqual(solid["kind"], "cylinder")
+            self.assertIn("homogeneous disc with the same mass", label)
+            self.assertAlmostEqual(solid["radius"], radius, places=12)
+            self.assertAlmostEqual(solid["height"], height, places=8)
+            own = np.reshape(solid["axes"], (3, 3))
+            self.assertAlmostEqual(abs(own[2, axis]), 1, places=12)
+            self.assertAlmostEqual(np.linalg.det(own), 1, places=12)
+
+    def test_cuboid(self) -> None:
+        """A cuboid comes back from its moments, also with the pivot off its axes."""
+        mass, edges = 3.0, np.array([0.2, 0.5, 0.9])
+        squares = edges**2
+        inertia = mass * (squares.sum() - squares) / 12
+        [solid], label = self.drawing(Body(mass, inertia, np.zeros(3)))
+        self.assertEqual(solid["kind"], "cuboid")
+        self.assertIn("homogeneous cuboid", label)
+        np.testing.assert_allclose(sorted(solid["edges"]), edges, rtol=1e-12)
+        aside = Body(mass, inertia + 1, np.array([0.1, 0.2, 0.3]))
+        self.assertNotEqual(central_inertia(aside)[0, 1], 0)
+        self.assertEqual(self.drawing(aside)[0][0]["kind"], "cuboid")
+
+    def test_shapes(self) -> None:
+        """A shape that the input names is drawn as it is."""
+        body = Body(2.0, np.array([8.25, 8.25, 0.5]), np.array([0.0, 0.0, 2.0]))
+        extents = {"radius": 0.5, "inner_radius": 0.3, "thickness": 0.4, "rod_length": 2.0}
+        lines = "".join(f"#         {key} = {value}\n" for key, value in extents.items())
+        expected = {
+            "spinning_wheel": ("cylinder", {"radius": 0.5, "height": 0.4}, "a wheel"),
+            "ring": ("ring", {"radius": 0.5, "inner": 0.3, "height": 0.4}, "a ring"),
+            "sphere": ("sphere", {"radius": 0.5}, "a sphere"),
+            "cylinder": ("cylinder", {"radius": 0.5, "height": 0.4}, "a cylinder"),
+            "cone": ("cone", {"radius": 0.5, "height": 0.4}, "a cone"),
+        }
+        for shape, (kind, sizes, name) in expected.items():
+            top = f"#     &top\n#         shape = '{shape}'\n{lines}#     /\n"
+            [solid], label = self.drawing(body, top)
+            self.assertEqual({key: solid[key] for key in sizes}, sizes, shape)
+            self.assertEqual((solid["kind"], solid["place"]), (kind, [0, 0, 2]))
+            self.assertEqual(label, f"The body is {name}, drawn to scale.")
+        thin = top.replace("thickness = 0.4", "thickness = 0.001")
+        self.assertIn("but for its thickness", self.drawing(body, thin)[1])
+
+    def test_every_shape_of_the_program(self) -> None:
+        """The program has no shape that the page cannot draw."""
+        source = (TESTS.parent / "src/top/shapes.f90").read_text(encoding="utf-8")
+        self.assertEqual(set(re.findall(r"shape_info_t\('(\w+)'", source)), set(SHAPES))
+
+    def test_no_such_body(self) -> None:
+        """The author's wheel, whose inertia lacks m l^2: the page says what the program says."""
+        wheel = Body(2.45, np.array([0.00614, 0.00614, 0.01225]), np.array([0.0, 0.0, 1.0]))
+        [solid], label = self.drawing(wheel)
+        self.assertAlmostEqual(solid["radius"], 0.1, places=3)
+        self.assertTrue(label.startswith(NO_SUCH_BODY))
+        self.assertIn("about its centre of mass is drawn", label)
+        source = (TESTS.parent / "src/scenes/body_of_scene.f90").read_text(encoding="utf-8")
+        words = " ".join(re.sub(r"&\s*&", "", source).split())
+        self.assertIn(f"'{NO_SUCH_BODY[0].lower()}{NO_SUCH_BODY[1:-1]}'", words)
+
+    def test_triangle(self) -> None:
+        """Positive central moments that break the triangle inequality are those of no body."""
+        centre = np.array([0.0, 0.0, 1.0])
+        broken = Body(1.0, np.array([1.1, 1.1, 0.3]), centre)
+        self.assertGreater(np.linalg.eigvalsh(central_inertia(broken))[0], 0)
+        self.assertIn("No mass distribution", self.drawing(broken)[1])
+        flat = Body(1.0, np.array([1.15, 1.15, 0.3]), centre)
+        self.assertIn("homogeneous disc with the same mass", self.drawing(flat)[1])
+        point = Body(1.0, np.array([1.0, 1.0, 0.0]), centre)
+        self.assertEqual(self.drawing(point), ([], "The body is a point mass on a massless rod."))
+
+
+class MotionTest(ReportCase):
+    """The contents of the page of a trajectory."""
+
+    def facts(self, table: Table, stride: int = 1) -> dict:
+        """What the page knows of the motion of a table."""
+        return motion_facts(table, pack(table, stride), "here")
+
+    def test_file(self) -> None:
+        """The data are the bytes of the file; of fewer rows, its lines, with a note."""
+        table = self.table(BODY + a_trajectory(count=40))
+        text = table.path.read_text(encoding="utf-8")
+        self.assertEqual(gzip.decompress(pack(table).packed).decode(), text)
+        thin = pack(table, 4)
+        self.assertEqual((thin.kept, thin.total, thin.is_whole), (11, 40, False))
+        lines = gzip.decompress(thin.packed).decode().splitlines()
+        rows = [line for line in text.splitlines() if line[0] != "#"]
+        kept = [line for line in lines if line[0] != "#"]
+        self.assertEqual(kept, [rows[0], *rows[1::4], rows[-1]])
+        self.assertIn("# rows: one in 4 of 40, and the last", lines)
+        self.assertEqual(lines[-1], "# status: ok")
+        self.assertEqual(read_table(self.put("thin.csv", "\n".join([*lines, ""]))).status, "ok")
+
+    def test_long_sweep(self) -> None:
+        """Of a sweep with more cases than are read, it is said which rows can be saved."""
+        table = self.table(a_sweep(cases=25_000))
+        self.assertGreater(table.stride, 1)
+        data = pack(table)
+        self.assertFalse(data.is_whole)
+        self.assertTrue(data.which.endswith(f"of one case in {table.stride}"), data.which)
+        text = gzip.decompress(data.packed).decode()
+        again = read_table(self.put("again.csv", text))
+        self.assertEqual(again.rows.to_numpy().tolist()[1], table.rows.to_numpy().tolist()[1])
+        self.assertEqual((again.title, again.kind), (table.title, "sweep"))
+
+    def test_facts(self) -> None:
+        """The columns that the page reads, and how many rows there are."""
+        facts = self.facts(self.table(BODY + a_trajectory(count=40)), 4)
+        columns = [*ANGLES, "force_x", "force_y", "force_z", "kinetic", "potential", "energy"]
+        self.assertEqual(facts["columns"], columns)
+        self.assertEqual((facts["total"], facts["stride"], facts["data"]), (40, 4, "here"))
+        self.assertIn("One row in 4 of 40 is shown, and the last.", facts["notes"])
+
+    def test_columns_of_the_script(self) -> None:
+        """The script reads the same columns."""
+        script = (PAGE / "motion.js").read_text(encoding="utf-8")
+        for name in {name for group in GROUPS for name in group}:
+            self.assertIn(f'"{name}"', script)
+
+    def test_scenes(self) -> None:
+        """Motions of one scene are those of one body from one start, whatever computed them."""
+        names = [*ANGLES, "omega1", "omega2", "omega3"]
+        text = BODY + a_trajectory(names)
+        scenes = [self.facts(self.table(text))["scene"]]
+        for old, new in (
+            ("'rk4'", "'exact'"),
+            ("8.25, 8.25", "8.250000000000001, 8.25"),
+            ("8.25, 8.25", "8.26, 8.26"),
+            ("#     &integration", "#     &top\n#     gravity = 1.62\n#     /\n#     &integration"),
+        ):
+            scenes.append(self.facts(self.table(text.replace(old, new)))["scene"])
+        other = BODY + a_trajectory(names, theta=0.5000001)
+        scenes.append(self.facts(self.table(other))["scene"])
+        self.assertEqual(len(set(scenes[:3])), 1)
+        self.assertEqual(len({scenes[0], *scenes[3:]}), 4)
+        slow = self.facts(self.table(BODY + a_trajectory(ANGLES)))["scene"]
+        self.assertEqual(len(slow), len(scenes[0]))
+
+    def test_omega_from_rates(self) -> None:
+        """A steady precession: omega is the rate of precession and spin, seen from the body."""
+        names = [*ANGLES, "phi_rate", "theta_rate", "psi_rate"]
+        text = a_trajectory(names, phi_rate=1.0, theta_rate=0.0, psi_rate=9.0)
+        omega = find_omega(self.table(text))
+        across = math.sin(0.5)
+        for i, row in enumerate(omega):
+            psi = 0.9 * i
+            expected = (across * math.sin(psi), across * math.cos(psi), math.cos(0.5) + 9)
+            np.testing.assert_allclose(row, expected, atol=1e-14)
+        self.assertIsNone(find_omega(self.table(a_trajectory(ANGLES))))
+
+    def test_notes(self) -> None:
+        """Missing things are named."""
+        notes = " ".join(self.facts(self.table(a_trajectory(ANGLES)))["notes"])
+        words = ("does not give the body", "force_x, force_y, force_z", "omega1 to omega3")
+        for word in (*words, "kinetic, potential, energy"):
+            self.assertIn(word, notes)
+
+    def test_refusals(self) -> None:
+        """Tables without an animation, with the reason."""
+        reasons = {
+            "is no trajectory": a_sweep(),
+            "needs the column t": a_trajectory(ANGLES[1:]),
+            "needs the columns phi, theta, psi or q0 to q3": a_trajectory(["t", "phi"]),
+            "has one row only": a_trajectory(ANGLES, count=1),
+            "": a_trajectory(ANGLES),
+        }
+        for reason, text in reasons.items():
+            self.assertEqual(refusal(self.table(text)), reason)
+        lost = a_trajectory(ANGLES, theta=math.nan)
+        self.assertIn("needs the columns phi", refusal(self.table(lost)))
+
+
+class ErrataTest(ReportCase):
+    """Which errata belong to a table."""
+
+    def test_file(self) -> None:
+        """Every erratum has a heading of its own, says something, and concerns something."""
+        errata = read_errata()
+        self.assertEqual(len({erratum.heading for erratum in errata}), len(errata))
+        for erratum in errata:
+            self.assertTrue(erratum.paragraphs[0] and erratum.concerns)
+            self.assertNotIn("Concerns", " ".join(erratum.paragraphs))
+        silent = self.put("errata.md", "# A\n\n## Eq 1: wrong\n\nRight.\n")
+        with self.assertRaisesRegex(ValueError, "'Eq 1: wrong' does not say what it concerns"):
+            read_errata(silent)
+
+    def test_numbers(self) -> None:
+        """Ranges are all their members."""
+        text = "Figures 2 to 4, Eq 27m (Eqs 41-43), Table 1"
+        expected = {"Figure 2", "Figure 3", "Figure 4", "Eq 27m", "Eq 41", "Eq 42", "Eq 43"}
+        self.assertEqual(numbers_named(text), {*expected, "Table 1"})
+
+    def test_choice(self) -> None:
+        """By what the table is of; a table of anything else has none."""
+        errata = read_errata()
+
+        def headings(text: str) -> set[str]:
+            return {
+                erratum.heading.split(":")[0] for erratum in errata_for(self.table(text), errata)
+            }
+
+        other = a_trajectory([*ANGLES, "force_z", "R1"])
+        self.assertEqual(headings(BODY + other), set())
+        self.assertEqual(headings(SLOW_TOP + other), set())  # its start is another
+        self.assertEqual(headings(a_sweep()), set())
+        self.assertEqual(topics_of(self.table(BODY + other)), set())
+        example = SLOW_TOP + other.replace("#     &integration", f"{START}#     &integration")
+        self.assertLessEqual({"Example 1", "Figure 9", "Eqs 41-45"}, headings(example))
+        self.assertNotIn("Eq 52", headings(example))
+        self.assertNotIn("", topics_of(self.table(example)))
+        plain = example.replace("'lagrange'", "'rigid_body'").replace("force_z", "com_z")
+        self.assertEqual(headings(plain), {"Example 1"})
+        wheel = a_sweep().replace("#     &integration", f"{WHEEL}#     &integration")
+        self.assertLessEqual({"Eq 52", "Eqs 28 and 53", "Section 7"}, headings(wheel))
+        cases = a_stability().replace("tumble", "sleeping_at")
+        self.assertEqual(headings(cases), {"Sleeping top"})
+
+    def test_each_is_reached(self) -> None:
+        """Every topic of an erratum is a word that some table has."""
+        known = {f"Example {i}" for i in (1, 2)} | {"Figure 11", "Table 1"}
+        sources = (TESTS.parent / "src").rglob("*.f90")
+        text = "".join(source.read_text(encoding="utf-8") for source in sources)
+        for erratum in read_errata():
+            for topic in {topic for choice in erratum.concerns for topic in choice} - known:
+                word = topic.removeprefix("column ")
+                self.assertRegex(text, rf"\b{re.escape(word)}\b", erratum.heading)
+
+
+class PictureTest(ReportCase):
+    """The pictures, their forms, and how they fit."""
+
+    def test_taken_or_drawn(self) -> None:
+        """Those beside a table are taken, unless they are older."""
+        table = self.table(a_trajectory([*ANGLES, "com_z"]))
+        drawn = pictures_of(table)[0]
+        self.assertEqual(drawn.name, "table_angles")
+        self.assertEqual(drawn.extent, (1080, 810))
+        self.assertTrue(drawn.address.startswith("data:image/png;base64,"))
+        drawn.take_in(Glyphs(), "a label")
+        self.assertEqual(drawn.form, INLINE)
+        self.assertTrue(drawn.element.startswith('<svg class="drawing" role="img" aria-label="a'))
+        self.assertLess(drawn.size, len(drawn.forms[".svg"]) / 2)
+        self.assertEqual([path.name for path in self.folder.iterdir()], ["table.csv"])
+        self.put("table_angles.svg", "<svg/>")
+        (self.folder / "table_angles.png").write_bytes(drawn.forms[".png"])
+        self.assertEqual(pictures_of(table)[0].forms[".svg"], b"<svg/>")
+        os.utime(self.folder / "table_angles.png", (0, 0))
+        self.assertEqual(pictures_of(table)[0].forms[".svg"], drawn.forms[".svg"])
+
+    def test_refused_figures_are_told(self) -> None:
+        """A figure that the columns promise and the numbers forbid is not left out silently."""
+        problems: list[str] = []
+        lost = self.table(a_trajectory([*ANGLES, "com_z"], com_z=math.nan))
+        self.assertEqual([p.name for p in pictures_of(lost, problems)], ["table_trace"])
+        self.assertEqual(problems, ["has no number in column com_z: no angles figure"])
+
+    def test_fit(self) -> None:
+        """The largest get smaller, then coarser; none is left out, whatever the room."""
+        sizes = ((60, 60), (900, 300), (600, 30))
+        pictures = [
+            Picture(str(i), "", {INLINE: bytes(svg), FEW_COLOURS: bytes(png), ".png": b""}, INLINE)
+            for i, (svg, png) in enumerate(sizes)
+        ]
+        self.assertEqual(fit(pictures, 5000), [])
+        self.assertEqual([p.form for p in pictures], [INLINE] * 3)
+        self.assertEqual(fit(pictures, 1100), [])
+        self.assertEqual([p.form for p in pictures], [INLINE, FEW_COLOURS, INLINE])
+        with unittest.mock.patch.object(pictures_module, "with_few_colours", return_value=b"x"):
+            self.assertEqual(fit(pictures, 150), [pictures[1]])
+            self.assertEqual([p.form for p in pictures], [INLINE, COARSE, FEW_COLOURS])
+            self.assertEqual(len(fit(pictures, 0)), 3)
+        self.assertTrue(all(picture.size for picture in pictures))
+
+    def test_coarse(self) -> None:
+        """Half the resolution is half the pixels in a row."""
+        table = self.table(a_trajectory([*ANGLES, "com_z"]))
+        [drawn, _] = pictures_of(table)
+        fit([drawn], 0)
+        self.assertEqual(drawn.form, COARSE)
+        with Image.open(io.BytesIO(drawn.forms[COARSE])) as picture:
+            self.assertEqual(picture.size, (540, 405))
+
+
+class PaperTest(ReportCase):
+    """Which runs are those of the paper."""
+
+    def test_captions(self) -> None:
+        """A figure of the paper is named where the run is that of the paper, and else not."""
+        named = {kind.name: kind for kind in FIGURES}
+        angles, residuals = named["angles"], named["residuals"]
+        self.assertNotIn("Figure", caption_of(angles, set()))
+        self.assertNotIn("Figure", caption_of(residuals, {"Example 1", "Figure 8"}))
+        self.assertTrue(caption_of(angles, {"Figure 8"}).endswith("(Figure 8 of the paper)"))
+        self.assertTrue(caption_of(residuals, {"Figure 4"}).endswith("(Figure 4 of the paper)"))
+        self.assertTrue(caption_of(named["table1"], {"Table 1"}).endswith("(Table 1 of the paper)"))
+        self.assertEqual(caption_of(named["trace"], {"Figure 8"}), named["trace"].what)
+
+    def test_runs(self) -> None:
+        """Body, start and span decide; the method, which figure of the residuals it is."""
+        run = SLOW_TOP + a_trajectory(ANGLES, count=2).replace(
+            "#     &integration", f"{START}#     &integration"
+        )
+        run = run.replace("\n0.1,", f"\n{SLOW_TOP_END!r},")
+        with_method = "# model: lagrange: x\n# method: rk4: x\n" + run
+        found = {"Example 1", "Figure 8", "Figure 9"}
+        self.assertEqual(runs_of(self.table(run)), found)
+        self.assertEqual(runs_of(self.table(with_method)), found | {"Figure 4"})
+        for old, new in (
+            ("psi_rate = 1", "psi_rate = 2"),
+            ("theta = 0.19", "theta = 0.2"),
+            ("psi_rate = 1", "psi_rate = 1\n#         theta_rate = 0.1"),
+            ("0.875, 0.875, 0.25 kg", "0.875, 0.875, 0.3 kg"),
+        ):
+            self.assertEqual(runs_of(self.table(run.replace(old, new))), set(), new)
+        longer = run.replace(repr(SLOW_TOP_END), "9.5")
+        self.assertEqual(runs_of(self.table(longer)), {"Example 1"})
+
+
+class Reader(html.parser.HTMLParser):
+    """Collects the elements of a page, and what its scripts hold."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.scripts: list[str] = []
+        self.text = ""
+        self.feed(page)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        """An element begins."""
+        self.elements.append((tag, dict(attrs)))
+        if tag == "script":
+            self.scripts.append("")
+
+    def handle_data(self, data: str) -> None:
+        """Text within the latest element."""
+        if self.elements and self.elements[-1][0] == "script" and not self.scripts[-1]:
+            self.scripts[-1] = data
+        else:
+            self.text += data
+
+
+class PageTest(ReportCase):
+    """The page as a text."""
+
+    def test_policy(self) -> None:
+        """It allows the style and the script that are there, pictures, and nothing else."""
+        self.put("a.csv", BODY + a_trajectory())
+        page = self.page()
+        found = dict(Reader(page).elements[3][1])["content"]
+        rules = dict(rule.split(" ", 1) for rule in found.split("; "))
+        self.assertEqual(rules["default-src"], "'none'")
+        self.assertEqual(rules["img-src"], "data:")
+        digest = base64.b64encode(hashlib.sha256(SCRIPT.encode()).digest()).decode()
+        self.assertEqual(rules["script-src"], f"'sha256-{digest}'")
+        self.assertIn(f"<script>{SCRIPT}</script>", page)
+        for tag, attributes in Reader(page).elements:
+            for name in ("src", "href", "srcset", "action", "style", "onclick"):
+                value = attributes.get(name) or "#"
+                self.assertTrue(value.startswith(("#", "data:")), f"{name} of {tag}")
+
+    def test_hostile_title(self) -> None:
+        """A title is text, wherever it stands."""
+        harmless = "A top, trajectory: $5"
+        self.put("a.csv", BODY + a_trajectory().replace(harmless, HOSTILE))
+        self.put("b.csv", a_sweep().replace("A top, sweep: $5", HOSTILE))
+        page = Reader(self.page())
+        self.assertFalse([script for script in page.scripts if script.startswith("hacked")])
+        self.assertGreaterEqual(page.text.count(HOSTILE), 4)
+        data = json.loads(page.scripts[0])
+        self.assertEqual(data["title"], HOSTILE)
+
+    def test_what_is_told(self) -> None:
+        """Overview, origin, input, columns, rows; failures are marked, other files named."""
+        self.put("a.csv", BODY + a_trajectory(count=3, phi=1 / 3))
+        self.put("b.csv", a_sweep(status="step_limit"))
+        self.put("c.csv", a_stability())
+        self.put("d.csv", a_precision() + "# in words: the cheapest is one, 3 times\n")
+        self.put("notes.csv", "a,b\n")
+        self.put("b.1-of-2.csv", a_sweep())
+        page = Reader(self.page())
+        for text in (
+            "0123456789ab-dirty",
+            "GCC version 12.2.0",
+            "&study\n    kind = 'trajectory'\n    title = 'It''s a top, = trajectory'\n/",
+            "support force: x",
+            "3 ok, 1 step_limit",
+            "2 accurate",
+            "the cheapest is one, 3 times",
+            "notes.csv: is no table of spintop",
+            "0.3333333333",
+        ):
+            self.assertIn(text, page.text)
+        self.assertEqual(len([path.name for path in find_tables(self.folder)]), 5)
+        failed = [tag for tag, attributes in page.elements if attributes.get("class") == "failed"]
+        self.assertEqual(failed, ["td", "td", "span", "span"])  # b and d, in overview and section
+        captions = [tag for tag, _ in page.elements].count("caption")
+        self.assertGreaterEqual(captions, 4)
+        scopes = [attributes.get("scope") for tag, attributes in page.elements if tag == "th"]
+        self.assertNotIn(None, scopes)
+
+    def test_top_of_the_page(self) -> None:
+        """Dates, program, counts; key numbers of every table; contents that lead somewhere."""
+        dated = BODY.replace("# body", "# date: 2020-02-29T10:00:00Z\n# body")
+        self.put("a.csv", dated + a_trajectory(theta=0.5))
+        self.put("b.csv", a_sweep(status="step_limit"))
+        self.put("c.csv", a_stability())
+        page = self.page()
+        reader = Reader(page)
+        for text in (
+            "2020-02-29",
+            "spintop 0.1.0 (0123456789ab-dirty)",
+            "1 trajectory, 1 sweep, 1 stability",
+            "1 of 3 tables",
+            "28.65\N{DEGREE SIGN} to 28.65\N{DEGREE SIGN}",
+            "spin_ratio 0.5 to 2",
+        ):
+            self.assertIn(text, reader.text)
+        names = {attributes["id"] for _, attributes in reader.elements if attributes.get("id")}
+        links = {attributes["href"] for tag, attributes in reader.elements if tag == "a"}
+        self.assertLessEqual({link[1:] for link in links if link[0] == "#"}, names)
+        self.assertIn("#table-1-top", links)
+        self.assertIn("#table-3-table", links)
+
+    def test_saved_tables(self) -> None:
+        """Every table can be saved, without the script too."""
+        for name, text in (("a.csv", BODY + a_trajectory()), ("b.csv", a_sweep())):
+            self.put(name, text)
+        saved = {
+            attributes["download"]: attributes["href"]
+            for tag, attributes in Reader(self.page()).elements
+            if tag == "a" and "download" in attributes
+        }
+        for name in ("a.csv", "b.csv"):
+            packed = base64.b64decode(saved[f"{name}.gz"].partition("base64,")[2])
+            self.assertEqual(gzip.decompress(packed), (self.folder / name).read_bytes())
+
+    def test_long_tables(self) -> None:
+        """Long trajectories show some rows, other tables the first ones; the page names them."""
+        self.put("a.csv", a_trajectory(count=2000))
+        self.put("b.csv", a_sweep(cases=800))
+        page = self.page()
+        self.assertIn("one row in 10 of 2000, and the last", page)
+        self.assertIn("the first 266 of 800 rows", page)
+        self.assertIn('<tr><th scope="row">266</th>', page)
+        self.assertNotIn('<tr><th scope="row">267</th>', page)
+
+    def test_without_script(self) -> None:
+        """Without three.js the page lacks only the animated top, with a message."""
+        self.bundle.side_effect = PackageError("the registry is away")
+        self.put("a.csv", BODY + a_trajectory())
+        page = self.page()
+        self.assertIn("The tops do not move in this page: the registry is away", page)
+        self.assertNotIn("<script", page)
+        self.assertIn("script-src &#39;none&#39;", page)
+        self.assertIn("<img ", page)
+
+    def test_without_trajectory(self) -> None:
+        """Without an animation nothing is fetched."""
+        self.put("a.csv", a_sweep())
+        self.assertNotIn("<script", self.page())
+        self.bundle.assert_not_called()
+
+
+class CommandTest(ReportCase):
+    """The command line."""
+
+    def report(self, *arguments: str | Path) -> tuple[int, str]:
+        """Run it here; give exit code and standard error."""
+        output, complaints = io.TextIOWrapper(io.BytesIO()), io.StringIO()
+        with (
+            unittest.mock.patch("sys.argv", ["report", *map(str, arguments)]),
+            contextlib.redirect_stdout(output),
+            contextlib.redirect_stderr(complaints),
+        ):
+            return command.main(), complaints.getvalue()
+
+    def test_exit_codes(self) -> None:
+        """An error has a message of one line."""
+        missing = self.folder / "missing"
+        self.assertEqual(self.report(missing), (2, f"scripts/report: {missing}: no such folder\n"))
+        code, message = self.report(self.folder)
+        self.assertEqual(code, 2)
+        self.assertIn("no table of spintop in it", message)
+        self.put("a.csv", a_sweep())
+        self.put("bad.csv", "\n")
+        code, message = self.report(self.folder)
+        self.assertEqual(code, 0)
+        self.assertIn("bad.csv: is no table of spintop", message)
+        self.assertTrue((self.folder / "report.html").is_file())
+        code, message = self.report(self.folder, "-o", self.folder / "a.csv" / "page.html")
+        self.assertEqual(code, 4)
+        self.assertIn("cannot write", message)
+        self.assertFalse(list(self.folder.glob("*.part")))
+
+    def test_inputs_are_run_first(self) -> None:
+        """Into the folder, without figures; a wrong input ends it, failed cases do not."""
+        table = self.put("kept.csv", a_sweep())
+        study = self.folder / "new study"
+        runner = self.put("run", f'#!/bin/sh\nmkdir -p "$3"; cp "{table}" "$3"; exit $CODE\n')
+        runner.chmod(0o755)
+        for code, made in ((0, True), (3, True), (2, False)):
+            (study / "report.html").unlink(missing_ok=True)
+            with (
+                unittest.mock.patch.object(command, "SCRIPTS", self.folder),
+                unittest.mock.patch.dict(os.environ, {"CODE": str(code)}),
+            ):
+                self.assertEqual(self.report(study, "top.nml")[0], code)
+            self.assertEqual((study / "report.html").is_file(), made)
+
+    def test_order(self) -> None:
+        """The tables of the inputs come first, in their order; then the others, by name."""
+        runner = self.put(
+            "run",
+            '#!/bin/sh\nfor input in "$4" "$5"; do\n'
+            'cp "$(dirname "$0")/table" "$3/$input.csv"\nsleep 0.05\ndone\n',
+        )
+        runner.chmod(0o755)
+        self.put("table", a_sweep())
+        study = self.folder / "study"
+        study.mkdir()
+        for name in ("a", "b", "z"):
+            (study / f"{name}.csv").write_text(a_sweep(), encoding="utf-8")
+        with unittest.mock.patch.object(command, "SCRIPTS", self.folder):
+            self.assertEqual(self.report(study, "z", "b", "--title", "My <title>")[0], 0)
+        page = (study / "report.html").read_text(encoding="utf-8")
+        leads = re.findall(r'<p class="lead">Sweep, <code>(\w+)\.csv', page)
+        self.assertEqual(leads, ["z", "b", "a"])
+        self.assertIn("<h1>My &lt;title&gt;</h1>", page)
+        self.assertIn("<title>My &lt;title&gt; \N{EN DASH} spintop report</title>", page)
+
+    def test_what_is_shown_in_part_is_told(self) -> None:
+        """On the terminal and in the page."""
+        self.put("a.csv", BODY + a_trajectory(count=2000))
+        with unittest.mock.patch.object(page_module, "ALL_DATA", 30_000):
+            code, message = self.report(self.folder)
+        self.assertEqual(code, 0)
+        told = re.search(r"a\.csv: the page has (one row in \d+ of 2000, and the last)", message)
+        page = (self.folder / "report.html").read_text(encoding="utf-8")
+        self.assertIn(f"<li>{told[0]}</li>", page)
+        self.assertIn(f"({told[1]}, all digits)", page)
+
+
+class Registry(http.server.SimpleHTTPRequestHandler):
+    """A registry of npm on this machine."""
+
+    def log_message(self, *_: object) -> None:
+        """Say nothing."""
+
+
+class PackageTest(ReportCase):
+    """Packages are those of the lock file, or they are refused."""
+
+    def setUp(self) -> None:
+        """Make a package, a lock file and a registry."""
+        super().setUp()
+        archive = io.BytesIO()
+        with tarfile.open(fileobj=archive, mode="w:gz") as tar:
+            text = b"export const three = 3;\n"
+            for name, mode in (("package/three.js", 0o644), ("package/bin/run", 0o755)):
+                facts = tarfile.TarInfo(name)
+                facts.size, facts.mode = len(text), mode
+                tar.addfile(facts, io.BytesIO(text))
+            tar.addfile(tarfile.TarInfo("package/../../outside.js"))
+        place = self.folder / "@scope" / "three" / "-" / "three-1.2.3.tgz"
+        place.parent.mkdir(parents=True)
+        place.write_bytes(archive.getvalue())
+        self.hash = base64.b64encode(hashlib.sha512(archive.getvalue()).digest()).decode()
+        self.lock("sha512-" + self.hash)
+
+        def handler(*arguments: object) -> Registry:
+            return Registry(*arguments, directory=self.folder)
+
+        server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
+        self.addCleanup(server.server_close)
+        self.addCleanup(server.shutdown)
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        self.registry = f"http://127.0.0.1:{server.server_port}"
+        self.modules = self.folder / "modules"
+        settings = {"npm_config_registry": self.registry, "npm_config_userconfig": "/nowhere"}
+        for patch in (
+            unittest.mock.patch.object(packages, "PAGE", self.folder),
+            unittest.mock.patch.object(packages, "ROOT", self.folder),
+            unittest.mock.patch.object(packages, "MODULES", self.modules),
+            unittest.mock.patch.dict(os.environ, settings),
+        ):
+            patch.start()
+            self.addCleanup(patch.stop)
+
+    def lock(self, integrity: str) -> None:
+        """Write the lock file."""
+        entry = {"version": "1.2.3", "integrity": integrity}
+        lock = {"packages": {"": {}, "node_modules/@scope/three": entry}}
+        self.put("package-lock.json", json.dumps(lock))
+
+    def test_fetched_once(self) -> None:
+        """The file is kept; with another checksum it is fetched again."""
+        folder = packages.need("@scope/three")
+        self.assertEqual(folder, self.modules / "@scope" / "three")
+        self.assertIn("three = 3", (folder / "three.js").read_text(encoding="utf-8"))
+        programs = [path.name for path in folder.rglob("*") if path.is_file()]
+        self.assertEqual(sorted(programs), [".integrity", "run", "three.js"])
+        self.assertEqual([path.name for path in self.modules.iterdir()], ["@scope"])
+        self.assertTrue(os.access(folder / "bin" / "run", os.X_OK))
+        with unittest.mock.patch.object(packages, "fetch", side_effect=AssertionError):
+            packages.need("@scope/three")
+        self.lock("sha512-" + "A" * 86 + "==")
+        with self.assertRaisesRegex(PackageError, "is not what the lock file means"):
+            packages.need("@scope/three")
+        self.assertTrue((folder / "three.js").is_file())
+        self.assertEqual([path.name for path in folder.parent.iterdir()], ["three"])
+
+    def test_settings(self) -> None:
+        """The environment counts more than the project, the project more than the user."""
+        user = self.put(
+            "user.npmrc", "; a comment\nregistry = http://user/npm/\ncafile=/a/ca.crt\n"
+        )
+        environment = {"npm_config_userconfig": str(user)}
+        with unittest.mock.patch.dict(os.environ, environment):
+            found = packages.tarball_of("three", "1")
+            self.assertEqual(found, f"{self.registry}/three/-/three-1.tgz")
+            os.environ.pop("npm_config_registry")
+            self.assertEqual(packages.tarball_of("@a/b", "1"), "http://user/npm/@a/b/-/b-1.tgz")
+            self.assertEqual(packages.settings()["cafile"], "/a/ca.crt")
+            self.put(".npmrc", "registry=http://project\n")
+            self.assertEqual(packages.tarball_of("a", "1"), "http://project/a/-/a-1.tgz")
+
+    def test_not_to_be_had(self) -> None:
+        """The reason is given."""
+        (self.folder / "@scope" / "three" / "-" / "three-1.2.3.tgz").unlink()
+        with self.assertRaisesRegex(PackageError, "gave no .*three-1.2.3.tgz: File not found"):
+            packages.need("@scope/three")
+        with (
+            unittest.mock.patch("platform.machine", return_value="pdp11"),
+            self.assertRaisesRegex(PackageError, "there is no @esbuild/linux-pdp11"),
+        ):
+            packages.esbuild_package()
+
+
+if __name__ == "__main__":
+    unittest.main()

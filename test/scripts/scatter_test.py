@@ -1,0 +1,239 @@
+"""Tests of scripts/plot: points of the cases of sweeps that are no grid."""
+
+import itertools
+import sys
+import tracemalloc
+import unittest
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
+
+sys.dont_write_bytecode = True
+TESTS = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
+
+from plot_case import TableCase, a_cloud, a_map  # noqa: E402
+from spintop_figures.sweeps import cloud as cloud_module  # noqa: E402
+from spintop_figures.sweeps.maps import object_to_grid  # noqa: E402
+from spintop_figures.sweeps.quantities import has_log_axis, succeeded  # noqa: E402
+from spintop_figures.sweeps.scatter import draw_scatter, object_to_scatter, telling  # noqa: E402
+from spintop_figures.tables.table import Table, read_table  # noqa: E402
+
+
+def panels_of(table: Table) -> np.ndarray:
+    """The panels of the figure, a row a quantity; the key and colour bars are left out."""
+    field = draw_scatter(table).axes
+    panels = [axes for axes in field if axes.collections and axes.get_label() != "<colorbar>"]
+    return np.array(panels).reshape(len(telling(table)), -1)
+
+
+def points_of(axes: Axes) -> np.ndarray:
+    """The points of a panel, sorted."""
+    points = np.concatenate([np.asarray(cloud.get_offsets()) for cloud in axes.collections])
+    return points[np.lexsort(points.T)]
+
+
+def sorted_points(x: pd.Series, y: pd.Series) -> np.ndarray:
+    """Points in the same order."""
+    points = np.column_stack([x, y])
+    return points[np.lexsort(points.T)]
+
+
+class ScatterCase(TableCase):
+    """Reads made-up tables."""
+
+    def read(self, text: str) -> Table:
+        """Write a table and read it."""
+        return read_table(self.put("a.csv", text))
+
+
+class ChoiceTest(ScatterCase):
+    """The table decides whether it has the figure."""
+
+    def test_choice(self) -> None:
+        """It belongs to several parameters that are no grid of two."""
+        for parameters in (2, 3, 5):
+            self.assertEqual(self.figures_of(a_cloud(parameters)), "scatter")
+        self.assertEqual(self.figures_of(a_cloud(1)), "curves")
+        self.assertEqual(self.figures_of(a_map()), "maps")
+
+    def test_refusals(self) -> None:
+        """Each with its reason."""
+        same = a_cloud(2, cases=1) + "2,1.0,1.0,ok,loop,0.1,0.2,0,1e-9,9,\n"
+        dull = a_cloud(2, cases=1) + "2,2.0,2.0,ok,wave,0.1,0.2,-2,1e-14,50,\n"
+        for text, reason in (
+            (a_cloud(1), "is no sweep over several parameters"),
+            (a_map(), "is a sweep over a grid of two parameters, which has maps"),
+            (same, "is a sweep in which no parameter varies"),
+            (dull.replace("loop", "wave"), "has no quantity that varies"),
+            (a_cloud(failing=1), "has no quantity that varies"),
+        ):
+            self.assertEqual(object_to_scatter(self.read(text)), reason)
+        path = self.put("b.csv", a_map())
+        code, said = self.call("--figure", "scatter", path)
+        self.assertEqual(code, 2)
+        self.assertIn("which has maps: no scatter figure", said)
+
+    def test_no_grid_is_cheap_to_tell(self) -> None:
+        """The cells that all values of both parameters would have are never made."""
+        cases = 3000
+        table = self.read(a_cloud(2, cases))
+        tracemalloc.start()
+        self.addCleanup(tracemalloc.stop)
+        self.assertEqual(object_to_grid(table), "is a sweep over no grid")
+        self.assertLess(tracemalloc.get_traced_memory()[1], cases**2)
+
+
+class PointTest(ScatterCase):
+    """The figure shows the contents of the table."""
+
+    def test_points(self) -> None:
+        """Each case that succeeded, in each panel, at its values."""
+        table = self.read(a_cloud())
+        rows, panels = succeeded(table), panels_of(table)
+        self.assertEqual(panels.shape, (5, 3))
+        for line, quantity in zip(panels, telling(table), strict=True):
+            values = quantity.values(rows)
+            for axes, name in zip(line, table.axes(), strict=True):
+                points = points_of(axes)
+                if quantity.columns == ("motion_class",):
+                    points[:, 1] = np.round(points[:, 1])
+                    values = rows["motion_class"].map({"loop": 0, "wave": 1})
+                expected = sorted_points(rows[name], values)
+                points = points[np.lexsort(points.T)]
+                np.testing.assert_array_equal(points, expected)
+
+    def test_classes(self) -> None:
+        """The points of a class have its colour and its place in the panel of classes."""
+        table = self.read(a_cloud())
+        rows, axes = succeeded(table), panels_of(table)[0, 0]
+        names = [label.get_text() for label in axes.get_yticklabels()]
+        self.assertEqual(names, ["loop", "wave"])
+        seen = {}
+        for cloud in axes.collections:
+            (place,) = set(np.round(np.asarray(cloud.get_offsets())[:, 1]))
+            seen.setdefault(tuple(cloud.get_facecolor()[0]), []).append((place, cloud))
+        self.assertEqual(len(seen), 2)
+        for alike in seen.values():
+            ((name, count),) = {
+                (names[int(place)], sum(len(cloud.get_offsets()) for _, cloud in alike))
+                for place, _ in alike
+            }
+            self.assertEqual(count, (rows["motion_class"] == name).sum())
+
+    def test_failed(self) -> None:
+        """Cases that failed are ticks on the axis of every panel, and are in the key."""
+        table = self.read(a_cloud())
+        failed = table.rows[table.rows["status"] == "pole"]
+        for line in panels_of(table):
+            for axes, name in zip(line, table.axes(), strict=True):
+                (ticks,) = (mark for mark in axes.lines if mark.get_marker() == "|")
+                np.testing.assert_array_equal(ticks.get_xdata(), failed[name])
+        key = next(axes for axes in draw_scatter(table).axes if axes.get_legend())
+        entries = [text.get_text() for text in key.get_legend().get_texts()]
+        counts = succeeded(table)["motion_class"].value_counts()
+        expected = [f"{name} ({counts[name]})" for name in ("loop", "wave")]
+        self.assertEqual(entries, [*expected, f"failed: pole ({len(failed)})"])
+
+    def test_plane(self) -> None:
+        """Two parameters span a plane: coloured by the quantity, failed cases crossed."""
+        table = self.read(a_cloud(2))
+        rows, panels = succeeded(table), panels_of(table)
+        failed = table.rows.drop(rows.index)
+        x, y = table.axes()
+        self.assertEqual(panels.shape[1], 3)
+        for axes, quantity in zip(panels[:, -1], telling(table), strict=True):
+            np.testing.assert_array_equal(points_of(axes), sorted_points(rows[x], rows[y]))
+            (crosses,) = axes.lines
+            np.testing.assert_array_equal(crosses.get_xydata(), failed[[x, y]])
+            if quantity.columns != ("motion_class",):
+                drawn = np.concatenate([cloud.get_array() for cloud in axes.collections])
+                np.testing.assert_array_equal(np.sort(drawn), np.sort(quantity.values(rows)))
+
+    def test_colours_of_a_parameter(self) -> None:
+        """Without several classes the first parameter gives the colours."""
+        table = self.read(a_cloud().replace("wave", "loop"))
+        rows = succeeded(table)
+        for axes in panels_of(table).flat:
+            drawn = np.concatenate([cloud.get_array() for cloud in axes.collections])
+            np.testing.assert_array_equal(np.sort(drawn), np.sort(rows[table.axes()[0]]))
+
+    def test_log_axes(self) -> None:
+        """Where the parameter was drawn by ratios, or a table of cases has a wide range."""
+        scales = [axes.get_xscale() for axes in panels_of(self.read(a_cloud()))[0]]
+        self.assertEqual(scales, ["log", "linear", "linear"])
+        table = self.read(a_cloud(spacing="linear"))
+        self.assertEqual({axes.get_xscale() for axes in panels_of(table).flat}, {"linear"})
+        listed = "table = 'cases.csv'"
+        even = a_cloud(cases=11, spacing="linear")
+        table = self.read(even.replace("combine = 'random'", listed))
+        self.assertEqual([has_log_axis(table, place) for place in range(3)], [True, False, False])
+
+    def test_most(self) -> None:
+        """Four parameters of five, and the title says so."""
+        table = self.read(a_cloud(5))
+        self.assertEqual(panels_of(table).shape[1], 4)
+        self.assertIn("4 of 5 parameters", draw_scatter(table).get_suptitle())
+
+
+class ManyTest(ScatterCase):
+    """With many cases some are drawn."""
+
+    def test_thinned(self) -> None:
+        """The same points each time, with all rare ones; the title gives their number."""
+        most, least, cases = cloud_module.MOST_CASES, cloud_module.LEAST_CASES, 30_000
+        text = a_cloud(3, cases, failing=cases // 3)
+        rare = text.replace("ok,loop", "ok,cusp", 5)
+        table = self.read(rare)
+        cloud = cloud_module.make_cloud(table, 1)
+        counts = {layer.name: (len(layer.rows), layer.count) for layer in cloud.layers}
+        self.assertEqual(counts["cusp"], (5, 5))
+        self.assertEqual(len(cloud.failed), 3)
+        for name in ("loop", "wave"):
+            drawn, count = counts[name]
+            self.assertAlmostEqual(drawn, most * count / cases, delta=1)
+        total = len(cloud.rows) + 3
+        self.assertLessEqual(total, most + 3 * least)
+        self.assertTrue(cloud.rows.equals(cloud_module.make_cloud(table, 1).rows))
+        title = draw_scatter(table).get_suptitle().replace("\n", " ")
+        self.assertIn(f"{total:,} of {cases:,} random cases", title)
+
+    def test_few(self) -> None:
+        """All are drawn, and the title has nothing to say."""
+        table = self.read(a_cloud())
+        expected = "Cases over spin_ratio, theta_deg, damping(3)"
+        self.assertEqual(draw_scatter(table).get_suptitle(), expected)
+
+
+class LookTest(ScatterCase):
+    """Print without colours; the script."""
+
+    def test_grey(self) -> None:
+        """The first classes differ in lightness, all of them in their markers."""
+        colours = [colour for colour, _ in cloud_module.LOOKS[:3]]
+        greys = [np.dot(to_rgb(colour), (0.299, 0.587, 0.114)) for colour in colours]
+        for one, other in itertools.combinations(greys, 2):
+            self.assertGreater(abs(one - other), 0.15)
+        self.assertEqual(len({marker for _, marker in cloud_module.LOOKS}), len(cloud_module.LOOKS))
+
+    def test_script(self) -> None:
+        """Draws what belongs to the tables, without a warning of the layout."""
+        tables = {
+            "two": a_cloud(2),
+            "three": a_cloud(3),
+            "five": a_cloud(5, failing=10**9),
+            "plain": a_cloud().replace("wave", "loop"),
+        }
+        paths = [self.put(f"{name}.csv", text) for name, text in tables.items()]
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", UserWarning)
+            self.assertEqual(self.call(*paths), (0, ""))
+        self.check_pictures(self.folder, {f"{name}_scatter" for name in tables})
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -109,6 +109,7 @@ contains
         integer, intent(in) :: stop_after !! number of events after which the motion ends
         type(growth_lanes_t) :: growth
         type(inherent_lanes_t) :: inherent
+        type(turning_lanes_t) :: turning
         class(lane_watch_t), allocatable :: stop_watch
         if (allocated(self%slots)) deallocate (self%slots)
         allocate (self%slots(0))
@@ -118,7 +119,7 @@ contains
             call append(stop_watch)
         end if
         if (wanted%period) call append(azimuth_lanes_t())
-        if (wanted%nutation .or. wanted%details) call append(turning_lanes_t())
+        if (wanted%nutation .or. wanted%details) call append(turning)
         if (wanted%fastest) call append(precession_lanes_t())
         if (wanted%lowest) call append(height_lanes_t())
         if (wanted%energy) call append(energy_lanes_t())

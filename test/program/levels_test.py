@@ -57,8 +57,8 @@ def numbers(table: list[str]) -> list[float]:
 
 @pytest.mark.parametrize("name", INPUTS)
 def test_levels(folder: Path, name: str) -> None:
-    """Each level up to that of the machine says so in the table, has the same bytes again, and differs from others by
-    rounding and tolerance."""
+    """Each level of the machine is named in the table, has the same bytes again, and differs from
+    others by rounding and tolerance."""
     highest = level_of(lines(folder, name, ""))
     levels = LEVELS[: LEVELS.index(highest) + 1] if highest in LEVELS else ()
     first = numbers(lines(folder, name, levels[0] if levels else ""))
@@ -72,7 +72,7 @@ def test_levels(folder: Path, name: str) -> None:
 
 @pytest.mark.parametrize("level", ["v9", "V3", "native", " ", "v2 ."])
 def test_other_words(folder: Path, level: str) -> None:
-    """A level that the processor does not have is refused: nothing would tell that it was not used."""
+    """A level that the processor does not have is refused."""
     done = run(folder, "one", level)
     assert done.returncode == 2
     assert f"SPINTOP_LEVEL is '{level}', but the levels of this processor are: " in done.stderr

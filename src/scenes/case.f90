@@ -2,7 +2,8 @@
 !> velocity), and the time span.
 module spintop_case
     use spintop_kinds, only: degree, dp, epsilon_dp, pi
-    use spintop_attitude, only: angles_from_quaternion, omega_from_rates, quaternion_from_angles, rates_from_omega
+    use spintop_attitude, only: angles_from_quaternion, attitude_circular_t, circular_of_attitude, omega_from_circular, &
+        quaternion_from_angles, rates_from_omega
     use spintop_compare, only: is_zero, is_finite
     use spintop_body, only: body_t
     use spintop_body_turn, only: body_turn_t, find_body_turn
@@ -17,7 +18,7 @@ module spintop_case
     use spintop_text, only: to_text
     implicit none
     private
-    public :: case_t, make_case, attitude_parameters
+    public :: case_t, kept_parts_t, make_case, attitude_parameters
 
     !> The parameters on which the attitude depends.
     character(*), parameter :: attitude_parameters(7) = [character(18) :: 'initial.phi', 'initial.theta', &
@@ -39,32 +40,39 @@ module spintop_case
         type(body_t) :: given_body
         type(motion_t) :: given_start
         type(body_turn_t) :: turn
+        !> Sines and cosines of the given attitude.
+        type(attitude_circular_t) :: circular
         !> Time span, s.
         real(dp) :: t_end = 0
     end type case_t
 
+    !> Parts of a case that are those of the scene already: the body, the attitude of the start.
+    type :: kept_parts_t
+        logical :: body = .false., attitude = .false.
+    end type kept_parts_t
+
 contains
 
     !> Makes the case of a scene. It is complete if there are no errors in `problems`, which is empty at
-    !> first. With `same_body` the body of the case is kept, with `same_attitude` the attitude of its start.
-    subroutine make_case(scene, case, problems, same_body, same_attitude)
+    !> first. Parts of the case may be kept.
+    subroutine make_case(scene, case, problems, kept)
         type(scene_t), intent(in) :: scene !! contents of the input
         type(case_t), intent(inout) :: case !! the case; complete without errors in `problems`
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
-        logical, intent(in), optional :: same_body, same_attitude !! whether body and attitude of the case are kept
-        logical :: keep
+        type(kept_parts_t), intent(in), optional :: kept !! the parts; none if it is absent
+        type(kept_parts_t) :: keep
 
-        keep = .false.
-        if (present(same_body)) keep = same_body
-        if (.not. keep) then
+        if (present(kept)) keep = kept
+        if (.not. keep%body) then
             call make_body(scene, case%given_body, problems)
             if (.not. problems%any()) then
                 case%turn = find_body_turn(case%given_body)
                 case%body = case%turn%turned_body(case%given_body)
             end if
         end if
-        call make_start(scene, case%given_body, .not. problems%any(), case%given_start, problems, same_attitude)
-        if (.not. problems%any()) call check_magnitudes(case, problems)
+        call make_start(scene, case, problems, keep%attitude)
+        if (.not. (keep%body .or. problems%any())) call check_body(case%given_body, problems)
+        if (.not. problems%any()) call check_energy(case, problems)
         if (.not. problems%any()) then
             if (case%turn%is_turned()) then
                 case%start = case%turn%turned_motion(case%given_start)
@@ -76,26 +84,24 @@ contains
     end subroutine make_case
 
     !> The start of a scene; problems of its description are reported. If the body is not known, only what
-    !> does not depend on it is checked. With `same_attitude` the attitude of `start` is kept.
-    subroutine make_start(scene, body, body_is_known, start, problems, same_attitude)
+    !> does not depend on it is checked.
+    subroutine make_start(scene, case, problems, keeps_attitude)
         type(scene_t), intent(in) :: scene
-        type(body_t), intent(in) :: body
-        logical, intent(in) :: body_is_known
-        type(motion_t), intent(inout) :: start
+        type(case_t), intent(inout) :: case
         type(problems_t), intent(inout) :: problems
-        logical, intent(in), optional :: same_attitude
-        logical :: keep
+        logical, intent(in) :: keeps_attitude
+        logical :: body_is_known
 
-        keep = .false.
-        if (present(same_attitude)) keep = same_attitude
-        if (.not. keep) then
-            start = motion_t()
-            call take_attitude(scene, start, problems)
+        body_is_known = .not. problems%any()
+        if (.not. keeps_attitude) then
+            case%given_start = motion_t()
+            call take_attitude(scene, case%given_start, problems)
+            case%circular = circular_of_attitude(case%given_start%angle)
         end if
         if (all(is_set(scene%omega))) then
-            call take_omega(scene, start, problems)
+            call take_omega(scene, case%given_start, problems)
         else
-            call take_rates(scene, body, body_is_known, start, problems)
+            call take_rates(scene, case%given_body, body_is_known, case%circular, case%given_start, problems)
         end if
     end subroutine make_start
 
@@ -159,10 +165,11 @@ contains
     end subroutine take_omega
 
     !> Rates of the angles: the spin in one of three ways, the precession given or steady.
-    subroutine take_rates(scene, body, body_is_known, start, problems)
+    subroutine take_rates(scene, body, body_is_known, circular, start, problems)
         type(scene_t), intent(in) :: scene
         type(body_t), intent(in) :: body
         logical, intent(in) :: body_is_known
+        type(attitude_circular_t), intent(in) :: circular
         type(motion_t), intent(inout) :: start
         type(problems_t), intent(inout) :: problems
         real(dp) :: omega3
@@ -186,12 +193,13 @@ contains
         end if
 
         start%rate = merge(scene%rate, 0.0_dp, is_set(scene%rate))
-        if (scene%steady_precession /= 'none' .and. .not. problems%any()) then
+        ! Words of four letters are compared in place; the others are `slow` and `fast`.
+        if (scene%steady_precession(:4) /= 'none' .and. .not. problems%any()) then
             call take_steady_rate(scene, body, by_omega3, omega3, start, problems)
             if (problems%any()) return
         end if
-        if (by_omega3) start%rate(3) = omega3 - start%rate(1) * cos(start%angle(2))
-        start%omega = omega_from_rates(start%angle, start%rate)
+        if (by_omega3) start%rate(3) = omega3 - start%rate(1) * circular%cosine_theta
+        start%omega = omega_from_circular(circular, start%rate)
         if (by_omega3) start%omega(3) = omega3
         start%gives_omega = .false.
         start%gives_omega3 = by_omega3
@@ -238,17 +246,24 @@ contains
         end if
     end subroutine take_steady_rate
 
-    !> Reports energies that exceed the range of numbers.
-    subroutine check_magnitudes(case, problems)
-        type(case_t), intent(in) :: case
+    !> Reports mass properties that exceed the range of numbers.
+    subroutine check_body(body, problems)
+        type(body_t), intent(in) :: body
         type(problems_t), intent(inout) :: problems
-        if (.not. (all(is_finite(case%given_body%weight_moment())) .and. all(is_finite(case%given_body%inertia)))) then
+        if (.not. (all(is_finite(body%weight_moment())) .and. all(is_finite(body%inertia)))) then
             call problems%add('top', 'the weight times its distance, or the inertia, is outside the range of numbers', &
                               'use moderate units')
-        else if (.not. is_finite(kinetic_energy(case%given_body, case%given_start))) then
+        end if
+    end subroutine check_body
+
+    !> Reports an energy that exceeds the range of numbers.
+    subroutine check_energy(case, problems)
+        type(case_t), intent(in) :: case
+        type(problems_t), intent(inout) :: problems
+        if (.not. is_finite(kinetic_energy(case%given_body, case%given_start))) then
             call problems%add('initial', 'the kinetic energy is outside the range of numbers', 'use moderate units')
         end if
-    end subroutine check_magnitudes
+    end subroutine check_energy
 
     !> The time span, given in seconds or in periods of the motion.
     subroutine make_span(scene, case, problems)
@@ -257,7 +272,7 @@ contains
         type(problems_t), intent(inout) :: problems
         character(*), parameter :: ways = 'give exactly one of t_end, nutations and precessions'
 
-        select case (count(is_set([scene%t_end, scene%nutations, scene%precessions])))
+        select case (count([is_set(scene%t_end), is_set(scene%nutations), is_set(scene%precessions)]))
         case (0)
             call problems%add('span', 'the time span is not given', ways)
         case (1)

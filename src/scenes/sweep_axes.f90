@@ -295,12 +295,16 @@ contains
         end do
     end subroutine copy_scene
 
-    !> Puts the values of a case, in the order of the axes, into the scene.
-    subroutine put_values(self, values)
+    !> Puts the values of a case, in the order of the axes, into the scene: those from the first that
+    !> may have changed.
+    subroutine put_values(self, values, first)
         class(swept_scene_t), target, intent(inout) :: self
         real(dp), intent(in) :: values(:) !! one value for each axis
-        integer :: i
-        do i = 1, size(self%slots)
+        integer, intent(in), optional :: first !! number of that axis; all are set if it is absent
+        integer :: i, begin
+        begin = 1
+        if (present(first)) begin = first
+        do i = begin, size(self%slots)
             call self%slots(i)%put(values(i))
         end do
     end subroutine put_values

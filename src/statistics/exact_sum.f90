@@ -23,6 +23,7 @@ module spintop_exact_sum
     integer, parameter :: significand_bits = 52, lowest_exponent = -1074
     integer(int64), parameter :: significand_mask = 2_int64**significand_bits - 1
     integer(int64), parameter :: hidden_bit = 2_int64**significand_bits
+    integer(int64), parameter :: biased_mask = 2047
     !> A significand is cut in two for its square: the low part has so many bits.
     integer, parameter :: low_bits = 26
     integer(int64), parameter :: low_mask = 2_int64**low_bits - 1
@@ -44,82 +45,147 @@ module spintop_exact_sum
         procedure, private :: raise
     end type exact_sum_t
 
-    !> Sums of the pieces of terms whose lowest pieces lie in the same limb, and which of them were not zero.
-    type :: pieces_t
-        integer :: lowest = huge(1)
-        integer(int64) :: low = 0, middle = 0, high = 0, seen_middle = 0, seen_high = 0
-    end type pieces_t
+    !> Terms whose pieces are added together, and fewer of them that are added one by one.
+    integer, parameter :: strip = 64, fewest = 6
+    !> Limbs in which the pieces of these terms lie: they begin one limb below that of the last bit of the largest.
+    integer, parameter :: span = 4
 
 contains
 
-    !> Adds finite terms to a sum, and their squares to another: the same as one after the other, but what terms of
-    !> about the same size have in common is done once.
+    !> Adds finite terms to a sum, and their squares to another: the same as one after the other, but terms of about
+    !> the same size are added together in vector registers.
     pure subroutine add_powers(terms, values, squares)
-        real(dp), intent(in) :: terms(:) !! any finite numbers, fewer than 2**30
+        real(dp), intent(in) :: terms(:) !! any finite numbers
         type(exact_sum_t), intent(inout) :: values, squares !! the sums
-        type(pieces_t) :: of_value, of_high, of_low
-        integer(int64) :: significand, high, low, twice
-        integer :: i, exponent
+        integer :: first, last
 
-        do i = 1, size(terms)
-            call take_apart(terms(i), significand, exponent)
-            if (significand == 0) cycle
-            high = shiftr(significand, low_bits)
-            low = iand(significand, low_mask)
-            ! The square has 106 bits, in two integers.
-            twice = 2 * high * low
-            high = high * high + shiftr(twice, low_bits)
-            low = shiftl(iand(twice, low_mask), low_bits) + low * low
-            call gather(of_value, values, significand, exponent, merge(-1_int64, 1_int64, terms(i) < 0))
-            call gather(of_high, squares, high, 2 * (exponent + low_bits), 1_int64)
-            call gather(of_low, squares, low, 2 * exponent, 1_int64)
+        do first = 1, size(terms), strip
+            last = min(first + strip - 1, size(terms))
+            if (last - first + 1 < fewest) then
+                call add_one_by_one(terms(first:last), values, squares)
+            else
+                call add_strip(last - first + 1, terms(first:last), values, squares)
+            end if
         end do
-        call flush_pieces(of_value, values)
-        call flush_pieces(of_high, squares)
-        call flush_pieces(of_low, squares)
     end subroutine add_powers
 
-    !> Adds n 2**exponent, 0 <= n < 2**56, with a sign, to sums of pieces, or begins others.
-    pure subroutine gather(pieces, sum, n, exponent, sign)
-        type(pieces_t), intent(inout) :: pieces
-        type(exact_sum_t), intent(inout) :: sum
-        integer(int64), intent(in) :: n, sign
+    pure subroutine add_one_by_one(terms, values, squares)
+        real(dp), intent(in) :: terms(:)
+        type(exact_sum_t), intent(inout) :: values, squares
+        integer :: i
+        do i = 1, size(terms)
+            call values%add(terms(i))
+            call squares%add_square(terms(i))
+        end do
+    end subroutine add_one_by_one
+
+    !> The same for at most `strip` terms. The largest is added alone, by which the sums reach their highest limbs, and so
+    !> are terms that are much smaller.
+    pure subroutine add_strip(n, terms, values, squares)
+        integer, intent(in) :: n
+        real(dp), intent(in) :: terms(n)
+        type(exact_sum_t), intent(inout) :: values, squares
+        integer(int64), dimension(strip) :: positive, negative, exponent, high, low, is_with
+        integer(int64) :: bits, significand, twice, least, any_negative
+        integer :: i, largest
+
+        largest = maxloc(abs(terms), dim=1)
+        least = least_exponent(terms(largest))
+        any_negative = 0
+        !$omp simd private(bits, significand, twice) reduction(ior: any_negative)
+        do i = 1, n
+            bits = transfer(terms(i), bits)
+            exponent(i) = iand(shiftr(bits, significand_bits), biased_mask)
+            is_with(i) = merge(-1_int64, 0_int64, exponent(i) >= least .and. i /= largest)
+            significand = iand(ior(iand(bits, significand_mask), hidden_bit), is_with(i))
+            positive(i) = merge(significand, 0_int64, bits >= 0)
+            negative(i) = significand - positive(i)
+            any_negative = ior(any_negative, negative(i))
+            high(i) = shiftr(significand, low_bits)
+            low(i) = iand(significand, low_mask)
+            ! The square has 106 bits, in two integers.
+            twice = 2 * high(i) * low(i)
+            high(i) = high(i) * high(i) + shiftr(twice, low_bits)
+            low(i) = shiftl(iand(twice, low_mask), low_bits) + low(i) * low(i)
+            exponent(i) = max(exponent(i), least) + (lowest_exponent - 1)
+        end do
+        do i = 1, n
+            if (is_with(i) /= 0) cycle
+            call values%add(terms(i))
+            call squares%add_square(terms(i))
+        end do
+        i = int(exponent(largest))
+        call add_pieces(n, positive, exponent, 1, first_limb(i), 1_int64, values)
+        if (any_negative /= 0) call add_pieces(n, negative, exponent, 1, first_limb(i), -1_int64, values)
+        call add_pieces(n, low, exponent, 2, first_limb(2 * i), 1_int64, squares)
+        exponent(:n) = exponent(:n) + low_bits
+        call add_pieces(n, high, exponent, 2, first_limb(2 * (i + low_bits)), 1_int64, squares)
+    end subroutine add_strip
+
+    !> The least biased exponent, at least 1, of terms whose pieces, and those of their squares, lie in `span` limbs with
+    !> those of the largest term.
+    pure integer function least_exponent(largest)
+        real(dp), intent(in) :: largest
+        integer(int64) :: significand
+        integer :: exponent, ends(3)
+        call take_apart(largest, significand, exponent)
+        ! The exponent where the limb begins, and its half (it is even) for twice the exponent.
+        ends = width * [first_limb(exponent), first_limb(2 * exponent), first_limb(2 * (exponent + low_bits))]
+        least_exponent = max(ends(1), ends(2) / 2, ends(3) / 2 - low_bits, lowest_exponent) - lowest_exponent + 1
+    end function least_exponent
+
+    !> The limb below that in which a power of two lies.
+    pure integer function first_limb(exponent)
         integer, intent(in) :: exponent
-        integer(int64) :: rest, middle, high
-        integer :: lowest, shift
+        first_limb = floor_of_quotient(exponent) - 1
+    end function first_limb
 
-        if (n == 0) return
-        lowest = floor_of_quotient(exponent)
-        shift = exponent - width * lowest
-        if (lowest /= pieces%lowest) then
-            call flush_pieces(pieces, sum)
-            pieces%lowest = lowest
-        end if
-        rest = shiftr(n, width - shift)
-        middle = iand(rest, limb_mask)
-        high = shiftr(rest, width)
-        pieces%low = pieces%low + sign * shiftl(iand(n, shiftl(1_int64, width - shift) - 1), shift)
-        pieces%middle = pieces%middle + sign * middle
-        pieces%high = pieces%high + sign * high
-        pieces%seen_middle = ior(pieces%seen_middle, ior(middle, high))
-        pieces%seen_high = ior(pieces%seen_high, high)
-    end subroutine gather
-
-    !> Adds sums of pieces to the limbs of a sum; none are left.
-    pure subroutine flush_pieces(pieces, sum)
-        type(pieces_t), intent(inout) :: pieces
+    !> Adds the first of the terms sign n 2**(times exponent), 0 <= n < 2**56, whose pieces lie in `span` limbs from
+    !> `first` upwards. The sum has the limbs that they reach.
+    pure subroutine add_pieces(terms, n, exponent, times, first, sign, sum)
+        integer, intent(in) :: terms
+        integer(int64), intent(in) :: n(strip), exponent(strip), sign
+        integer, intent(in) :: times, first
         type(exact_sum_t), intent(inout) :: sum
-        integer :: i, highest
+        integer(int64) :: shift, rest, low, middle, high, p1, p2, p3, p4, start, is_upper
+        integer :: i
 
-        if (pieces%lowest == huge(1)) return
-        highest = pieces%lowest + merge(1, 0, pieces%seen_middle /= 0) + merge(1, 0, pieces%seen_high /= 0)
-        if (highest > sum%top) call sum%raise(highest)
-        i = sum%top - pieces%lowest + 1
-        if (i <= limbs) sum%limb(i) = sum%limb(i) + pieces%low
-        if (i > 1 .and. i <= limbs + 1) sum%limb(i - 1) = sum%limb(i - 1) + pieces%middle
-        if (i > 2 .and. i <= limbs + 2) sum%limb(i - 2) = sum%limb(i - 2) + pieces%high
-        pieces = pieces_t()
-    end subroutine flush_pieces
+        start = first * width
+        p1 = 0
+        p2 = 0
+        p3 = 0
+        p4 = 0
+        !$omp simd private(shift, rest, low, middle, high, is_upper) reduction(+: p1, p2, p3, p4)
+        do i = 1, terms
+            shift = times * exponent(i) - start
+            ! All bits where the lowest piece lies in the second limb.
+            is_upper = merge(-1_int64, 0_int64, shift >= width)
+            ! That the shifts are less than 64 need not be checked.
+            shift = iand(shift - iand(is_upper, int(width, int64)), 31_int64)
+            low = iand(shiftl(n(i), shift), limb_mask)
+            rest = shiftr(n(i), iand(width - shift, 31_int64))
+            middle = iand(rest, limb_mask)
+            high = shiftr(rest, width)
+            p1 = p1 + iand(low, not(is_upper))
+            p2 = p2 + merge(low, middle, is_upper /= 0)
+            p3 = p3 + merge(middle, high, is_upper /= 0)
+            p4 = p4 + iand(high, is_upper)
+        end do
+        call add_limb(sum, first, sign * p1)
+        call add_limb(sum, first + 1, sign * p2)
+        call add_limb(sum, first + 2, sign * p3)
+        call add_limb(sum, first + 3, sign * p4)
+    end subroutine add_pieces
+
+    !> Adds to a limb, if it is one of those that are kept.
+    pure subroutine add_limb(sum, place, number)
+        type(exact_sum_t), intent(inout) :: sum
+        integer, intent(in) :: place
+        integer(int64), intent(in) :: number
+        integer :: i
+        i = sum%top - place + 1
+        if (i >= 1 .and. i <= limbs) sum%limb(i) = sum%limb(i) + number
+    end subroutine add_limb
 
     !> Adds a finite term.
     pure subroutine add(self, term)

@@ -10,11 +10,17 @@ module spintop_attitude
     private
     public :: quaternion_from_angles, angles_from_quaternion
     public :: omega_from_rates, rates_from_omega, omega_rate_from_accelerations
+    public :: attitude_circular_t, circular_of_attitude, omega_from_circular
     public :: quaternion_product, conjugate_quaternion, to_space, vertical_from_quaternion
     public :: rotation_angle, nearest_turn, follow_angles, may_meet_pole, rotation_minus_one
 
     !> pi in extended precision.
     real(xp), parameter :: half_of_turn = acos(-1.0_xp)
+
+    !> Sines and cosines of theta and psi, on which the angular velocity in body axes depends.
+    type :: attitude_circular_t
+        real(dp) :: sine_theta = 0, cosine_theta = 1, sine_psi = 0, cosine_psi = 1
+    end type attitude_circular_t
 
 contains
 
@@ -210,10 +216,26 @@ contains
     pure function omega_from_rates(angle, rate) result(omega)
         real(dp), intent(in) :: angle(3), rate(3) !! phi, theta, psi, rad, and their rates, rad/s
         real(dp) :: omega(3)
-        omega(1) = rate(1) * sin(angle(2)) * sin(angle(3)) + rate(2) * cos(angle(3))
-        omega(2) = rate(1) * sin(angle(2)) * cos(angle(3)) - rate(2) * sin(angle(3))
-        omega(3) = rate(1) * cos(angle(2)) + rate(3)
+        omega = omega_from_circular(circular_of_attitude(angle), rate)
     end function omega_from_rates
+
+    !> The same from the sines and cosines, for many rates at one attitude.
+    pure function omega_from_circular(circular, rate) result(omega)
+        type(attitude_circular_t), intent(in) :: circular !! of the attitude
+        real(dp), intent(in) :: rate(3) !! rates of phi, theta, psi, rad/s
+        real(dp) :: omega(3)
+        associate (c => circular)
+            omega(1) = rate(1) * c%sine_theta * c%sine_psi + rate(2) * c%cosine_psi
+            omega(2) = rate(1) * c%sine_theta * c%cosine_psi - rate(2) * c%sine_psi
+            omega(3) = rate(1) * c%cosine_theta + rate(3)
+        end associate
+    end function omega_from_circular
+
+    !> Sines and cosines of an attitude.
+    pure type(attitude_circular_t) function circular_of_attitude(angle) result(circular)
+        real(dp), intent(in) :: angle(3) !! phi, theta, psi, rad
+        circular = attitude_circular_t(sin(angle(2)), cos(angle(2)), sin(angle(3)), cos(angle(3)))
+    end function circular_of_attitude
 
     !> Rates of the angles from an angular velocity in body axes, rad/s. Not finite at a pole, where phi and
     !> psi do not exist separately.

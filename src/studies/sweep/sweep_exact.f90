@@ -25,8 +25,9 @@ module spintop_sweep_exact
 contains
 
     !> Puts a case into a lane of the block.
-    subroutine load_lane(case, block, lane)
+    subroutine load_lane(case, wanted, block, lane)
         type(case_t), intent(in) :: case !! body, start and span
+        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
         type(exact_block_t), intent(inout) :: block !! the data of the lane are set
         integer, intent(in) :: lane !! number of the lane
         block%inertia1(lane) = case%body%inertia(1)
@@ -39,7 +40,8 @@ contains
         block%theta_rate(lane) = case%start%rate(2)
         block%omega3(lane) = case%start%omega(3)
         block%t_end(lane) = case%t_end
-        block%t_period(lane) = precession_period(case%body, case%start)
+        block%t_period(lane) = 0
+        if (wanted%period) block%t_period(lane) = precession_period(case%body, case%start)
     end subroutine load_lane
 
     !> Ends the span of a case at the n-th of the events. `came` reports whether it occurred, `status` whether
@@ -85,7 +87,7 @@ contains
         integer, intent(in) :: lane !! number of the lane
         type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
         integer(int64), intent(inout) :: max_steps !! remaining work of the case
-        type(sweep_result_t), intent(out) :: values !! the quantities of the case
+        type(sweep_result_t), intent(inout) :: values !! the quantities of the case
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(note_t), intent(inout) :: note !! notes on the case
         type(nutation_t) :: nutation
@@ -118,7 +120,9 @@ contains
         values%evaluations = 0
         values%orientation_error = 0
         if (wanted%details) call put_details(case, values, note)
-        call put_stability(case, wanted, max_steps, values, status, note)
+        if (wanted%growth .or. wanted%lyapunov .or. wanted%singular) then
+            call put_stability(case, wanted, max_steps, values, status, note)
+        end if
         if (wanted%inherent) then
             values%inherent_error = inherent_error(case%body, case%start, case%t_end)
         end if

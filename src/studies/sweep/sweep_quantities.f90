@@ -27,6 +27,7 @@ contains
         type(nutation_t), intent(in) :: nutation !! quantities of the nutation
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
         type(note_t), intent(inout) :: note !! notes on the case
+        real(dp) :: precession_time
 
         values%theta_min = nutation%theta_min
         values%theta_max = nutation%theta_max
@@ -50,9 +51,8 @@ contains
         else
             call note%add(note_no_turns, 'no precession')
         end if
-        if (precession_period(case%body, case%start) > 0) then
-            values%nutations_in_period = precession_period(case%body, case%start) / nutation%period
-        end if
+        precession_time = precession_period(case%body, case%start)
+        if (precession_time > 0) values%nutations_in_period = precession_time / nutation%period
     end subroutine put_nutation
 
     !> The measured nutation.

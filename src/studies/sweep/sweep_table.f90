@@ -218,16 +218,19 @@ contains
         type(case_t), intent(in) :: cases(:) !! cases of the block
         type(note_t), intent(inout) :: note(:) !! notes on the cases of the block
         type(row_block_t), intent(inout) :: rows !! the rows of the block
+        logical :: is_whole(size(results))
         integer :: i, k, axes, told
 
         axes = size(parameters, 1)
+        is_whole = .true.
         associate (cells => rows%cells(:, rows%rows + 1:rows%rows + size(results)))
             do i = 1, size(columns)
                 call columns(i)%fill(results, cells(axes + 2 + i, :))
+                is_whole = is_whole .and. abs(cells(axes + 2 + i, :)) <= huge(cells)
             end do
             do k = 1, size(results)
                 told = status(k)
-                if (told == status_ok) then
+                if (told == status_ok .and. .not. is_whole(k)) then
                     call explain_missing(columns, cells(axes + 3:axes + 2 + size(columns), k), cases(k), note(k))
                     if (overflowed(columns, cells(axes + 3:axes + 2 + size(columns), k))) told = status_non_finite
                 end if

@@ -4,7 +4,7 @@ module spintop_sweep_worker
     use spintop_clock, only: seconds
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
-    use spintop_case, only: attitude_parameters, case_t, make_case
+    use spintop_case, only: attitude_parameters, case_t, kept_parts_t, make_case
     use spintop_compare, only: is_zero
     use spintop_exact_block, only: exact_block_t, block_size
     use spintop_job, only: job_t
@@ -55,6 +55,8 @@ module spintop_sweep_worker
         !> change; status, note, quantities, and lane in the block of the exact solution (0 if there is none).
         type(case_t), allocatable, private :: cases(:)
         integer, allocatable, private :: status(:), lane(:)
+        !> The kind of body of each case.
+        integer, allocatable, private :: kind(:)
         type(note_t), allocatable, private :: note(:)
         !> Remaining work of each case, in steps.
         integer(int64), allocatable, private :: max_steps(:)
@@ -95,6 +97,7 @@ contains
         ! Not on the stack, which may be small.
         allocate (worker%cases(block_size), source=job%case)
         allocate (worker%status(block_size), worker%lane(block_size), worker%came(block_size), worker%max_steps(block_size))
+        allocate (worker%kind(block_size), source=kind_of(job%case%body))
         allocate (worker%parameters(size(job%axes%axis), block_size), worker%values(block_size))
         allocate (worker%note(block_size), worker%block)
         worker%status = status_ok
@@ -211,19 +214,20 @@ contains
         associate (case => worker%cases(k), status => worker%status(k), note => worker%note(k))
             call note%clear()
             call find_values(worker, job, number, k, first)
-            call worker%swept%put(worker%parameters(:, k))
+            call worker%swept%put(worker%parameters(:, k), first)
             ! The attitude of the case before is at hand, if that is the one.
             keeps_attitude = worker%same_attitude
             if (k > 1 .and. first >= worker%first_without_attitude .and. first > 1) then
                 if (worker%status(k - 1) == status_ok) then
                     case%given_start = worker%cases(k - 1)%given_start
+                    case%circular = worker%cases(k - 1)%circular
                     keeps_attitude = .true.
                 end if
             end if
             call make_worker_case(worker, job, k, keeps_attitude)
-            plan => worker%plans(kind_of(case%body))%plan
+            plan => worker%plans(worker%kind(k))%plan
             worker%max_steps(k) = plan%max_steps
-            in_lanes = plan%exact .and. case%body%is_lagrange()
+            in_lanes = plan%exact .and. worker%kind(k) == symmetric_top
             if (in_lanes .and. status == status_ok .and. size(job%events) > 0) then
                 call stop_exactly(case, job%events, job%stop_after, worker%max_steps(k), status, worker%came(k))
                 if (status /= status_ok) call note%explain(trim(status_meanings(status)))
@@ -234,7 +238,7 @@ contains
             else if (in_lanes) then
                 worker%block%n = worker%block%n + 1
                 worker%lane(k) = worker%block%n
-                call load_lane(case, worker%block, worker%lane(k))
+                call load_lane(case, worker%wanted, worker%block, worker%lane(k))
             else if (goes_in_batch(job, case, plan)) then
                 call worker%batch%add(case, plan, k)
             else
@@ -289,7 +293,7 @@ contains
         integer, intent(in) :: k
         logical, intent(in) :: keeps_attitude !! that which the start of the case has
         type(problems_t) :: problems
-        integer :: outside, kind
+        integer :: outside
 
         worker%status(k) = status_ok
         outside = job%axes%out_of_range(worker%parameters(:, k))
@@ -302,7 +306,7 @@ contains
             !$omp end critical (texts)
             return
         end if
-        call make_case(worker%swept%scene, worker%cases(k), problems, worker%same_body, keeps_attitude)
+        call make_case(worker%swept%scene, worker%cases(k), problems, kept_parts_t(worker%same_body, keeps_attitude))
         if (problems%any()) then
             worker%status(k) = status_bad_input
             ! Threads create texts: see `status_names`.
@@ -311,8 +315,8 @@ contains
             !$omp end critical (texts)
             return
         end if
-        kind = kind_of(worker%cases(k)%body)
-        associate (kept => worker%plans(kind))
+        if (.not. worker%same_body) worker%kind(k) = kind_of(worker%cases(k)%body)
+        associate (kept => worker%plans(worker%kind(k)))
             if (.not. (kept%is_made .and. worker%same_plans)) call keep_plan(worker, job, worker%cases(k), kept)
             if (.not. allocated(kept%problem)) return
             worker%status(k) = status_bad_input

@@ -72,34 +72,35 @@ contains
 
     !> The motion at time t, s. The turns of phi and psi are those of `last`, an instant of the same solution, and
     !> those since then. For a free body these are counted by steps of a fraction of a turn; if more than
-    !> `most_looks` were needed, the angles are NaN.
-    pure subroutine follow(self, last, t, motion, looks, most_looks)
+    !> `most_steps` were needed, the angles are NaN.
+    pure subroutine follow(self, last, t, motion, steps, most_steps)
         class(exact_motion_t), intent(in) :: self
         type(motion_t), intent(in) :: last !! an instant of the motion
         real(dp), intent(in) :: t !! time, s
         type(motion_t), intent(out) :: motion !! the motion at that time
-        integer(int64), intent(inout) :: looks !! work so far, in instants computed
-        integer(int64), intent(in) :: most_looks !! bound of `looks`
+        integer(int64), intent(inout) :: steps !! work so far, in instants computed before that time
+        integer(int64), intent(in) :: most_steps !! bound of `steps`
         !> Rotation in a step, rad, and the smallest fraction of it that is tried where the axis meets a pole.
         real(dp), parameter :: longest = 0.5_dp, shortest = 1.0e-6_dp
         type(motion_t) :: now, next
         real(dp) :: pace, step
         logical :: sure
 
-        looks = looks + 1
         motion = self%at(t)
         if (.not. allocated(self%free)) return
         now = last
         pace = longest / max(self%free%greatest_rate, tiny(pace))
         step = pace
         do while (abs(t - now%t) > 0)
-            if (looks >= most_looks) then
-                motion%angle = no_number
-                return
-            end if
-            looks = looks + 1
             next = motion
-            if (step < abs(t - now%t)) next = self%free%at(now%t + sign(step, t - now%t))
+            if (step < abs(t - now%t)) then
+                if (steps >= most_steps) then
+                    motion%angle = no_number
+                    return
+                end if
+                steps = steps + 1
+                next = self%free%at(now%t + sign(step, t - now%t))
+            end if
             call count_turns(now, next, sure)
             if (sure .or. step < shortest * pace) then
                 now = next

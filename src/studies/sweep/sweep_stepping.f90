@@ -174,8 +174,9 @@ contains
                 status = merge(status_too_many_events, status_step_limit, watch%is_full)
                 return
             end if
-            call path%begin(case, looks_per_step * max_steps, status)
+            call path%restart(case, looks_per_step * max_steps)
         end if
+        path%counts_turns = witness%counts_turns
         associate (instants => [pack(times, times < t_end), t_end])
             do i = 1, size(instants)
                 call path%at(instants(i), motion)

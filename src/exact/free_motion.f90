@@ -72,7 +72,7 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
 
         status = body_status(body)
-        if (status == status_ok) status = start_status(start)
+        if (status == status_ok) status = start_status(start, body)
         if (status == status_ok .and. .not. (body%is_free() .and. all(body%inertia > 0))) status = status_unsuitable
         if (status /= status_ok) return
         free%time = start%t

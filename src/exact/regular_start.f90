@@ -104,7 +104,7 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         call find_regular_start(body, start, regular, status)
         if (status == status_ok) status = body_status(body)
-        if (status == status_ok) status = start_status(start)
+        if (status == status_ok) status = start_status(start, body)
     end subroutine find_checked_start
 
     pure integer function status_of_data(body, start) result(status)

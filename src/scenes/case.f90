@@ -15,6 +15,7 @@ module spintop_case
     use spintop_status, only: status_ok
     use spintop_steady_motion, only: steady_rates, steady_rates_at_spin
     use spintop_text, only: to_text
+    use spintop_validity, only: loses_energy, loses_weight
     implicit none
     private
     public :: case_t, make_case, attitude_parameters
@@ -238,13 +239,18 @@ contains
         end if
     end subroutine take_steady_rate
 
-    !> Reports energies that exceed the range of numbers.
+    !> Reports energies outside the range of numbers.
     subroutine check_magnitudes(case, problems)
         type(case_t), intent(in) :: case
         type(problems_t), intent(inout) :: problems
         if (.not. (all(is_finite(case%given_body%weight_moment())) .and. all(is_finite(case%given_body%inertia)))) then
             call problems%add('top', 'the weight times its distance, or the inertia, is outside the range of numbers', &
                               'use moderate units')
+        else if (loses_weight(case%given_body)) then
+            call problems%add('top', 'the weight times its distance is below 1e-290 N m', &
+                              'use moderate units, or gravity = 0')
+        else if (loses_energy(case%given_body, case%given_start%omega)) then
+            call problems%add('initial', 'the kinetic energy is below 1e-290 J', 'use moderate units')
         else if (.not. is_finite(kinetic_energy(case%given_body, case%given_start))) then
             call problems%add('initial', 'the kinetic energy is outside the range of numbers', 'use moderate units')
         end if

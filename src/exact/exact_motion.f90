@@ -8,9 +8,10 @@ module spintop_exact_motion
     use spintop_kinds, only: dp, no_number
     use spintop_attitude, only: angles_from_quaternion, follow_angles, may_meet_pole
     use spintop_body, only: body_t
+    use spintop_compare, only: is_finite, is_zero
     use spintop_free_motion, only: free_motion_t, prepare_free_motion
     use spintop_motion, only: motion_t
-    use spintop_status, only: status_ok
+    use spintop_status, only: status_non_finite, status_ok, status_unsuitable
     use spintop_symmetric_motion, only: symmetric_motion_t, prepare_symmetric_motion
     implicit none
     private
@@ -31,11 +32,25 @@ contains
 
     !> Prepares the exact solution of `body` from `start`. `status` is `status_unsuitable` for a body without
     !> closed form, or `status_non_finite`, `status_bad_body` or `status_bad_start`.
-    pure subroutine prepare_exact_motion(body, start, exact, status)
+    !>
+    !> With a rotor the body is a gyrostat, a carrier with a symmetric rotor whose momentum relative to the carrier is
+    !> constant; the inertia is that of both. There is a closed form for a Lagrange top with the rotor on its
+    !> axis: only (I3 omega3 + h)/I1 takes the place of I3 omega3/I1 in all of its equations.
+    pure subroutine prepare_exact_motion(body, start, exact, status, rotor)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         type(exact_motion_t), intent(out) :: exact !! the exact solution; evaluated with `exact%at(t)`
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        real(dp), intent(in), optional :: rotor(3) !! constant momentum of a rotor, body axes, kg m^2/s
+        if (present(rotor)) then
+            if (.not. all(is_zero(rotor))) then
+                status = status_unsuitable
+                if (.not. all(is_finite(rotor))) status = status_non_finite
+                if (status == status_non_finite .or. .not. (body%is_lagrange() .and. all(is_zero(rotor(1:2))))) return
+                call prepare_symmetric_motion(body, start, exact%symmetric_motion_t, status, rotor(3))
+                return
+            end if
+        end if
         if (body%is_lagrange() .or. .not. body%is_free()) then
             call prepare_symmetric_motion(body, start, exact%symmetric_motion_t, status)
         else

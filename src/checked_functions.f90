@@ -124,7 +124,7 @@ contains
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: motion
         are_valid = body_status(body) == status_ok
-        if (are_valid) are_valid = motion_status(motion) == status_ok
+        if (are_valid) are_valid = motion_status(motion, body) == status_ok
     end function are_valid
 
     !> Whether a body is an undamped symmetric top.

@@ -8,9 +8,10 @@ module spintop_exact_motion
     use spintop_kinds, only: dp, no_number
     use spintop_attitude, only: angles_from_quaternion, follow_angles, may_meet_pole
     use spintop_body, only: body_t
+    use spintop_compare, only: is_finite, is_zero
     use spintop_free_motion, only: free_motion_t, prepare_free_motion
     use spintop_motion, only: motion_t
-    use spintop_status, only: status_ok
+    use spintop_status, only: status_non_finite, status_ok, status_unsuitable
     use spintop_symmetric_motion, only: symmetric_motion_t, prepare_symmetric_motion
     implicit none
     private
@@ -31,11 +32,25 @@ contains
 
     !> Prepares the exact solution of `body` from `start`. `status` is `status_unsuitable` for a body without
     !> closed form, or `status_non_finite`, `status_bad_body` or `status_bad_start`.
-    pure subroutine prepare_exact_motion(body, start, exact, status)
+    !>
+    !> With a rotor the body is a gyrostat, a carrier with a symmetric rotor whose momentum relative to the carrier is
+    !> constant; the inertia is that of both. There is a closed form for a Lagrange top with the rotor on its
+    !> axis: only (I3 omega3 + h)/I1 takes the place of I3 omega3/I1 in all of its equations.
+    pure subroutine prepare_exact_motion(body, start, exact, status, rotor)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         type(exact_motion_t), intent(out) :: exact !! the exact solution; evaluated with `exact%at(t)`
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        real(dp), intent(in), optional :: rotor(3) !! constant momentum of a rotor, body axes, kg m^2/s
+        if (present(rotor)) then
+            if (.not. all(is_zero(rotor))) then
+                status = status_unsuitable
+                if (.not. all(is_finite(rotor))) status = status_non_finite
+                if (status == status_non_finite .or. .not. (body%is_lagrange() .and. all(is_zero(rotor(1:2))))) return
+                call prepare_symmetric_motion(body, start, exact%symmetric_motion_t, status, rotor(3))
+                return
+            end if
+        end if
         if (body%is_lagrange() .or. .not. body%is_free()) then
             call prepare_symmetric_motion(body, start, exact%symmetric_motion_t, status)
         else
@@ -72,34 +87,35 @@ contains
 
     !> The motion at time t, s. The turns of phi and psi are those of `last`, an instant of the same solution, and
     !> those since then. For a free body these are counted by steps of a fraction of a turn; if more than
-    !> `most_looks` were needed, the angles are NaN.
-    pure subroutine follow(self, last, t, motion, looks, most_looks)
+    !> `most_steps` were needed, the angles are NaN.
+    pure subroutine follow(self, last, t, motion, steps, most_steps)
         class(exact_motion_t), intent(in) :: self
         type(motion_t), intent(in) :: last !! an instant of the motion
         real(dp), intent(in) :: t !! time, s
         type(motion_t), intent(out) :: motion !! the motion at that time
-        integer(int64), intent(inout) :: looks !! work so far, in instants computed
-        integer(int64), intent(in) :: most_looks !! bound of `looks`
+        integer(int64), intent(inout) :: steps !! work so far, in instants computed before that time
+        integer(int64), intent(in) :: most_steps !! bound of `steps`
         !> Rotation in a step, rad, and the smallest fraction of it that is tried where the axis meets a pole.
         real(dp), parameter :: longest = 0.5_dp, shortest = 1.0e-6_dp
         type(motion_t) :: now, next
         real(dp) :: pace, step
         logical :: sure
 
-        looks = looks + 1
         motion = self%at(t)
         if (.not. allocated(self%free)) return
         now = last
         pace = longest / max(self%free%greatest_rate, tiny(pace))
         step = pace
         do while (abs(t - now%t) > 0)
-            if (looks >= most_looks) then
-                motion%angle = no_number
-                return
-            end if
-            looks = looks + 1
             next = motion
-            if (step < abs(t - now%t)) next = self%free%at(now%t + sign(step, t - now%t))
+            if (step < abs(t - now%t)) then
+                if (steps >= most_steps) then
+                    motion%angle = no_number
+                    return
+                end if
+                steps = steps + 1
+                next = self%free%at(now%t + sign(step, t - now%t))
+            end if
             call count_turns(now, next, sure)
             if (sure .or. step < shortest * pace) then
                 now = next

@@ -24,7 +24,7 @@ module spintop_regular_start
     type :: regular_start_t
         !> s
         real(xp) :: time = 0
-        !> I3 omega3/I1, 2 mgl/I1 and omega3: rad/s, rad^2/s^2, rad/s.
+        !> (I3 omega3 + h)/I1 with the momentum h of a rotor, 2 mgl/I1 and omega3: rad/s, rad^2/s^2, rad/s.
         real(xp) :: a = 0, beta = 0, omega3 = 0
         !> u, 1 - u, 1 + u and 1 - u^2, each to full relative precision.
         real(xp) :: u = 1, one_minus_u = 0, one_plus_u = 2, sine_squared = 0
@@ -64,11 +64,12 @@ contains
 
     !> Converts body and start. `status` is `status_unsuitable` for a body that is not an undamped symmetric
     !> top, and `status_non_finite` for data that are not finite.
-    pure subroutine find_regular_start(body, start, regular, status)
+    pure subroutine find_regular_start(body, start, regular, status, rotor)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         type(regular_start_t), intent(out) :: regular !! the start in regular quantities
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        real(dp), intent(in), optional :: rotor !! constant momentum of a rotor about body z, kg m^2/s
         complex(xp) :: swing
         real(xp) :: inertia
 
@@ -85,6 +86,7 @@ contains
         inertia = body%inertia(1)
         regular%time = start%t
         regular%a = body%inertia(3) / inertia * regular%omega3
+        if (present(rotor)) regular%a = regular%a + rotor / inertia
         regular%beta = 2 * real(body%mass, xp) * body%gravity * body%centre_of_mass(3) / inertia
         regular%b_minus_a = regular%turn - regular%one_minus_u * regular%a
         regular%b_plus_a = regular%turn + regular%one_plus_u * regular%a
@@ -97,14 +99,15 @@ contains
     end subroutine find_regular_start
 
     !> The same for unchecked data: `status` may also be that of `spintop_validity`.
-    pure subroutine find_checked_start(body, start, regular, status)
+    pure subroutine find_checked_start(body, start, regular, status, rotor)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         type(regular_start_t), intent(out) :: regular !! the start in regular quantities
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        call find_regular_start(body, start, regular, status)
+        real(dp), intent(in), optional :: rotor !! constant momentum of a rotor about body z, kg m^2/s
+        call find_regular_start(body, start, regular, status, rotor)
         if (status == status_ok) status = body_status(body)
-        if (status == status_ok) status = start_status(start)
+        if (status == status_ok) status = start_status(start, body)
     end subroutine find_checked_start
 
     pure integer function status_of_data(body, start) result(status)

@@ -75,15 +75,16 @@ contains
     !> Prepares the exact solution of `body` from `start`. It uses angles and rates or, close to a pole,
     !> quaternion and omega. `status` is `status_ok`, `status_unsuitable` (not an undamped symmetric top),
     !> `status_non_finite`, `status_bad_body` or `status_bad_start`.
-    pure subroutine prepare_symmetric_motion(body, start, exact, status)
+    pure subroutine prepare_symmetric_motion(body, start, exact, status, rotor)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         type(symmetric_motion_t), intent(out) :: exact !! the exact solution; evaluated with `exact%at(t)`
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        real(dp), intent(in), optional :: rotor !! constant momentum of a rotor about body z, kg m^2/s
         type(regular_start_t) :: regular
         type(turning_points_t) :: points
 
-        call find_checked_start(body, start, regular, status)
+        call find_checked_start(body, start, regular, status, rotor)
         if (status /= status_ok) return
         points = find_turning_points(regular)
         exact%theta = prepare_theta_motion(regular, points)

@@ -56,8 +56,8 @@ module spintop_status
         'the equations do not hold for this body or start', &
         'the integrator library reported a failure of its own', &
         'the arguments, or the parameters of the case, do not describe a top and its motion', &
-        'the mass of the body is not positive, or a moment of inertia or a damping coefficient is negative', &
-        'the quaternion of the start is zero, or contradicts its angles, or its rates contradict omega', &
+        'the mass is not positive, a moment of inertia or a damping coefficient is negative, or m g l underflows', &
+        'the quaternion is zero or contradicts the angles, the rates contradict omega, or I omega^2 underflows', &
         'a tolerance, steps, max_steps, the projection or the Butcher table is not valid for the method', &
         'the end of the span is not a finite time at or after the start', &
         'the sample times are not in increasing order within the span', &

@@ -137,7 +137,7 @@ contains
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         real(dp), intent(in) :: t_end, samples(:) !! s
         status = body_status(body)
-        if (status == status_ok) status = start_status(start)
+        if (status == status_ok) status = start_status(start, body)
         if (status == status_ok .and. .not. (t_end >= 0 .and. t_end <= huge(t_end))) status = status_bad_span
         if (status == status_ok .and. .not. rise_within(samples, t_end)) status = status_bad_samples
         if (status == status_ok) status = can_run(stepper, formulation, body)

@@ -16,6 +16,7 @@ module spintop_case
     use spintop_status, only: status_ok
     use spintop_steady_motion, only: steady_rates, steady_rates_at_spin
     use spintop_text, only: to_text
+    use spintop_validity, only: loses_energy, loses_weight
     implicit none
     private
     public :: case_t, kept_parts_t, make_case, attitude_parameters
@@ -246,21 +247,26 @@ contains
         end if
     end subroutine take_steady_rate
 
-    !> Reports mass properties that exceed the range of numbers.
+    !> Reports mass properties outside the range of numbers.
     subroutine check_body(body, problems)
         type(body_t), intent(in) :: body
         type(problems_t), intent(inout) :: problems
         if (.not. (all(is_finite(body%weight_moment())) .and. all(is_finite(body%inertia)))) then
             call problems%add('top', 'the weight times its distance, or the inertia, is outside the range of numbers', &
                               'use moderate units')
+        else if (loses_weight(body)) then
+            call problems%add('top', 'the weight times its distance is below 1e-290 N m', &
+                              'use moderate units, or gravity = 0')
         end if
     end subroutine check_body
 
-    !> Reports an energy that exceeds the range of numbers.
+    !> Reports an energy outside the range of numbers.
     subroutine check_energy(case, problems)
         type(case_t), intent(in) :: case
         type(problems_t), intent(inout) :: problems
-        if (.not. is_finite(kinetic_energy(case%given_body, case%given_start))) then
+        if (loses_energy(case%given_body, case%given_start%omega)) then
+            call problems%add('initial', 'the kinetic energy is below 1e-290 J', 'use moderate units')
+        else if (.not. is_finite(kinetic_energy(case%given_body, case%given_start))) then
             call problems%add('initial', 'the kinetic energy is outside the range of numbers', 'use moderate units')
         end if
     end subroutine check_energy

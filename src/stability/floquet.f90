@@ -62,7 +62,7 @@ contains
         monodromy = no_number
         turn = no_number
         status = body_status(body)
-        if (status == status_ok) status = motion_status(start)
+        if (status == status_ok) status = motion_status(start, body)
         if (status == status_ok .and. .not. (period > 0 .and. is_finite(period))) status = status_bad_input
         if (status /= status_ok) return
         x = euler_poisson_state(body, start)

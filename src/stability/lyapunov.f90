@@ -67,7 +67,7 @@ contains
             if (.not. all(is_finite(directions))) return
         end if
         status = body_status(body)
-        if (status == status_ok) status = motion_status(start)
+        if (status == status_ok) status = motion_status(start, body)
         if (status /= status_ok) return
         columns(:, 1) = euler_poisson_state(body, start)
         unit = scales_of(body, columns(:, 1), t_end)
@@ -107,7 +107,7 @@ contains
         status = status_bad_input
         if (.not. (t_end > 0 .and. is_finite(t_end))) return
         status = body_status(body)
-        if (status == status_ok) status = motion_status(start)
+        if (status == status_ok) status = motion_status(start, body)
         if (status /= status_ok) return
         columns(:, 1) = euler_poisson_state(body, start)
         unit = scales_of(body, columns(:, 1), t_end)

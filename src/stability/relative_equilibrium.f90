@@ -36,7 +36,7 @@ contains
 
         eigenvalues = 0
         status = body_status(body)
-        if (status == status_ok) status = motion_status(motion)
+        if (status == status_ok) status = motion_status(motion, body)
         if (status /= status_ok) return
         x = euler_poisson_state(body, motion)
         ! Without weight any direction may be the vertical; that of the momentum is constant.

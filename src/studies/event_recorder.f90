@@ -9,6 +9,7 @@ module spintop_event_recorder
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t
     use spintop_row_maker, only: row_maker_t
+    use spintop_stepper, only: looks_per_step
     use spintop_table_column, only: column_t
     use spintop_table_file, only: table_file_t
     use spintop_text, only: string_t
@@ -51,11 +52,15 @@ module spintop_event_recorder
     !> The exact solution as a path; its evaluations are counted.
     type, extends(path_t) :: exact_path_t
         type(exact_motion_t) :: exact
+        !> Whether phi and psi count their turns, which takes steps of their own for a free body; otherwise its
+        !> angles are the values nearest to those of the start.
+        logical :: counts_turns = .true.
         integer(int64) :: looks = 0, most_looks = huge(1_int64)
         !> The last instant; the turns of the angles are counted from there.
         type(motion_t), private :: last
     contains
         procedure :: begin
+        procedure :: restart
         procedure :: at
         procedure :: is_spent
     end type exact_path_t
@@ -149,18 +154,36 @@ contains
         integer(int64), intent(in) :: most_looks !! bound of the work
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         call prepare_exact_motion(case%body, case%start, self%exact, status)
+        if (allocated(self%exact%free)) self%greatest_rate = self%exact%free%greatest_rate
+        call self%restart(case, most_looks)
+    end subroutine begin
+
+    !> Returns to the start of the case, with a new bound of the work.
+    subroutine restart(self, case, most_looks)
+        class(exact_path_t), intent(inout) :: self
+        type(case_t), intent(in) :: case !! body, start and span
+        integer(int64), intent(in) :: most_looks !! bound of the work
         self%looks = 0
         self%most_looks = most_looks
         self%last = case%start
-    end subroutine begin
+    end subroutine restart
 
-    !> The exact solution at a time.
+    !> The exact solution at a time. A step that only counts turns is a step of the case.
     subroutine at(self, t, motion)
         class(exact_path_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
         type(motion_t), intent(out) :: motion !! the motion at that time
-        call self%exact%follow(self%last, t, motion, self%looks, self%most_looks)
-        if (.not. self%is_spent()) self%last = motion
+        integer(int64) :: steps, most_steps
+        self%looks = self%looks + 1
+        if (self%counts_turns) then
+            steps = 0
+            most_steps = (self%most_looks - self%looks + looks_per_step - 1) / looks_per_step
+            call self%exact%follow(self%last, t, motion, steps, most_steps)
+            self%looks = self%looks + looks_per_step * steps
+            if (.not. self%is_spent()) self%last = motion
+        else
+            motion = self%exact%at(t)
+        end if
     end subroutine at
 
     !> Whether the allowed work of the case is used up.

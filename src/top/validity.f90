@@ -11,7 +11,7 @@ module spintop_validity
     use spintop_status, only: status_ok, status_non_finite, status_bad_body, status_bad_start
     implicit none
     private
-    public :: body_status, motion_status, start_status
+    public :: body_status, motion_status, start_status, loses_weight, loses_energy
 
     !> Rotation angle, rad, up to which quaternion and angles count as the same attitude, and relative
     !> difference up to which omega and rates count as the same velocity: data of six digits pass.
@@ -20,12 +20,15 @@ module spintop_validity
     real(dp), parameter :: near_pole = 1.0e-3_dp
     !> Still closer, the rates of phi and psi may overflow.
     real(dp), parameter :: at_pole = 1.0e-150_dp
+    !> Smaller products lose digits, or vanish.
+    real(dp), parameter :: least_product = 1.0e-290_dp
 
 contains
 
-    !> `status_ok` for a body of finite numbers with a positive mass and without negative moments of inertia
-    !> or damping coefficients; else `status_non_finite` or `status_bad_body`. Single moments may be zero (a
-    !> thin rod): `can_run` decides which equations hold for such a body.
+    !> `status_ok` for a body of finite numbers with a positive mass, without negative moments of inertia
+    !> or damping coefficients, and with a weight that is not lost to underflow; else `status_non_finite` or
+    !> `status_bad_body`. Single moments may be zero (a thin rod): `can_run` decides which equations hold for
+    !> such a body.
     pure integer function body_status(body) result(status)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         associate (a => body%inertia, r => body%centre_of_mass, d => body%damping)
@@ -35,16 +38,35 @@ contains
             else if (.not. body%mass > 0 .or. min(a(1), a(2), a(3)) < 0 .or. min(d(1), d(2), d(3)) < 0) then
                 status = status_bad_body
             else
-                status = status_ok
+                status = merge(status_bad_body, status_ok, loses_weight(body))
             end if
         end associate
     end function body_status
 
+    !> Whether the gravitational torque underflows although weight and distance are not zero.
+    pure logical function loses_weight(body)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        real(dp) :: weight, distance
+        weight = abs(body%mass * body%gravity)
+        distance = max(abs(body%centre_of_mass(1)), abs(body%centre_of_mass(2)), abs(body%centre_of_mass(3)))
+        loses_weight = abs(body%gravity) > 0 .and. distance > 0 .and. min(weight, weight * distance) < least_product
+    end function loses_weight
+
+    !> Whether a body without gravitational torque rotates so slowly that its kinetic energy underflows.
+    pure logical function loses_energy(body, omega)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        real(dp), intent(in) :: omega(3) !! angular velocity in body axes, rad/s
+        loses_energy = .false.
+        if (any(abs(body%weight_moment()) > 0)) return
+        loses_energy = any(abs(omega) > 0 .and. body%inertia > 0) .and. all(body%inertia * omega**2 < least_product)
+    end function loses_energy
+
     !> `status_ok` for a motion with finite time, angles, angular velocity and quaternion whose angles and
-    !> quaternion describe one attitude; else `status_non_finite` or `status_bad_start`. The quaternion may
-    !> have any nonzero norm. Rates are checked by `start_status`.
-    pure integer function motion_status(motion) result(status)
+    !> quaternion describe one attitude, and whose energy is not lost to underflow; else `status_non_finite` or
+    !> `status_bad_start`. The quaternion may have any nonzero norm. Rates are checked by `start_status`.
+    pure integer function motion_status(motion, body) result(status)
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
+        type(body_t), intent(in), optional :: body !! the body that moves; without it its energy is not checked
         real(dp) :: length, along, allowed
         associate (q => motion%quaternion, angle => motion%angle, omega => motion%omega)
             status = status_non_finite
@@ -60,15 +82,19 @@ contains
             ! The cosine of half of the rotation angle between them.
             if (1 - abs(along) > allowed**2 / 8 + 8 * epsilon_dp) return
         end associate
+        if (present(body)) then
+            if (loses_energy(body, motion%omega)) return
+        end if
         status = status_ok
     end function motion_status
 
     !> The same for a start whose rates may be used: they must be finite except at a pole, and agree with the
     !> angular velocity except near a pole.
-    pure integer function start_status(start) result(status)
+    pure integer function start_status(start, body) result(status)
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        type(body_t), intent(in) :: body !! the body that moves
         real(dp) :: sine, difference(3), allowed
-        status = motion_status(start)
+        status = motion_status(start, body)
         if (status /= status_ok) return
         sine = abs(sin(start%angle(2)))
         if (.not. all(is_finite(start%rate))) then

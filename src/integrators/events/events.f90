@@ -162,9 +162,12 @@ contains
         real(dp) :: pace
 
         if (.not. t > self%t) return
-        call path%at(t, there)
-        ! A body that rotates slowly at both ends may have fallen and risen in between.
-        pace = max(norm2(self%here%omega), norm2(there%omega)) + 2 * self%fall_rate
+        pace = path%greatest_rate
+        if (.not. pace > 0) then
+            call path%at(t, there)
+            ! A body that rotates slowly at both ends may have fallen and risen in between.
+            pace = max(norm2(self%here%omega), norm2(there%omega)) + 2 * self%fall_rate
+        end if
         do while (self%t < t .and. .not. self%has_enough)
             if (path%is_spent() .or. self%is_full) exit
             call self%search(path, next_instant(self%here, self%pole_axis, self%t, t, pace))

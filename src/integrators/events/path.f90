@@ -8,6 +8,8 @@ module spintop_path
 
     !> An extension defines the motion, and how many evaluations are allowed.
     type, abstract :: path_t
+        !> A bound of the angular velocity along the path, rad/s; 0 if none is known.
+        real(dp) :: greatest_rate = 0
     contains
         procedure(at), deferred :: at
         procedure :: is_spent

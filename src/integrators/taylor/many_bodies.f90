@@ -89,7 +89,7 @@ contains
             do while (next <= size(bodies))
                 associate (status => outcomes(next)%status)
                     status = body_status(bodies(next))
-                    if (status == status_ok) status = motion_status(starts(next))
+                    if (status == status_ok) status = motion_status(starts(next), bodies(next))
                     if (status == status_ok) then
                         if (t_end(next) >= 0 .and. is_finite(t_end(next))) return
                         status = status_bad_span

@@ -15,10 +15,9 @@ module spintop_sweep_batch
     use spintop_rigid_body, only: rigid_body_t
     use spintop_status, only: status_ok, status_meanings
     use spintop_stepper, only: controls_t
-    use spintop_sweep_columns, only: sweep_work_t
     use spintop_sweep_notes, only: note_t
-    use spintop_sweep_quantities, only: put_fast_top, put_end
-    use spintop_sweep_result, only: sweep_result_t
+    use spintop_sweep_quantities, only: find_free_constants, put_fast_top, put_end
+    use spintop_sweep_result, only: sweep_result_t, sweep_work_t
     use spintop_sweep_stability, only: put_stability
     use spintop_sweep_watches, only: sweep_watches_t, ends_in_lanes
     use spintop_taylor, only: taylor_t
@@ -128,6 +127,7 @@ contains
                 ! Without an energy error, which a watch measures if it is wanted.
                 call put_end(cases(k), self%ends(i), (values(k)%energy_error_max), values(k))
                 call self%watches%put(cases(k), wanted, i, values(k), status(k), note(k))
+                call find_free_constants(cases(k), wanted, values(k), note(k))
             else
                 call note(k)%explain(trim(status_meanings(status(k))))
             end if

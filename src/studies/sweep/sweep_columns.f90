@@ -9,7 +9,7 @@ module spintop_sweep_columns
     use spintop_study_column, only: study_column_t
     use spintop_sweep_notes, only: note_t
     use spintop_sweep_quantities, only: explain_no_exact_motion, explain_no_inherent_error, explain_no_period
-    use spintop_sweep_result, only: sweep_result_t
+    use spintop_sweep_result, only: sweep_result_t, sweep_work_t
     implicit none
     private
     public :: sweep_column_t, sweep_columns, sweep_work_t, work_for
@@ -27,25 +27,6 @@ module spintop_sweep_columns
         !> Notes why a case lacks it, where nothing else that comes with it does.
         procedure(explain_i), pointer, nopass :: explain => null()
     end type sweep_column_t
-
-    !> What is to be computed: the groups, and the extremes of the nutation that take a search of their own where
-    !> it is measured along the motion.
-    type :: sweep_work_t
-        logical :: nutation = .false. !! the whole nutation
-        logical :: fast_top = .false. !! the paper's formulas
-        logical :: period = .false. !! the azimuth after a period
-        logical :: end = .false. !! the end of the span
-        logical :: energy = .false. !! the largest energy error
-        logical :: oracle = .false. !! the comparison with the exact motion
-        logical :: inherent = .false. !! the accuracy that the data allow
-        logical :: cost = .false. !! the cost
-        logical :: details = .false. !! more of the whole nutation
-        logical :: growth = .false. !! the stability of the start
-        logical :: lyapunov = .false. !! the Lyapunov exponent
-        logical :: singular = .false. !! the largest singular value
-        logical :: fastest = .false. !! the largest precession rate
-        logical :: lowest = .false. !! the minimum height of the centre of mass
-    end type sweep_work_t
 
     abstract interface
         !> The cells of a column, one per case.
@@ -76,8 +57,7 @@ contains
             sweep_column_t('theta_max', 'rad', 'maximum nutation angle', &
                            'nutation', fill_theta_max, is_default=.true.), &
             sweep_column_t('delta_u', '', 'range of cos(theta)', 'nutation', fill_delta_u, is_default=.true.), &
-            sweep_column_t('delta_u_fast_top', '', 'the same by Eq 29', &
-                           'fast_top', fill_delta_u_fast_top, is_default=.true.), &
+            sweep_column_t('delta_u_fast_top', '', 'the same by Eq 29', 'fast_top', fill_delta_u_fast_top, is_default=.true.), &
             sweep_column_t('nutation_period', 's', 'nutation period', &
                            'nutation', fill_nutation_period, is_default=.true.), &
             sweep_column_t('nutation_rate', 'rad/s', '2 pi over the nutation period', &
@@ -134,6 +114,13 @@ contains
             sweep_column_t('force_z_max', 'N', 'maximum vertical support force', 'details', fill_force_z_max), &
             sweep_column_t('t_end', 's', 'end of the span, or time of the event that ended the motion', &
                            'end', fill_t_end, is_default=.true., always_exists=.true.), &
+            sweep_column_t('momentum_period', 's', 'period of the angular momentum in a free body', &
+                           'free', fill_momentum_period), &
+            sweep_column_t('momentum_turn', 'rad', 'rotation about the angular momentum in that period', &
+                           'free', fill_momentum_turn), &
+            sweep_column_t('momentum_axis', '', 'body axis about which the angular momentum circulates (1, 2, 3)', &
+                           'free', fill_momentum_axis), &
+            sweep_column_t('omega_max', 'rad/s', 'maximum angular velocity of a free body', 'free', fill_omega_max), &
             sweep_column_t('growth_rate', '1/s', 'growth rate of perturbations of a steady motion', &
                            'growth', fill_growth_rate), &
             sweep_column_t('lyapunov_exponent', '1/s', &
@@ -162,6 +149,12 @@ contains
         ! The class of a motion derives from the largest precession rate.
         work%fastest = any(columns%name == 'phi_rate_max' .or. columns%name == 'motion_class')
         work%lowest = any(columns%name == 'com_z_min')
+        work%free = any(columns%group == 'free')
+        associate (in_range => columns%name == 'theta_min' .or. columns%name == 'theta_max' .or. columns%name == 'delta_u')
+            work%range = any(in_range)
+            work%measured = work%details .or. any(columns%group == 'nutation' .and. .not. in_range)
+        end associate
+        work%turns = work%period .or. any(columns%name == 'phi_end' .or. columns%name == 'psi_end')
     end function work_for
 
     pure subroutine fill_theta_min(results, cells)
@@ -361,6 +354,30 @@ contains
         real(dp), intent(out) :: cells(:)
         cells = results%t_end
     end subroutine fill_t_end
+
+    pure subroutine fill_momentum_period(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%momentum_period
+    end subroutine fill_momentum_period
+
+    pure subroutine fill_momentum_turn(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%momentum_turn
+    end subroutine fill_momentum_turn
+
+    pure subroutine fill_momentum_axis(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%momentum_axis
+    end subroutine fill_momentum_axis
+
+    pure subroutine fill_omega_max(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%omega_max
+    end subroutine fill_omega_max
 
     pure subroutine fill_growth_rate(results, cells)
         type(sweep_result_t), intent(in) :: results(:)

@@ -12,11 +12,10 @@ module spintop_sweep_exact
     use spintop_nutation, only: nutation_t
     use spintop_status, only: status_ok, status_step_limit, status_too_many_events, status_meanings
     use spintop_stepper, only: looks_per_step
-    use spintop_sweep_columns, only: sweep_work_t
     use spintop_sweep_notes, only: note_t
-    use spintop_sweep_quantities, only: put_nutation, put_fast_top, put_azimuth, put_end, put_details, &
-        precession_period
-    use spintop_sweep_result, only: sweep_result_t
+    use spintop_sweep_quantities, only: find_free_constants, put_nutation, put_fast_top, put_azimuth, put_end, &
+        put_details, precession_period
+    use spintop_sweep_result, only: sweep_result_t, sweep_work_t
     use spintop_sweep_stability, only: put_stability
     implicit none
     private
@@ -120,6 +119,7 @@ contains
         values%evaluations = 0
         values%orientation_error = 0
         if (wanted%details) call put_details(case, values, note)
+        call find_free_constants(case, wanted, values, note)
         if (wanted%growth .or. wanted%lyapunov .or. wanted%singular) then
             call put_stability(case, wanted, max_steps, values, status, note)
         end if

@@ -2,22 +2,27 @@
 !> note.
 module spintop_sweep_quantities
     use spintop_kinds, only: dp, pi, degree
+    use spintop_attitude, only: vertical_from_quaternion
     use spintop_compare, only: is_finite
     use spintop_body, only: body_t
     use spintop_case, only: case_t
     use spintop_fast_top, only: fast_top_t, fast_top
     use spintop_motion, only: motion_t
+    use spintop_free_motion, only: free_motion_t, inclination_range, prepare_free_motion
     use spintop_force_extremes, only: force_extremes_t, find_force_extremes
     use spintop_nutation, only: nutation_t, find_nutation
     use spintop_nutation_watch, only: nutation_watch_t, no_class
     use spintop_status, only: status_ok, status_non_finite, status_meanings
     use spintop_sweep_notes, only: note_t, note_no_period, note_no_turns, note_no_nutation, note_no_class, &
-        note_no_fast_top, note_no_details, note_no_azimuth, note_no_exact_motion, note_no_precession_period
-    use spintop_sweep_result, only: sweep_result_t
+        note_no_fast_top, note_no_details, note_no_azimuth, note_no_exact_motion, note_no_momentum_period, &
+        note_no_precession_period, note_not_free
+    use spintop_sweep_result, only: sweep_result_t, sweep_work_t
+    use spintop_vectors, only: cross
     implicit none
     private
     public :: put_nutation, put_measured, put_fast_top, put_azimuth, put_end, put_details, precession_period
     public :: explain_no_period, explain_no_exact_motion, explain_no_inherent_error
+    public :: find_free_constants, put_free_constants
 
 contains
 
@@ -191,6 +196,61 @@ contains
         type(note_t), intent(inout) :: note !! notes on the case
         if (case%body%is_lagrange()) call explain_no_exact_motion(case, note)
     end subroutine explain_no_inherent_error
+
+    !> The constants of a free body from its exact solution; of a body that is not symmetric also the range of theta.
+    subroutine find_free_constants(case, wanted, values, note)
+        type(case_t), intent(in) :: case !! body, start and span
+        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
+        type(sweep_result_t), intent(inout) :: values !! the quantities of the case
+        type(note_t), intent(inout) :: note !! notes on the case
+        type(free_motion_t) :: free
+        integer :: status
+
+        if (.not. case%body%is_free()) then
+            if (wanted%free) call note%add(note_not_free)
+            return
+        end if
+        if (.not. (wanted%free .or. (wanted%range .and. .not. case%body%is_lagrange()))) return
+        call prepare_free_motion(case%given_body, case%given_start, free, status)
+        if (status /= status_ok) then
+            call note%add(note_not_free, trim(status_meanings(status)))
+            return
+        end if
+        call put_free_constants(case, free, wanted, values, note)
+    end subroutine find_free_constants
+
+    !> The constants of a free body.
+    subroutine put_free_constants(case, free, wanted, values, note)
+        type(case_t), intent(in) :: case !! body, start and span
+        type(free_motion_t), intent(in) :: free !! the exact motion
+        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
+        type(sweep_result_t), intent(inout) :: values !! the quantities of the case
+        type(note_t), intent(inout) :: note !! notes on the case
+        real(dp) :: momentum(3), gamma(3), range(2)
+
+        if (wanted%free) then
+            values%omega_max = free%greatest_rate
+            if (free%about > 0) values%momentum_axis = free%about
+            if (free%about == 0) then
+                call note%add(note_no_momentum_period, 'the body rotates about a fixed axis')
+            else if (.not. is_finite(free%period)) then
+                call note%add(note_no_momentum_period, 'the body approaches a rotation about its intermediate axis')
+            else
+                values%momentum_period = free%period
+                values%momentum_turn = free%turn
+            end if
+        end if
+        if (.not. wanted%range .or. case%body%is_lagrange()) return
+        momentum = case%given_body%inertia * case%given_start%omega
+        range = case%given_start%angle(2)
+        if (any(abs(momentum) > 0)) then
+            gamma = vertical_from_quaternion(case%given_start%quaternion)
+            range = inclination_range(free%axis_angle, atan2(norm2(cross(momentum, gamma)), dot_product(momentum, gamma)))
+        end if
+        values%theta_min = range(1)
+        values%theta_max = range(2)
+        values%delta_u = 2 * sin((range(2) + range(1)) / 2) * sin((range(2) - range(1)) / 2)
+    end subroutine put_free_constants
 
     !> T_p of the paper, s; 0 without spin, without weight, and for a body that is not a top.
     pure real(dp) function precession_period(body, start)

@@ -1,11 +1,34 @@
-!> What a sweep computes of a case: a number per column of its table, NaN for what does not exist or was not
+!> What a sweep has to compute, and what it computes of a case: a number per column of its table, NaN for what does not exist or was not
 !> asked for.
 module spintop_sweep_result
     use spintop_kinds, only: dp, nan => no_number
     use spintop_nutation_watch, only: no_class
     implicit none
     private
-    public :: sweep_result_t
+    public :: sweep_result_t, sweep_work_t
+
+    !> What is to be computed: the groups, and the extremes of the nutation that take a search of their own where
+    !> it is measured along the motion.
+    type :: sweep_work_t
+        logical :: nutation = .false. !! the whole nutation
+        logical :: fast_top = .false. !! the paper's formulas
+        logical :: period = .false. !! the azimuth after a period
+        logical :: end = .false. !! the end of the span
+        logical :: energy = .false. !! the largest energy error
+        logical :: oracle = .false. !! the comparison with the exact motion
+        logical :: inherent = .false. !! the accuracy that the data allow
+        logical :: cost = .false. !! the cost
+        logical :: details = .false. !! more of the whole nutation
+        logical :: growth = .false. !! the stability of the start
+        logical :: lyapunov = .false. !! the Lyapunov exponent
+        logical :: singular = .false. !! the largest singular value
+        logical :: fastest = .false. !! the largest precession rate
+        logical :: lowest = .false. !! the minimum height of the centre of mass
+        logical :: free = .false. !! the constants of a free motion
+        logical :: range = .false. !! the range of theta
+        logical :: measured = .false. !! more of the nutation, which is measured unless the body is symmetric
+        logical :: turns = .false. !! phi and psi with all their turns
+    end type sweep_work_t
 
     !> The quantities of a case; their units and meanings are those of the columns.
     type :: sweep_result_t
@@ -29,6 +52,7 @@ module spintop_sweep_result
         real(dp) :: spin_per_nutation = nan, theta_rate_max = nan, force_max = nan
         real(dp) :: force_z_min = nan, force_z_max = nan
         real(dp) :: t_end = nan
+        real(dp) :: momentum_period = nan, momentum_turn = nan, momentum_axis = nan, omega_max = nan
         real(dp) :: growth_rate = nan
         real(dp) :: lyapunov_exponent = nan
         real(dp) :: largest_singular_value = nan

@@ -6,9 +6,8 @@ module spintop_sweep_stability
     use spintop_lyapunov, only: find_largest_singular_value, find_lyapunov
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_unsuitable, status_meanings
-    use spintop_sweep_columns, only: sweep_work_t
     use spintop_sweep_notes, only: note_t, note_no_growth, note_no_lyapunov, note_no_singular
-    use spintop_sweep_result, only: sweep_result_t
+    use spintop_sweep_result, only: sweep_result_t, sweep_work_t
     implicit none
     private
     public :: put_stability

@@ -19,11 +19,10 @@ module spintop_sweep_stepping
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
     use spintop_status, only: status_ok, status_step_limit, status_too_many_events, status_meanings
     use spintop_stepper, only: looks_per_step
-    use spintop_sweep_columns, only: sweep_work_t
     use spintop_sweep_notes, only: note_t, note_no_extremes, note_no_inherent, note_no_stop
-    use spintop_sweep_quantities, only: put_nutation, put_measured, put_fast_top, put_azimuth, put_end, &
+    use spintop_sweep_quantities, only: find_free_constants, put_nutation, put_measured, put_fast_top, put_azimuth, put_end, &
         put_details, precession_period
-    use spintop_sweep_result, only: sweep_result_t
+    use spintop_sweep_result, only: sweep_result_t, sweep_work_t
     use spintop_sweep_stability, only: put_stability
     implicit none
     private
@@ -78,8 +77,12 @@ contains
         if (wanted%fast_top) call put_fast_top(case, values, note)
 
         measures = (wanted%nutation .or. wanted%details) .and. .not. case%body%is_lagrange()
+        if (case%body%is_free()) measures = measures .and. wanted%measured
         if (.not. (measures .or. wanted%period .or. wanted%end .or. wanted%energy .or. wanted%oracle .or. &
-                   wanted%cost .or. wanted%inherent)) return
+                   wanted%cost .or. wanted%inherent)) then
+            call find_free_constants(case, wanted, values, note)
+            return
+        end if
         if (measures .or. size(events) > 0) then
             allocate (watch)
             call watch%set(events, n, case)
@@ -92,6 +95,7 @@ contains
             call watch%take_end()
             call put_measured(case, watch, values, note)
         end if
+        call find_free_constants(case, wanted, values, note)
         if (measures .and. wanted%details) then
             call note%add(note_no_extremes, 'they are not measured')
         end if
@@ -117,7 +121,7 @@ contains
 
         if (.not. plan%exact) call plan%fit_steps(case%t_end)
         call begin_witness(case, witness)
-        witness%counts_turns = (wanted%period .or. wanted%end)
+        witness%counts_turns = wanted%turns
         times = [case%t_end]
         if (wanted%energy) times = sample_times(case%t_end, rows(plan))
         if (wanted%period) times = with_time(times, witness%period)
@@ -174,8 +178,9 @@ contains
                 status = merge(status_too_many_events, status_step_limit, watch%is_full)
                 return
             end if
-            call path%begin(case, looks_per_step * max_steps, status)
+            call path%restart(case, looks_per_step * max_steps)
         end if
+        path%counts_turns = witness%counts_turns
         associate (instants => [pack(times, times < t_end), t_end])
             do i = 1, size(instants)
                 call path%at(instants(i), motion)

@@ -17,11 +17,10 @@ module spintop_sweep_watches
     use spintop_status, only: status_meanings, status_non_finite, status_ok, status_step_limit
     use spintop_stepper, only: controls_t
     use spintop_stop_lanes, only: stop_lanes_t
-    use spintop_sweep_columns, only: sweep_work_t
     use spintop_sweep_notes, only: note_no_class, note_no_extremes, note_no_inherent, note_no_lyapunov, &
         note_no_nutation, note_no_singular, note_no_stop, note_t
     use spintop_sweep_quantities, only: put_azimuth, put_nutation
-    use spintop_sweep_result, only: sweep_result_t
+    use spintop_sweep_result, only: sweep_result_t, sweep_work_t
     use spintop_turning_lanes, only: turning_lanes_t
     implicit none
     private

@@ -15,10 +15,11 @@ module spintop_sweep_worker
     use spintop_status, only: status_bad_input, status_meanings, status_ok
     use spintop_sweep_axes, only: swept_scene_t
     use spintop_sweep_batch, only: sweep_batch_t, goes_in_batch
-    use spintop_sweep_columns, only: sweep_column_t, sweep_columns, sweep_work_t, work_for
+    use spintop_sweep_columns, only: sweep_column_t, sweep_columns, work_for
     use spintop_sweep_exact, only: load_lane, unload_lane, kernel_runs, stop_exactly
+    use spintop_sweep_free, only: goes_in_free_block, sweep_free_t
     use spintop_sweep_notes, only: note_t, note_no_stop
-    use spintop_sweep_result, only: sweep_result_t
+    use spintop_sweep_result, only: sweep_result_t, sweep_work_t
     use spintop_sweep_stepping, only: compute_stepping
     use spintop_sweep_table, only: cells_of_row, put_rows
     implicit none
@@ -71,6 +72,7 @@ module spintop_sweep_worker
         type(sweep_result_t), allocatable, private :: values(:)
         type(exact_block_t), allocatable, private :: block
         type(sweep_batch_t), private :: batch
+        type(sweep_free_t), private :: free
         !> Time for making and computing cases, and for filling their rows, s.
         real(dp) :: making = 0, computing = 0, filling = 0
         !> Since when time was not yet counted.
@@ -239,6 +241,8 @@ contains
                 worker%block%n = worker%block%n + 1
                 worker%lane(k) = worker%block%n
                 call load_lane(case, worker%wanted, worker%block, worker%lane(k))
+            else if (goes_in_free_block(job, case, plan, worker%wanted)) then
+                call worker%free%add(case, plan%max_steps, k)
             else if (goes_in_batch(job, case, plan)) then
                 call worker%batch%add(case, plan, k)
             else
@@ -261,6 +265,7 @@ contains
             if (any(worker%lane(:n) > 0) .and. kernel_runs(wanted)) then
                 call worker%block%compute(wanted%end .or. wanted%energy, wanted%period)
             end if
+            call worker%free%compute(worker%cases, wanted, worker%max_steps, worker%values, worker%status, worker%note)
             if (worker%batch%n > 0) then
                 call worker%batch%compute(job, worker%cases, wanted, worker%values, worker%status, worker%note)
             end if

@@ -278,7 +278,7 @@ contains
         type(exact_path_t) :: path
         type(motion_t) :: motion
         real(dp) :: t_end, t_known, t
-        integer :: i, status
+        integer :: i
 
         call path%begin(case, looks_per_step * plan%max_steps, outcome%status)
         if (outcome%status /= status_ok) return
@@ -295,7 +295,8 @@ contains
             end if
         end if
         ! The rows have a budget of their own.
-        call path%begin(case, looks_per_step * plan%max_steps + plan%samples, status)
+        call path%restart(case, looks_per_step * plan%max_steps + plan%samples)
+        path%counts_turns = writer%counts_turns
         do i = 1, plan%samples
             t = sample_time(t_end, plan%samples, i)
             if (outcome%status /= status_ok .and. t > t_known) exit

@@ -13,7 +13,7 @@
 !> Sources: Jacobi, Sur la rotation d'un corps, Crelle 39, 1849; Whittaker, Analytical Dynamics, chapter VI, 1937;
 !> van Zon and Schofield, J. Comput. Phys. 225, 2007.
 module spintop_free_motion
-    use spintop_kinds, only: dp, xp
+    use spintop_kinds, only: dp, xp, pi
     use spintop_attitude, only: angles_from_quaternion, quaternion_product, rates_from_omega
     use spintop_body, only: body_t
     use spintop_compare, only: is_equal, is_zero
@@ -26,7 +26,7 @@ module spintop_free_motion
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: free_motion_t, prepare_free_motion
+    public :: free_motion_t, prepare_free_motion, inclination_range
 
     !> The exact motion of one start.
     type :: free_motion_t
@@ -48,8 +48,10 @@ module spintop_free_motion
         real(dp) :: unturn(4) = 0
         !> Angular momentum, kg m^2/s.
         real(dp), public :: momentum = 0
-        !> A bound of the angular velocity, rad/s.
-        real(dp), public :: greatest_rate = 0
+        !> Smallest and largest angular velocity, rad/s.
+        real(dp), public :: least_rate = 0, greatest_rate = 0
+        !> Smallest and largest angle between body z and the momentum, rad.
+        real(dp), public :: axis_angle(2) = 0
         !> Period of the momentum in the body, s (infinite on the separatrix, zero for a steady rotation), and the
         !> angle by which axis z turns about the momentum in that time, rad.
         real(dp), public :: period = 0, turn = 0
@@ -72,7 +74,7 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
 
         status = body_status(body)
-        if (status == status_ok) status = start_status(start)
+        if (status == status_ok) status = start_status(start, body)
         if (status == status_ok .and. .not. (body%is_free() .and. all(body%inertia > 0))) status = status_unsuitable
         if (status /= status_ok) return
         free%time = start%t
@@ -83,6 +85,10 @@ contains
         free%momentum = norm2(body%inertia * start%omega)
         free%is_steady = is_steady(body%inertia, start%omega)
         free%greatest_rate = norm2(start%omega)
+        free%least_rate = free%greatest_rate
+        associate (momentum => body%inertia * start%omega)
+            free%axis_angle = atan2(norm2(momentum(1:2)), momentum(3))
+        end associate
         if (.not. free%is_steady) call set_series(free)
     end subroutine prepare_free_motion
 
@@ -142,7 +148,9 @@ contains
         ratio = a / (1 + c)
         spin = total * (c / inertia(3) + ratio * a / inertia(1))
         free%greatest = real(total * [side * a, b, c] / inertia, dp)
-        free%greatest_rate = norm2(free%greatest)
+        free%greatest_rate = norm2(free%greatest([1, 3]))
+        free%least_rate = real(total * sqrt((b / inertia(2))**2 + (complement * c / inertia(3))**2), dp)
+        free%axis_angle = angle_range(axis, real([a, b, c, complement * c], dp), free%sign_of(3))
 
         free%is_circular = complement >= least_complement
         if (free%is_circular) then
@@ -159,6 +167,32 @@ contains
         call find_values(free, 0.0_xp, values)
         free%unturn = [real(values%upper, dp), -real(values%lower, dp), -aimag(values%lower), -aimag(values%upper)]
     end subroutine set_series
+
+    !> Smallest and largest angle between body z and the momentum, rad.
+    pure function angle_range(axis, part, sign_of_z) result(range)
+        integer, intent(in) :: axis(3)
+        real(dp), intent(in) :: part(4) !! largest parts of the momentum along x, y, z, and the smallest along z
+        real(dp), intent(in) :: sign_of_z
+        real(dp) :: range(2)
+        if (axis(3) == 3) then
+            range = [atan2(part(1), part(3)), atan2(part(2), part(4))]
+            if (sign_of_z < 0) range = pi - range([2, 1])
+        else
+            range(1) = merge(atan2(part(3), part(1)), atan2(part(4), part(2)), axis(1) == 3)
+            range(2) = pi - range(1)
+        end if
+    end function angle_range
+
+    !> Bounds of the inclination of body z, rad, from those of its angle with the momentum. Body z turns about the
+    !> momentum again and again, so it comes arbitrarily close to them, except on the separatrix, and where its turns
+    !> fit into the period.
+    pure function inclination_range(axis_angle, tilt) result(range)
+        real(dp), intent(in) :: axis_angle(2) !! smallest and largest angle between body z and the momentum, rad
+        real(dp), intent(in) :: tilt !! inclination of the momentum, rad
+        real(dp) :: range(2)
+        range(1) = max(0.0_dp, axis_angle(1) - tilt, tilt - axis_angle(2))
+        range(2) = pi - max(0.0_dp, axis_angle(1) - (pi - tilt), (pi - tilt) - axis_angle(2))
+    end function inclination_range
 
     !> The numbers of the body axes in the order of their inertia, and whether that permutation is odd.
     pure subroutine sort_axes(inertia, axis, is_odd)

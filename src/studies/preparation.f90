@@ -177,6 +177,8 @@ contains
             call problems%add(key, 'the table of ' // info%phrase // ' cannot be NetCDF', hint)
         else if (job%keeps_rows() .and. job%axes%cases > most_netcdf_rows) then
             call problems%add(key, 'a NetCDF table holds ' // to_text(most_netcdf_rows) // ' cases at most', hint)
+        else if (job%plan%samples > most_netcdf_rows) then
+            call problems%add(key, 'a NetCDF table holds ' // to_text(most_netcdf_rows) // ' rows at most', hint)
         end if
     end subroutine refuse_netcdf
 

@@ -1,4 +1,4 @@
-"""NetCDF tables of sweeps and trajectories: the numbers of the CSV, bit for bit, by the conventions of CF."""
+"""NetCDF tables: the numbers of the CSV, bit for bit, by the conventions of CF."""
 
 import os
 import random

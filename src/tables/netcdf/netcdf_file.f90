@@ -10,6 +10,7 @@
 module spintop_netcdf_file
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t
+    use spintop_files, only: input_file_t
     use spintop_kinds, only: dp
     use spintop_netcdf_description, only: netcdf_description_t
     implicit none
@@ -46,7 +47,7 @@ module spintop_netcdf_file
         pure logical module function has_compression()
         end function has_compression
 
-        !> Creates a file for the rows of a description; its own status is added to the attributes, unless it is ''.
+        !> Creates a file with room for the rows of a description.
         module subroutine create(self, path, description, error)
             class(netcdf_file_t), intent(inout) :: self
             character(*), intent(in) :: path !! path of the file
@@ -94,7 +95,6 @@ contains
 
     !> Whether a file begins as one in a format of NetCDF; false as well if it cannot be read.
     logical function is_netcdf(path)
-        use spintop_files, only: input_file_t
         character(*), intent(in) :: path !! path of the file
         type(input_file_t) :: file
         type(error_t), allocatable :: error
@@ -105,7 +105,7 @@ contains
         if (.not. allocated(error)) call file%read(magic, length, error)
         call file%close()
         is_netcdf = .false.
-        if (length == len(magic)) is_netcdf = magic(:3) == 'CDF' .or. magic == achar(137) // 'HDF'
+        if (length == len(magic)) is_netcdf = magic(:3) == 'CDF' .or. magic(2:) == 'HDF'
     end function is_netcdf
 
 end module spintop_netcdf_file

@@ -64,12 +64,18 @@ if [ "${1:-}" = --task ]; then
             --threads "${SLURM_CPUS_PER_TASK:-1}" --output "$output" "$input"
         ;;
     merge)
-        # The name of the table is that of the input, or that which the input gives.
-        first=$("$program" --check --shard "1/$parts" --output "$output" "$input" | sed -n 's/^! .* -> //p')
-        stem=${first%".1-of-$parts.csv"}
+        # table_of OPTION ...: the table that the input names, of rows or, without them, of statistics.
+        table_of() {
+            local line
+            line=$("$program" --check "$@" --output "$output" "$input" | sed -n '/^! .* -> /p')
+            line=${line%%$'\n'*}
+            line=${line#*" -> "}
+            echo "${line%%", its "*}"
+        }
+        first=$(table_of --shard "1/$parts")
         tables=()
-        for ((part = 1; part <= parts; ++part)); do tables+=("$stem.$part-of-$parts.csv"); done
-        exec "$program" merge "$stem.csv" "${tables[@]}"
+        for ((part = 1; part <= parts; ++part)); do tables+=("${first/".1-of-$parts."/".$part-of-$parts."}"); done
+        exec "$program" merge "$(table_of)" "${tables[@]}"
         ;;
     esac
     echo "slurm_sweep.sh: there is no task '$task'" >&2

@@ -80,6 +80,7 @@ module spintop_scene
         character(line) :: file = ''
         character(word) :: columns(64) = ''
         character(word) :: format = 'csv'
+        integer :: compression = unset_integer
         character(event_length) :: events(32) = ''
         character(word) :: rows = ''
         ! &sweep
@@ -245,7 +246,9 @@ contains
         call table%add('output.file', scene%file, what='name of the table (default: that of the input)')
         call table%add('output.columns', scene%columns, what='columns of the table, or all')
         call table%add('output.format', scene%format, 'csv|netcdf', &
-                       'format of the table; netcdf: sweeps only, in builds with NetCDF')
+                       'format of the table; netcdf: sweeps and trajectories, in builds with NetCDF')
+        call table%add('output.compression', scene%compression, '', '[0, 9]', &
+                       'compression of a NetCDF table, which then has the format NetCDF-4 (default: none, classic format)')
         call table%add('output.events', scene%events, &
                        what='events for the table of events; see `spintop list events`')
         call table%add('output.rows', scene%rows, 'all|none', &

@@ -5,7 +5,7 @@ module spintop_statistics_merge
     use spintop_checksum, only: checksum_width
     use spintop_errors, only: error_t, input_error
     use spintop_interrupted_run, only: refuse_to_discard_idle
-    use spintop_merge, only: merge_tables, order_parts
+    use spintop_merge, only: head_of_table, merge_tables, order_parts
     use spintop_statistics_file, only: is_statistics, read_statistics
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_statistics_table, only: write_statistics
@@ -16,7 +16,8 @@ module spintop_statistics_merge
     public :: merge_parts, state_beside, statistics_beside
 
     character, parameter :: nl = new_line('a')
-    character(*), parameter :: ending = '.csv'
+    !> Endings of the names of tables, by format.
+    character(*), parameter :: endings(2) = ['.csv', '.nc ']
 
 contains
 
@@ -31,17 +32,26 @@ contains
     pure function statistics_beside(table) result(path)
         character(*), intent(in) :: table !! path of the table
         character(:), allocatable :: path
-        path = stem_of(table) // '.statistics' // ending
+        path = stem_of(table) // '.statistics' // trim(merge(endings(2), endings(1), ends_with(table, trim(endings(2)))))
     end function statistics_beside
 
     !> The path of a table without its ending.
     pure function stem_of(table) result(stem)
         character(*), intent(in) :: table
         character(:), allocatable :: stem
+        integer :: i
         stem = table
-        if (len(table) <= len(ending)) return
-        if (table(len(table) - len(ending) + 1:) == ending) stem = table(:len(table) - len(ending))
+        do i = 1, size(endings)
+            if (ends_with(table, trim(endings(i)))) stem = table(:len(table) - len_trim(endings(i)))
+        end do
     end function stem_of
+
+    !> Whether a name has an ending, and more.
+    pure logical function ends_with(name, ending)
+        character(*), intent(in) :: name, ending
+        ends_with = len(name) > len(ending)
+        if (ends_with) ends_with = name(len(name) - len(ending) + 1:) == ending
+    end function ends_with
 
     !> Merges the parts of a sweep, given in any order, into what a single run would have written, byte for byte:
     !> tables with the statistics beside them, if there are any, or the statistics of sweeps without rows.
@@ -64,7 +74,7 @@ contains
         do i = 1, size(parts)
             states(i)%text = state_beside(parts(i)%text)
         end do
-        call read_head(parts(1)%text, head, error)
+        call head_of_table(parts(1)%text, head, error)
         if (allocated(error)) return
         if (index(head, '&statistics' // nl) > 0) then
             call compare_with_table(states(1)%text, parts(1)%text, error)
@@ -79,7 +89,7 @@ contains
         character(*), intent(in) :: state, table
         type(error_t), allocatable, intent(out) :: error
         character(:), allocatable :: head, other
-        call read_head(table, head, error)
+        call head_of_table(table, head, error)
         if (.not. allocated(error)) call read_head(state, other, error)
         if (allocated(error)) return
         if (before_columns(head) == before_columns(other)) return

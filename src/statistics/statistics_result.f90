@@ -3,6 +3,7 @@
 module spintop_statistics_result
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_accumulators, only: accumulators_t, moments_t, summary_of_column_t
+    use spintop_histogram, only: most_intervals
     use spintop_kinds, only: dp, no_number
     use spintop_sobol_indices, only: sobol_index_t
     use spintop_statistics_plan, only: statistics_plan_t
@@ -10,7 +11,7 @@ module spintop_statistics_result
     use spintop_text, only: replace_all, to_text
     implicit none
     private
-    public :: result_columns, result_row, columns_before, index_row, index_cells
+    public :: result_columns, result_row, columns_before, index_row, index_cells, bytes_of_result
 
     !> Columns of a binned quantity (value, and ends of the bin), columns of counts of a bin, and columns of a
     !> column of numbers beside its quantiles.
@@ -156,5 +157,18 @@ contains
         end do
         cells(n + 1:) = real(words, dp)
     end subroutine result_row
+
+    !> Bytes of all tables of a result, at most and about: those of bins, histograms and Sobol' indices.
+    real(dp) function bytes_of_result(plan) result(bytes)
+        type(statistics_plan_t), intent(in) :: plan !! what is gathered
+        integer, parameter :: cells_of_interval = 4, words_of_index = 2
+        real(dp), parameter :: bytes_of_double = 8, bytes_of_text = 18
+        real(dp) :: cells
+        cells = 1
+        if (size(plan%over) > 0) cells = cells + real(plan%bin_count(), dp)
+        cells = cells * size(result_columns(plan)) + size(plan%numbers) * most_intervals * cells_of_interval
+        if (plan%has_indices()) cells = cells + size(plan%numbers) * size(plan%factors) * (words_of_index + index_cells)
+        bytes = cells * merge(bytes_of_double, bytes_of_text, plan%is_netcdf)
+    end function bytes_of_result
 
 end module spintop_statistics_result

@@ -101,7 +101,7 @@ contains
             call self%remove_states(error)
         end if
         select type (rows => self%rows_table)
-        type is (growing_table_t)
+        class is (growing_table_t)
             call rows%set_pause(max(least_pause, times_pause * self%plan%bytes_of_bins() / slowest_disk))
         end select
     end subroutine begin
@@ -115,7 +115,7 @@ contains
         character(checksum_width) :: checksum
 
         select type (rows => self%rows_table)
-        type is (growing_table_t)
+        class is (growing_table_t)
             entry = rows%resumed
         end select
         if (entry%state == 0) then
@@ -230,7 +230,7 @@ contains
         call self%take_over()
         if (allocated(error)) return
         select type (rows => self%rows_table)
-        type is (growing_table_t)
+        class is (growing_table_t)
             if (rows%is_due()) call take_snapshot(self, error)
         end select
     end subroutine put

@@ -7,8 +7,8 @@ module spintop_preparation
     use spintop_interrupted_run, only: refuse_to_discard_idle
     use spintop_job, only: job_t
     use spintop_namelist, only: read_namelist
+    use spintop_netcdf_file, only: has_compression, has_netcdf
     use spintop_netcdf_grid, only: most_netcdf_rows
-    use spintop_netcdf_table, only: has_netcdf
     use spintop_options, only: options_t
     use spintop_plain_text, only: escaped
     use spintop_parameters, only: unset_integer
@@ -99,7 +99,7 @@ contains
         info = study%info()
         call check_job(study, job, problems, diagnostics)
         if (.not. info%has_parts) call refuse_parts(options, problems)
-        if (job%scene%format == 'netcdf') call refuse_netcdf(info, job, options, problems)
+        call refuse_netcdf(info, job, problems)
         call choose_columns(study, job, problems)
         call study%complete(job, problems)
         call choose_events(info, job%scene, job%case, job%events, problems)
@@ -154,23 +154,31 @@ contains
         end if
     end subroutine refuse_parts
 
-    !> Reports properties that a NetCDF table cannot have.
-    subroutine refuse_netcdf(info, job, options, problems)
+    !> Reports a NetCDF table that a study, or this build, cannot write.
+    subroutine refuse_netcdf(info, job, problems)
         type(study_info_t), intent(in) :: info
         type(job_t), intent(in) :: job
-        type(options_t), intent(in) :: options
         type(problems_t), intent(inout) :: problems
-        character(*), parameter :: key = 'output.format', hint = "set output.format = 'csv'"
+        character(*), parameter :: key = 'output.format', hint = "set output.format = 'csv'", &
+            key_of_level = 'output.compression'
+        if (job%scene%compression /= unset_integer) then
+            if (job%scene%format /= 'netcdf') then
+                call problems%add(key_of_level, 'only a NetCDF table can be compressed', "set output.format = 'netcdf'")
+            else if (.not. job%keeps_rows()) then
+                call problems%add(key_of_level, 'there are no rows to compress', 'omit it')
+            else if (has_netcdf() .and. .not. has_compression()) then
+                call problems%add(key_of_level, 'the NetCDF library of this build has no format NetCDF-4', 'omit it')
+            end if
+        end if
+        if (job%scene%format /= 'netcdf') return
         if (.not. has_netcdf()) then
             call problems%add(key, 'this build has no NetCDF', 'SPINTOP_NETCDF=1 scripts/run ... makes a build with NetCDF')
         else if (.not. info%has_netcdf) then
-            call problems%add(key, 'only the table of a sweep can be NetCDF', hint)
-        else if (.not. job%keeps_rows()) then
-            return
-        else if (options%shard%is_part() .or. options%resume) then
-            call problems%add(key, 'a NetCDF table is written as a whole: --shard and --resume are not possible', hint)
-        else if (job%axes%cases > most_netcdf_rows) then
+            call problems%add(key, 'the table of ' // info%phrase // ' cannot be NetCDF', hint)
+        else if (job%keeps_rows() .and. job%axes%cases > most_netcdf_rows) then
             call problems%add(key, 'a NetCDF table holds ' // to_text(most_netcdf_rows) // ' cases at most', hint)
+        else if (job%plan%samples > most_netcdf_rows) then
+            call problems%add(key, 'a NetCDF table holds ' // to_text(most_netcdf_rows) // ' rows at most', hint)
         end if
     end subroutine refuse_netcdf
 

@@ -10,7 +10,7 @@ module spintop_study_head
     use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: study_head
+    public :: study_head, study_facts
 
 contains
 
@@ -24,6 +24,17 @@ contains
         type(fact_t) :: facts(fact_count)
         type(string_t), allocatable :: input(:), lines(:)
 
+        call study_facts(job, facts, input)
+        call describe_provenance(facts, input, columns, lines)
+        if (present(remarks)) lines = [lines, remarks]
+        head = table_head(lines, columns%name)
+    end function study_head
+
+    !> What the header says of a job, and its resolved input.
+    subroutine study_facts(job, facts, input)
+        type(job_t), intent(in) :: job !! the job
+        type(fact_t), intent(out) :: facts(fact_count) !! items of the metadata
+        type(string_t), allocatable, intent(out) :: input(:) !! the resolved namelist
         if (allocated(job%plan%model)) then
             call gather_facts(job%scene%title, job%plan%model, job%plan%method, dated=.true., facts=facts, &
                               body=body_in_words(job%case%given_body))
@@ -32,10 +43,7 @@ contains
                               dated=.true., facts=facts)
         end if
         call print_namelist(job%table, input)
-        call describe_provenance(facts, input, columns, lines)
-        if (present(remarks)) lines = [lines, remarks]
-        head = table_head(lines, columns%name)
-    end function study_head
+    end subroutine study_facts
 
     !> The mass properties of a body, in the axes in which they were given.
     function body_in_words(body) result(text)

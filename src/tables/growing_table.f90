@@ -20,7 +20,7 @@ module spintop_growing_table
     use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: growing_table_t
+    public :: growing_table_t, difference_from, changed_after
 
     !> Seconds between two entries of the journal, or, if the disk is slow, this multiple of the duration of
     !> the last entry: entries take less than a twentieth of the time of one thread.
@@ -29,7 +29,7 @@ module spintop_growing_table
     !> Bytes that are read at once.
     integer, parameter :: block_size = 1024 * 1024
 
-    !> A table of a sweep as CSV, with its journal.
+    !> A table of a sweep as CSV, with its journal. Other formats override what is done with the part.
     type, extends(row_table_t) :: growing_table_t
         !> Whether the rows are written. Otherwise the part has only the header, the journal still counts the rows,
         !> and another file is made of them, which `finish` leaves as it is.
@@ -38,7 +38,8 @@ module spintop_growing_table
         logical :: has_head = .true.
         !> The entry with which the table was resumed.
         type(journal_entry_t) :: resumed
-        type(table_file_t), private :: table
+        !> The part.
+        type(table_file_t) :: table
         !> Time at which the next entry is due; whether an entry is being written, and since when.
         real(dp), private :: due = 0, entry_began = 0
         logical, private :: in_entry = .false.
@@ -56,6 +57,12 @@ module spintop_growing_table
         procedure :: is_keeping
         procedure :: finish
         procedure :: abandon
+        procedure :: begin_part
+        procedure :: put_to_part
+        procedure :: flush_part
+        procedure :: check_part
+        procedure :: finish_part
+        procedure, nopass :: compare_head
         procedure, private :: start_anew
         procedure, private :: resume
     end type growing_table_t
@@ -80,7 +87,7 @@ contains
             call self%table%reserve(path, error)
             if (.not. allocated(error)) call self%resume(head, error)
         else if (resume .and. self%has_head .and. file_exists(path)) then
-            call compare_with_file(path, head, problem)
+            call self%compare_head(path, head, problem)
             if (problem /= '') then
                 error = refusal(path, problem)
                 return
@@ -117,10 +124,11 @@ contains
             end if
             ! A journal must never record more bytes than its part has.
             call remove_journal(path, error)
-            if (.not. allocated(error)) call self%table%begin(head, error)
+            if (.not. allocated(error)) call self%begin_part(head, error)
+            if (.not. allocated(error)) call self%flush_part(entry, error)
             if (.not. allocated(error)) call self%table%sync(error)
             if (.not. allocated(error)) then
-                entry = journal_entry_t(self%table%bytes, checksum_text(self%table%checksum), self%counts)
+                entry%counts = self%counts
                 call write_journal(path, entry, error)
             end if
             if (allocated(error)) call self%table%discard()
@@ -133,18 +141,13 @@ contains
         character(*), intent(in) :: head
         type(error_t), allocatable, intent(out) :: error
         type(journal_entry_t) :: entry
-        type(checksum_t) :: checksum
         character(:), allocatable :: problem
 
         associate (path => self%table%path)
-            call compare_with_file(part_of(path), head, problem)
+            call self%compare_head(part_of(path), head, problem)
             if (problem == '') call read_journal(path, entry, problem)
-            if (problem == '') call check_part(part_of(path), entry, checksum, problem)
-            if (problem /= '') then
-                error = refusal(path, problem)
-            else
-                call self%table%go_on(entry%bytes, checksum, error)
-            end if
+            if (problem == '') call self%check_part(entry, problem, error)
+            if (problem /= '') error = refusal(path, problem)
             if (allocated(error)) then
                 call self%table%abandon()
                 return
@@ -173,7 +176,7 @@ contains
         class(growing_table_t), intent(inout) :: self
         type(row_block_t), intent(in) :: block !! rows in their order
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        if (self%keeps_rows) call self%table%put(block%text%room(:block%text%length), error)
+        if (self%keeps_rows) call self%put_to_part(block, error)
         self%counts = self%counts + block%counts
     end subroutine put
 
@@ -201,12 +204,12 @@ contains
         if (self%in_entry .or. allocated(error) .or. self%rows() == self%kept) return
         if (seconds() < self%due .and. .not. self%entry_wanted) return
         self%entry_began = seconds()
-        call self%table%write_pending(error)
+        call self%flush_part(entry, error)
         if (allocated(error)) return
         due = .true.
         self%in_entry = .true.
         self%kept = self%rows()
-        entry = journal_entry_t(self%table%bytes, checksum_text(self%table%checksum), self%counts)
+        entry%counts = self%counts
     end subroutine take_entry
 
     !> Waits until the rows of an entry are on the disk, and then writes the entry. Other threads may add rows
@@ -237,8 +240,7 @@ contains
     subroutine finish(self, error)
         class(growing_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        type(string_t) :: no_lines(0)
-        if (self%keeps_rows) call self%table%finish(no_lines, error)
+        if (self%keeps_rows) call self%finish_part(error)
         if (.not. allocated(error)) call remove_journal(self%table%path, error)
         if (.not. self%keeps_rows) call self%table%discard()
     end subroutine finish
@@ -253,10 +255,56 @@ contains
                         ' are kept; --resume resumes the run'
     end subroutine abandon
 
-    !> Whether a file begins with a header; `problem` describes the difference, and is empty if there is none.
-    subroutine compare_with_file(path, head, problem)
-        character(*), intent(in) :: path, head
-        character(:), allocatable, intent(out) :: problem
+    !> Empties the part, and writes the header.
+    subroutine begin_part(self, head, error)
+        class(growing_table_t), intent(inout) :: self
+        character(*), intent(in) :: head !! the header
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        call self%table%begin(head, error)
+    end subroutine begin_part
+
+    !> Adds rows to the part.
+    subroutine put_to_part(self, block, error)
+        class(growing_table_t), intent(inout) :: self
+        type(row_block_t), intent(in) :: block !! rows in their order
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        call self%table%put(block%text%room(:block%text%length), error)
+    end subroutine put_to_part
+
+    !> Passes all rows to the system; `entry` gets their bytes and checksum.
+    subroutine flush_part(self, entry, error)
+        class(growing_table_t), intent(inout) :: self
+        type(journal_entry_t), intent(out) :: entry !! without the numbers of rows
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        call self%table%write_pending(error)
+        entry%bytes = self%table%bytes
+        entry%checksum = checksum_text(self%table%checksum)
+    end subroutine flush_part
+
+    !> Checks that the part has the bytes of an entry, and truncates it to them: writing continues there.
+    subroutine check_part(self, entry, problem, error)
+        class(growing_table_t), intent(inout) :: self
+        type(journal_entry_t), intent(in) :: entry !! entry of the journal
+        character(:), allocatable, intent(out) :: problem !! why the part is not the right one; '' if it is
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(checksum_t) :: checksum
+        call check_bytes(part_of(self%table%path), entry, checksum, problem)
+        if (problem == '') call self%table%go_on(entry%bytes, checksum, error)
+    end subroutine check_part
+
+    !> Renames the part to the table, when it is on the disk.
+    subroutine finish_part(self, error)
+        class(growing_table_t), intent(inout) :: self
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(string_t) :: no_lines(0)
+        call self%table%finish(no_lines, error)
+    end subroutine finish_part
+
+    !> Whether a file has a header; `problem` describes the difference, and is empty if there is none.
+    subroutine compare_head(path, head, problem)
+        character(*), intent(in) :: path !! path of the file
+        character(*), intent(in) :: head !! the header
+        character(:), allocatable, intent(out) :: problem !! '' if it is the same
         type(input_file_t) :: file
         type(error_t), allocatable :: error
         character(:), allocatable :: found
@@ -270,13 +318,22 @@ contains
         if (allocated(error)) then
             problem = error%message
         else
-            problem = compare_heads(found(:length), 'there', head, 'here')
-            if (problem /= '') problem = path // ' was made by another program, build or input' // problem
+            problem = difference_from(path, found(:length), head)
         end if
-    end subroutine compare_with_file
+    end subroutine compare_head
+
+    !> How the header of a file differs from another one; '' if it does not.
+    function difference_from(path, found, head) result(problem)
+        character(*), intent(in) :: path !! path of the file
+        character(*), intent(in) :: found !! its header
+        character(*), intent(in) :: head !! the other header
+        character(:), allocatable :: problem
+        problem = compare_heads(found, 'there', head, 'here')
+        if (problem /= '') problem = path // ' was made by another program, build or input' // problem
+    end function difference_from
 
     !> Whether a part has the bytes of an entry. `checksum` is updated with them.
-    subroutine check_part(part, entry, checksum, problem)
+    subroutine check_bytes(part, entry, checksum, problem)
         character(*), intent(in) :: part
         type(journal_entry_t), intent(in) :: entry
         type(checksum_t), intent(out) :: checksum
@@ -303,9 +360,16 @@ contains
         else if (left > 0) then
             problem = part // ' is shorter than its journal records'
         else if (checksum_text(checksum) /= entry%checksum) then
-            problem = part // ' was changed after it was written: its checksum differs from that in its journal'
+            problem = changed_after(part)
         end if
-    end subroutine check_part
+    end subroutine check_bytes
+
+    !> What is wrong with a part whose checksum is not that of its journal.
+    pure function changed_after(part) result(problem)
+        character(*), intent(in) :: part !! path of the part
+        character(:), allocatable :: problem
+        problem = part // ' was changed after it was written: its checksum differs from that in its journal'
+    end function changed_after
 
     type(error_t) function refusal(path, problem) result(error)
         character(*), intent(in) :: path, problem

@@ -4,16 +4,19 @@ module spintop_merge
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: input_file_t
     use spintop_interrupted_run, only: refuse_to_discard_idle
+    use spintop_netcdf_file, only: is_netcdf, netcdf_file_t
+    use spintop_netcdf_table, only: head_of_netcdf, netcdf_table_t
+    use spintop_row_block, only: row_block_t
     use spintop_shard, only: read_shard_line, shard_t
     use spintop_table_file, only: table_file_t
     use spintop_table_head, only: check_format, compare_heads, first_line_of, read_head
     use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: merge_tables, order_parts
+    public :: merge_tables, order_parts, head_of_table
 
-    !> Bytes that are copied at once.
-    integer, parameter :: block_size = 1024 * 1024
+    !> Bytes of text, or rows of NetCDF, that are copied at once.
+    integer, parameter :: block_size = 1024 * 1024, rows_at_once = 4096
 
     character, parameter :: nl = new_line('a')
 
@@ -37,6 +40,10 @@ contains
         call order_parts(path, parts, head, cases, part_at, error)
         if (.not. allocated(error)) call refuse_to_discard_idle(path, error)
         if (allocated(error)) return
+        if (is_netcdf(parts(1)%text)) then
+            call merge_netcdf(path, parts, part_at, head, error)
+            return
+        end if
         call table%create(path, head, error)
         do i = 1, size(part_at)
             if (allocated(error)) exit
@@ -48,6 +55,53 @@ contains
         if (.not. allocated(error)) call table%finish(no_lines, error)
         if (allocated(error)) call table%discard()
     end subroutine merge_tables
+
+    !> Joins NetCDF tables: their rows are put to a table of the whole.
+    subroutine merge_netcdf(path, parts, part_at, head, error)
+        character(*), intent(in) :: path, head
+        type(string_t), intent(in) :: parts(:)
+        integer, intent(in) :: part_at(:)
+        type(error_t), allocatable, intent(out) :: error
+        type(netcdf_file_t) :: part
+        type(netcdf_table_t) :: table
+        type(row_block_t) :: block
+        type(error_t), allocatable :: ignored
+        integer(int64) :: first
+        integer :: i, rows
+
+        do i = 1, size(part_at)
+            call part%open(parts(part_at(i))%text, .false., error)
+            if (i == 1 .and. .not. allocated(error)) then
+                table%description = part%description
+                table%description%part = ''
+                call table%start(path, head, .false., .false., error)
+            end if
+            do first = 1, part%room, rows_at_once
+                if (allocated(error)) exit
+                rows = int(min(int(rows_at_once, int64), part%room - first + 1))
+                call block%reserve(size(part%description%columns), rows)
+                call part%get(first, block%cells(:, :rows), error)
+                block%rows = rows
+                if (.not. allocated(error)) call table%put(block, error)
+            end do
+            call part%close(ignored)
+            if (allocated(error)) exit
+        end do
+        if (.not. allocated(error)) call table%finish(error)
+        if (allocated(error)) call table%discard()
+    end subroutine merge_netcdf
+
+    !> The header of a table in either format, as text.
+    subroutine head_of_table(path, head, error)
+        character(*), intent(in) :: path !! path of the table
+        character(:), allocatable, intent(out) :: head !! the header
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        if (is_netcdf(path)) then
+            call head_of_netcdf(path, head, error)
+        else
+            call read_head(path, head, error)
+        end if
+    end subroutine head_of_table
 
     !> Identifies the parts. `head` is the header of the whole table: the header of the parts without the
     !> first line, which names the part.
@@ -71,7 +125,7 @@ contains
                     error = input_error('cannot merge into ' // path // ': it is also one of the parts')
                     return
                 end if
-                call read_head(part, this_head, error)
+                call head_of_table(part, this_head, error)
                 if (.not. allocated(error)) call check_format(part, this_head, error)
                 if (allocated(error)) return
                 line = first_line_of(this_head)

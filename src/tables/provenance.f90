@@ -106,7 +106,7 @@ contains
 
     !> The comment lines in the header of a table: `key: value`, then the input, then the columns.
     subroutine describe_provenance(facts, input, columns, lines)
-        type(fact_t), intent(in) :: facts(fact_count) !! items of the metadata
+        type(fact_t), intent(in) :: facts(:) !! items of the metadata
         type(string_t), intent(in) :: input(:) !! the resolved namelist
         class(column_t), intent(in) :: columns(:) !! columns of the table
         type(string_t), allocatable, intent(out) :: lines(:) !! lines of text

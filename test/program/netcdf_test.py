@@ -1,21 +1,24 @@
-"""NetCDF tables of sweeps: the numbers of the CSV, bit for bit, by the conventions of CF."""
+"""NetCDF tables: the numbers of the CSV, bit for bit, by the conventions of CF."""
 
 import os
+import random
 import resource
 import signal
 import struct
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
 
 from mpi_test import ENVIRONMENT  # noqa: E402
-from program_test import GOOD, ProgramCase, Table  # noqa: E402
+from program_test import GOOD, PROGRAM, ProgramCase, Table  # noqa: E402
 from spintop_figures.sweeps.scatter import object_to_scatter  # noqa: E402
 from spintop_figures.tables.netcdf import Attributes, Variable, read_netcdf  # noqa: E402
-from spintop_figures.tables.table import read_table  # noqa: E402
+from spintop_figures.tables.table import TableError, read_table  # noqa: E402
+from survival_test import SLOW  # noqa: E402
 
 NETCDF = "output.format=netcdf"
 # Cases of every kind: a top, one with a pole on its way, one that is none; and words and notes.
@@ -210,18 +213,25 @@ class FailureTest(NetcdfCase):
 
     def test_refusals(self) -> None:
         """An impossible NetCDF table is an input error with a hint."""
-        for scene, arguments, reason in (
-            (self.write(GOOD, "good.nml"), [], "only the table of a sweep can be NetCDF"),
-            (self.grid, ["--shard", "1/2"], "--shard and --resume are not possible"),
-            (self.grid, ["--resume"], "--shard and --resume are not possible"),
+        stability = "&study kind = 'stability' /\n&stability cases = 'sleeping_above' /\n"
+        said = self.refuse(self.write(stability, "stability.nml"), "--set", NETCDF)
+        self.assertIn("the table of a stability study cannot be NetCDF", said)
+        self.assertIn("set output.format = 'csv'", said)
+        for setting, reason in (
+            ("output.format=csv", "only a NetCDF table can be compressed"),
+            ("output.rows=none", "there are no rows to compress"),
         ):
-            with self.subTest(reason):
-                said = self.refuse(scene, "--set", NETCDF, *arguments)
-                self.assertIn(reason, said)
-                self.assertIn("set output.format = 'csv'", said)
+            settings = ["--set", NETCDF, "--set", setting, "--set", "output.compression=4"]
+            if "rows" in setting:
+                settings += ["--set", "statistics.columns=theta_min"]
+            else:
+                settings = settings[2:]
+            self.assertIn(reason, self.refuse(self.grid, *settings))
+        said = self.refuse(self.grid, "--set", NETCDF, "--set", "output.compression=10")
+        self.assertIn("must be in [0, 9]", said)
 
     def test_disk_that_fills_up(self) -> None:
-        """Exit code 4, and nothing is left."""
+        """Exit code 4; what was written is kept, and a run with more room goes on with it."""
         disk = self.folder / "disk"
         disk.mkdir()
         command = ["mount", "-t", "tmpfs", "-o", "size=256k", "none", disk]
@@ -233,8 +243,14 @@ class FailureTest(NetcdfCase):
         self.addCleanup(subprocess.run, ["umount", disk], check=True)
         said = self.sweep(self.write(LONG, "long.nml"), "-o", disk, code=4)
         self.assertIn("No space left on device", said)
-        self.assertIn("nothing is kept of", said)
-        self.assertEqual(list(disk.iterdir()), [])
+        self.assertIn("--resume resumes the run", said)
+        left = sorted(path.name for path in disk.iterdir())
+        self.assertEqual(left, ["long.nc.journal", "long.nc.part"])
+        subprocess.run(["mount", "-o", "remount,size=16m", disk], check=True)
+        self.sweep(self.folder / "long.nml", "-o", disk, "--resume")
+        self.sweep(self.folder / "long.nml")
+        tables = (folder / "long.nc" for folder in (disk, self.folder / "output"))
+        self.assertEqual(*(table.read_bytes() for table in tables))
 
     def test_file_that_may_not_grow(self) -> None:
         """The system stops the run in the midst of a write: no table of that name."""
@@ -253,3 +269,308 @@ class FailureTest(NetcdfCase):
         self.sweep(self.grid, "-o", "/proc/spintop", code=4)
         (self.folder / "output/grid.nc.part").mkdir(parents=True)
         self.assertIn("grid.nc.part", self.sweep(self.grid, code=4))
+
+
+class PartsTest(NetcdfCase):
+    """Parts of a sweep, merged to what one run would have written."""
+
+    def parts(self, name: str, count: int, *arguments: str, code: int = 0) -> list[str]:
+        """Compute all parts; returns their tables."""
+        scene = self.folder / f"{name}.nml"
+        for number in range(1, count + 1):
+            result = self.run_program(
+                scene, "--set", NETCDF, "--shard", f"{number}/{count}", *arguments
+            )
+            self.assertIn(result.returncode, (0, code), result.stderr)
+        return [f"output/{name}.{i}-of-{count}.nc" for i in range(1, count + 1)]
+
+    def test_merged_parts_are_the_whole(self) -> None:
+        """Byte for byte, in any order of the parts, also if there are more parts than cases."""
+        self.write(LONG, "long.nml")
+        self.write(GRID.replace("count(3) = 7", "count(3) = 1"), "small.nml")
+        for name, count, code in (("grid", 3, 3), ("long", 2, 0), ("small", 13, 3)):
+            with self.subTest(name):
+                parts = self.parts(name, count, code=code)
+                random.shuffle(parts)
+                said = self.run_program("merge", "output/merged.nc", *parts)
+                self.assertEqual(said.returncode, 0, said.stderr)
+                self.sweep(self.folder / f"{name}.nml", code=code)
+                whole = (self.folder / f"output/{name}.nc").read_bytes()
+                self.assertEqual((self.folder / "output/merged.nc").read_bytes(), whole)
+                self.assertFalse(list((self.folder / "output").glob("*.part")))
+                self.assertFalse(list((self.folder / "output").glob("*.journal")))
+
+    def test_a_part_is_a_table_of_its_cases(self) -> None:
+        """One dimension, the case; the rows are those of the CSV part."""
+        parts = self.parts("grid", 3, code=3)
+        self.run_program(self.grid, "--shard", "2/3")
+        attributes, variables = self.netcdf(Path(parts[1]).name)
+        self.assertEqual(attributes["part"], "part 2 of 3: cases 29 to 56 of 84")
+        self.assertEqual({each.dimensions for each in variables.values()}, {("case",)})
+        self.assertEqual(variables["case"].values.tolist(), list(range(29, 57)))
+        texts = self.table("grid.2-of-3")
+        for name in ("top.gravity", "theta_min", "com_z_min"):
+            column = variables[name.replace(".", "_")]
+            expected = [bits(float(cell)) for cell in texts.texts(name)]
+            self.assertEqual([bits(float(value)) for value in column.values], expected)
+
+    def test_foreign_parts_are_refused(self) -> None:
+        """A part of another sweep, of another format, one that is missing, or twice there."""
+        parts = self.parts("grid", 2, code=3)
+        self.write(GRID.replace("psi_rate = 3", "psi_rate = 4"), "other.nml")
+        others = self.parts("other", 2, code=3)
+        self.run_program(self.grid, "--shard", "2/2")
+        self.sweep(self.grid, code=3)
+        for tables, reason in (
+            ([parts[0], others[1]], "it is a part of another sweep than"),
+            ([parts[0], "output/grid.2-of-2.csv"], "it is a part of another sweep than"),
+            ([parts[0]], "missing of 2 parts: 2"),
+            ([parts[0], parts[0]], "it is part 1, as is"),
+            (["output/grid.nc"], "it is not a part of a sweep"),
+        ):
+            with self.subTest(reason):
+                result = self.run_program("merge", "output/merged.nc", *tables)
+                self.assertEqual(result.returncode, 2)
+                self.assertIn(reason, result.stderr)
+                self.assertFalse((self.folder / "output/merged.nc").exists())
+
+    def test_statistics_beside_the_parts(self) -> None:
+        """Both are merged."""
+        text = LONG + "&statistics columns = 'delta_u', over = 'initial.psi_rate', bins = 5 /\n"
+        self.write(text, "gathered.nml")
+        parts = self.parts("gathered", 2)
+        result = self.run_program("merge", "output/merged.nc", *parts)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.sweep(self.folder / "gathered.nml")
+        for ending in (".nc", ".statistics.nc"):
+            whole = (self.folder / f"output/gathered{ending}").read_bytes()
+            self.assertEqual((self.folder / f"output/merged{ending}").read_bytes(), whole)
+
+
+class InterruptionTest(NetcdfCase):
+    """Runs that are killed, and go on to the same bytes."""
+
+    def start(self, *arguments: str) -> subprocess.Popen:
+        """Start the slow sweep on one thread."""
+        run = subprocess.Popen(
+            [*self.command, "slow.nml", "--set", NETCDF, "--threads", "1", *arguments],
+            cwd=self.folder,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        self.addCleanup(run.wait)
+        self.addCleanup(run.kill)
+        return run
+
+    def rows(self) -> int:
+        """Rows that the journal has; 0 without one."""
+        path = self.folder / "output/slow.nc.journal"
+        if not path.exists():
+            return 0
+        lines = path.read_text(encoding="ascii").splitlines()
+        return sum(int(n) for line in lines if line.startswith("rows:") for n in line.split()[1:])
+
+    def interrupt(self, *arguments: str) -> int:
+        """Kill a run when the journal has some rows more; returns its rows."""
+        before = self.rows()
+        run = self.start("--resume", *arguments)
+        deadline = time.monotonic() + 300
+        while self.rows() <= before:
+            self.assertIsNone(run.poll(), "the run ended too early")
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.01)
+        run.kill()
+        run.wait()
+        return self.rows()
+
+    def test_killed_and_resumed(self) -> None:
+        """With compression and without, with statistics, as a part: as if nothing had happened."""
+        self.write(SLOW, "slow.nml")
+        gathered = ["--set", "statistics.columns=theta_min"]
+        for arguments in ([], ["--set", "output.compression=5"], gathered):
+            with self.subTest(str(arguments)):
+                whole = self.folder / "whole"
+                self.sweep(self.folder / "slow.nml", *arguments, "-o", whole)
+                rows = self.interrupt(*arguments)
+                rows = max(rows, self.interrupt(*arguments))
+                said = self.sweep(self.folder / "slow.nml", *arguments, "--resume")
+                self.assertIn(f"resumes after {rows} rows of an interrupted run", said)
+                for table in whole.glob("*.nc"):
+                    again = self.folder / "output" / table.name
+                    self.assertEqual(again.read_bytes(), table.read_bytes())
+                left = sorted(path.name for path in (self.folder / "output").iterdir())
+                self.assertEqual(left, sorted(path.name for path in whole.iterdir()))
+                said = self.sweep(self.folder / "slow.nml", *arguments, "--resume")
+                self.assertIn("nothing was computed: the table is already complete", said)
+                for path in (self.folder / "output").iterdir():
+                    path.unlink()
+
+    def test_strangers_and_damage_are_refused(self) -> None:
+        """Nothing is discarded unasked, nothing continued that is not the same."""
+        scene = self.write(SLOW, "slow.nml")
+        rows = self.interrupt()
+        part = self.folder / "output/slow.nc.part"
+        kept = part.read_bytes()
+        said = self.sweep(scene, code=2)
+        self.assertIn(f"an interrupted run of output/slow.nc is there: {rows} rows are kept", said)
+        said = self.sweep(scene, "--resume", "--set", "top.mass=2", code=2)
+        self.assertIn("was made by another program, build or input", said)
+        self.assertEqual(part.read_bytes(), kept)
+        damaged = bytearray(kept)
+        damaged[kept.index(struct.pack(">d", 1.0)) + 7] ^= 1  # the first value of the axis
+        for content, reason in (
+            (bytes(damaged), "was changed after it was written"),
+            (kept[:100], "cannot read"),
+            (b"", "cannot read"),
+        ):
+            part.write_bytes(content)
+            self.assertIn(reason, self.sweep(scene, "--resume", code=2))
+        part.write_bytes(kept)
+        self.sweep(scene, "--resume")
+        self.assertFalse(part.exists())
+
+    def test_a_signal_keeps_what_is_there(self) -> None:
+        """And says so."""
+        self.write(SLOW, "slow.nml")
+        run = subprocess.Popen(
+            [PROGRAM, "slow.nml", "--set", NETCDF, "--threads", "1"],
+            cwd=self.folder,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        deadline = time.monotonic() + 300
+        while self.rows() == 0 and time.monotonic() < deadline:
+            time.sleep(0.01)
+        run.send_signal(signal.SIGTERM)
+        said = run.communicate(timeout=60)[1]
+        self.assertEqual(run.returncode, -signal.SIGTERM)
+        self.assertIn(f"interrupted: {self.rows()} of 1000 rows of output/slow.nc are kept", said)
+
+
+class CompressionTest(NetcdfCase):
+    """The format NetCDF-4."""
+
+    def setUp(self) -> None:
+        """Leave out builds without the format."""
+        super().setUp()
+        self.level = ["--set", "output.compression=6"]
+        said = self.run_program("--check", self.grid, "--set", NETCDF, *self.level).stderr
+        if "has no format NetCDF-4" in said:
+            self.skipTest("no NetCDF-4")
+
+    def test_same_cells(self) -> None:
+        """All numbers, words, attributes and coordinates of the classic file, in fewer bytes."""
+        self.write(LONG, "long.nml")
+        for name, code in (("grid", 3), ("long", 0)):
+            scene = self.folder / f"{name}.nml"
+            self.run_program(scene)
+            self.sweep(scene, code=code)
+            plain = (self.folder / f"output/{name}.nc").stat().st_size
+            self.sweep(scene, *self.level, code=code)
+            path = self.folder / f"output/{name}.nc"
+            self.assertEqual(path.read_bytes()[:4], b"\x89HDF")
+            text, table = self.table(name), read_table(path)
+            self.assertEqual(table.settings["output.compression"], ["6"])
+            self.assertEqual(list(table.rows), text.names)
+            for column in text.names:
+                cells = text.texts(column)
+                if column in ("status", "motion_class"):
+                    self.assertEqual(list(table.rows[column]), cells)
+                elif column != "notes":
+                    found = [bits(float(value)) for value in table.rows[column]]
+                    self.assertEqual(found, [bits(float(cell)) for cell in cells], column)
+        self.assertLess(path.stat().st_size, 0.8 * plain)
+
+    def test_same_bytes(self) -> None:
+        """For any number of threads, and merged from parts."""
+        scene = self.write(LONG, "long.nml")
+        self.sweep(scene, *self.level, "--threads", "1")
+        first = (self.folder / "output/long.nc").read_bytes()
+        self.sweep(scene, *self.level, "--threads", "3")
+        self.assertEqual((self.folder / "output/long.nc").read_bytes(), first)
+        for part in ("1/2", "2/2"):
+            self.sweep(scene, *self.level, "--shard", part)
+        parts = [f"output/long.{i}-of-2.nc" for i in (1, 2)]
+        self.assertEqual(self.run_program("merge", "output/merged.nc", *parts).returncode, 0)
+        self.assertEqual((self.folder / "output/merged.nc").read_bytes(), first)
+
+
+class TrajectoryTest(NetcdfCase):
+    """Trajectories in both formats."""
+
+    def both(self, text: str, code: int = 0) -> tuple[Table, object]:
+        """Run a trajectory in both formats, and compare all numbers."""
+        scene = self.write(text, "scene.nml")
+        self.assertEqual(self.run_program(scene).returncode, code)
+        csv = read_table(self.folder / "output/scene.csv")
+        for arguments in ([], ["--set", "output.compression=1"]):
+            self.sweep(scene, *arguments, code=code)
+            table = read_table(self.folder / "output/scene.nc")
+            self.assertEqual(table.status, csv.status)
+            self.assertEqual(table.units, csv.units)
+            self.assertEqual(table.meanings, csv.meanings)
+            self.assertEqual(list(table.rows), list(csv.rows))
+            for name in csv.rows:
+                pairs = zip(table.rows[name], csv.rows[name], strict=True)
+                self.assertTrue(all(bits(float(a)) == bits(float(b)) for a, b in pairs), name)
+        left = {path.name for path in (self.folder / "output").iterdir()}
+        self.assertLessEqual(left, {"scene.csv", "scene.nc", "scene.events.csv"})
+        return csv, table
+
+    def test_same_numbers(self) -> None:
+        """Of a complete motion; time is the coordinate."""
+        self.both(GOOD)
+        self.sweep(self.folder / "scene.nml")
+        attributes, variables = self.netcdf("scene.nc")
+        self.assertEqual(attributes["status"], "ok")
+        self.assertIn("date", attributes)
+        self.assertEqual({each.dimensions for each in variables.values()}, {("t",)})
+        self.assertNotIn("_FillValue", variables["t"].attributes)
+
+    def test_without_time(self) -> None:
+        """The rows are the dimension."""
+        scene = self.write(GOOD, "scene.nml")
+        self.sweep(scene, "--set", "output.columns=theta,psi")
+        _, variables = self.netcdf("scene.nc")
+        self.assertEqual(variables["theta"].dimensions, ("row",))
+
+    def test_motions_that_end_early(self) -> None:
+        """At an event, or with a failure: the rows up to there, and why."""
+        span = (
+            "&span t_end = 50, samples = 3001, stop_at = 'upper_turning_points', stop_after = 2 /"
+        )
+        text = GRID.split("&study", maxsplit=1)[0] + (
+            "&top mass = 1.0, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387 /\n"
+            "&initial theta_deg = 20, psi_rate = 3 /\n"
+            f"{span}\n&integration formulation = 'rigid_body', method = 'dop853' /\n"
+        )
+        csv, _ = self.both(text)
+        self.assertEqual((csv.status, len(csv.rows)), ("ok", 3001))
+        text = text.replace(span, "&span t_end = 50, samples = 3001 /")
+        csv, _ = self.both(text.replace("'dop853'", "'dop853', max_steps = 50"), code=3)
+        self.assertRegex(csv.status, "^step_limit at t = ")
+        self.assertLess(len(csv.rows), 3001)
+        # A method with a fixed step size writes the steps up to the event.
+        steps = text.replace("samples = 3001", "stop_at = 'theta = 1.0'")
+        csv, _ = self.both(steps.replace("'dop853'", "'rk4', steps = 5000"))
+        self.assertEqual(csv.status, "ok")
+        self.assertLess(len(csv.rows), 5001)
+
+    def test_a_killed_motion_leaves_no_table(self) -> None:
+        """A file that was cut short is reported by those who read it."""
+        long = GOOD.replace("steps = 10", "steps = 20000000, max_steps = 2000000000")
+        scene = self.write(long, "scene.nml")
+        run = subprocess.Popen([PROGRAM, scene, "--set", NETCDF], cwd=self.folder)
+        part = self.folder / "output/scene.nc.part"
+        while not part.exists() or part.stat().st_size < 100_000:
+            self.assertIsNone(run.poll())
+            time.sleep(0.01)
+        run.kill()
+        run.wait()
+        self.assertFalse((self.folder / "output/scene.nc").exists())
+        part.rename(self.folder / "cut.nc")
+        with self.assertRaises(TableError):
+            read_table(self.folder / "cut.nc")
+        # The next run is not in the way of what is left.
+        self.sweep(self.write(GOOD, "scene.nml"))

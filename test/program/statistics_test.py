@@ -1,6 +1,7 @@
 """Statistics of sweeps: their numbers, the same bytes however a run goes, hostile input."""
 
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -502,3 +503,24 @@ class RefusalTest(StatisticsCase):
 
 if __name__ == "__main__":
     unittest.main()
+
+
+class ForecastTest(StatisticsCase):
+    """What --check says of the tables of statistics."""
+
+    def test_bytes_of_the_tables(self) -> None:
+        """At most, and no more than some times what is then written: map, histograms, indices."""
+        bare = MAP.replace(COLUMNS, ROWS).replace("quantiles_of = 'bins'", "")
+        mapped = bare.replace("bins(2) = 3", "bins(2) = 3000")
+        for name, text in (("bare", bare), ("mapped", mapped)):
+            path = self.write_input(text, f"{name}.nml")
+            said = self.run_well("--check", path)
+            self.assertNotIn("bytes per case", said)
+            found = re.search(r"! +statistics +about (\S+) (k?M?)B at most\n", said)
+            self.assertTrue(found, said)
+            forecast = float(found[1]) * {"": 1, "k": 1e3, "M": 1e6}[found[2]]
+            self.run_well(path)
+            parts = self.folder.glob(f"output/{name}.*.csv")
+            written = sum(part.stat().st_size for part in parts)
+            self.assertLess(written, 1.5 * forecast)
+            self.assertLess(forecast, 4 * written)

@@ -532,6 +532,34 @@ class ShardTest(SurvivalCase):
                 self.assertEqual(self.read("o u t/named.csv"), whole)
                 shutil.rmtree(self.folder / "o u t")
 
+    def test_a_job_array_of_statistics(self) -> None:
+        """Its parts are merged as well, beside those of the rows or without any."""
+        text = FAST + "&statistics columns = 'theta_max', over = 'initial.psi_rate', bins = 7 /\n"
+        for rows, names in (
+            ("all", ["fast.csv", "fast.statistics.csv"]),
+            ("none", ["fast.statistics.csv"]),
+        ):
+            with self.subTest(rows):
+                scene = self.write(text + f"&output rows = '{rows}' /\n", "fast.nml")
+                self.assertEqual(self.run_program(scene, "-o", "whole").returncode, 0)
+                self.fake_slurm()
+                result = subprocess.run(
+                    [ROOT / "scripts/slurm_sweep.sh", "fast.nml", "3"],
+                    cwd=self.folder,
+                    env=os.environ
+                    | {"PATH": f"{self.folder}/bin:{os.environ['PATH']}"}
+                    | {"SPINTOP_EXE": PROGRAM, "OUTPUT": "o u t"},
+                    capture_output=True,
+                    text=True,
+                    check=False,
+                )
+                said = self.read("log").decode()
+                self.assertEqual(result.returncode, 0, result.stderr + said)
+                for name in names:
+                    self.assertEqual(self.read(f"o u t/{name}"), self.read(f"whole/{name}"), said)
+                shutil.rmtree(self.folder / "o u t")
+                shutil.rmtree(self.folder / "whole")
+
     def test_a_job_out_of_time_is_queued_again(self) -> None:
         """The warning ends each task with its rows kept; it requeues itself, and goes on."""
         whole = self.reference

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-MAGIC = b"CDF\x02"
+MAGIC, MAGIC_OF_NETCDF4 = b"CDF\x02", b"\x89HDF"
 TYPES = {1: ">i1", 2: "S1", 3: ">i2", 4: ">i4", 5: ">f4", 6: ">f8"}
 CHARACTERS = 2
 Attributes = dict[str, str | np.ndarray]
@@ -60,6 +60,12 @@ class Header:
             values = np.frombuffer(self.take(count * np.dtype(TYPES[kind]).itemsize), TYPES[kind])
             found[name] = values.tobytes().decode() if kind == CHARACTERS else values
         return found
+
+
+def is_netcdf4(path: Path) -> bool:
+    """Whether a file has the format NetCDF-4, which this module does not read."""
+    with path.open("rb") as file:
+        return file.read(4) == MAGIC_OF_NETCDF4
 
 
 def read_netcdf(path: Path) -> tuple[Attributes, dict[str, Variable]]:

@@ -12,7 +12,15 @@ import numpy as np
 import pandas as pd
 
 from spintop_figures.tables.characters import printable
-from spintop_figures.tables.netcdf import Attributes, FormatError, Variable, cells_of, read_netcdf
+from spintop_figures.tables.netcdf import (
+    Attributes,
+    FormatError,
+    Variable,
+    cells_of,
+    is_netcdf4,
+    read_netcdf,
+)
+from spintop_figures.tables.netcdf_library import read_netcdf4
 
 FORMAT = "1"
 """Format of the tables that can be read."""
@@ -124,9 +132,10 @@ def read_table(path: str | Path) -> Table:
 
 
 def read_netcdf_table(path: Path) -> Table:
-    """Read the NetCDF table of a sweep."""
+    """Read the NetCDF table of a sweep or of a trajectory."""
     try:
-        return table_of_netcdf(path, *read_netcdf(path))
+        parts = read_netcdf4(path) if is_netcdf4(path) else read_netcdf(path)
+        return table_of_netcdf(path, *parts)
     except OSError as error:
         raise TableError((error.strerror or str(error)).lower()) from error
     except FormatError as error:
@@ -148,12 +157,16 @@ def table_of_netcdf(path: Path, attributes: Attributes, variables: dict[str, Var
     if "all_cases" in variables:
         return table_of_statistics(path, header, settings, variables, resolved)
     columns = {printable(each.attributes["column"]): each for each in variables.values()}
-    stride = stride_of(settings, list(columns), columns["case"].values.size)
-    cells = {name: cells_of(column, columns["case"]) for name, column in columns.items()}
+    grid = columns.get("case", next(iter(columns.values())))
+    status = header.pop("status", None)
+    if grid.values.size == 0:
+        raise TableError("has no rows" + (f" (status: {status})" if status else ""))
+    stride = stride_of(settings, list(columns), grid.values.size)
+    cells = {name: cells_of(column, grid) for name, column in columns.items()}
     rows = pd.DataFrame({name: native(column[::stride]) for name, column in cells.items()})
     units = {name: attribute(column, "units") for name, column in columns.items()}
     meanings = {name: attribute(column, "long_name") for name, column in columns.items()}
-    return Table(path, header, settings, units, meanings, rows, None, stride, resolved)
+    return Table(path, header, settings, units, meanings, rows, status, stride, resolved)
 
 
 def table_of_statistics(

@@ -8,6 +8,7 @@ module spintop_sweep_forecast
     use spintop_process, only: peak_memory
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
+    use spintop_statistics_result, only: bytes_of_result
     use spintop_summary, only: rounded, summary_t
     use spintop_sweep_table, only: cells_of_row, describe_table
     use spintop_sweep_team, only: blocks_ahead
@@ -55,8 +56,16 @@ contains
         threads = max(1, threads)
         bytes = real(sample%bytes, dp) / sample%cases
         memory = peak_memory() + real(blocks_ahead * threads, dp) * size_of_block(job) * (bytes + 8 * cells_of_row(job))
-        call summary%add('table', 'about ' // amount(len(head) + bytes * cases, 'B') // ', ' // rounded(bytes, 3) // &
-                         ' bytes per case')
+        if (job%statistics%is_wanted) memory = memory + job%statistics%bytes()
+        if (job%keeps_rows()) then
+            call summary%add('table', 'about ' // amount(len(head) + bytes * cases, 'B') // ', ' // rounded(bytes, 3) // &
+                             ' bytes per case')
+        end if
+        if (job%statistics%is_wanted) then
+            bytes = bytes_of_result(job%statistics)
+            if (options%shard%is_part()) bytes = job%statistics%bytes()
+            call summary%add('statistics', 'about ' // amount(len(head) + bytes, 'B') // ' at most')
+        end if
         call summary%add('memory', 'about ' // amount(memory, 'B'))
         call summary%add('time', 'about ' // duration(sample%time / sample%cases * cases / threads) // ' on ' // &
                          to_text(threads) // ' threads, from ' // to_text(sample%cases) // ' cases in ' // &

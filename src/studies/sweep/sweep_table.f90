@@ -11,6 +11,7 @@ module spintop_sweep_table
     use spintop_netcdf_grid, only: netcdf_axis_t
     use spintop_netcdf_table, only: netcdf_table_t
     use spintop_nutation, only: class_names
+    use spintop_parameters, only: unset_integer
     use spintop_parameter_print, only: print_namelist
     use spintop_provenance, only: describe_provenance, fact_count, fact_t, gather_facts
     use spintop_row_block, only: row_block_t
@@ -47,11 +48,11 @@ contains
         type(statistics_table_t), allocatable :: with_statistics
 
         if (job%scene%format == 'netcdf' .and. job%keeps_rows()) then
-            allocate (netcdf_table_t :: table)
+            call describe_netcdf(job, shard, table)
         else
             allocate (growing_table_t :: table)
+            call describe_columns(job, table%columns)
         end if
-        call describe_columns(job, table%columns)
         columns = table%columns
         call make_head(job, shard, columns, head)
         if (.not. job%statistics%is_wanted) return
@@ -61,6 +62,28 @@ contains
         with_statistics%columns = columns
         call move_alloc(with_statistics, table)
     end subroutine describe_table
+
+    !> The table of a job as a NetCDF file.
+    subroutine describe_netcdf(job, shard, table)
+        type(job_t), intent(in) :: job
+        type(shard_t), intent(in) :: shard
+        class(row_table_t), allocatable, intent(out) :: table
+        type(netcdf_table_t), allocatable :: file
+        type(fact_t) :: facts(fact_count)
+
+        allocate (file)
+        call describe_columns(job, file%columns)
+        associate (description => file%description)
+            call gather(job, facts, description%input)
+            description%facts = facts
+            description%columns = file%columns
+            description%axes = grid_of(job%axes)
+            description%part = ''
+            if (shard%is_part()) description%part = shard%line(job%axes%cases)
+            if (job%scene%compression /= unset_integer) description%compression = job%scene%compression
+        end associate
+        call move_alloc(file, table)
+    end subroutine describe_netcdf
 
     !> The header of a table of a job with these columns.
     subroutine make_head(job, shard, columns, head)
@@ -88,7 +111,7 @@ contains
         select type (rows)
         type is (growing_table_t)
             rows%keeps_rows = job%keeps_rows()
-            rows%has_head = shard%is_part() .or. .not. job%statistics%is_netcdf
+            rows%has_head = job%keeps_rows() .or. shard%is_part() .or. .not. job%statistics%is_netcdf
         end select
         call move_alloc(rows, table%rows_table)
         table%plan = job%statistics
@@ -111,31 +134,24 @@ contains
 
         select type (table)
         type is (statistics_table_t)
-            call start_rows(job, resume, restart, head, table%rows_table, error)
+            call start_rows(table%rows_table)
             if (.not. allocated(error)) call table%begin(error)
         class default
-            call start_rows(job, resume, restart, head, table, error)
+            call start_rows(table)
         end select
+
+    contains
+
+        !> Starts the table of the rows.
+        subroutine start_rows(rows)
+            class(row_table_t), intent(inout) :: rows
+            select type (rows)
+            class is (growing_table_t)
+                call rows%start(job%output, head, resume, restart, error)
+            end select
+        end subroutine start_rows
+
     end subroutine start_table
-
-    !> Starts the table of the rows.
-    subroutine start_rows(job, resume, restart, head, table, error)
-        type(job_t), intent(in) :: job
-        logical, intent(in) :: resume, restart
-        character(*), intent(in) :: head
-        class(row_table_t), intent(inout) :: table
-        type(error_t), allocatable, intent(out) :: error
-        type(fact_t) :: facts(fact_count)
-        type(string_t), allocatable :: input(:)
-
-        select type (table)
-        type is (growing_table_t)
-            call table%start(job%output, head, resume, restart, error)
-        type is (netcdf_table_t)
-            call gather(job, facts, input)
-            call table%start(job%output, facts, input, grid_of(job%axes), error)
-        end select
-    end subroutine start_rows
 
     !> Provenance of the table, and the resolved input.
     subroutine gather(job, facts, input)

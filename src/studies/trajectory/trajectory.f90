@@ -10,6 +10,7 @@ module spintop_trajectory
     use spintop_formulation, only: formulation_t, max_states
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_job, only: job_t
+    use spintop_motion_table, only: motion_table_t
     use spintop_motion, only: motion_t
     use spintop_options, only: options_t
     use spintop_plan, only: plan_t, sample_time
@@ -21,7 +22,6 @@ module spintop_trajectory
     use spintop_stepper, only: looks_per_step
     use spintop_study_head, only: study_head
     use spintop_summary, only: summary_t, decimal, rounded
-    use spintop_table_file, only: table_file_t
     use spintop_text, only: to_text, string_t
     use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns
     implicit none
@@ -32,9 +32,7 @@ module spintop_trajectory
     type, extends(observer_t) :: writer_t
         type(row_maker_t) :: columns
         type(trajectory_column_t), allocatable :: chosen(:)
-        type(table_file_t) :: file
-        !> What the file begins with.
-        character(:), allocatable :: head
+        type(motion_table_t) :: table
         type(progress_t) :: progress
         real(dp) :: t_end = 0
         !> Time after which no row is written, s.
@@ -97,8 +95,8 @@ contains
             writer%counts_turns = any(columns%name == 'phi' .or. columns%name == 'psi')
             call writer%progress%start(job%name, 'rows', writer%total, options%quiet, options%progress)
             call writer%columns%set(columns, job%case)
-            writer%head = study_head(job, columns)
-            call writer%file%create(job%output, writer%head, error)
+            call writer%table%describe(job, columns)
+            call writer%table%create(error)
             if (allocated(error)) return
             if (size(job%events) > 0) then
                 allocate (watch)
@@ -108,7 +106,7 @@ contains
             call watch%open_table(job%event_output, study_head(job, [event_columns, columns%column_t]), columns, &
                                   job%case, error)
         end associate
-        if (allocated(error)) call writer%file%discard()
+        if (allocated(error)) call writer%table%discard()
     end subroutine begin_tables
 
     !> The columns of the table.
@@ -155,13 +153,13 @@ contains
         if (allocated(writer%error)) then
             call move_alloc(writer%error, error)
         else
-            trailer(1)%text = status_line(outcome)
+            trailer(1)%text = 'status: ' // ending_of(outcome)
             if (job%event_output /= '') call watch%close_table(trailer, error)
-            if (.not. allocated(error)) call writer%file%finish(trailer, error)
+            if (.not. allocated(error)) call writer%table%finish(ending_of(outcome), error)
         end if
         if (.not. allocated(error)) return
         if (allocated(watch)) call watch%discard_table()
-        call writer%file%discard()
+        call writer%table%discard()
     end subroutine finish_tables
 
     !> The summary: plan, motion, events, cost, and how the motion ended.
@@ -225,8 +223,8 @@ contains
 
         if (writer%has_enough) return
         first = outcome
-        call writer%file%discard()
-        call writer%file%create(job%output, writer%head, writer%error)
+        call writer%table%discard()
+        call writer%table%create(writer%error)
         if (allocated(writer%error)) return
         writer%rows = 0
         call writer%columns%set(writer%chosen, job%case)
@@ -313,13 +311,13 @@ contains
         if (outcome%status /= status_ok) outcome%t = t_known
     end subroutine sample_exactly
 
-    !> Last line of a trajectory table.
-    function status_line(outcome) result(line)
+    !> How a motion ended, and when if it is not complete.
+    function ending_of(outcome) result(text)
         type(outcome_t), intent(in) :: outcome
-        character(:), allocatable :: line
-        line = 'status: ' // status_name(outcome%status)
-        if (outcome%status /= status_ok) line = line // ' at t = ' // to_text(outcome%t)
-    end function status_line
+        character(:), allocatable :: text
+        text = status_name(outcome%status)
+        if (outcome%status /= status_ok) text = text // ' at t = ' // to_text(outcome%t)
+    end function ending_of
 
     !> Writes the row of a state of a formulation.
     subroutine observe(self, formulation, t, y, near)
@@ -340,7 +338,7 @@ contains
             self%has_enough = self%is_undefined
             if (self%is_undefined) return
             self%rows = self%rows + 1
-            call self%file%add_row(values, self%error)
+            call self%table%add_row(values, self%error)
         end associate
         self%has_enough = allocated(self%error) .or. motion%t >= self%t_stop
         call self%progress%update(int(motion%t / self%t_end * self%total, int64))

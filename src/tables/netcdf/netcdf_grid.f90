@@ -3,7 +3,7 @@ module spintop_netcdf_grid
     use, intrinsic :: iso_fortran_env, only: int64
     implicit none
     private
-    public :: netcdf_axis_t, netcdf_name, netcdf_unit, netcdf_word, most_netcdf_rows, find_box
+    public :: netcdf_axis_t, netcdf_name, netcdf_unit, netcdf_word, most_netcdf_rows, find_box, size_of_chunk
 
     !> Maximum number of rows: in the format with 64-bit offsets a variable is smaller than 4 GiB.
     integer(int64), parameter :: most_netcdf_rows = 2_int64**29 - 1
@@ -73,5 +73,21 @@ contains
             below = below * extent(i)
         end do
     end subroutine find_box
+
+    !> The extent of the chunks of an array, which are compressed one by one: consecutive elements, so that an array that is
+    !> written in order needs the memory of one chunk.
+    pure function size_of_chunk(extent) result(chunk)
+        integer, intent(in) :: extent(:) !! of the array; the first varies fastest
+        integer :: chunk(size(extent))
+        integer, parameter :: most_elements = 2**17
+        integer :: i, below
+        chunk = 1
+        below = 1
+        do i = 1, size(extent)
+            chunk(i) = min(extent(i), most_elements / below)
+            if (chunk(i) < extent(i)) exit
+            below = below * extent(i)
+        end do
+    end function size_of_chunk
 
 end module spintop_netcdf_grid

@@ -1,0 +1,111 @@
+!> A table as a NetCDF file, by the CF conventions: every column is a variable over the grid of the cases. The layout is
+!> fixed when the file is created, and it contains no time stamp of the library. The file is written from its first
+!> row to the last, or continued behind any row, and can be read at the same time.
+!>
+!> A file that is being written has the classic format with 64-bit offsets: after `flush` its first rows are valid
+!> whatever happens later. A complete one may be copied to the format NetCDF-4, with compression.
+!>
+!> The calls of the library are in the submodule `netcdf_file_written`; a build without it has `netcdf_file_absent`
+!> instead, and no file can be created or opened.
+module spintop_netcdf_file
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_errors, only: error_t
+    use spintop_files, only: input_file_t
+    use spintop_kinds, only: dp
+    use spintop_netcdf_description, only: netcdf_description_t
+    implicit none
+    private
+    public :: netcdf_file_t, has_netcdf, has_compression, is_netcdf
+
+    !> An open file.
+    type :: netcdf_file_t
+        type(netcdf_description_t) :: description
+        !> Number of rows that the file has room for, and of those put so far.
+        integer(int64) :: room = 0, rows = 0
+        character(:), allocatable, private :: path
+        integer, private :: id = -1
+        integer, allocatable, private :: variables(:)
+        integer, allocatable, private :: extent(:) !! of the grid; the first varies fastest
+        !> Rows that are not yet written, one column each.
+        real(dp), allocatable, private :: pending(:, :)
+        integer, private :: held = 0
+    contains
+        procedure :: create
+        procedure :: open => open_file
+        procedure :: put
+        procedure :: get
+        procedure :: flush => flush_file
+        procedure :: close => close_file
+    end type netcdf_file_t
+
+    interface
+        !> Whether this build contains the library.
+        pure logical module function has_netcdf()
+        end function has_netcdf
+
+        !> Whether the library of this build has the format NetCDF-4.
+        pure logical module function has_compression()
+        end function has_compression
+
+        !> Creates a file with room for the rows of a description.
+        module subroutine create(self, path, description, error)
+            class(netcdf_file_t), intent(inout) :: self
+            character(*), intent(in) :: path !! path of the file
+            type(netcdf_description_t), intent(in) :: description !! all but the rows
+            type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        end subroutine create
+
+        !> Opens a file and reads its description. To continue it set `rows`.
+        module subroutine open_file(self, path, to_continue, error)
+            class(netcdf_file_t), intent(inout) :: self
+            character(*), intent(in) :: path !! path of the file
+            logical, intent(in) :: to_continue !! whether rows are to be put to it
+            type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        end subroutine open_file
+
+        !> Puts rows behind the others.
+        module subroutine put(self, cells, error)
+            class(netcdf_file_t), intent(inout) :: self
+            real(dp), intent(in) :: cells(:, :) !! the cell of column i in row k is `cells(i, k)`
+            type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        end subroutine put
+
+        !> Reads rows, which are written already.
+        module subroutine get(self, first, cells, error)
+            class(netcdf_file_t), intent(in) :: self
+            integer(int64), intent(in) :: first !! number of the first row
+            real(dp), intent(out) :: cells(:, :) !! the rows, as in `put`
+            type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        end subroutine get
+
+        !> Passes all rows to the system.
+        module subroutine flush_file(self, error)
+            class(netcdf_file_t), intent(inout) :: self
+            type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        end subroutine flush_file
+
+        !> Writes all rows, and closes the file.
+        module subroutine close_file(self, error)
+            class(netcdf_file_t), intent(inout) :: self
+            type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        end subroutine close_file
+    end interface
+
+contains
+
+    !> Whether a file begins as one in a format of NetCDF; false as well if it cannot be read.
+    logical function is_netcdf(path)
+        character(*), intent(in) :: path !! path of the file
+        type(input_file_t) :: file
+        type(error_t), allocatable :: error
+        character(4) :: magic
+        integer :: length
+        length = 0
+        call file%open(path, error)
+        if (.not. allocated(error)) call file%read(magic, length, error)
+        call file%close()
+        is_netcdf = .false.
+        if (length == len(magic)) is_netcdf = magic(:3) == 'CDF' .or. magic(2:) == 'HDF'
+    end function is_netcdf
+
+end module spintop_netcdf_file

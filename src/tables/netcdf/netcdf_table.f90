@@ -1,0 +1,241 @@
+!> A table that grows as a NetCDF file, with a journal as that of a CSV table (spintop_growing_table). The part has the
+!> classic format, in which rows that are on the disk stay valid whatever happens later; a file in the format NetCDF-4
+!> is made of it when all rows are there.
+!>
+!>     table%description = description
+!>     call table%start(path, description%head(), resume, restart, error)   ! then as in spintop_row_table
+module spintop_netcdf_table
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_checksum, only: add_reals_to_checksum, checksum_t, checksum_text
+    use spintop_errors, only: error_t
+    use spintop_files, only: output_file_t, remove_file, rename_file, sync_folder_of
+    use spintop_growing_table, only: changed_after, difference_from, growing_table_t
+    use spintop_journal, only: journal_entry_t, remove_journal
+    use spintop_kinds, only: dp
+    use spintop_netcdf_description, only: netcdf_description_t
+    use spintop_netcdf_file, only: netcdf_file_t
+    use spintop_row_block, only: row_block_t
+    use spintop_table_file, only: part_of
+    use spintop_text, only: string_t
+    implicit none
+    private
+    public :: netcdf_table_t, head_of_netcdf
+
+    !> Rows that are read at once.
+    integer, parameter :: rows_at_once = 4096
+
+    !> A table as a NetCDF file.
+    type, extends(growing_table_t) :: netcdf_table_t
+        !> All but the rows; to be set before the start.
+        type(netcdf_description_t) :: description
+        type(netcdf_file_t), private :: file
+        !> Checksum of the rows.
+        type(checksum_t), private :: checksum
+    contains
+        procedure :: format => leave_cells
+        procedure :: begin_part
+        procedure :: put_to_part
+        procedure :: flush_part
+        procedure :: check_part
+        procedure :: finish_part
+        procedure, nopass :: compare_head
+        procedure :: abandon
+        procedure :: discard
+        procedure, private :: is_as_wanted
+    end type netcdf_table_t
+
+contains
+
+    !> The rows stay cells.
+    subroutine leave_cells(self, block)
+        class(netcdf_table_t), intent(in) :: self
+        type(row_block_t), intent(inout) :: block !! not changed
+        associate (unused => self, also_unused => block)
+        end associate
+    end subroutine leave_cells
+
+    !> Creates the part.
+    subroutine begin_part(self, head, error)
+        class(netcdf_table_t), intent(inout) :: self
+        character(*), intent(in) :: head !! the header, that of the description
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(netcdf_description_t) :: of_part
+        associate (unused => head)
+        end associate
+        of_part = self%description
+        of_part%compression = -1
+        self%checksum = checksum_t()
+        call self%file%create(part_of(self%table%path), of_part, error)
+    end subroutine begin_part
+
+    !> Adds rows to the part.
+    subroutine put_to_part(self, block, error)
+        class(netcdf_table_t), intent(inout) :: self
+        type(row_block_t), intent(in) :: block !! rows in their order
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        call add_rows(self%checksum, block%cells(:, :block%rows))
+        call self%file%put(block%cells(:, :block%rows), error)
+    end subroutine put_to_part
+
+    !> Adds rows to a checksum.
+    subroutine add_rows(checksum, cells)
+        type(checksum_t), intent(inout) :: checksum
+        real(dp), intent(in) :: cells(:, :)
+        integer :: k
+        do k = 1, size(cells, 2)
+            call add_reals_to_checksum(checksum, cells(:, k))
+        end do
+    end subroutine add_rows
+
+    !> Passes all rows to the system; `entry` gets the bytes of their cells, and their checksum.
+    subroutine flush_part(self, entry, error)
+        class(netcdf_table_t), intent(inout) :: self
+        type(journal_entry_t), intent(out) :: entry !! without the numbers of rows
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        call self%file%flush(error)
+        entry%bytes = self%file%rows * size(self%description%columns) * (storage_size(0.0_dp) / 8)
+        entry%checksum = checksum_text(self%checksum)
+    end subroutine flush_part
+
+    !> Checks that the part has the rows of an entry: writing continues behind them.
+    subroutine check_part(self, entry, problem, error)
+        class(netcdf_table_t), intent(inout) :: self
+        type(journal_entry_t), intent(in) :: entry !! entry of the journal
+        character(:), allocatable, intent(out) :: problem !! why the part is not the right one; '' if it is
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        real(dp), allocatable :: cells(:, :)
+        integer(int64) :: rows, last
+
+        problem = ''
+        call self%file%open(part_of(self%table%path), .true., error)
+        if (allocated(error)) return
+        rows = sum(entry%counts)
+        self%checksum = checksum_t()
+        do while (self%file%rows < rows)
+            last = min(rows, self%file%rows + rows_at_once)
+            allocate (cells(size(self%description%columns), last - self%file%rows))
+            call self%file%get(self%file%rows + 1, cells, error)
+            if (allocated(error)) return
+            call add_rows(self%checksum, cells)
+            deallocate (cells)
+            self%file%rows = last
+        end do
+        if (checksum_text(self%checksum) /= entry%checksum) problem = changed_after(part_of(self%table%path))
+    end subroutine check_part
+
+    !> Renames the part to the table, when it is on the disk; or makes the table of it in another format.
+    subroutine finish_part(self, error)
+        class(netcdf_table_t), intent(inout) :: self
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(string_t) :: no_lines(0)
+        type(error_t), allocatable :: ignored
+
+        if (self%is_as_wanted()) then
+            call self%file%close(error)
+            if (.not. allocated(error)) call self%table%finish(no_lines, error)
+            return
+        end if
+        call self%file%flush(error)
+        if (.not. allocated(error)) call convert(self%file, self%description, self%table%path // '.new', error)
+        if (.not. allocated(error)) call rename_file(self%table%path // '.new', self%table%path, error)
+        if (.not. allocated(error)) call sync_folder_of(self%table%path, error)
+        if (allocated(error)) then
+            call remove_file(self%table%path // '.new', ignored)
+            return
+        end if
+        call self%file%close(error)
+        if (.not. allocated(error)) call self%table%discard()
+    end subroutine finish_part
+
+    !> Whether the part is what the table is to be.
+    logical function is_as_wanted(self)
+        class(netcdf_table_t), intent(in) :: self
+        is_as_wanted = self%description%compression < 0 .and. self%file%rows == self%file%room
+        if (is_as_wanted) is_as_wanted = self%file%description%head() == self%description%head()
+    end function is_as_wanted
+
+    !> Makes a file of the rows of another one, and brings it to the disk.
+    subroutine convert(from, description, path, error)
+        type(netcdf_file_t), intent(in) :: from
+        type(netcdf_description_t), intent(in) :: description
+        character(*), intent(in) :: path
+        type(error_t), allocatable, intent(out) :: error
+        type(netcdf_file_t) :: to
+        type(output_file_t) :: output
+        type(error_t), allocatable :: problem
+
+        call to%create(path, description, error)
+        if (.not. allocated(error)) call copy_rows(from, from%rows, to, error)
+        call to%close(problem)
+        if (.not. allocated(error)) call move_alloc(problem, error)
+        if (.not. allocated(error)) call output%open(path, error)
+        if (.not. allocated(error)) call output%sync(error)
+        call output%close(problem)
+    end subroutine convert
+
+    !> Puts the first rows of a file to another one.
+    subroutine copy_rows(from, rows, to, error)
+        type(netcdf_file_t), intent(in) :: from !! the file with the rows
+        integer(int64), intent(in) :: rows !! number of rows
+        type(netcdf_file_t), intent(inout) :: to !! the other file
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        real(dp), allocatable :: cells(:, :)
+        integer(int64) :: first
+
+        do first = 1, rows, rows_at_once
+            allocate (cells(size(from%description%columns), min(int(rows_at_once, int64), rows - first + 1)))
+            call from%get(first, cells, error)
+            if (.not. allocated(error)) call to%put(cells, error)
+            if (allocated(error)) return
+            deallocate (cells)
+        end do
+    end subroutine copy_rows
+
+    !> Whether a file has a header; `problem` describes the difference, and is empty if there is none.
+    subroutine compare_head(path, head, problem)
+        character(*), intent(in) :: path !! path of the file
+        character(*), intent(in) :: head !! the header
+        character(:), allocatable, intent(out) :: problem !! '' if it is the same
+        type(error_t), allocatable :: error
+        character(:), allocatable :: found
+
+        call head_of_netcdf(path, found, error)
+        if (allocated(error)) then
+            problem = error%message
+        else
+            problem = difference_from(path, found, head)
+        end if
+    end subroutine compare_head
+
+    !> The header of a file, as a table of text has it.
+    subroutine head_of_netcdf(path, head, error)
+        character(*), intent(in) :: path !! path of the file
+        character(:), allocatable, intent(out) :: head !! the header
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(netcdf_file_t) :: file
+        type(error_t), allocatable :: ignored
+        head = ''
+        call file%open(path, .false., error)
+        if (.not. allocated(error)) head = file%description%head()
+        call file%close(ignored)
+    end subroutine head_of_netcdf
+
+    !> Keeps part and journal for a later run, and adds that to the message of the error.
+    subroutine abandon(self, error)
+        class(netcdf_table_t), intent(inout) :: self
+        type(error_t), intent(inout) :: error !! its message is completed
+        type(error_t), allocatable :: ignored
+        call self%file%close(ignored)
+        call self%growing_table_t%abandon(error)
+    end subroutine abandon
+
+    !> Removes part and journal: nothing is to be resumed.
+    subroutine discard(self)
+        class(netcdf_table_t), intent(inout) :: self
+        type(error_t), allocatable :: ignored
+        call self%file%close(ignored)
+        call remove_journal(self%table%path, ignored)
+        call self%table%discard()
+    end subroutine discard
+
+end module spintop_netcdf_table

@@ -27,16 +27,20 @@ def literal(value: Any) -> str:
     raise InputError(f"a {type(value).__name__} is no value of an input", code=2)
 
 
+def is_list(value: Any) -> bool:
+    """Whether a value has elements."""
+    return isinstance(value, Sequence | np.ndarray) and not isinstance(value, str)
+
+
 def assignments(key: str, value: Any) -> list[str]:
     """The lines that assign a value, a list, or rows of lists (`key(1,:) = ...`)."""
-    if isinstance(value, str) or not isinstance(value, Sequence | np.ndarray):
+    if not is_list(value):
         return [f"{key} = {literal(value)}"]
     if np.ndim(value) == 0:
         return [f"{key} = {literal(np.asarray(value)[()])}"]
-    if len(value) and all(isinstance(row, Sequence | np.ndarray) for row in value if row is not None):
-        if not any(isinstance(row, str) for row in value):
-            rows = [(i, row) for i, row in enumerate(value, 1) if row is not None]
-            return [line for i, row in rows for line in assignments(f"{key}({i},:)", row)]
+    if len(value) and all(row is None or is_list(row) for row in value):
+        rows = [(i, row) for i, row in enumerate(value, 1) if row is not None]
+        return [line for i, row in rows for line in assignments(f"{key}({i},:)", row)]
     return [f"{key} = {', '.join(literal(element) for element in value)}"]
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from spintop.inputs import Input, read_input
-from spintop.library import InputError, bytes_of, library, new_place, raise_error
+from spintop.library import CResult, InputError, bytes_of, library, new_place, raise_error
 from spintop.results import Result
 
 if TYPE_CHECKING:
@@ -26,12 +26,18 @@ def run(given: Input, *, folder: str | Path | None = None, threads: int = 0) -> 
     program. `threads` 0 takes all cores. An InputError has the message of the program with file,
     line and column; a motion that ends early is a result that is not `ok`.
     """
-    text, name = read_input(given)
+    read = read_input(given)
+    result = call_run(*read, None if folder is None else str(folder), threads)
+    return Result(result, partial(figures_of, read, threads))
+
+
+def call_run(text: str, name: str, folder: str | None, threads: int) -> "ctypes._Pointer[CResult]":
+    """Run the text of an input."""
     place = new_place()
-    where = None if folder is None else bytes_of(str(folder))
+    where = None if folder is None else bytes_of(folder)
     result = library().spintop_run(bytes_of(text), bytes_of(name), where, threads, place)
     raise_error(place)
-    return Result(result, partial(figures_of, text, name, threads))
+    return result
 
 
 def sweep(given: Input, parameters: Mapping[str, ArrayLike], *, threads: int = 0) -> Result:
@@ -98,22 +104,13 @@ def plot(table: "FileTable | str | Path", *names: str) -> dict[str, Any]:
     return {kind.name: kind.draw(table) for kind in kinds}
 
 
-def figures_of(text: str, name: str, threads: int, *names: str) -> dict[str, Any]:
+def figures_of(given: tuple[str, str], threads: int, *names: str) -> dict[str, Any]:
     """Draw the figures of a run, which is repeated into a folder."""
     with tempfile.TemporaryDirectory() as folder:
-        run_text(text, name, folder, threads)
+        call_run(*given, folder, threads)
         found: dict[str, Any] = {}
         for path in sorted(Path(folder).glob("*.csv")):
-            table = read(path)
-            found |= plot(table, *names) if not names or path.stem.count(".") == 0 else {}
+            is_main = "." not in path.stem
+            if is_main or not names:
+                found |= plot(path, *names)
         return found
-
-
-def run_text(text: str, name: str, folder: str, threads: int) -> Result:
-    """Run the text of an input into a folder."""
-    place = new_place()
-    result = library().spintop_run(
-        *(bytes_of(text), bytes_of(name), bytes_of(folder), threads, place)
-    )
-    raise_error(place)
-    return Result(result)

@@ -7,15 +7,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spintop.inputs import literal, namelist
-from spintop.library import bytes_of, library, new_place, raise_error, text_of
+from spintop.inputs import namelist
+from spintop.library import MotionError, bytes_of, library, new_place, raise_error, text_of
 from spintop.results import Result
 from spintop.runs import run, sweep
 
 ANGLES = ("t", "phi", "theta", "psi", "phi_rate", "theta_rate", "psi_rate")
 """The columns of a motion for which nothing else is asked: s, rad and rad/s."""
-QUANTITIES = ("theta_min", "theta_max", "delta_u", "nutation_period", "precession_per_nutation")
-PER_NUTATION = ("precession_rate", "phi_rate_max", "motion_class")
+QUANTITIES = (
+    *("theta_min", "theta_max", "delta_u", "nutation_period", "precession_per_nutation"),
+    *("precession_rate", "phi_rate_max", "motion_class"),
+)
+"""The quantities of a nutation for which nothing else is asked."""
 
 
 class Motion(Mapping[str, np.ndarray]):
@@ -91,7 +94,7 @@ class Body:
 
     `Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.866)`, in kg, kg m^2 and m, or
     `Body(shape="spinning_wheel", radius=0.1, thickness=0.01, density=7800, rod_length=1)`;
-    `spintop.list("parameters")` describes all keys. The body is checked when a top is made of it.
+    `spintop.registry("parameters")` describes all keys. A top that is made of it checks them.
     """
 
     def __init__(self, **keys: Any) -> None:
@@ -144,7 +147,7 @@ class Top:
     def exact(self, t: ArrayLike, columns: Sequence[str] = ANGLES) -> Motion:
         """The exact solution at times `t`, s from the start, of any shape and order.
 
-        `columns` are those of a trajectory (`spintop.list("columns")`). An InputError says that
+        `columns` are those of a trajectory (`spintop.registry("columns")`). An InputError says that
         the body has no closed form, or that there is no such column.
         """
         return self._handle({"method": "exact"}, {"t_end": 1.0}, columns).motion(t)
@@ -179,9 +182,9 @@ class Top:
         return run(self.input(integration=keys, span=span, output=output))
 
     def quantities(
-        self, columns: Sequence[str] = QUANTITIES + PER_NUTATION, t_end: float = 1.0, **keys: Any
+        self, columns: Sequence[str] = QUANTITIES, t_end: float = 1.0, **keys: Any
     ) -> dict[str, Any]:
-        """Quantities of the motion by name: columns of a sweep (`spintop.list("columns")`).
+        """Quantities of the motion by name: columns of a sweep (`spintop.registry("columns")`).
 
         Angles of the nutation in rad, its period in s and so on. Those of the end of a span are
         of `t_end` s; `keys` are those of the group `integration`.
@@ -190,15 +193,9 @@ class Top:
         groups = self.input(integration=keys, span={"t_end": t_end}, output=output)
         table = sweep({"study": {"kind": "sweep"}, **groups}, {}).rows
         if str(table["status"][0]) != "ok":
-            raise_failed(table["status"][0], table["notes"][0])
+            status, note = str(table["status"][0]), table["notes"][0]
+            raise MotionError(f"{status}: {note}", code=3, status=status)
         return {name: table[name][0].item() for name in columns}
-
-
-def raise_failed(status: str, notes: str) -> None:
-    """Raise the error of a case."""
-    from spintop.library import MotionError
-
-    raise MotionError(f"{status}: {notes}", code=3, status=str(status))
 
 
 def tops(
@@ -245,13 +242,9 @@ def tops(
 
 def names_of(names: Any) -> "ctypes.Array[ctypes.c_char_p]":
     """Names for C."""
-    # The library reads up to 24 characters of a name.
     return (ctypes.c_char_p * len(names))(*(bytes_of(name) for name in names))
 
 
 def addresses_of(arrays: Any) -> "ctypes.Array[ctypes.c_void_p]":
     """Where arrays are, for C."""
     return (ctypes.c_void_p * len(arrays))(*(array.ctypes.data for array in arrays))
-
-
-__all__ = ["Body", "Motion", "Top", "literal", "tops"]

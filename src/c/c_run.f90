@@ -18,7 +18,7 @@ module spintop_c_run
 
     !> Number of the interface: it changes when a program that was linked with an earlier one no longer works.
     integer(c_int), parameter :: interface_number = 1
-    character(c_char), target, save :: version(len(program_version) + 1) = &
+    character(c_char), target :: version(len(program_version) + 1) = &
         transfer(program_version // c_null_char, [character(c_char) ::])
     !> Most cases of a sweep from arrays.
     integer(c_size_t), parameter :: most_cases = huge(1_c_int)

@@ -2,7 +2,6 @@
  * motion. */
 #include <spintop.h>
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 

@@ -2,7 +2,6 @@
 // threads at once.
 #include <spintop.h>
 
-#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <stdexcept>

@@ -56,7 +56,7 @@ class CInterfaceTest(unittest.TestCase):
 
     def driver(self) -> Path:
         """The driver of this suite."""
-        return self.build(ROOT / "test/support/c_driver.c", "gcc -std=c99")
+        return self.build(ROOT / "test/support/c_driver.txt", "gcc -std=c99 -x c")
 
     def table(self, text: str, *options: str) -> dict[str, list[str]]:
         """The columns of the table that the program writes for an input."""

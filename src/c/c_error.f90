@@ -48,8 +48,8 @@ contains
         code = exit_ok
         if (status == status_ok) return
         code = merge(exit_input, exit_failed, status >= status_bad_input)
-        write (message, '(3a, es23.16e3, a)') trim(status_names(status)), ': ', trim(status_meanings(status)) // &
-            ' (reached t =', t, ' s)'
+        message = trim(status_names(status)) // ': ' // status_meanings(status)
+        if (code == exit_failed) write (message, '(2a, es23.16e3, a)') trim(message), ' (reached t =', t, ' s)'
         call hand_over(int(code), trim(status_names(status)), message, '', [0, 0], place)
     end function hand_status
 

@@ -2,11 +2,12 @@
 module spintop_c_tops
     use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_long_long, c_null_char, c_ptr
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_c_error, only: hand_status
+    use spintop_c_error, only: hand_error
+    use spintop_errors, only: error_t, exit_input
     use spintop_exact_block, only: block_size, exact_block_t
     use spintop_exact_cases, only: exact_cases_t
     use spintop_kinds, only: dp, no_number
-    use spintop_status, only: status_bad_input, status_ok, status_unknown_name
+    use spintop_status, only: status_ok
     !$ use omp_lib, only: omp_get_max_threads
     implicit none
     private
@@ -55,22 +56,23 @@ contains
         type(c_ptr), value :: error !! where C wants its pointer to an error; may be null
         type(request_t) :: request
         integer(c_long_long), pointer :: steps(:)
-        integer :: status, i
+        type(error_t), allocatable :: problem
+        integer :: i
 
         request%n = n
-        status = status_ok
-        if (n < 0) status = status_bad_input
-        call take_arrays(given_count, given_names, given, data_names, request%given, status)
-        call take_arrays(wanted_count, wanted_names, wanted, quantity_names, request%wanted, status)
-        if (status == status_ok) then
-            if (any([(all(request%given%place /= i), i=1, needed)])) status = status_bad_input
-        end if
-        code = hand_status(status, 0.0_dp, error)
-        if (status /= status_ok .or. n == 0) return
-        if (given_count > 0) then
+        call take_arrays(given_count, given_names, given, data_names, request%given, problem)
+        call take_arrays(wanted_count, wanted_names, wanted, quantity_names, request%wanted, problem)
+        if (given_count > 0 .and. .not. allocated(problem)) then
             call c_f_pointer(strides, steps, [given_count])
             request%given%stride = steps
         end if
+        if (.not. allocated(problem)) call check(request, problem)
+        code = 0
+        if (allocated(problem)) then
+            call hand_error(problem, error)
+            code = exit_input
+        end if
+        if (code /= 0 .or. n == 0) return
         do i = 1, size(request%given)
             call c_f_pointer(array_at(given, i), request%given(i)%values, [(n - 1) * abs(request%given(i)%stride) + 1])
         end do
@@ -91,20 +93,38 @@ contains
         array_at = each(i)
     end function array_at
 
+    !> Checks numbers and strides, and that what has no default is given. Threads call this at once: no text is made by a
+    !> function, see `status_names`.
+    subroutine check(request, problem)
+        type(request_t), intent(in) :: request
+        type(error_t), allocatable, intent(inout) :: problem
+        integer :: i
+        if (request%n < 0 .or. any(request%given%stride < 0)) then
+            problem = error_t(exit_input, 'the number of tops, or a stride, is negative')
+        end if
+        do i = 1, needed
+            if (any(request%given%place == i)) cycle
+            problem = error_t(exit_input, trim(data_names(i)) // ' is not given')
+            return
+        end do
+    end subroutine check
+
     !> Finds arrays by their names among the known ones.
-    subroutine take_arrays(count, names, places, known, arrays, status)
+    subroutine take_arrays(count, names, places, known, arrays, problem)
         integer(c_int), intent(in) :: count
         type(c_ptr), intent(in) :: names, places
         character(*), intent(in) :: known(:)
         type(array_t), allocatable, intent(out) :: arrays(:)
-        integer, intent(inout) :: status
+        type(error_t), allocatable, intent(inout) :: problem
         character(name_length) :: name
         character(c_char), pointer :: letters(:)
         integer :: i, k
 
         allocate (arrays(max(0, count)))
-        if (count > 0 .and. .not. (c_associated(names) .and. c_associated(places))) status = status_bad_input
-        if (status /= status_ok) return
+        if (count > 0 .and. .not. (c_associated(names) .and. c_associated(places))) then
+            problem = error_t(exit_input, 'an array of pointers is null')
+        end if
+        if (allocated(problem)) return
         do i = 1, count
             call c_f_pointer(array_at(names, i), letters, [name_length])
             name = ''
@@ -115,7 +135,12 @@ contains
             do k = 1, size(known)
                 if (known(k) == name) arrays(i)%place = k
             end do
-            if (arrays(i)%place == 0) status = status_unknown_name
+            if (arrays(i)%place > 0) cycle
+            problem = error_t(exit_input, "'" // trim(name) // "' is none of " // trim(known(1)))
+            do k = 2, size(known)
+                problem%message = problem%message // ', ' // trim(known(k))
+            end do
+            return
         end do
     end subroutine take_arrays
 

@@ -11,6 +11,7 @@ ROOT = Path(__file__).resolve().parent.parent
 # File, and the pattern whose group is the version there.
 PLACES = {
     "src/tables/provenance.f90": r"program_version = '([^']+)'",
+    "python/pyproject.toml": r'^version = "([^"]+)"$',
     "CITATION.cff": r"^version: (\S+)$",
     "CHANGELOG.md": r"^## (\d\S*)",
 }

@@ -36,6 +36,9 @@ module spintop_errors
         integer :: code = exit_internal
         !> What is wrong and what to do, ready to print; may have several lines.
         character(:), allocatable :: message
+        !> The first place in an input that is wrong: the name of the input, its line and column (0 if there is none).
+        character(:), allocatable :: source
+        integer :: line = 0, column = 0
     end type error_t
 
 contains

@@ -104,12 +104,24 @@ contains
         has_warnings = self%warnings > 0
     end function has_warnings
 
-    !> Makes one error with the whole report, if there are errors.
+    !> Makes one error with the whole report, and the place of the first error, if there are errors.
     subroutine raise(self, error, width)
         class(diagnostics_t), intent(in) :: self
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         integer, intent(in), optional :: width !! of its lines, in columns
-        if (self%has_errors()) error = input_error(self%report(width))
+        integer :: i
+
+        if (.not. self%has_errors()) return
+        error = input_error(self%report(width))
+        do i = 1, size(self%problems)
+            associate (problem => self%problems(i))
+                if (problem%severity /= 'error' .or. problem%place%source == 0) cycle
+                error%source = self%sources(problem%place%source)%name
+                error%line = problem%place%line
+                if (error%line > 0) error%column = problem%place%column
+                exit
+            end associate
+        end do
     end subroutine raise
 
     !> The text of all problems, errors and warnings, and a last line with their number. A line with a place

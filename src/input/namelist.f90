@@ -30,19 +30,24 @@ contains
     !> Reads a file and then the overrides (`group.key=value`; the last one for a key counts) into the
     !> variables of the table. Problems of the input are added to the diagnostics; an error means that the
     !> table itself is wrong.
-    subroutine read_namelist(path, overrides, table, diagnostics, error)
-        character(*), intent(in) :: path !! path of the file
+    subroutine read_namelist(path, overrides, table, diagnostics, error, given)
+        character(*), intent(in) :: path !! path of the file, or the name of the given text
         type(string_t), intent(in) :: overrides(:) !! overrides `group.key=value`
         type(parameter_table_t), intent(inout) :: table !! the parameters of an input
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        character(*), intent(in), optional :: given !! the text, in place of that of a file
         type(error_t), allocatable :: unreadable
         character(:), allocatable :: text
         integer :: i
 
         call table%verify(error)
         if (allocated(error)) return
-        call read_file(path, largest_file, text, unreadable)
+        if (present(given)) then
+            text = given
+        else
+            call read_file(path, largest_file, text, unreadable)
+        end if
         if (allocated(unreadable)) then
             call diagnostics%error(place_t(), unreadable%message)
             return

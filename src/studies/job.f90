@@ -1,6 +1,7 @@
 !> A job: an input that has been read, with its case, axes and plan.
 module spintop_job
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_axes_of_arrays, only: given_axis_t, take_axes
     use spintop_axes_of_scene, only: describe_axes => make_axes
     use spintop_axes_of_table, only: read_axes
     use spintop_axis_entry, only: count_axes
@@ -40,6 +41,9 @@ module spintop_job
         type(case_t) :: case
         type(plan_t) :: plan
         type(axes_t) :: axes
+        !> Values of parameters, side by side, that a caller of the library gives in place of axes of the input; not
+        !> allocated where it gives none.
+        type(given_axis_t), allocatable :: given(:)
         !> Indices of the selected columns in the list of all columns of the study.
         integer, allocatable :: columns(:)
         !> Events to search for.
@@ -63,7 +67,7 @@ contains
     !> Whether the input contains axes or names a table of cases.
     pure logical function names_axes(self)
         class(job_t), intent(in) :: self
-        names_axes = count_axes(self%scene) > 0 .or. self%scene%sweep_table /= ''
+        names_axes = count_axes(self%scene) > 0 .or. self%scene%sweep_table /= '' .or. allocated(self%given)
     end function names_axes
 
     !> Whether the input asks for statistics.
@@ -88,7 +92,9 @@ contains
         class(job_t), target, intent(inout) :: self
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
-        if (self%scene%sweep_table == '') then
+        if (allocated(self%given)) then
+            call take_axes(self%given, self%scene, self%table, self%axes, problems)
+        else if (self%scene%sweep_table == '') then
             call describe_axes(self%scene, self%table, self%axes, problems)
         else
             call read_axes(self%input, self%scene, self%table, self%axes, problems, diagnostics)

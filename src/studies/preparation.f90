@@ -20,7 +20,7 @@ module spintop_preparation
     use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: prepared_t, prepare_jobs, protect_interrupted
+    public :: prepared_t, prepare_jobs, prepare_job, protect_interrupted
 
     !> A job, and the study that runs it.
     type :: prepared_t
@@ -78,12 +78,13 @@ contains
 
     !> Reads an input with the overrides of the command line, makes its case, plan and columns, and reports
     !> all its problems at once.
-    subroutine prepare_job(input, options, job, study, error)
-        character(*), intent(in) :: input !! its path
-        type(options_t), intent(in) :: options
-        type(job_t), target, intent(inout) :: job
-        class(study_t), allocatable, intent(out) :: study
-        type(error_t), allocatable, intent(out) :: error
+    subroutine prepare_job(input, options, job, study, error, text)
+        character(*), intent(in) :: input !! its path, or the name of the text
+        type(options_t), intent(in) :: options !! options of the command line
+        type(job_t), target, intent(inout) :: job !! the job; it may have values of parameters
+        class(study_t), allocatable, intent(out) :: study !! the kind of study
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        character(*), intent(in), optional :: text !! the input itself, in place of a file
         type(diagnostics_t) :: diagnostics
         type(problems_t) :: problems
         type(study_info_t) :: info
@@ -93,7 +94,7 @@ contains
         call describe_scene(job%scene, job%table)
         call job%table%verify(error)
         if (allocated(error)) return
-        call read_namelist(input, options%overrides, job%table, diagnostics, error)
+        call read_namelist(input, options%overrides, job%table, diagnostics, error, text)
         if (allocated(error)) return
         call create_study(trim(job%scene%kind), study)
         info = study%info()

@@ -4,11 +4,11 @@ module spintop_files
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, input_error
     use spintop_posix, only: c_open, c_open_locked, c_write, c_read, c_sync, c_sync_folder, c_truncate, c_close, c_rename, &
-        c_remove, c_make_folder, c_inspect, check_call
+        c_remove, c_remove_folder, c_make_folder, c_make_private_folder, c_inspect, check_call
     implicit none
     private
     public :: input_file_t, output_file_t, read_file, replace_file, file_exists, is_folder, file_size
-    public :: make_folder, rename_file, remove_file, sync_folder_of
+    public :: make_folder, make_private_folder, remove_folder, rename_file, remove_file, sync_folder_of
 
     integer, parameter :: no_file = -1
 
@@ -118,6 +118,32 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call check_call(c_remove(path // c_null_char), 'remove', path, error)
     end subroutine remove_file
+
+    !> Removes an empty folder.
+    subroutine remove_folder(path, error)
+        character(*), intent(in) :: path !! path of the folder
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        call check_call(c_remove_folder(path // c_null_char), 'remove', path, error)
+    end subroutine remove_folder
+
+    !> Makes a new folder for files that are soon removed, in TMPDIR or in /tmp. No other process has it.
+    subroutine make_private_folder(path, error)
+        character(:), allocatable, intent(out) :: path !! path of the folder
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        character(*), parameter :: name = '/spintop.XXXXXX'
+        integer :: length, status
+
+        call get_environment_variable('TMPDIR', length=length, status=status)
+        if (status == 0 .and. length > 0) then
+            allocate (character(length) :: path)
+            call get_environment_variable('TMPDIR', path)
+        else
+            path = '/tmp'
+        end if
+        path = path // name // c_null_char
+        call check_call(c_make_private_folder(path), 'make a folder in', path(:len(path) - len(name) - 1), error)
+        path = path(:len(path) - 1)
+    end subroutine make_private_folder
 
     !> Creates a folder and its missing parents, and waits until they are on the disk.
     subroutine make_folder(path, error)

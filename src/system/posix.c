@@ -7,6 +7,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/resource.h>
@@ -132,6 +133,15 @@ int spintop_remove(const char *path) {
 
 int spintop_make_folder(const char *path) {
     return mkdir(path, 0777) < 0 ? errno : 0;
+}
+
+int spintop_remove_folder(const char *path) {
+    return rmdir(path) < 0 ? errno : 0;
+}
+
+// Makes a folder that no other process has; `path` ends with XXXXXX, which become its name.
+int spintop_make_private_folder(char *path) {
+    return mkdtemp(path) == NULL ? errno : 0;
 }
 
 // size is -1 if there is nothing of that name.

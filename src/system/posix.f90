@@ -6,7 +6,7 @@ module spintop_posix
     implicit none
     private
     public :: c_open, c_open_locked, c_write, c_read, c_sync, c_sync_folder, c_truncate, c_close, c_rename, &
-        c_remove, c_make_folder, c_inspect, c_is_terminal, c_seconds, c_pause, c_utc, &
+        c_remove, c_remove_folder, c_make_folder, c_make_private_folder, c_inspect, c_is_terminal, c_seconds, c_pause, c_utc, &
         c_host, c_peak_memory, c_physical_memory, check_call, up_to_null
 
     interface
@@ -77,6 +77,18 @@ module spintop_posix
             import :: c_char, c_int
             character(c_char), intent(in) :: path(*) !! path, terminated by a null character
         end function c_remove
+
+        !> Removes an empty folder.
+        integer(c_int) function c_remove_folder(path) bind(C, name='spintop_remove_folder')
+            import :: c_char, c_int
+            character(c_char), intent(in) :: path(*) !! path, terminated by a null character
+        end function c_remove_folder
+
+        !> Makes a folder that no other process has.
+        integer(c_int) function c_make_private_folder(path) bind(C, name='spintop_make_private_folder')
+            import :: c_char, c_int
+            character(c_char), intent(inout) :: path(*) !! ends with XXXXXX, which become its name, and a null character
+        end function c_make_private_folder
 
         !> Creates a folder.
         integer(c_int) function c_make_folder(path) bind(C, name='spintop_make_folder')

@@ -25,7 +25,7 @@ MECHANICS = (
     "statistics sampling",
     "scenes",
     "studies",
-    "app",
+    "app c",
 )
 # Reading, writing and parallel work know nothing of mechanics.
 PLAIN = ("foundation", "system", "input", "tables", "parallel statistics sampling")

@@ -32,8 +32,8 @@ PAGES = manual_pages()
 BLOCKS = [block for page in PAGES for block in blocks_of(page)]
 
 SHELL = ("sh", "console")
-LANGUAGES = (*SHELL, "nml", "fortran", "toml", "python", "text")
-WAYS = ("long", "timed", "part", "wrong", "messages", "output", "mpi", "netcdf")
+LANGUAGES = (*SHELL, "nml", "fortran", "toml", "python", "c", "text")
+WAYS = ("long", "timed", "part", "wrong", "messages", "output", "mpi", "netcdf", "library")
 WAYS += ("setup", "slurm", "xarray")
 """Words behind the language: how a block is tested, besides exit=N and the base of a part."""
 
@@ -41,6 +41,10 @@ NOT_RUN = WAYS[-3:]
 """Ways of blocks that are not run: they install, build, or need what few machines have."""
 
 SKIPPED = {
+    "c.md": [
+        "scripts/install $HOME/.local",
+        "cc example.c $(pkg-config --cflags --libs spintop) -Wl,-rpath,$HOME/.local/lib -o example",
+    ],
     "README.md": ["scripts/run input/spinning_wheel_sweep.nml", "scripts/test"],
     "developing.md": [
         "scripts/test",
@@ -59,6 +63,7 @@ SKIPPED = {
         "scripts/film --dark --arrow momentum --seconds 20 -o top.webm input/slow_top.nml",
         "scripts/film -o top.gif input/damped_top.nml",
     ],
+    "python.md": ["pip install ./python", "pip install './python[figures]'"],
     "report.md": [
         "scripts/report results input/slow_top.nml input/slow_top_scenario2_rk4.nml"
         " --title 'The slow top'"
@@ -74,7 +79,7 @@ SKIPPED = {
 }
 """Blocks that are not run, so that a new one is noticed; for a program its first line."""
 
-SYSTEM_COMMANDS = ("mpirun", "head", "sed")
+SYSTEM_COMMANDS = ("mpirun", "head", "sed", "pip", "cc")
 VARYING = re.compile(r"^!? {2,3}(ended|time|parts|memory|cost .* us for the set-up)\b")
 """Lines of summaries that differ from run to run: of these only the first word is compared."""
 
@@ -311,7 +316,7 @@ class CommandsTest(ManualCase):
         has_mpi = shutil.which("mpirun") and Path(MPI_PROGRAM).is_file()
         netcdf = self.shell("spintop --check --set output.format=netcdf input/random_tops.nml")
         for block in BLOCKS:
-            if block.tags[0] == "python" and not set(block.tags) & set(NOT_RUN):
+            if block.tags[0] == "python" and not set(block.tags) & {"library", *NOT_RUN}:
                 with self.subTest(str(block)):
                     self.run_python(block)
             if block.tags[0] not in SHELL:

@@ -1,0 +1,40 @@
+"""The motion of a heavy spinning top: the library of spintop from Python.
+
+    import spintop
+
+    body = spintop.Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.75**0.5)
+    top = spintop.Top(body, theta_deg=11.25, psi_rate=1.0)
+    top.exact([0.0, 1.0, 2.0]).theta
+
+All quantities are in SI units and radians, unless a name ends with `_deg`. Calls release the
+global interpreter lock, and any thread may call anything.
+"""
+
+from spintop.library import InputError, MotionError, OutputError, SpintopError, library
+from spintop.results import Result, Table
+from spintop.runs import plot, read, registry, run, sweep
+from spintop.tops import Body, Motion, Top, tops
+
+__all__ = [
+    "Body",
+    "InputError",
+    "Motion",
+    "MotionError",
+    "OutputError",
+    "Result",
+    "SpintopError",
+    "Table",
+    "Top",
+    "plot",
+    "read",
+    "registry",
+    "run",
+    "sweep",
+    "tops",
+    "version",
+]
+
+
+def version() -> str:
+    """The version of the library that is loaded."""
+    return library().spintop_version().decode()

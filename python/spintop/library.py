@@ -1,0 +1,184 @@
+"""The shared library: where it is, its functions, and its errors as exceptions."""
+
+import ctypes
+import os
+import sys
+from collections.abc import Iterator
+from ctypes import POINTER, Structure, c_char_p, c_double, c_int, c_longlong, c_size_t, c_void_p
+from functools import cache
+from pathlib import Path
+
+INTERFACE = 1
+"""The interface of the library for which this package is written."""
+NAME = f"libspintop.so.{INTERFACE}"
+
+
+class SpintopError(Exception):
+    """What the library says is wrong: the message of the program, in one or more lines."""
+
+    code: int
+    """The exit code of the program for it."""
+    status: str
+    """How a motion failed, as in the column `status` of tables; empty for other errors."""
+    source: str
+    """The input or file with the first wrong place; empty if there is none."""
+    line: int
+    """The line of that place, from 1; 0 if there is none."""
+    column: int
+    """Its column, in bytes from 1; 0 if there is none."""
+
+    def __init__(self, message: str, *, code: int = 5, status: str = "") -> None:
+        """Make an error without a place."""
+        super().__init__(message)
+        self.code, self.status, self.source, self.line, self.column = code, status, "", 0, 0
+
+
+class InputError(SpintopError, ValueError):
+    """The input is wrong: nothing was computed."""
+
+
+class MotionError(SpintopError):
+    """A motion could not be computed up to the last time: `status` says why."""
+
+
+class OutputError(SpintopError, OSError):
+    """A result could not be written."""
+
+
+EXCEPTIONS = {2: InputError, 3: MotionError, 4: OutputError}
+
+
+class CError(Structure):
+    """`spintop_error` of the header."""
+
+    _fields_ = (
+        *((name, c_int) for name in ("code", "line", "column", "reserved")),
+        *((name, c_char_p) for name in ("status", "message", "source")),
+        ("owner", c_void_p),
+    )
+
+
+class CColumn(Structure):
+    """`spintop_column` of the header."""
+
+    _fields_ = (
+        *((name, c_char_p) for name in ("name", "unit", "what")),
+        ("values", c_void_p),
+        ("words", POINTER(c_char_p)),
+        ("word_count", c_longlong),
+    )
+
+
+class CTable(Structure):
+    """`spintop_table` of the header."""
+
+    _fields_ = (
+        ("name", c_char_p),
+        ("columns", POINTER(CColumn)),
+        ("column_count", c_longlong),
+        ("row_count", c_longlong),
+    )
+
+
+class CResult(Structure):
+    """`spintop_result` of the header."""
+
+    _fields_ = (
+        ("code", c_int),
+        ("table_count", c_int),
+        ("tables", POINTER(CTable)),
+        ("summary", c_char_p),
+        ("warnings", c_char_p),
+        ("owner", c_void_p),
+    )
+
+
+ERROR = POINTER(POINTER(CError))
+NAMES = POINTER(c_char_p)
+ARRAYS = POINTER(c_void_p)
+FUNCTIONS = {
+    "interface": (c_int,),
+    "version": (c_char_p,),
+    "error_delete": (None, POINTER(CError)),
+    "top_new": (c_void_p, c_char_p, c_char_p, ERROR),
+    "top_delete": (None, c_void_p),
+    "top_column_count": (c_int, c_void_p),
+    "top_columns": (POINTER(CColumn), c_void_p),
+    "top_at": (c_int, c_void_p, c_size_t, c_void_p, c_void_p, ERROR),
+    "run": (POINTER(CResult), c_char_p, c_char_p, c_char_p, c_int, ERROR),
+    "sweep": (POINTER(CResult), c_char_p, c_int, NAMES, ARRAYS, c_size_t, c_int, ERROR),
+    "result_delete": (None, POINTER(CResult)),
+    "tops": (
+        *(c_int, c_longlong, c_int, NAMES, ARRAYS, POINTER(c_longlong)),
+        *(c_int, NAMES, ARRAYS, c_void_p, c_int, ERROR),
+    ),
+    "list": (c_void_p, c_char_p, c_int, ERROR),
+}
+"""The functions of the header without their prefix: the type of the result, those of arguments."""
+
+
+def places() -> Iterator[Path]:
+    """Where the library may be: in SPINTOP_LIBRARY, in this package, in a prefix, in a checkout."""
+    if named := os.environ.get("SPINTOP_LIBRARY"):
+        yield Path(named)
+        return
+    here = Path(__file__).resolve().parent
+    yield here / NAME
+    yield Path(sys.prefix) / "lib" / NAME
+    yield here.parents[1] / "build" / "shared" / "lib" / NAME
+
+
+@cache
+def library() -> ctypes.CDLL:
+    """The library, loaded when it is first needed. Its calls release the GIL."""
+    found = next((path for path in places() if path.exists()), None)
+    try:
+        loaded = ctypes.CDLL(str(found) if found else NAME)
+    except OSError as error:
+        message = f"{error}: scripts/install makes the library; SPINTOP_LIBRARY names another place"
+        raise ImportError(message) from error
+    for name, (result, *arguments) in FUNCTIONS.items():
+        function = getattr(loaded, f"spintop_{name}")
+        function.restype, function.argtypes = result, arguments
+    if loaded.spintop_interface() != INTERFACE:
+        version = loaded.spintop_version().decode()
+        raise ImportError(f"the library is of version {version}, with another interface")
+    return loaded
+
+
+def text_of(letters: bytes | None) -> str:
+    """A text of C."""
+    return (letters or b"").decode("utf-8", errors="replace")
+
+
+def bytes_of(text: str) -> bytes:
+    """A text for C."""
+    encoded = text.encode("utf-8", errors="surrogateescape")
+    if b"\0" in encoded:
+        raise InputError("a text with a NUL character is no input", code=2)
+    return encoded
+
+
+def raise_error(place: "ctypes._Pointer[CError]") -> None:
+    """Raise the error of a call, which is deleted; without one return."""
+    if not place:
+        return
+    told = place.contents
+    kind = EXCEPTIONS.get(told.code, SpintopError)
+    error = kind(text_of(told.message))
+    error.code, error.line, error.column = told.code, told.line, told.column
+    error.status, error.source = text_of(told.status), text_of(told.source)
+    library().spintop_error_delete(place)
+    raise error
+
+
+def new_place() -> "ctypes._Pointer[CError]":
+    """A place for the error of a call."""
+    return POINTER(CError)()
+
+
+def double_array(address: int, count: int, owner: object) -> "ctypes.Array[c_double]":
+    """Numbers of the library, which live as long as their owner: the array keeps that alive."""
+    array = (c_double * count).from_address(address)
+    array.owner = owner
+    return array

@@ -1,0 +1,250 @@
+"""One top: its motion at any times, and its quantities. And many tops, from arrays to arrays."""
+
+import ctypes
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from spintop.inputs import namelist
+from spintop.library import MotionError, bytes_of, library, new_place, raise_error, text_of
+from spintop.results import Result
+from spintop.runs import run, sweep
+
+ANGLES = ("t", "phi", "theta", "psi", "phi_rate", "theta_rate", "psi_rate")
+"""The columns of a motion for which nothing else is asked: s, rad and rad/s."""
+QUANTITIES = (
+    *("theta_min", "theta_max", "delta_u", "nutation_period", "precession_per_nutation"),
+    *("precession_rate", "phi_rate_max", "motion_class"),
+)
+"""The quantities of a nutation for which nothing else is asked."""
+
+
+class Motion(Mapping[str, np.ndarray]):
+    """The motion at some times: `motion["theta"]` or `motion.theta` is a column.
+
+    A column has the shape of the times; that of a single time is a number.
+    """
+
+    __slots__ = ("_columns", "units")
+
+    def __init__(self, columns: dict[str, np.ndarray], units: Mapping[str, str]) -> None:
+        """Take columns."""
+        self._columns = columns
+        self.units = units
+        """The unit of each column; empty where there is none."""
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A column by its name."""
+        return self._columns[name]
+
+    def __getattr__(self, name: str) -> np.ndarray:
+        """A column by its name."""
+        try:
+            return self._columns[name]
+        except KeyError:
+            raise AttributeError(f"there is no column {name}") from None
+
+    def __iter__(self) -> Iterator[str]:
+        """The names of the columns."""
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        """Number of columns."""
+        return len(self._columns)
+
+    def __repr__(self) -> str:
+        """The columns."""
+        return f"<spintop.Motion of {', '.join(self)}>"
+
+
+class Handle:
+    """A top of the library: one input, whose method and columns are chosen."""
+
+    def __init__(self, text: str) -> None:
+        """Read an input."""
+        calls = library()
+        place = new_place()
+        self.delete = calls.spintop_top_delete
+        self.top = calls.spintop_top_new(bytes_of(text), None, place)
+        raise_error(place)
+        columns = calls.spintop_top_columns(self.top)
+        count = calls.spintop_top_column_count(self.top)
+        self.units = {text_of(columns[i].name): text_of(columns[i].unit) for i in range(count)}
+        self.at = calls.spintop_top_at
+
+    def __del__(self) -> None:
+        """Delete the top."""
+        self.delete(getattr(self, "top", None))
+
+    def motion(self, t: ArrayLike) -> Motion:
+        """The motion at some times."""
+        times = np.ascontiguousarray(t, dtype=np.float64)
+        cells = np.empty((len(self.units), *np.shape(t)))
+        place = new_place()
+        address = times.__array_interface__["data"][0]
+        if self.at(self.top, times.size, address, cells.__array_interface__["data"][0], place):
+            raise_error(place)
+        return Motion(dict(zip(self.units, cells, strict=True)), self.units)
+
+
+class Body:
+    """A rigid body with one fixed point, under gravity: the keys of the group `top` of an input.
+
+    `Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.866)`, in kg, kg m^2 and m, or
+    `Body(shape="spinning_wheel", radius=0.1, thickness=0.01, density=7800, rod_length=1)`;
+    `spintop.registry("parameters")` describes all keys. A top that is made of it checks them.
+    """
+
+    def __init__(self, **keys: Any) -> None:
+        """Keep the keys."""
+        self.keys = keys
+
+    def __repr__(self) -> str:
+        """The call that makes it."""
+        return f"Body({', '.join(f'{key}={value!r}' for key, value in self.keys.items())})"
+
+
+class Top:
+    """A body and its start: the keys of the group `initial` of an input.
+
+    `Top(body, theta_deg=11.25, psi_rate=1.0)`, in rad, rad/s, or degrees where a name says so.
+    The top does not change; several threads may share it.
+    """
+
+    def __init__(self, body: Body, **start: Any) -> None:
+        """Check body and start: an InputError says what is wrong with them."""
+        self.body = body
+        self.start = start
+        self._handles: dict[tuple[Any, ...], Handle] = {}
+        self._handle({}, {"t_end": 1.0}, ANGLES)
+
+    def __repr__(self) -> str:
+        """The call that makes it."""
+        start = "".join(f", {key}={value!r}" for key, value in self.start.items())
+        return f"Top({self.body!r}{start})"
+
+    def input(self, **groups: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
+        """The input of this top as a dictionary, with more groups, for `spintop.run`."""
+        return {"top": self.body.keys, "initial": self.start, **groups}
+
+    def _handle(
+        self, integration: Mapping[str, Any], span: Mapping[str, Any], columns: Sequence[str]
+    ) -> Handle:
+        """The top of the library with a method and columns, made once."""
+        key = (*integration.items(), None, *span.items(), None, *columns)
+        known = self._handles.get(key)
+        if known is None:
+            output = {"columns": list(columns)}
+            groups = self.input(integration=integration, span=span, output=output)
+            known = Handle(namelist(groups))
+            while len(self._handles) >= 16:
+                self._handles.pop(next(iter(self._handles)), None)
+            self._handles[key] = known
+        return known
+
+    def exact(self, t: ArrayLike, columns: Sequence[str] = ANGLES) -> Motion:
+        """The exact solution at times `t`, s from the start, of any shape and order.
+
+        `columns` are those of a trajectory (`spintop.registry("columns")`). An InputError says that
+        the body has no closed form, or that there is no such column.
+        """
+        return self._handle({"method": "exact"}, {"t_end": 1.0}, columns).motion(t)
+
+    def integrate(
+        self, t: ArrayLike, columns: Sequence[str] = ANGLES, **integration: Any
+    ) -> Motion:
+        """Integrate step by step, and give the motion at increasing times `t` from 0, s.
+
+        `integration` are keys of that group of an input: `method="dop853"`,
+        `relative_tolerance=1e-12`, or `method="rk4", steps=1000` up to the last time, where
+        only the times of steps can be given. Without a method the program chooses one. A
+        MotionError says why the last time was not reached.
+        """
+        span = {"t_end": 1.0}
+        if "steps" in integration or "step" in integration:
+            span = {"t_end": float(np.max(t))}
+        if "method" not in integration and "formulation" not in integration:
+            integration = {"method": "taylor", **integration}
+        return self._handle(integration, span, columns).motion(t)
+
+    def events(
+        self, events: Sequence[str], t_end: float, columns: Sequence[str] = ANGLES, **keys: Any
+    ) -> Result:
+        """Run up to `t_end` s, and look for events: `["theta_max", "phi = 1.5 rising"]`.
+
+        The table `events` of the result has a row for each. `keys` are those of the group
+        `integration`, or `stop_at="..."`, the event that ends the motion.
+        """
+        span = {"t_end": t_end, "stop_at": keys.pop("stop_at", None)}
+        output = {"columns": list(columns), "events": list(events)}
+        return run(self.input(integration=keys, span=span, output=output))
+
+    def quantities(
+        self, columns: Sequence[str] = QUANTITIES, t_end: float = 1.0, **keys: Any
+    ) -> dict[str, Any]:
+        """Quantities of the motion by name: columns of a sweep (`spintop.registry("columns")`).
+
+        Angles of the nutation in rad, its period in s and so on. Those of the end of a span are
+        of `t_end` s; `keys` are those of the group `integration`.
+        """
+        output = {"columns": list(columns)}
+        groups = self.input(integration=keys, span={"t_end": t_end}, output=output)
+        table = sweep({"study": {"kind": "sweep"}, **groups}, {}).rows
+        if str(table["status"][0]) != "ok":
+            status, note = str(table["status"][0]), table["notes"][0]
+            raise MotionError(f"{status}: {note}", code=3, status=status)
+        return {name: table[name][0].item() for name in columns}
+
+
+def tops(
+    quantities: Sequence[str],
+    *,
+    inertia1: ArrayLike,
+    inertia3: ArrayLike,
+    mgl: ArrayLike,
+    theta: ArrayLike,
+    threads: int = 1,
+    **data: ArrayLike,
+) -> dict[str, np.ndarray]:
+    """Many undamped symmetric tops in closed form: arrays in, an array per quantity out.
+
+    Data: moments of inertia about the pivot across and along the axis (kg m^2), m g l (N m),
+    `theta` (rad), and with default 0 `phi_rate`, `theta_rate`, `omega3` (rad/s), `phi`, `psi`
+    (rad), `t_end` (s); they are broadcast together. Quantities: `theta_min`, `theta_max`,
+    `delta_u`, `nutation_period`, `precession_per_nutation`, `precession_rate`, `phi_rate_max`,
+    and at `t_end` `theta_end`, `phi_end`, `psi_end`, `theta_rate_end`, `energy_error`. A top that
+    cannot be computed has NaN in all of them. `threads` 0 takes all cores.
+    """
+    data = {"inertia1": inertia1, "inertia3": inertia3, "mgl": mgl, "theta": theta, **data}
+    arrays = {name: np.asarray(values, dtype=np.float64) for name, values in data.items()}
+    shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
+    ready, strides = [], []
+    for array in arrays.values():
+        one = array.size == 1
+        full = array.reshape(()) if one else np.broadcast_to(array, shape)
+        if not one and (full.ndim != 1 or full.strides[0] < 0 or full.strides[0] % 8):
+            full = np.ascontiguousarray(full)
+        ready.append(full)
+        strides.append(0 if one else full.strides[0] // 8 if full.ndim == 1 else 1)
+    found = {name: np.empty(shape) for name in quantities}
+    place = new_place()
+    count = int(np.prod(shape, dtype=np.int64))
+    library().spintop_tops(
+        *(count, len(ready), names_of(arrays), addresses_of(ready)),
+        (ctypes.c_longlong * len(strides))(*strides),
+        *(len(found), names_of(found), addresses_of(found.values()), None, threads, place),
+    )
+    raise_error(place)
+    return found
+
+
+def names_of(names: Any) -> "ctypes.Array[ctypes.c_char_p]":
+    """Names for C."""
+    return (ctypes.c_char_p * len(names))(*(bytes_of(name) for name in names))
+
+
+def addresses_of(arrays: Any) -> "ctypes.Array[ctypes.c_void_p]":
+    """Where arrays are, for C."""
+    return (ctypes.c_void_p * len(arrays))(*(array.ctypes.data for array in arrays))

@@ -1,0 +1,86 @@
+!> Errors for C: a structure that the library makes and deletes, and that C reads. `include/spintop.h` describes it.
+module spintop_c_error
+    use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr
+    use spintop_c_text, only: c_text_t
+    use spintop_errors, only: error_t, exit_failed, exit_input, exit_ok
+    use spintop_kinds, only: dp
+    use spintop_status, only: status_bad_input, status_meanings, status_names, status_ok
+    implicit none
+    private
+    public :: hand_error, hand_status
+
+    !> `spintop_error` of the header.
+    type, bind(C) :: c_error_t
+        integer(c_int) :: code = exit_ok, line = 0, column = 0, reserved = 0
+        type(c_ptr) :: status = c_null_ptr, message = c_null_ptr, source = c_null_ptr, owner = c_null_ptr
+    end type c_error_t
+
+    !> An error, and the texts to which it points.
+    type :: owner_t
+        type(c_error_t) :: error
+        type(c_text_t) :: status, message, source
+    end type owner_t
+
+    !> Longest message on a status.
+    integer, parameter :: longest_message = 256
+
+contains
+
+    !> Hands an error to C.
+    subroutine hand_error(error, place)
+        type(error_t), intent(in) :: error !! the error
+        type(c_ptr), intent(in) :: place !! where C wants its pointer to the error; may be null
+        if (allocated(error%source)) then
+            call hand_over(error%code, '', error%message, error%source, [error%line, error%column], place)
+        else
+            call hand_over(error%code, '', error%message, '', [0, 0], place)
+        end if
+    end subroutine hand_error
+
+    !> Hands a status to C, and returns its code: 0, and no error, for `status_ok`. No text is made by a function, so
+    !> several threads may call it at once: see `status_names`.
+    integer(c_int) function hand_status(status, t, place) result(code)
+        integer, intent(in) :: status !! how a motion ended
+        real(dp), intent(in) :: t !! the time then, s
+        type(c_ptr), intent(in) :: place !! where C wants its pointer to the error; may be null
+        character(longest_message) :: message
+
+        code = exit_ok
+        if (status == status_ok) return
+        code = merge(exit_input, exit_failed, status >= status_bad_input)
+        message = trim(status_names(status)) // ': ' // status_meanings(status)
+        if (code == exit_failed) write (message, '(2a, es23.16e3, a)') trim(message), ' (reached t =', t, ' s)'
+        call hand_over(int(code), trim(status_names(status)), message, '', [0, 0], place)
+    end function hand_status
+
+    subroutine hand_over(code, status, message, source, at, place)
+        integer, intent(in) :: code
+        character(*), intent(in) :: status, message, source
+        integer, intent(in) :: at(2) !! line and column
+        type(c_ptr), intent(in) :: place
+        type(owner_t), pointer :: owner
+        type(c_ptr), pointer :: slot
+
+        if (.not. c_associated(place)) return
+        allocate (owner)
+        call owner%status%set(status)
+        call owner%message%set(message)
+        call owner%source%set(source)
+        owner%error = c_error_t(int(code, c_int), int(at(1), c_int), int(at(2), c_int), 0_c_int, owner%status%at(), &
+                                owner%message%at(), owner%source%at(), c_loc(owner))
+        call c_f_pointer(place, slot)
+        slot = c_loc(owner%error)
+    end subroutine hand_over
+
+    !> Deletes an error.
+    subroutine delete_error(handle) bind(C, name='spintop_error_delete')
+        type(c_ptr), value :: handle !! the error; may be null
+        type(c_error_t), pointer :: error
+        type(owner_t), pointer :: owner
+        if (.not. c_associated(handle)) return
+        call c_f_pointer(handle, error)
+        call c_f_pointer(error%owner, owner)
+        deallocate (owner)
+    end subroutine delete_error
+
+end module spintop_c_error

@@ -1,0 +1,164 @@
+!> Studies and lists for C. These calls read and make texts: they wait for each other, because gfortran keeps the
+!> length of the result of a text function in memory that all threads share.
+module spintop_c_run
+    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, c_null_ptr, &
+        c_ptr, c_size_t
+    use spintop_axes_of_arrays, only: given_axis_t
+    use spintop_c_error, only: hand_error
+    use spintop_c_result, only: hand_result
+    use spintop_c_text, only: c_text_t, take_text, take_texts
+    use spintop_errors, only: error_t, input_error
+    use spintop_in_memory, only: memory_run_t, run_in_memory
+    use spintop_listing, only: list_as_json, list_topic
+    use spintop_options, only: options_t
+    use spintop_provenance, only: program_version
+    use spintop_text, only: join, string_t
+    implicit none
+    private
+
+    !> Number of the interface: it changes when a program that was linked with an earlier one no longer works.
+    integer(c_int), parameter :: interface_number = 1
+    character(c_char), target :: version(len(program_version) + 1) = &
+        transfer(program_version // c_null_char, [character(c_char) ::])
+    !> Most cases of a sweep from arrays.
+    integer(c_size_t), parameter :: most_cases = huge(1_c_int)
+
+    interface
+        !> Memory that C frees.
+        type(c_ptr) function c_allocate(bytes) bind(C, name='malloc')
+            import :: c_ptr, c_size_t
+            integer(c_size_t), value :: bytes
+        end function c_allocate
+    end interface
+
+contains
+
+    !> Number of the interface.
+    integer(c_int) function tell_interface() bind(C, name='spintop_interface')
+        tell_interface = interface_number
+    end function tell_interface
+
+    !> Version of the library, as `0.1.0`.
+    type(c_ptr) function tell_version() bind(C, name='spintop_version')
+        tell_version = c_loc(version)
+    end function tell_version
+
+    !> Runs an input.
+    type(c_ptr) function run_input(input, name, folder, threads, error) bind(C, name='spintop_run') result(handle)
+        type(c_ptr), value :: input, name !! the text, and its name in messages; a null name is `input`
+        type(c_ptr), value :: folder !! for tables that stay; null for tables in memory only
+        integer(c_int), value :: threads !! number of threads; 0 for all cores
+        type(c_ptr), value :: error !! where C wants its pointer to an error; may be null
+        !$omp critical (library)
+        call run_text(input, name, folder, threads, error, handle)
+        !$omp end critical (library)
+    end function run_input
+
+    !> Runs a sweep over arrays.
+    type(c_ptr) function run_sweep(input, count, names, values, cases, threads, error) bind(C, name='spintop_sweep') &
+            result(handle)
+        type(c_ptr), value :: input !! the text
+        integer(c_int), value :: count !! number of parameters that vary
+        type(c_ptr), value :: names, values !! their names, and an array of values for each
+        integer(c_size_t), value :: cases !! values in each array
+        integer(c_int), value :: threads !! number of threads; 0 for all cores
+        type(c_ptr), value :: error !! where C wants its pointer to an error; may be null
+        type(given_axis_t), allocatable :: given(:)
+        !$omp critical (library)
+        handle = c_null_ptr
+        if (cases < 1 .and. count > 0 .or. cases > most_cases .or. count < 0) then
+            call hand_error(input_error('a sweep over arrays has 1 to 2147483647 cases'), error)
+        else
+            call take_axes(count, names, values, cases, given)
+            call run_text(input, c_null_ptr, c_null_ptr, threads, error, handle, given)
+        end if
+        !$omp end critical (library)
+    end function run_sweep
+
+    subroutine run_text(input, name, folder, threads, place, handle, given)
+        type(c_ptr), intent(in) :: input, name, folder
+        integer(c_int), intent(in) :: threads
+        type(c_ptr), intent(in) :: place
+        type(c_ptr), intent(out) :: handle
+        type(given_axis_t), allocatable, intent(in), optional :: given(:)
+        type(options_t) :: options
+        type(memory_run_t) :: run
+        type(error_t), allocatable :: error
+        character(:), allocatable :: text, name_of_text
+
+        handle = c_null_ptr
+        call take_text(input, text)
+        call take_text(name, name_of_text)
+        call take_text(folder, options%output)
+        if (name_of_text == '') name_of_text = 'input'
+        options%threads = max(0, threads)
+        call run_in_memory(text, name_of_text, options, run, error, given)
+        if (allocated(error)) then
+            call hand_error(error, place)
+        else
+            handle = hand_result(run)
+        end if
+    end subroutine run_text
+
+    !> Takes the arrays of a sweep.
+    subroutine take_axes(count, names, values, cases, given)
+        integer(c_int), intent(in) :: count
+        type(c_ptr), intent(in) :: names, values
+        integer(c_size_t), intent(in) :: cases
+        type(given_axis_t), allocatable, intent(out) :: given(:)
+        type(string_t), allocatable :: texts(:)
+        type(c_ptr), pointer :: arrays(:)
+        real(c_double), pointer :: array(:)
+        integer :: i
+
+        call take_texts(names, int(count), texts)
+        allocate (given(count))
+        if (count == 0) return
+        call c_f_pointer(values, arrays, [count])
+        do i = 1, count
+            call c_f_pointer(arrays(i), array, [cases])
+            given(i)%name = texts(i)%text
+            given(i)%values = array
+        end do
+    end subroutine take_axes
+
+    !> Lists a registry, as `spintop list` does.
+    type(c_ptr) function list(topic, as_json, error) bind(C, name='spintop_list') result(handle)
+        type(c_ptr), value :: topic !! its name; null for the topics, or as JSON for all of them
+        integer(c_int), value :: as_json !! not 0: as JSON
+        type(c_ptr), value :: error !! where C wants its pointer to an error; may be null
+        !$omp critical (library)
+        call list_text(topic, as_json /= 0, error, handle)
+        !$omp end critical (library)
+    end function list
+
+    subroutine list_text(topic, as_json, place, handle)
+        type(c_ptr), intent(in) :: topic
+        logical, intent(in) :: as_json
+        type(c_ptr), intent(in) :: place
+        type(c_ptr), intent(out) :: handle
+        type(string_t), allocatable :: lines(:)
+        type(error_t), allocatable :: error
+        character(:), allocatable :: name
+        character(c_char), pointer :: letters(:)
+        type(c_text_t) :: text
+
+        handle = c_null_ptr
+        call take_text(topic, name)
+        if (as_json) then
+            call list_as_json(name, lines, error)
+        else
+            call list_topic(name, lines, error)
+        end if
+        if (allocated(error)) then
+            call hand_error(error, place)
+            return
+        end if
+        call text%set(join(lines, new_line('a')))
+        handle = c_allocate(size(text%letters, kind=c_size_t))
+        if (.not. c_associated(handle)) return
+        call c_f_pointer(handle, letters, [size(text%letters)])
+        letters = text%letters
+    end subroutine list_text
+
+end module spintop_c_run

@@ -1,0 +1,76 @@
+!> Texts between C and Fortran: a C text ends with a null character, and lives as long as the object that has it.
+module spintop_c_text
+    use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_loc, c_null_char, c_null_ptr, c_ptr, c_size_t, &
+        c_associated
+    use spintop_text, only: string_t
+    implicit none
+    private
+    public :: c_text_t, take_text, take_texts
+
+    !> A text for C.
+    type :: c_text_t
+        character(c_char), allocatable :: letters(:)
+    contains
+        procedure :: set
+        procedure :: at
+    end type c_text_t
+
+    interface
+        !> Length of a C text.
+        pure integer(c_size_t) function c_length(text) bind(C, name='strlen')
+            import :: c_ptr, c_size_t
+            type(c_ptr), value :: text
+        end function c_length
+    end interface
+
+contains
+
+    !> Sets the text; blanks at its end are left out.
+    pure subroutine set(self, text)
+        class(c_text_t), intent(inout) :: self
+        character(*), intent(in) :: text !! the text
+        integer :: i
+        self%letters = [character(c_char) :: (text(i:i), i=1, len_trim(text)), c_null_char]
+    end subroutine set
+
+    !> Where the text is; null if it was not set.
+    type(c_ptr) function at(self)
+        class(c_text_t), target, intent(in) :: self
+        at = c_null_ptr
+        if (allocated(self%letters)) at = c_loc(self%letters)
+    end function at
+
+    !> Takes a text of C; '' for a null pointer.
+    subroutine take_text(from, text)
+        type(c_ptr), intent(in) :: from !! where it is
+        character(:), allocatable, intent(out) :: text !! the text
+        character(c_char), pointer :: letters(:)
+        integer :: i
+
+        text = ''
+        if (.not. c_associated(from)) return
+        call c_f_pointer(from, letters, [c_length(from)])
+        deallocate (text)
+        allocate (character(size(letters)) :: text)
+        do i = 1, size(letters)
+            text(i:i) = letters(i)
+        end do
+    end subroutine take_text
+
+    !> Takes an array of texts of C.
+    subroutine take_texts(from, n, texts)
+        type(c_ptr), intent(in) :: from !! where the pointers to them are
+        integer, intent(in) :: n !! their number
+        type(string_t), allocatable, intent(out) :: texts(:) !! the texts
+        type(c_ptr), pointer :: each(:)
+        integer :: i
+
+        allocate (texts(n))
+        if (n == 0) return
+        call c_f_pointer(from, each, [n])
+        do i = 1, n
+            call take_text(each(i), texts(i)%text)
+        end do
+    end subroutine take_texts
+
+end module spintop_c_text

@@ -1,0 +1,283 @@
+!> Many undamped symmetric tops together for C, from arrays to arrays. `include/spintop.h` describes the function.
+module spintop_c_tops
+    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_long_long, c_null_char, c_ptr
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_c_error, only: hand_error
+    use spintop_errors, only: error_t, exit_input
+    use spintop_exact_block, only: block_size, exact_block_t
+    use spintop_exact_cases, only: exact_cases_t
+    use spintop_kinds, only: dp, no_number
+    use spintop_status, only: status_ok
+    !$ use omp_lib, only: omp_get_max_threads
+    implicit none
+    private
+
+    integer, parameter :: name_length = 24
+
+    !> Names of the data, and of the quantities, in the order of `data_of` and `quantity_of`.
+    character(*), parameter :: data_names(*) = [character(name_length) :: 'inertia1', 'inertia3', 'mgl', 'theta', 'phi_rate', &
+        'theta_rate', 'omega3', 'phi', 'psi', 't_end']
+    character(*), parameter :: quantity_names(*) = [character(name_length) :: 'theta_min', 'theta_max', 'delta_u', &
+        'nutation_period', 'precession_per_nutation', 'precession_rate', 'phi_rate_max', 'theta_end', 'phi_end', 'psi_end', &
+        'theta_rate_end', 'energy_error']
+    !> The first of the quantities for which the motion at the end is computed.
+    integer, parameter :: first_of_end = 8
+    !> So many of the data must be given; the others are 0 by default.
+    integer, parameter :: needed = 4
+
+    !> An array of C.
+    type :: array_t
+        integer :: place = 0
+        !> Elements from one top to the next: 0 for a value of all tops.
+        integer(int64) :: stride = 0
+        real(c_double), pointer :: values(:) => null()
+    end type array_t
+
+    !> What C asks for.
+    type :: request_t
+        integer(int64) :: n = 0
+        type(array_t), allocatable :: given(:), wanted(:)
+        integer(c_int), pointer :: status(:) => null()
+        logical :: wants_end = .false.
+    end type request_t
+
+contains
+
+    !> Computes many tops.
+    integer(c_int) function compute_tops(n, given_count, given_names, given, strides, wanted_count, wanted_names, wanted, &
+                                         statuses, threads, error) bind(C, name='spintop_tops') result(code)
+        integer(c_long_long), value :: n !! number of tops
+        integer(c_int), value :: given_count !! number of arrays of data
+        type(c_ptr), value :: given_names, given, strides !! their names, the arrays, and their strides in elements
+        integer(c_int), value :: wanted_count !! number of arrays of quantities
+        type(c_ptr), value :: wanted_names, wanted !! their names, and the arrays
+        type(c_ptr), value :: statuses !! a status for each top; may be null
+        integer(c_int), value :: threads !! number of threads; 0 for all cores
+        type(c_ptr), value :: error !! where C wants its pointer to an error; may be null
+        type(request_t) :: request
+        integer(c_long_long), pointer :: steps(:)
+        type(error_t), allocatable :: problem
+        integer :: i
+
+        request%n = n
+        call take_arrays(given_count, given_names, given, data_names, request%given, problem)
+        call take_arrays(wanted_count, wanted_names, wanted, quantity_names, request%wanted, problem)
+        if (given_count > 0 .and. .not. allocated(problem)) then
+            call c_f_pointer(strides, steps, [given_count])
+            request%given%stride = steps
+        end if
+        if (.not. allocated(problem)) call check(request, problem)
+        code = 0
+        if (allocated(problem)) then
+            call hand_error(problem, error)
+            code = exit_input
+        end if
+        if (code /= 0 .or. n == 0) return
+        do i = 1, size(request%given)
+            call c_f_pointer(array_at(given, i), request%given(i)%values, [(n - 1) * abs(request%given(i)%stride) + 1])
+        end do
+        do i = 1, size(request%wanted)
+            call c_f_pointer(array_at(wanted, i), request%wanted(i)%values, [n])
+        end do
+        if (c_associated(statuses)) call c_f_pointer(statuses, request%status, [n])
+        request%wants_end = any(request%wanted%place >= first_of_end)
+        call compute_blocks(request, int(threads))
+    end function compute_tops
+
+    !> The i-th of some pointers.
+    type(c_ptr) function array_at(places, i)
+        type(c_ptr), intent(in) :: places
+        integer, intent(in) :: i
+        type(c_ptr), pointer :: each(:)
+        call c_f_pointer(places, each, [i])
+        array_at = each(i)
+    end function array_at
+
+    !> Checks numbers and strides, and that what has no default is given. Threads call this at once: no text is made by a
+    !> function, see `status_names`.
+    subroutine check(request, problem)
+        type(request_t), intent(in) :: request
+        type(error_t), allocatable, intent(inout) :: problem
+        integer :: i
+        if (request%n < 0 .or. any(request%given%stride < 0)) then
+            problem = error_t(exit_input, 'the number of tops, or a stride, is negative')
+        end if
+        do i = 1, needed
+            if (any(request%given%place == i)) cycle
+            problem = error_t(exit_input, trim(data_names(i)) // ' is not given')
+            return
+        end do
+    end subroutine check
+
+    !> Finds arrays by their names among the known ones.
+    subroutine take_arrays(count, names, places, known, arrays, problem)
+        integer(c_int), intent(in) :: count
+        type(c_ptr), intent(in) :: names, places
+        character(*), intent(in) :: known(:)
+        type(array_t), allocatable, intent(out) :: arrays(:)
+        type(error_t), allocatable, intent(inout) :: problem
+        character(name_length) :: name
+        character(c_char), pointer :: letters(:)
+        integer :: i, k
+
+        allocate (arrays(max(0, count)))
+        if (count > 0 .and. .not. (c_associated(names) .and. c_associated(places))) then
+            problem = error_t(exit_input, 'an array of pointers is null')
+        end if
+        if (allocated(problem)) return
+        do i = 1, count
+            call c_f_pointer(array_at(names, i), letters, [name_length])
+            name = ''
+            do k = 1, name_length
+                if (letters(k) == c_null_char) exit
+                name(k:k) = letters(k)
+            end do
+            do k = 1, size(known)
+                if (known(k) == name) arrays(i)%place = k
+            end do
+            if (arrays(i)%place > 0) cycle
+            problem = error_t(exit_input, "'" // trim(name) // "' is none of " // trim(known(1)))
+            do k = 2, size(known)
+                problem%message = problem%message // ', ' // trim(known(k))
+            end do
+            return
+        end do
+    end subroutine take_arrays
+
+    !> Computes the tops block by block.
+    subroutine compute_blocks(request, wanted_threads)
+        type(request_t), intent(in) :: request
+        integer, intent(in) :: wanted_threads
+        type(exact_block_t), allocatable :: block
+        integer(int64) :: first
+        integer :: threads
+
+        threads = 1
+        !$ threads = omp_get_max_threads()
+        if (wanted_threads > 0) threads = wanted_threads
+        !$omp parallel num_threads(threads) private(block)
+        allocate (block)
+        !$omp do schedule(dynamic, 4)
+        do first = 0, request%n - 1, block_size
+            block%n = int(min(int(block_size, int64), request%n - first))
+            call load(request, first, block)
+            call block%compute(request%wants_end, .false.)
+            call unload(request, first, block)
+        end do
+        !$omp end do
+        deallocate (block)
+        !$omp end parallel
+    end subroutine compute_blocks
+
+    !> Puts the data of the tops after the first ones into a block.
+    subroutine load(request, first, block)
+        type(request_t), intent(in) :: request
+        integer(int64), intent(in) :: first
+        type(exact_block_t), target, intent(inout) :: block
+        real(dp), pointer, contiguous :: room(:)
+        integer(int64) :: at
+        integer :: i, k
+
+        do k = 1, size(data_names)
+            room => data_of(block%exact_cases_t, k)
+            room(:block%n) = 0
+            do i = 1, size(request%given)
+                if (request%given(i)%place /= k) cycle
+                associate (stride => request%given(i)%stride, values => request%given(i)%values)
+                    at = first * stride + 1
+                    if (stride == 1) then
+                        room(:block%n) = values(at:at + block%n - 1)
+                    else if (stride == 0) then
+                        room(:block%n) = values(1)
+                    else
+                        room(:block%n) = values(at:at + (block%n - 1) * stride:stride)
+                    end if
+                end associate
+            end do
+        end do
+    end subroutine load
+
+    !> Hands over the quantities of a block; those of a top that could not be computed are NaN.
+    subroutine unload(request, first, block)
+        type(request_t), intent(in) :: request
+        integer(int64), intent(in) :: first
+        type(exact_block_t), target, intent(inout) :: block
+        real(dp), pointer, contiguous :: room(:)
+        integer :: i
+        logical :: any_failed
+
+        associate (n => block%n)
+            any_failed = any(block%status(:n) /= status_ok)
+            do i = 1, size(request%wanted)
+                room => quantity_of(block%exact_cases_t, request%wanted(i)%place)
+                request%wanted(i)%values(first + 1:first + n) = room(:n)
+                if (any_failed) where (block%status(:n) /= status_ok) &
+                    request%wanted(i)%values(first + 1:first + n) = no_number
+            end do
+            if (associated(request%status)) request%status(first + 1:first + n) = block%status(:n)
+        end associate
+    end subroutine unload
+
+    !> The array of a block for data number k.
+    function data_of(cases, k) result(room)
+        type(exact_cases_t), target, intent(inout) :: cases
+        integer, intent(in) :: k
+        real(dp), pointer, contiguous :: room(:)
+        select case (k)
+        case (1)
+            room => cases%inertia1
+        case (2)
+            room => cases%inertia3
+        case (3)
+            room => cases%mgl
+        case (4)
+            room => cases%theta
+        case (5)
+            room => cases%phi_rate
+        case (6)
+            room => cases%theta_rate
+        case (7)
+            room => cases%omega3
+        case (8)
+            room => cases%phi
+        case (9)
+            room => cases%psi
+        case default
+            room => cases%t_end
+        end select
+    end function data_of
+
+    !> The array of a block with quantity number k.
+    function quantity_of(cases, k) result(room)
+        type(exact_cases_t), target, intent(inout) :: cases
+        integer, intent(in) :: k
+        real(dp), pointer, contiguous :: room(:)
+        select case (k)
+        case (1)
+            room => cases%theta_min
+        case (2)
+            room => cases%theta_max
+        case (3)
+            room => cases%delta_u
+        case (4)
+            room => cases%period
+        case (5)
+            room => cases%precession
+        case (6)
+            room => cases%precession_rate
+        case (7)
+            room => cases%phi_rate_max
+        case (8)
+            room => cases%theta_end
+        case (9)
+            room => cases%phi_end
+        case (10)
+            room => cases%psi_end
+        case (11)
+            room => cases%theta_rate_end
+        case default
+            room => cases%energy_error
+        end select
+    end function quantity_of
+
+end module spintop_c_tops

@@ -1,0 +1,178 @@
+!> Studies whose input is a text and whose tables stay in memory: what a caller of the library has in place of
+!> files.
+!>
+!>     call run_in_memory(text, 'top', options, run, error)
+!>     associate (theta => run%table(1)%column(3)%values); ...
+module spintop_in_memory
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_axes_of_arrays, only: given_axis_t
+    use spintop_data_table, only: data_table_t, load_table
+    use spintop_errors, only: error_t, exit_failed, exit_ok
+    use spintop_execution, only: run_job
+    use spintop_files, only: file_exists, make_private_folder, remove_file, remove_folder
+    use spintop_job, only: job_t
+    use spintop_memory_table, only: memory_table_t
+    use spintop_options, only: options_t
+    use spintop_preparation, only: prepare_job, prepared_t, protect_interrupted
+    use spintop_scene_words, only: kind_sweep, study_kinds
+    use spintop_status, only: status_ok
+    use spintop_sweep_table, only: describe_columns
+    use spintop_sweep_team, only: sweep_team_t
+    use spintop_text, only: join, string_t
+    !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
+    implicit none
+    private
+    public :: memory_run_t, run_in_memory
+
+    !> What a run gives.
+    type :: memory_run_t
+        !> Its tables: `rows`, and where the input asks for them `events` and `statistics`.
+        type(data_table_t), allocatable :: table(:)
+        !> Warnings of the input, and the summary of the run, for a reader; either may be empty.
+        character(:), allocatable :: warnings, summary
+        !> `exit_ok`, or `exit_failed` where the motion, or some cases, failed.
+        integer :: code = exit_ok
+    end type memory_run_t
+
+contains
+
+    !> Runs an input. A sweep without statistics is computed in memory; the tables of other studies are written to a
+    !> private folder, read and removed. With `options%output` all tables are written to that folder, and stay.
+    subroutine run_in_memory(text, name, options, run, error, given)
+        character(*), intent(in) :: text !! the namelist groups
+        character(*), intent(in) :: name !! of the text, for messages
+        type(options_t), intent(inout) :: options !! `output` may be '' or not allocated
+        type(memory_run_t), intent(out) :: run !! tables and summary
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(given_axis_t), intent(in), optional :: given(:) !! values of parameters, in place of axes of a sweep
+        type(prepared_t), allocatable, target :: prepared(:)
+        integer :: threads
+
+        threads = 1
+        !$ threads = omp_get_max_threads()
+        options%quiet = .true.
+        if (.not. allocated(options%output)) options%output = ''
+        if (.not. allocated(options%overrides)) allocate (options%overrides(0))
+        allocate (prepared(1))
+        associate (job => prepared(1)%job)
+            if (present(given)) job%given = given
+            call prepare_job(name, options, job, prepared(1)%study, error, text)
+            if (allocated(error)) return
+            run%warnings = job%warnings
+            run%summary = ''
+            if (options%output /= '') then
+                call protect_interrupted(prepared, options, error)
+                if (.not. allocated(error)) call run_in_files(prepared(1), options, .true., run, error)
+            else if (job%scene%kind == study_kinds(kind_sweep) .and. .not. job%statistics%is_wanted) then
+                !$ if (options%threads > 0) call omp_set_num_threads(options%threads)
+                call run_sweep(job, options, run, error)
+            else
+                call run_in_private_folder(prepared(1), options, run, error)
+            end if
+        end associate
+        !$ call omp_set_num_threads(threads)
+    end subroutine run_in_memory
+
+    !> Computes the cases of a sweep.
+    subroutine run_sweep(job, options, run, error)
+        type(job_t), target, intent(in) :: job
+        type(options_t), intent(in) :: options
+        type(memory_run_t), intent(inout) :: run
+        type(error_t), allocatable, intent(out) :: error
+        type(memory_table_t) :: table
+        type(sweep_team_t) :: team
+
+        call describe_columns(job, table%columns)
+        call table%begin(job%axes%cases, error)
+        if (allocated(error)) return
+        call team%assemble(options%ranks, job, [1_int64, job%axes%cases])
+        call team%progress%start(job%name, 'cases', job%axes%cases, options%quiet, options%progress)
+        call team%compute(job, table)
+        call move_alloc(team%queue%error, error)
+        if (allocated(error)) return
+        run%code = merge(exit_failed, exit_ok, any(table%counts(status_ok + 1:) > 0))
+        allocate (run%table(1))
+        call take_table(table%data, run%table(1))
+    end subroutine run_sweep
+
+    !> Moves the columns of a table.
+    subroutine take_table(from, to)
+        type(data_table_t), intent(inout) :: from
+        type(data_table_t), intent(inout) :: to
+        to%name = from%name
+        to%rows = from%rows
+        call move_alloc(from%column, to%column)
+    end subroutine take_table
+
+    !> Runs a job whose files nobody else is to see.
+    subroutine run_in_private_folder(prepared, options, run, error)
+        type(prepared_t), target, intent(inout) :: prepared
+        type(options_t), intent(inout) :: options
+        type(memory_run_t), intent(inout) :: run
+        type(error_t), allocatable, intent(out) :: error
+        type(error_t), allocatable :: ignored
+
+        call make_private_folder(options%output, error)
+        if (allocated(error)) return
+        associate (job => prepared%job, folder => options%output)
+            job%output = folder // job%output
+            job%log = folder // job%log
+            if (job%event_output /= '') job%event_output = folder // job%event_output
+            if (job%statistics_output /= '') job%statistics_output = folder // job%statistics_output
+            call run_in_files(prepared, options, .false., run, error)
+            call remove_file(job%output, ignored)
+            call remove_file(job%log, ignored)
+            call remove_file(job%event_output, ignored)
+            call remove_file(job%statistics_output, ignored)
+            call remove_folder(folder, ignored)
+        end associate
+        options%output = ''
+    end subroutine run_in_private_folder
+
+    !> Runs a job, and loads its tables. Those of NetCDF are not loaded.
+    subroutine run_in_files(prepared, options, stay, run, error)
+        type(prepared_t), target, intent(inout) :: prepared
+        type(options_t), intent(in) :: options
+        logical, intent(in) :: stay !! whether the files stay: then the summary names them, in its first lines
+        type(memory_run_t), intent(inout) :: run
+        type(error_t), allocatable, intent(out) :: error
+        type(string_t), allocatable :: lines(:)
+        integer :: first
+
+        call run_job(prepared%study, prepared%job, options, lines, run%code, error)
+        if (allocated(error)) return
+        if (allocated(lines)) then
+            first = 1
+            do while (.not. stay .and. first < size(lines))
+                if (scan(lines(first)%text, 'abcdefghijklmnopqrstuvwxyz') == 3 .and. lines(first)%text(:2) == '') exit
+                first = first + 1
+            end do
+            run%summary = join(lines(first:), new_line('a'))
+        end if
+        allocate (run%table(0))
+        associate (job => prepared%job)
+            call add_table(job%output, merge('rows      ', 'statistics', job%keeps_rows()), run, error)
+            if (.not. allocated(error)) call add_table(job%event_output, 'events', run, error)
+            if (.not. allocated(error)) call add_table(job%statistics_output, 'statistics', run, error)
+        end associate
+    end subroutine run_in_files
+
+    !> Loads a table, if there is one.
+    subroutine add_table(path, name, run, error)
+        character(*), intent(in) :: path, name
+        type(memory_run_t), intent(inout) :: run
+        type(error_t), allocatable, intent(out) :: error
+        type(data_table_t), allocatable :: more(:)
+        integer :: i
+
+        if (len(path) < 4) return
+        if (path(len(path) - 3:) /= '.csv' .or. .not. file_exists(path)) return
+        allocate (more(size(run%table) + 1))
+        do i = 1, size(run%table)
+            call take_table(run%table(i), more(i))
+        end do
+        call load_table(path, trim(name), more(size(more)), error)
+        call move_alloc(more, run%table)
+    end subroutine add_table
+
+end module spintop_in_memory

@@ -1,0 +1,238 @@
+"""The interface for C: its examples in C99 and C++17, linked with the library of this build."""
+
+import json
+import os
+import re
+import subprocess
+import tomllib
+import unittest
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+EXE = Path(os.environ["SPINTOP_EXE"]).resolve()
+KIND = os.environ.get("SPINTOP_TEST_KIND", "release")
+EXTRA = {"sanitized": "-fsanitize=address,undefined", "coverage": "-lgcov"}.get(KIND, "")
+WARNINGS = "-Wall -Wextra -pedantic -Werror"
+TOP = "&top mass = 1 inertia = 0.875, 0.875, 0.25 length = 0.8660254037844387 /"
+START = "&initial theta_deg = 11.25 psi_rate = 1 /"
+
+
+def numbers(text: str) -> list[float]:
+    """The numbers of a line."""
+    return [float(word) for word in text.split()]
+
+
+@pytest.mark.usefixtures("folder")
+class CInterfaceTest(unittest.TestCase):
+    """Each program is compiled without warnings, and linked with the static library."""
+
+    folder: Path
+
+    def build(self, source: Path, compiler: str) -> Path:
+        """Compile a program and link it."""
+        manifest = tomllib.loads((ROOT / "fpm.toml").read_text(encoding="utf-8"))
+        libraries = " ".join("-l" + library for library in manifest["build"]["link"])
+        program = self.folder / source.stem
+        command = (
+            f". '{ROOT}/.venv/bin/activate' && {compiler} {WARNINGS} {EXTRA} -I'{ROOT}/include'"
+            f" -c '{source}' -o object.o && gfortran -fopenmp {EXTRA} object.o"
+            f" '{EXE.parent}/lib/libspintop.a' $FPM_LDFLAGS {libraries} -lstdc++ -lm -o '{program}'"
+        )
+        done = subprocess.run(
+            ["bash", "-c", command], cwd=self.folder, capture_output=True, text=True, check=False
+        )
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return program
+
+    def run_it(self, program: Path, *arguments: str, code: int = 0) -> str:
+        """Run a program, which must write nothing to standard error."""
+        done = subprocess.run(
+            [program, *arguments], capture_output=True, text=True, check=False, cwd=self.folder
+        )
+        self.assertEqual((done.returncode, done.stderr), (code, ""), done.stdout)
+        return done.stdout
+
+    def driver(self) -> Path:
+        """The driver of this suite."""
+        return self.build(ROOT / "test/support/c_driver.txt", "gcc -std=c99 -x c")
+
+    def table(self, text: str, *options: str) -> dict[str, list[str]]:
+        """The columns of the table that the program writes for an input."""
+        path = self.folder / "by_program.nml"
+        path.write_text(text, encoding="utf-8")
+        command = [EXE, "--quiet", "-o", str(self.folder / "by program"), *options, str(path)]
+        subprocess.run(command, check=True, capture_output=True)
+        text = (self.folder / "by program" / "by_program.csv").read_text(encoding="utf-8")
+        names, *rows = [line.split(",") for line in text.splitlines() if line[0] != "#"]
+        return {name: [row[i] for row in rows] for i, name in enumerate(names)}
+
+    def test_c99(self) -> None:
+        """The example in C: two motions, the events, the message on a wrong input."""
+        text = self.run_it(self.build(ROOT / "doc/examples/one_top.c", "gcc -std=c99"))
+        self.assertIn("interface 1\n", text)
+        self.assertIn("\ntheta              [rad] 0.19634954084936", text)
+        error = re.search(r"^orientation_error +\[rad\] (\S+) (\S+) (\S+)$", text, re.M)
+        self.assertEqual(float(error[1]), 0)
+        self.assertTrue(0 < float(error[2]) < 1e-5, text)
+        self.assertIn("table events: 2 rows\ntheta_max 1 ", text)
+        self.assertRegex(text, r"code 2, input:1:13\ninput:1:13: error: ")
+
+    def test_cpp(self) -> None:
+        """The example in C++: a sweep and arrays give the same bits; threads; an exception."""
+        text = self.run_it(self.build(ROOT / "doc/examples/many_tops.cpp", "g++ -std=c++17"))
+        self.assertIn("1000 tops, theta_max of the first ", text)
+        self.assertIn(", equal\n0 of 8 threads differ\n", text)
+        self.assertIn("element 1 of initial.theta must be", text)
+
+    def test_exact_motion_has_the_bits_of_the_program(self) -> None:
+        """Columns at the times of a table; also of a body whose axis is turned, and a free one."""
+        driver = self.driver()
+        bodies = (
+            TOP,
+            "&top mass = 1 inertia = 0.25, 0.875, 0.875 centre_of_mass = 0.5, 0, 0 /",
+            "&top mass = 2 inertia = 0.3, 0.5, 0.7 centre_of_mass = 0, 0, 0 /",
+        )
+        rest = (
+            "&initial phi = 0.3 theta = 1 psi = -2 phi_rate = 0.5 theta_rate = -0.2 psi_rate = 9 /"
+            "&span t_end = 12.5 samples = 41 /"
+            "&output columns = 't', 'phi', 'theta', 'psi', 'omega1', 'energy', 'force_x' /"
+        )
+        for body in bodies:
+            with self.subTest(body):
+                table = self.table(body + rest)
+                lines = self.run_it(driver, "at", body + rest, *table["t"]).splitlines()
+                self.assertEqual(len(lines), 41)
+                for i, line in enumerate(lines):
+                    expected = [float(column[i]) for column in table.values()]
+                    self.assertEqual(numbers(line), expected)
+
+    def test_integration_has_the_bits_of_the_program(self) -> None:
+        """Dense output of an adaptive method, and the steps of a fixed one."""
+        driver = self.driver()
+        for settings in ("method = 'ode45' relative_tolerance = 1e-8", "method = 'rk4' steps = 80"):
+            with self.subTest(settings):
+                text = (
+                    f"{TOP} {START} &span t_end = 2 samples = 9 /"
+                    f"&integration {settings} / &output columns = 't', 'theta', 'psi' /"
+                )
+                table = self.table(text)
+                lines = self.run_it(driver, "at", text, *table["t"]).splitlines()
+                expected = [
+                    [float(cell) for cell in row] for row in zip(*table.values(), strict=True)
+                ]
+                self.assertEqual([numbers(line) for line in lines], expected)
+
+    def test_a_motion_that_ends(self) -> None:
+        """Rows that were not reached are NaN, and the error has the status."""
+        text = (
+            f"{TOP} {START} &span t_end = 9 / &output columns = 'theta' /"
+            "&integration method = 'taylor' max_steps = 3 /"
+        )
+        *rows, told = self.run_it(self.driver(), "at", text, "0", "0.001", "9", code=3).splitlines()
+        self.assertRegex(" ".join(rows), r"^0\.196\S+ +0\.196\S+ +-?nan *$")
+        self.assertRegex(told, r"^3\|step_limit\|\|0\|0\|step_limit: the maximum number of steps")
+
+    def test_wrong_times(self) -> None:
+        """Times that are not finite, decreasing, or between steps are refused."""
+        rest = "&span t_end = 2 / &output columns = 'theta' /"
+        driver = self.driver()
+        exact = f"{TOP} {START} {rest}"
+        fixed = exact + "&integration method = 'rk4' steps = 4 /"
+        adaptive = exact + "&integration method = 'ode45' /"
+        for text, times in (
+            (exact, ("1", "nan")),
+            (exact, ("inf",)),
+            (adaptive, ("2", "1")),
+            (adaptive, ("-1", "1")),
+            (fixed, ("0", "0.7", "1")),
+            (fixed, ("0", "3")),
+        ):
+            with self.subTest(f"{text} {times}"):
+                told = self.run_it(driver, "at", text, *times, code=2).splitlines()[-1]
+                self.assertRegex(told, r"^2\|bad_(samples|span)\|")
+        self.run_it(driver, "at", exact, "5", "-3", "0")
+        self.run_it(driver, "at", fixed, "0", "0.5", "2")
+
+    def test_wrong_inputs(self) -> None:
+        """Messages are those of the program, with the place; a sweep is no top."""
+        driver = self.driver()
+        told = self.run_it(driver, "at", f"{TOP}\n&initial thta = 1 /", "0", code=2)
+        self.assertRegex(told, r"(?s)^2\|\|top\|2\|10\|top:2:10: error: unknown key 'thta'.*theta")
+        told = self.run_it(driver, "at", "no namelist", "0", code=2)
+        self.assertRegex(told, r"^2\|\|top\|1\|1\|top:1:1: error: text outside a group")
+        other = "&study kind = 'stability' / &output file = 'x' /"
+        told = self.run_it(driver, "at", other, "0", code=2)
+        self.assertIn("the input of a top is that of a trajectory", told)
+        told = self.run_it(driver, "run", f"{TOP} {START}", code=2)
+        self.assertIn("the time span is not given", told)
+        told = self.run_it(driver, "list", "methos", code=2)
+        self.assertIn("did you mean 'methods'?", told)
+
+    def test_tables_in_memory(self) -> None:
+        """Those of a trajectory with events, with units, and no file is left."""
+        text = (
+            f"{TOP} {START} &span nutations = 2 samples = 5 /"
+            "&output columns = 't', 'theta' events = 'theta_max' /"
+        )
+        temporary = self.folder / "temporary"
+        temporary.mkdir()
+        os.environ["TMPDIR"] = str(temporary)
+        try:
+            lines = self.run_it(self.driver(), "run", text).splitlines()
+        finally:
+            del os.environ["TMPDIR"]
+        self.assertEqual(list(temporary.iterdir()), [])
+        table = self.table(text)
+        self.assertEqual(lines[0], "rows")
+        self.assertTrue(lines[1].startswith("t|s|time|"), lines[1])
+        theta = lines[2].split("|")
+        self.assertEqual(theta[:2], ["theta", "rad"])
+        self.assertEqual(numbers(theta[3]), [float(cell) for cell in table["theta"]])
+        self.assertEqual(lines[3], "events")
+        self.assertEqual(lines[4].split("|")[3], "theta_max theta_max ")
+
+    def test_a_sweep_in_memory(self) -> None:
+        """The cells of the program's table, words among them; failed cases give code 3."""
+        text = (
+            f"&study kind = 'sweep' / {TOP} &initial theta = 0.5 / &span t_end = 1 /"
+            "&sweep parameter = 'initial.psi_rate' from = 0 to = 30 count = 7 /"
+            "&output columns = 'theta_max', 'nutation_period', 'motion_class' /"
+        )
+        lines = self.run_it(self.driver(), "run", text).splitlines()
+        columns = [line.split("|") for line in lines[1:]]
+        table = self.table(text)
+        self.assertEqual([column[0] for column in columns], list(table))
+        for name, _, _, cells in columns:
+            if name == "notes":
+                continue
+            words = name in ("status", "motion_class")
+            found = cells.split() if words else numbers(cells)
+            expected = table[name] if words else [float(cell) for cell in table[name]]
+            self.assertEqual(found, expected, name)
+        units = {column[0]: column[1] for column in columns}
+        self.assertEqual((units["theta_max"], units["nutation_period"]), ("rad", "s"))
+
+    def test_a_folder(self) -> None:
+        """With a folder the table is a file, too, equal to the program's but for the date."""
+        text = f"{TOP} {START} &span t_end = 1 samples = 3 /"
+        self.run_it(self.driver(), "run", text, str(self.folder / "kept"))
+        found = (self.folder / "kept" / "run.csv").read_text(encoding="utf-8").splitlines()
+        self.table(text)
+        expected = (self.folder / "by program" / "by_program.csv").read_text("utf-8").splitlines()
+        dated = re.compile("# (date|options|revision): ")
+        both = [[line for line in lines if not dated.match(line)] for lines in (found, expected)]
+        self.assertEqual(*both)
+
+    def test_lists(self) -> None:
+        """The registries are those of the program."""
+        for topic in ("methods", "columns", ""):
+            command = [EXE, "list", *([topic] if topic else []), "--json"]
+            expected = subprocess.run(command, check=True, capture_output=True).stdout
+            found = self.run_it(self.driver(), "list", topic)
+            self.assertEqual(json.loads(found), json.loads(expected))
+
+
+if __name__ == "__main__":
+    unittest.main()

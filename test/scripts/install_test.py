@@ -1,0 +1,131 @@
+"""scripts/install: the shared library, and programs that find it by pkg-config and by CMake."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from typing import ClassVar
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "scripts"))
+
+from manual.pages import blocks_of  # noqa: E402
+
+HEADER = ROOT / "include/spintop.h"
+BLOCKS = [block for block in blocks_of(ROOT / "doc/c.md") if block.tags[:1] == ("c",)]
+CMAKE = """\
+cmake_minimum_required(VERSION 3.16)
+project(example C)
+find_package(spintop {version} REQUIRED)
+add_executable(example example.c)
+target_link_libraries(example PRIVATE spintop::spintop)
+"""
+
+
+class InstallTest(unittest.TestCase):
+    """A prefix whose name has a space."""
+
+    folder: ClassVar[Path]
+    prefix: ClassVar[Path]
+    source: ClassVar[Path]
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        """Install, and write the example of the page."""
+        cls.folder = Path(tempfile.mkdtemp(prefix="spintop install "))
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        cls.prefix = cls.folder / "pre fix"
+        command = [ROOT / "scripts/install", cls.prefix]
+        subprocess.run(command, check=True, capture_output=True)
+        cls.source = cls.folder / "example.c"
+        cls.source.write_text(BLOCKS[0].text, encoding="utf-8")
+
+    def call(self, *command: str | Path, **environment: str) -> str:
+        """The output of a command that must succeed."""
+        done = subprocess.run(
+            command,
+            capture_output=True,
+            text=True,
+            check=False,
+            cwd=self.folder,
+            env={**os.environ, **environment},
+        )
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done.stdout
+
+    def check_example(self, program: Path) -> None:
+        """The motion that it prints is that of the program."""
+        scene = self.folder / "scene.nml"
+        text = re.sub(r"(?s).*?(&top.*?)\\n\".*", r"\1", BLOCKS[0].text)
+        rest = "&initial theta_deg = 11.25 psi_rate = 1 / &span t_end = 2 samples = 3 /"
+        scene.write_text(f"{text}\n{rest} &output columns = 'theta', 'phi' /", encoding="utf-8")
+        self.call(self.prefix / "bin/spintop", "--quiet", "-o", self.folder, scene)
+        table = (self.folder / "scene.csv").read_text(encoding="utf-8").splitlines()
+        rows = [line.split(",") for line in table if line[0] != "#"][1:]
+        lines = self.call(program).splitlines()
+        self.assertEqual(len(lines), 3)
+        for line, (theta, phi) in zip(lines, rows, strict=True):
+            expected = f"theta = {float(theta):.15g}, phi = {float(phi):.15g}"
+            self.assertTrue(line.endswith(expected), line)
+
+    def test_what_is_exported(self) -> None:
+        """The functions of the header, and nothing else; the stack is not executable."""
+        library = self.prefix / "lib/libspintop.so"
+        self.assertEqual(os.readlink(library), "libspintop.so.1")
+        listed = self.call("nm", "-D", "--defined-only", library).split()
+        exported = {name.split("@")[0] for name in listed if name.startswith("spintop_")}
+        text = re.sub(r"/\*.*?\*/", "", HEADER.read_text(encoding="utf-8"), flags=re.DOTALL)
+        self.assertEqual(exported, set(re.findall(r"\b(spintop_\w+)\(", text)))
+        names = {name for name in listed if not re.fullmatch(r"[0-9a-f]{16}|[A-Z]", name)}
+        self.assertEqual({name.split("@")[0] for name in names}, exported | {"SPINTOP_1"})
+        stack = re.search(r"GNU_STACK.*", self.call("readelf", "-lW", library))[0]
+        self.assertNotIn("RWE", stack)
+
+    def test_pkg_config(self) -> None:
+        """The example of the page, with its flags."""
+        if not shutil.which("pkg-config"):
+            self.skipTest("no pkg-config")
+        path = str(self.prefix / "lib/pkgconfig")
+        self.assertEqual(
+            self.call("pkg-config", "--modversion", "spintop", PKG_CONFIG_PATH=path).strip(),
+            self.call(self.prefix / "bin/spintop", "--version").split()[1],
+        )
+        command = (
+            "eval cc -Wall -Werror example.c $(pkg-config --cflags --libs spintop)"
+            """ '-Wl,-rpath,"$RPATH"' -o by_pkg_config"""
+        )
+        self.call("bash", "-c", command, PKG_CONFIG_PATH=path, RPATH=str(self.prefix / "lib"))
+        self.check_example(self.folder / "by_pkg_config")
+
+    def test_cmake(self) -> None:
+        """A project finds the package; one that asks for a newer version does not."""
+        if not shutil.which("cmake"):
+            self.skipTest("no cmake")
+        prefix = f"-DCMAKE_PREFIX_PATH={self.prefix}"
+        for version in ("", "0.1"):
+            (self.folder / "CMakeLists.txt").write_text(CMAKE.format(version=version), "utf-8")
+            build = self.folder / f"build{version}"
+            self.call("cmake", "-S", ".", "-B", build, prefix)
+            self.call("cmake", "--build", build)
+            self.check_example(build / "example")
+        (self.folder / "CMakeLists.txt").write_text(CMAKE.format(version="9.0"), "utf-8")
+        command = ["cmake", "-S", ".", "-B", "build9", prefix]
+        done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, check=False)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("9.0", done.stderr)
+
+    def test_usage(self) -> None:
+        """Without a folder the script says how it is used."""
+        for arguments in ((), ("--wrong",), ("a", "b")):
+            command = [ROOT / "scripts/install", *arguments]
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("usage: scripts/install PREFIX", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

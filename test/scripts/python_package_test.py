@@ -1,0 +1,423 @@
+"""The Python package: the bits of the program, errors, memory, threads, and its page."""
+
+import math
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+import warnings
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+sys.path[:0] = [str(ROOT / "python"), str(ROOT / "scripts")]
+
+subprocess.run([ROOT / "scripts/install", "--library"], check=True, capture_output=True)
+
+import spintop  # noqa: E402
+from manual.pages import blocks_of  # noqa: E402
+from spintop.inputs import namelist  # noqa: E402
+
+EXE = Path(os.environ["SPINTOP_EXE"]).resolve()
+BODY = spintop.Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.75**0.5)
+TOP = spintop.Top(BODY, phi=0.3, theta=0.5, psi=-1.0, phi_rate=0.2, psi_rate=7.0)
+SKEW = spintop.Body(
+    mass=1, inertia=(0.9, 0.7, 0.25), centre_of_mass=(0.05, 0, 0.8), damping=(0.01,) * 3
+)
+
+
+def by_program(groups: dict, name: str = "rows") -> dict[str, list[str]]:
+    """The columns of the table that the program writes for an input, as text."""
+    with tempfile.TemporaryDirectory() as folder:
+        scene = Path(folder) / "scene.nml"
+        scene.write_text(namelist(groups), encoding="utf-8")
+        subprocess.run([EXE, "--quiet", "-o", folder, scene], check=True, capture_output=True)
+        file = "scene.csv" if name == "rows" else f"scene.{name}.csv"
+        text = (Path(folder) / file).read_text(encoding="utf-8")
+    names, *rows = [line.split(",") for line in text.splitlines() if line[0] != "#"]
+    return {name: [row[i] for row in rows] for i, name in enumerate(names)}
+
+
+class MotionTest(unittest.TestCase):
+    """One top."""
+
+    def compare(self, motion: spintop.Motion, table: dict[str, list[str]]) -> None:
+        """All columns have the bits of a table."""
+        self.assertEqual(list(motion), list(table))
+        for name, column in table.items():
+            self.assertEqual(motion[name].tolist(), [float(cell) for cell in column], name)
+
+    def test_exact(self) -> None:
+        """The bits of the program, for times of any shape, and a number for a number."""
+        columns = ["t", "phi", "theta", "psi", "phi_rate", "energy", "force_z", "q0"]
+        span, output = {"t_end": 30.0, "samples": 301}, {"columns": columns}
+        table = by_program(TOP.input(span=span, output=output))
+        t = np.array([float(cell) for cell in table["t"]])
+        self.compare(TOP.exact(t, columns), table)
+        grid = TOP.exact(t[:300].reshape(20, 15), ["theta"]).theta
+        self.assertEqual(grid.shape, (20, 15))
+        self.assertEqual(grid.ravel().tolist(), TOP.exact(t[:300]).theta.tolist())
+        self.assertEqual(TOP.exact(t[::-2]).theta.tolist(), TOP.exact(t).theta[::-2].tolist())
+        self.assertEqual(float(TOP.exact(t[7]).theta), TOP.exact(t).theta[7])
+        self.assertEqual(TOP.exact(t[7]).theta.shape, ())
+        self.assertEqual(TOP.exact([]).theta.shape, (0,))
+        self.assertEqual(TOP.exact(0).units["phi_rate"], "rad/s")
+        with self.assertRaises(AttributeError):
+            TOP.exact(0).eta  # noqa: B018
+
+    def test_integrate(self) -> None:
+        """The bits of the program, for steps of both kinds."""
+        columns = ["t", "theta", "psi", "energy"]
+        for settings in (
+            {"method": "dop853", "relative_tolerance": 1e-8},
+            {"method": "rk4", "steps": 90},
+        ):
+            for body in (BODY, SKEW):
+                with self.subTest(f"{settings} {body}"):
+                    top = spintop.Top(body, theta=0.4, psi_rate=12.0)
+                    span, output = {"t_end": 3.0, "samples": 31}, {"columns": columns}
+                    table = by_program(top.input(span=span, output=output, integration=settings))
+                    t = [float(cell) for cell in table["t"]]
+                    self.compare(top.integrate(t, columns, **settings), table)
+
+    def test_integrate_by_default(self) -> None:
+        """The numbers are those of the exact solution."""
+        t = np.linspace(0, 10, 50)
+        difference = TOP.integrate(t).theta - TOP.exact(t).theta
+        self.assertLess(np.abs(difference).max(), 1e-7)
+
+    def test_quantities(self) -> None:
+        """Those of a sweep; and they are those of the motion."""
+        found = TOP.quantities()
+        theta = TOP.exact(np.linspace(0, found["nutation_period"], 20001)).theta
+        self.assertAlmostEqual(theta.max(), found["theta_max"], delta=1e-7)
+        self.assertAlmostEqual(theta.min(), found["theta_min"], delta=1e-7)
+        self.assertIn(found["motion_class"], ("loop", "wave", "cusp"))
+
+    def test_events(self) -> None:
+        """Their table is that of the program, and the motion may end at one."""
+        output = {"columns": ["t", "theta"], "events": ["theta_max"]}
+        table = by_program(TOP.input(span={"t_end": 5.0}, output=output), "events")
+        found = TOP.events(["theta_max"], 5.0, ["t", "theta"])
+        self.assertEqual(found.events["t"].tolist(), [float(cell) for cell in table["t"]])
+        self.assertEqual(found.events["event"].tolist(), table["event"])
+        stopped = TOP.events(["theta_max"], 5.0, stop_at="theta_max")
+        self.assertEqual(stopped["t"][-1], found.events["t"][0])
+
+    def test_errors(self) -> None:
+        """Exceptions have the message of the program, its place, and the status."""
+        with self.assertRaisesRegex(spintop.InputError, "unknown key 'thta'") as caught:
+            spintop.Top(BODY, thta=1.0)
+        self.assertEqual((caught.exception.code, caught.exception.source), (2, "input"))
+        self.assertEqual((caught.exception.line, caught.exception.column), (7, 5))
+        with self.assertRaisesRegex(spintop.InputError, "no column|unknown column|column 'theta_'"):
+            TOP.exact(0.0, ["theta_"])
+        with self.assertRaisesRegex(spintop.InputError, "the exact solution exists only for"):
+            spintop.Top(SKEW, theta=0.2).exact(1.0)
+        with self.assertRaises(spintop.MotionError) as failed:
+            TOP.integrate([0.0, 50.0], method="ode45", max_steps=5)
+        self.assertEqual((failed.exception.status, failed.exception.code), ("step_limit", 3))
+        for times in ([math.nan], [math.inf], [1.0, 0.5], [-1.0]):
+            with self.assertRaises(spintop.InputError):
+                TOP.integrate(times)
+        with self.assertRaises(spintop.InputError):
+            spintop.Top(spintop.Body(mass=math.nan), theta=0.2)
+        with self.assertRaises(spintop.InputError):
+            spintop.Top(spintop.Body(mass=1, shape="a\0b"), theta=0.2)
+        self.assertTrue(issubclass(spintop.InputError, ValueError))
+
+
+class RunTest(unittest.TestCase):
+    """Studies."""
+
+    def test_a_path_a_text_a_dictionary(self) -> None:
+        """All give the tables of the program."""
+        path = ROOT / "input/slow_top_events.nml"
+        with tempfile.TemporaryDirectory() as folder:
+            command = [EXE, "--quiet", "-o", folder, path]
+            subprocess.run(command, check=True, capture_output=True)
+            tables = {
+                name: spintop.read(Path(folder) / f"slow_top_events{name}.csv").rows
+                for name in ("", ".events")
+            }
+        for given in (path, str(path), path.read_text(encoding="utf-8")):
+            found = spintop.run(given)
+            self.assertTrue(found.ok)
+            self.assertIn("status", found.summary)
+            for name, table in (("", found.rows), (".events", found.events)):
+                self.assertEqual(list(table), list(tables[name].columns))
+                for column in table:
+                    expected = tables[name][column].to_numpy()
+                    if table[column].dtype.kind == "f":
+                        np.testing.assert_array_equal(table[column], expected)
+                    else:
+                        self.assertEqual(table[column].tolist(), expected.tolist())
+        self.assertEqual(found.rows.units["theta"], "rad")
+        self.assertEqual(list(found.rows.to_pandas().columns), list(found.rows))
+
+    def test_studies(self) -> None:
+        """A work-precision study, statistics, and a folder."""
+        groups = {
+            "study": {"kind": "sweep"},
+            "top": BODY.keys,
+            "initial": {"theta": 0.3},
+            "span": {"t_end": 1.0},
+            "sweep": {"parameter": ["initial.psi_rate"], "values": [[1.0, 5.0, 9.0]]},
+            "output": {"columns": ["theta_max"]},
+        }
+        table = by_program(groups)
+        found = spintop.run(groups)
+        self.assertEqual(found["theta_max"].tolist(), [float(cell) for cell in table["theta_max"]])
+        with_statistics = spintop.run({**groups, "statistics": {"columns": ["theta_max"]}})
+        self.assertIsNotNone(with_statistics.statistics)
+        with tempfile.TemporaryDirectory() as folder:
+            kept = spintop.run(groups, folder=folder)
+            self.assertEqual(
+                [path.name for path in sorted(Path(folder).iterdir())], ["input.csv", "input.log"]
+            )
+            self.assertEqual(kept["theta_max"].tolist(), found["theta_max"].tolist())
+            self.assertIn(folder, kept.summary)
+
+    def test_a_motion_that_ends_early(self) -> None:
+        """It is a result with the rows up to there, which is not ok."""
+        groups = TOP.input(span={"t_end": 9.0}, integration={"method": "ode45", "max_steps": 20})
+        found = spintop.run(groups)
+        self.assertFalse(found.ok)
+        self.assertIn("step_limit", found.summary)
+        self.assertGreater(found["t"].size, 0)
+
+    def test_figures(self) -> None:
+        """Those of scripts/plot, by name."""
+        import matplotlib as mpl
+
+        mpl.use("agg")
+        found = TOP.events(
+            ["theta_max"], 3.0, ["t", "phi", "theta", "psi", "axis_x", "axis_y"]
+        ).plot()
+        self.assertIn("angles", found)
+        self.assertTrue(all(hasattr(figure, "savefig") for figure in found.values()))
+
+    def test_registry(self) -> None:
+        """That of the program; a topic that there is not is an error."""
+        self.assertIn("rk4", [method["name"] for method in spintop.registry("methods")["methods"]])
+        self.assertEqual(spintop.registry()["version"], spintop.version())
+        with self.assertRaisesRegex(spintop.InputError, "did you mean 'methods'"):
+            spintop.registry("metods")
+
+
+class SweepTest(unittest.TestCase):
+    """Many tops."""
+
+    groups: ClassVar = {
+        "study": {"kind": "sweep"},
+        "top": BODY.keys,
+        "initial": {"theta": 0.3},
+        "span": {"t_end": 2.0},
+        "output": {"columns": ["theta_max", "nutation_period", "phi_end", "motion_class"]},
+    }
+
+    def test_bits(self) -> None:
+        """A sweep over arrays is that of the program over the same values, also of any bodies."""
+        rate = np.linspace(0.0, 20.0, 700)
+        theta = np.geomspace(0.01, 2.0, 700)
+        values = {"from": [0.0], "to": [20.0], "count": [700]}
+        axis = {"parameter": ["initial.psi_rate"], **values}
+        for body in (BODY, SKEW):
+            groups = {**self.groups, "top": body.keys}
+            groups["output"] = {"columns": ["theta_end", "phi_end"]}
+            table = by_program({**groups, "sweep": axis})
+            given = [float(cell) for cell in table["initial.psi_rate"]]
+            found = spintop.sweep(groups, {"initial.psi_rate": given}).rows
+            for name in ("theta_end", "phi_end"):
+                self.assertEqual(found[name].tolist(), [float(cell) for cell in table[name]])
+        found = spintop.sweep(self.groups, {"initial.psi_rate": rate, "initial.theta": theta}).rows
+        self.assertEqual(found["initial.theta"].tolist(), theta.tolist())
+        self.assertEqual(set(found["status"]), {"ok"})
+        one = spintop.sweep(
+            self.groups, {"initial.psi_rate": rate[5], "initial.theta": theta[5]}
+        ).rows
+        self.assertEqual(one["phi_end"][0], found["phi_end"][5])
+        self.assertEqual(found.row_count, 700)
+
+    def test_tops(self) -> None:
+        """The same bits by `tops`, for arrays of any strides."""
+        rate = np.linspace(0.0, 20.0, 1500)
+        table = spintop.sweep(self.groups, {"initial.omega3": rate}).rows
+        names = ["theta_max", "nutation_period", "phi_end"]
+        data = {
+            "inertia1": 0.875,
+            "inertia3": 0.25,
+            "mgl": 9.81 * 0.75**0.5,
+            "theta": 0.3,
+            "t_end": 2.0,
+        }
+        found = spintop.tops(names, omega3=rate, **data)
+        wide = np.zeros((1500, 3))
+        wide[:, 1] = rate
+        for other in (wide[:, 1], rate[::-1][::-1], rate.reshape(3, 500)):
+            again = spintop.tops(names, omega3=other, **data, threads=2)
+            for name in names:
+                self.assertEqual(again[name].shape, other.shape)
+                np.testing.assert_array_equal(again[name].ravel(), found[name])
+        backwards = spintop.tops(names, omega3=rate[::-1], **data)
+        for name in names:
+            np.testing.assert_array_equal(found[name], table[name])
+            np.testing.assert_array_equal(backwards[name][::-1], found[name])
+
+    def test_tops_that_cannot_be_computed(self) -> None:
+        """They are NaN, and the others are not; wrong names are errors."""
+        data = {"inertia1": [0.875, -1.0, math.nan], "inertia3": 0.25, "mgl": 8.0, "theta": 0.3}
+        found = spintop.tops(["theta_max"], **data, omega3=3.0)["theta_max"]
+        self.assertEqual(np.isnan(found).tolist(), [False, True, True])
+        with self.assertRaisesRegex(spintop.InputError, "'theta_mx' is none of theta_min, "):
+            spintop.tops(["theta_mx"], **data)
+        with self.assertRaisesRegex(spintop.InputError, "'omega' is none of inertia1, "):
+            spintop.tops(["theta_max"], **data, omega=3.0)
+        self.assertEqual(
+            spintop.tops(["theta_max"], **{**data, "inertia1": []})["theta_max"].size, 0
+        )
+
+    def test_wrong_sweeps(self) -> None:
+        """Names, values and shapes are checked; failed cases have a status."""
+        for parameters, message in (
+            ({"initial.thet": [1.0]}, "did you mean|initial.thet"),
+            ({"initial.theta": [1.0, math.nan]}, "element 2 of initial.theta must be finite"),
+            ({"initial.theta": [1.0, -9.0]}, "element 2 of initial.theta must be"),
+            ({"initial.theta": []}, "1 to 2147483647 cases"),
+            ({"initial.theta": [1.0, 2.0], "span.t_end": [1.0, 2.0, 3.0]}, "different shapes"),
+            ({"output.samples": [1.0]}, "output.samples"),
+        ):
+            with self.subTest(parameters), self.assertRaisesRegex(spintop.InputError, message):
+                spintop.sweep(self.groups, parameters)
+        both = {**self.groups, "sweep": {"parameter": ["span.t_end"], "values": [[1.0, 2.0]]}}
+        with self.assertRaisesRegex(spintop.InputError, "the cases are given twice"):
+            spintop.sweep(both, {"initial.theta": [1.0]})
+        result = spintop.sweep(
+            self.groups, {"initial.theta": [0.5, 0.6], "top.inertia(3)": [0.25, 9.0]}
+        )
+        self.assertFalse(result.ok)
+        self.assertEqual(result.rows["status"][0], "ok")
+        self.assertNotEqual(result.rows["status"][1], "ok")
+        self.assertNotEqual(result.rows["notes"][1], "")
+
+
+def peak() -> int:
+    """Largest memory of this process so far, kB."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+
+class ResourcesTest(unittest.TestCase):
+    """Memory and threads."""
+
+    def test_no_leak(self) -> None:
+        """Memory does not grow with the number of calls of any kind."""
+
+        def use(times: int) -> None:
+            for i in range(times):
+                TOP.exact(0.1)
+                if i % 100 == 0:
+                    spintop.Top(BODY, theta=0.2, psi_rate=3.0)
+                    spintop.sweep(SweepTest.groups, {"initial.psi_rate": np.arange(9.0)}, threads=1)
+                    TOP.integrate([0.0, 1.0], ["theta"], method="dop853")
+                    spintop.tops(["theta_max"], inertia1=1, inertia3=1, mgl=1, theta=np.ones(999))
+                    with self.assertRaises(spintop.InputError):
+                        spintop.Top(BODY, thta=0.2)
+                if i % 2000 == 0:
+                    spintop.run(TOP.input(span={"t_end": 1.0, "samples": 50}))
+                    spintop.registry()
+
+        use(4000)
+        before = peak()
+        use(40000)
+        self.assertLess(peak() - before, 4000)
+
+    def test_threads(self) -> None:
+        """Eight at once, each with calls of all kinds: all results are those of one."""
+
+        def work(number: int) -> list[float]:
+            t = np.linspace(0, 5, 500)
+            top = spintop.Top(BODY, theta=0.3 + 0.1 * number, psi_rate=9.0)
+            found = TOP.exact(t).theta.tolist() + top.exact(t).psi.tolist()
+            found += TOP.integrate(t, method="rk4", steps=499).theta.tolist()
+            found += top.integrate(t, method="ode45", relative_tolerance=1e-9).theta.tolist()
+            rates = {"initial.psi_rate": t + number}
+            found += spintop.sweep(SweepTest.groups, rates, threads=2).rows["phi_end"].tolist()
+            data = {"inertia1": 1, "inertia3": 1, "mgl": 1, "theta": 1 + 0.1 * t, "omega3": number}
+            found += spintop.tops(["theta_max"], **data)["theta_max"].tolist()
+            try:
+                spintop.Top(BODY, theta=0.2, **{f"key_{number}": 1})
+            except spintop.InputError as error:
+                found.append(float(f"key_{number}" in str(error)))
+            return found
+
+        alone = [work(number) for number in range(8)]
+        together: list[list[float]] = [[] for _ in range(8)]
+
+        def fill(number: int) -> None:
+            for _ in range(3):
+                together[number] = work(number)
+
+        threads = [threading.Thread(target=fill, args=(number,)) for number in range(8)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        for number in range(8):
+            self.assertEqual(together[number], alone[number], number)
+
+
+class PackageTest(unittest.TestCase):
+    """The page, and the installation."""
+
+    def test_page(self) -> None:
+        """Its programs run, one after the other, and each prints something."""
+        blocks = [
+            block for block in blocks_of(ROOT / "doc/python.md") if block.tags[:1] == ("python",)
+        ]
+        self.assertGreater(len(blocks), 5)
+        names: dict[str, object] = {}
+        for block in blocks:
+            lines: list[tuple] = []
+            names["print"] = lambda *words, lines=lines: lines.append(words)
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                exec(compile(block.text, str(block), "exec"), names)
+            self.assertNotEqual(lines, [], str(block))
+
+    def test_pip(self) -> None:
+        """`pip install` puts the library beside the modules."""
+        try:
+            import setuptools  # noqa: F401
+        except ImportError:
+            self.skipTest("no setuptools")
+        with tempfile.TemporaryDirectory(prefix="spintop pip ") as folder:
+            command = [sys.executable, "-m", "pip", "install", "--quiet", "--no-build-isolation"]
+            command += [
+                "--no-deps",
+                "--no-index",
+                "--disable-pip-version-check",
+                "--target",
+                folder,
+            ]
+            done = subprocess.run(
+                [*command, ROOT / "python"], capture_output=True, text=True, check=False
+            )
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            self.assertTrue((Path(folder) / "spintop/libspintop.so.1").is_file())
+            program = "import spintop, spintop_figures; print(spintop.version(), spintop.__file__)"
+            answer = subprocess.run(
+                [sys.executable, "-c", program],
+                **{"capture_output": True, "text": True, "check": True, "cwd": folder},
+                env={**os.environ, "PYTHONPATH": folder},
+            ).stdout.split(maxsplit=1)
+            self.assertEqual(answer[0], spintop.version())
+            self.assertTrue(answer[1].startswith(folder))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -271,7 +271,8 @@ contains
         case (kind_text)
             is_set = any(self%letters(:, column) /= ' ')
         case default
-            is_set = .true.
+            ! A flag that is off by default has a value when it is given.
+            is_set = self%flag .or. self%is_given()
         end select
     end function is_set
 

@@ -23,7 +23,9 @@ module spintop_trajectory
     use spintop_summary, only: summary_t, decimal, rounded
     use spintop_table_file, only: table_file_t
     use spintop_text, only: to_text, string_t
-    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns
+    use spintop_text_buffer, only: text_buffer_t
+    use spintop_trajectory_column, only: trajectory_column_t
+    use spintop_trajectory_columns, only: trajectory_columns
     implicit none
     private
     public :: run_trajectory
@@ -42,6 +44,7 @@ module spintop_trajectory
         !> Number of rows of the whole table.
         integer(int64) :: total = 0
         integer :: rows = 0
+        logical :: certified = .false.
         !> Whether a value of a motion overflowed or is NaN, and the time, s.
         logical :: is_undefined = .false.
         real(dp) :: t_undefined = 0
@@ -79,6 +82,8 @@ contains
         call finish_tables(job, outcome, writer, watch, error)
         if (allocated(error)) return
         call describe_run(job, writer%rows, outcome, elapsed, watch, summary)
+        if (writer%columns%proof_summary() /= '') call summary%add('proof', writer%columns%proof_summary())
+        call writer%columns%close()
     end subroutine run_trajectory
 
     !> Begins the table of the motion, and that of its events if there is to be one. `watch` looks for the events; it
@@ -96,7 +101,8 @@ contains
         associate (columns => writer%chosen)
             writer%counts_turns = any(columns%name == 'phi' .or. columns%name == 'psi')
             call writer%progress%start(job%name, 'rows', writer%total, options%quiet, options%progress)
-            call writer%columns%set(columns, job%case)
+            writer%certified = job%scene%certified
+            call writer%columns%set(columns, job%case, writer%certified)
             writer%head = study_head(job, columns)
             call writer%file%create(job%output, writer%head, error)
             if (allocated(error)) return
@@ -106,7 +112,7 @@ contains
             end if
             if (job%event_output == '') return
             call watch%open_table(job%event_output, study_head(job, [event_columns, columns%column_t]), columns, &
-                                  job%case, error)
+                                  job%case, writer%certified, error)
         end associate
         if (allocated(error)) call writer%file%discard()
     end subroutine begin_tables
@@ -229,7 +235,7 @@ contains
         call writer%file%create(job%output, writer%head, writer%error)
         if (allocated(writer%error)) return
         writer%rows = 0
-        call writer%columns%set(writer%chosen, job%case)
+        call writer%columns%set(writer%chosen, job%case, writer%certified)
         do i = 1, size(times)
             times(i) = sample_time(first%t, size(times), i)
         end do
@@ -332,6 +338,7 @@ contains
     subroutine write_row(self, motion)
         class(writer_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion
+        type(text_buffer_t) :: line
         if (self%has_enough) return
         associate (values => self%columns%row(motion, is_start=self%rows == 0))
             self%is_undefined = .not. self%columns%is_defined(values)
@@ -339,7 +346,13 @@ contains
             self%has_enough = self%is_undefined
             if (self%is_undefined) return
             self%rows = self%rows + 1
-            call self%file%add_row(values, self%error)
+            if (self%columns%has_words()) then
+                call self%columns%put(values, line)
+                call line%end_row()
+                call self%file%put(line%contents(), self%error)
+            else
+                call self%file%add_row(values, self%error)
+            end if
         end associate
         self%has_enough = allocated(self%error) .or. motion%t >= self%t_stop
         call self%progress%update(int(motion%t / self%t_end * self%total, int64))

@@ -157,6 +157,7 @@ contains
             !! variable that contains the value; it must exist as long as the parameter
         self%flag => variable
         call self%prepare(kind_logical, 0, [1, 1])
+        self%default = trim(merge('.true. ', '.false.', variable))
     end subroutine bind_flag
 
     subroutine prepare(self, kind, rank, extents)

@@ -9,17 +9,18 @@ module spintop_command_line
     implicit none
     private
     public :: request_t, read_command_line, describe_usage
-    public :: action_run, action_check, action_list, action_merge, action_help, action_version
+    public :: action_run, action_check, action_list, action_merge, action_help, action_version, &
+        action_verify
 
     !> Actions of a request.
     integer, parameter :: action_run = 1, action_check = 2, action_list = 3, action_merge = 4, &
-        action_help = 5, action_version = 6
+        action_help = 5, action_version = 6, action_verify = 7
 
-    !> The request of the user: inputs to run, a topic to list, or parts to merge.
+    !> The request of the user: inputs to run, a topic to list, parts to merge, or tables to verify.
     type :: request_t
         integer :: action = action_run
         type(options_t) :: options
-        !> Inputs to run, or parts to merge.
+        !> Inputs to run, parts to merge, or tables to verify.
         type(string_t), allocatable :: inputs(:)
         !> What to list ('' for all topics), or the table to merge into.
         character(:), allocatable :: topic, merged
@@ -55,6 +56,7 @@ module spintop_command_line
         '', &
         'usage: spintop [options] INPUT.nml [INPUT.nml ...]', &
         '       spintop merge FILE PART [PART ...]', &
+        '       spintop verify TABLE.csv [TABLE.csv ...] [--strict]', &
         '       spintop list [TOPIC] [--json]']
 
 contains
@@ -113,7 +115,8 @@ contains
                 if (size(request%inputs) == 0 .and. .not. only_inputs) then
                     if (argument == 'list') call take_topic(i, request, error)
                     if (argument == 'merge') call take_parts(i, request, error)
-                    if (argument == 'list' .or. argument == 'merge') return
+                    if (argument == 'verify') call take_tables(i, request, error)
+                    if (argument == 'list' .or. argument == 'merge' .or. argument == 'verify') return
                 end if
                 request%inputs = [request%inputs, string_t(argument)]
             else
@@ -266,6 +269,28 @@ contains
             request%inputs = [request%inputs, string_t(argument)]
         end do
     end subroutine take_parts
+
+    !> Reads the tables to verify: all arguments after `verify`, which is argument `i`.
+    subroutine take_tables(i, request, error)
+        integer, intent(in) :: i
+        type(request_t), intent(inout) :: request
+        type(error_t), allocatable, intent(inout) :: error
+        character(:), allocatable :: argument
+        integer :: k
+        request%action = action_verify
+        request%options%verifies = .true.
+        do k = i + 1, command_argument_count()
+            argument = argument_at(k)
+            if (argument == '--strict') then
+                request%options%strict = .true.
+            else if (index(argument, '-') == 1) then
+                error = wrong('verify takes no option but --strict')
+            else
+                request%inputs = [request%inputs, string_t(argument)]
+            end if
+        end do
+        if (size(request%inputs) == 0) error = wrong('verify takes a table, which has its input in its header')
+    end subroutine take_tables
 
     !> Name of an option, without an equals sign and a value after it.
     pure function option_name(argument) result(name)

@@ -4,7 +4,7 @@ program spintop_main
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_colour, only: in_colour
     use spintop_command_line, only: request_t, read_command_line, describe_usage, action_run, action_check, &
-        action_list, action_help, action_merge, action_version
+        action_list, action_help, action_merge, action_verify, action_version
     use spintop_plain_text, only: visible
     use spintop_errors, only: error_t, exit_ok, exit_output
     use spintop_execution, only: explain_job, run_job
@@ -16,6 +16,7 @@ program spintop_main
     use spintop_ranks, only: ranks_t, start_ranks, end_ranks
     use spintop_statistics_merge, only: merge_parts
     use spintop_text, only: join, string_t, to_text
+    use spintop_verification, only: verify_table
     implicit none
     type(ranks_t) :: ranks
     type(request_t) :: request
@@ -53,7 +54,7 @@ program spintop_main
         lines = [string_t(to_text(size(request%inputs)) // ' parts, ' // to_text(cases) // ' cases -> ' &
                           // request%merged)]
     end select
-    if (all(request%action /= [action_run, action_check])) then
+    if (all(request%action /= [action_run, action_check, action_verify])) then
         code = exit_ok
         call show(lines, code)
         call leave(code)
@@ -70,6 +71,12 @@ program spintop_main
         if (request%action == action_check) then
             call explain_job(prepared(i)%study, prepared(i)%job, request%options, lines)
             code = exit_ok
+        else if (request%action == action_verify) then
+            call verify_table(prepared(i)%job, request%options%strict, lines, code, error)
+            if (allocated(error)) then
+                call complain(error%message)
+                code = error%code
+            end if
         else
             call run_job(prepared(i)%study, prepared(i)%job, request%options, lines, code, error)
             if (allocated(error)) then

@@ -16,6 +16,7 @@ module spintop_namelist
     use spintop_scanner, only: scanner_t, token_comma, token_end, token_equals, token_group, &
         token_slash, token_t, token_word
     use spintop_suggestions, only: homes_of, suggest_group, suggest_key
+    use spintop_table_input, only: input_of_table
     use spintop_text, only: abbreviate, lower_case, string_t, to_text
     use spintop_value_list, only: read_values, skip_values
     implicit none
@@ -24,34 +25,41 @@ module spintop_namelist
 
     !> Largest size of an input, bytes.
     integer, parameter :: largest_file = 1024 * 1024
+    !> The same of a table.
+    integer, parameter :: largest_table = 2**30 - 1
 
 contains
 
     !> Reads a file and then the overrides (`group.key=value`; the last one for a key counts) into the
     !> variables of the table. Problems of the input are added to the diagnostics; an error means that the
-    !> table itself is wrong.
-    subroutine read_namelist(path, overrides, table, diagnostics, error, given)
+    !> table itself is wrong. With `in_table` the file is a table of results, whose header has the input.
+    subroutine read_namelist(path, overrides, table, diagnostics, error, given, in_table)
         character(*), intent(in) :: path !! path of the file, or the name of the given text
         type(string_t), intent(in) :: overrides(:) !! overrides `group.key=value`
         type(parameter_table_t), intent(inout) :: table !! the parameters of an input
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         character(*), intent(in), optional :: given !! the text, in place of that of a file
+        logical, intent(in), optional :: in_table !! whether the input is that of a table
         type(error_t), allocatable :: unreadable
         character(:), allocatable :: text
+        logical :: is_table
         integer :: i
 
         call table%verify(error)
         if (allocated(error)) return
+        is_table = .false.
+        if (present(in_table)) is_table = in_table
         if (present(given)) then
             text = given
         else
-            call read_file(path, largest_file, text, unreadable)
+            call read_file(path, merge(largest_table, largest_file, is_table), text, unreadable)
         end if
         if (allocated(unreadable)) then
             call diagnostics%error(place_t(), unreadable%message)
             return
         end if
+        if (is_table) text = input_of_table(text)
         call diagnostics%add_source(path, text, table%place%source)
         call read_groups(text, table, diagnostics)
         do i = 1, size(overrides)

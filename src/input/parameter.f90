@@ -157,6 +157,7 @@ contains
             !! variable that contains the value; it must exist as long as the parameter
         self%flag => variable
         call self%prepare(kind_logical, 0, [1, 1])
+        self%default = trim(merge('.true. ', '.false.', variable))
     end subroutine bind_flag
 
     subroutine prepare(self, kind, rank, extents)
@@ -271,7 +272,8 @@ contains
         case (kind_text)
             is_set = any(self%letters(:, column) /= ' ')
         case default
-            is_set = .true.
+            ! A flag that is off by default has a value when it is given.
+            is_set = self%flag .or. self%is_given()
         end select
     end function is_set
 

@@ -83,6 +83,7 @@ module spintop_scene
         integer :: compression = unset_integer
         character(event_length) :: events(32) = ''
         character(word) :: rows = ''
+        logical :: certified = .false.
         ! &sweep
         character(word) :: parameter(max_axes) = ''
         real(dp) :: values(max_grid_axes, max_axis_values) = unset
@@ -253,6 +254,8 @@ contains
                        what='events for the table of events; see `spintop list events`')
         call table%add('output.rows', scene%rows, 'all|none', &
                        'whether a sweep writes the rows of its cases, or only their statistics (all)')
+        call table%add('output.certified', scene%certified, 'whether proved numbers are printed, correct to the last digit, &
+                       &in builds with FLINT')
     end subroutine describe_output
 
     !> The axes of a sweep, or the table of its cases.

@@ -1,11 +1,12 @@
 !> Selects the columns of a table from the names in a scene.
 module spintop_column_choice
+    use spintop_certificate, only: balls_hint, balls_missing, has_balls
     use spintop_job, only: job_t
     use spintop_kinds, only: degree
     use spintop_problems, only: problems_t
     use spintop_studies, only: list_studies, study_entry_t
     use spintop_study, only: study_info_t, study_t
-    use spintop_study_column, only: place_of, study_column_t
+    use spintop_study_column, only: place_of, proof_group, study_column_t
     use spintop_text, only: did_you_mean, to_text
     implicit none
     private
@@ -28,6 +29,7 @@ contains
         integer :: i
 
         info = study%info()
+        if (job%scene%certified) call check_certified(info, problems)
         associate (named => job%scene%columns)
             if (.not. info%takes_columns) then
                 if (any(named /= '')) then
@@ -43,7 +45,8 @@ contains
                 ! The end of the span is omitted if no event may end the motion earlier.
                 if (job%scene%stop_at == '') columns = pack(columns, columns /= place_of(known, 't_end'))
             else if (named(1) == 'all') then
-                columns = pack([(i, i=1, size(known))], [(study%has_column(job%case, i), i=1, size(known))])
+                columns = pack([(i, i=1, size(known))], known%group /= proof_group .and. &
+                               [(study%has_column(job%case, i), i=1, size(known))])
             else
                 columns = [integer ::]
                 do i = 1, size(named)
@@ -53,6 +56,17 @@ contains
         end associate
         call move_alloc(columns, job%columns)
     end subroutine choose_columns
+
+    !> Reports what prevents certified numbers.
+    subroutine check_certified(info, problems)
+        type(study_info_t), intent(in) :: info
+        type(problems_t), intent(inout) :: problems
+        if (.not. info%takes_columns) then
+            call problems%add('output.certified', info%phrase // ' has no certified numbers', 'omit it')
+        else if (.not. has_balls()) then
+            call problems%add('output.certified', balls_missing, balls_hint)
+        end if
+    end subroutine check_certified
 
     !> Adds the column that element `i` of the list in the scene names.
     subroutine take_column(study, job, known, i, columns, problems)
@@ -72,6 +86,8 @@ contains
             call refuse_unknown(study, known, key, name, problems)
         else if (any(columns == place)) then
             call problems%add(key, "column '" // name // "' is named twice", 'name it once')
+        else if (known(place)%group == proof_group .and. .not. has_balls()) then
+            call problems%add(key, "column '" // name // "': " // balls_missing, balls_hint)
         else
             if (.not. problems%any()) then
                 if (.not. study%has_column(job%case, place)) then

@@ -14,7 +14,7 @@ module spintop_event_recorder
     use spintop_table_file, only: table_file_t
     use spintop_text, only: string_t
     use spintop_text_buffer, only: text_buffer_t
-    use spintop_trajectory_columns, only: trajectory_column_t
+    use spintop_trajectory_column, only: trajectory_column_t
     implicit none
     private
     public :: event_recorder_t, exact_path_t, event_columns
@@ -87,13 +87,14 @@ contains
     end subroutine set
 
     !> Starts the table of the listed events, with these columns of the trajectory.
-    subroutine open_table(self, path, head, columns, case, error)
+    subroutine open_table(self, path, head, columns, case, certified, error)
         class(event_recorder_t), intent(inout) :: self
         character(*), intent(in) :: path, head !! path of the table, and its header
         type(trajectory_column_t), intent(in) :: columns(:) !! indices of the columns of the trajectory
         type(case_t), intent(in) :: case !! body, start and span
+        logical, intent(in) :: certified !! whether proved numbers replace the computed ones
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call self%row%set(columns, case)
+        call self%row%set(columns, case, certified)
         call self%file%create(path, head, error)
     end subroutine open_table
 
@@ -107,6 +108,7 @@ contains
         else
             call self%file%finish(trailer, error)
         end if
+        call self%row%close()
     end subroutine close_table
 
     !> Discards the table.
@@ -135,7 +137,7 @@ contains
             call self%row%come_near(self%quantity)
             call line%put_text(trim(self%events(number)%name))
             call line%put_integer(int(self%events(number)%count, int64))
-            call line%put_reals(self%row%row(motion))
+            call self%row%put(self%row%row(motion), line)
             call line%end_row()
             call self%file%put(line%contents(), self%error)
             self%rows = self%rows + 1

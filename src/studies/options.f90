@@ -20,6 +20,8 @@ module spintop_options
         !> The part of a sweep, and whether an interrupted sweep is resumed or discarded.
         type(shard_t) :: shard
         logical :: resume = .false., restart = .false.
+        !> Whether the inputs are tables, whose headers have them, to be verified; and whether each number must be proved.
+        logical :: verifies = .false., strict = .false.
         !> The program and its options in the syntax of a shell, without the inputs and those two options.
         character(:), allocatable :: command
         type(ranks_t) :: ranks

@@ -94,7 +94,7 @@ contains
         call describe_scene(job%scene, job%table)
         call job%table%verify(error)
         if (allocated(error)) return
-        call read_namelist(input, options%overrides, job%table, diagnostics, error, text)
+        call read_namelist(input, options%overrides, job%table, diagnostics, error, text, options%verifies)
         if (allocated(error)) return
         call create_study(trim(job%scene%kind), study)
         info = study%info()

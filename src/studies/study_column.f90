@@ -6,7 +6,10 @@ module spintop_study_column
     use spintop_table_column, only: column_t
     implicit none
     private
-    public :: study_column_t, place_of
+    public :: study_column_t, place_of, proof_group
+
+    !> The group of the columns that prove others. `columns = 'all'` leaves it out: bounds cost more than the rest.
+    character(*), parameter :: proof_group = 'proof'
 
     !> A column of a table of a study.
     type, extends(column_t) :: study_column_t

@@ -18,7 +18,7 @@ MECHANICS = (
     "foundation",
     "system",
     "top",
-    "exact approximate formulations",
+    "exact approximate formulations proof",
     "integrators",
     "stability",
     "input tables parallel",

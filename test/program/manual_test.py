@@ -33,7 +33,7 @@ BLOCKS = [block for page in PAGES for block in blocks_of(page)]
 
 SHELL = ("sh", "console")
 LANGUAGES = (*SHELL, "nml", "fortran", "toml", "python", "c", "text")
-WAYS = ("long", "timed", "part", "wrong", "messages", "output", "mpi", "netcdf", "library")
+WAYS = ("long", "timed", "part", "wrong", "messages", "output", "mpi", "netcdf", "flint", "library")
 WAYS += ("setup", "slurm", "xarray")
 """Words behind the language: how a block is tested, besides exit=N and the base of a part."""
 
@@ -74,6 +74,7 @@ SKIPPED = {
         " --time=04:00:00",
         "scripts/setup --mpi",
         "SPINTOP_NETCDF=1 scripts/run --set output.format=netcdf input/random_tops.nml",
+        "SPINTOP_FLINT=1 scripts/run --set output.columns=t,theta,theta_bound,proof input/slow_top.nml",
         "import xarray",
     ],
 }
@@ -315,14 +316,17 @@ class CommandsTest(ManualCase):
         """Page by page, for later blocks may use what earlier ones have made."""
         has_mpi = shutil.which("mpirun") and Path(MPI_PROGRAM).is_file()
         netcdf = self.shell("spintop --check --set output.format=netcdf input/random_tops.nml")
+        flint = self.shell("spintop --check --set output.certified=.true. input/slow_top.nml")
         for block in BLOCKS:
             if block.tags[0] == "python" and not set(block.tags) & {"library", *NOT_RUN}:
                 with self.subTest(str(block)):
                     self.run_python(block)
             if block.tags[0] not in SHELL:
                 continue
-            if ("mpi" in block.tags and not has_mpi) or (
-                "netcdf" in block.tags and netcdf.returncode
+            if (
+                ("mpi" in block.tags and not has_mpi)
+                or ("netcdf" in block.tags and netcdf.returncode)
+                or ("flint" in block.tags and flint.returncode)
             ):
                 self.check_names(block)
             elif not set(block.tags) & set(NOT_RUN):

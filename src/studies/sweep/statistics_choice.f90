@@ -15,7 +15,8 @@ module spintop_statistics_choice
     use spintop_statistics_plan, only: binned_t, statistics_plan_t
     use spintop_summary, only: rounded
     use spintop_sweep_axes, only: axis_t
-    use spintop_sweep_columns, only: sweep_column_t, sweep_columns
+    use spintop_sweep_column, only: sweep_column_t
+    use spintop_sweep_columns, only: sweep_columns
     use spintop_sweep_table, only: describe_columns
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_reals, column_of_words, table_column_t
     use spintop_text, only: nearest_word, string_t, to_text

@@ -4,47 +4,15 @@
 !> What a column needs is computed for a case by the procedure of its group. The column then fills its cells
 !> for a block of cases at once, so that a sweep of many cases calls a procedure per block and not per cell.
 module spintop_sweep_columns
-    use spintop_case, only: case_t
     use spintop_kinds, only: dp
-    use spintop_study_column, only: study_column_t
-    use spintop_sweep_notes, only: note_t
+    use spintop_study_column, only: proof_group
+    use spintop_sweep_column, only: sweep_column_t
+    use spintop_sweep_proof_columns, only: sweep_proof_columns
     use spintop_sweep_quantities, only: explain_no_exact_motion, explain_no_inherent_error, explain_no_period
     use spintop_sweep_result, only: sweep_result_t, sweep_work_t
     implicit none
     private
-    public :: sweep_column_t, sweep_columns, sweep_work_t, work_for
-
-    !> A column of a sweep. Columns of a group are computed together, when one of them is asked for.
-    type, extends(study_column_t) :: sweep_column_t
-        !> Fills the cells of the column.
-        procedure(fill_i), pointer, nopass :: fill => null()
-        !> It is in the table when the input names no columns: it costs no more than the rest.
-        logical :: is_default = .false.
-        !> Every case has it that ends well.
-        logical :: always_exists = .false.
-        !> It is a class of motion, and not a number.
-        logical :: is_class = .false.
-        !> Notes why a case lacks it, where nothing else that comes with it does.
-        procedure(explain_i), pointer, nopass :: explain => null()
-    end type sweep_column_t
-
-    abstract interface
-        !> The cells of a column, one per case.
-        pure subroutine fill_i(results, cells)
-            import :: dp, sweep_result_t
-            implicit none
-            type(sweep_result_t), intent(in) :: results(:)
-            real(dp), intent(out) :: cells(:)
-        end subroutine fill_i
-
-        !> Adds a note if there is something to add.
-        subroutine explain_i(case, note)
-            import :: case_t, note_t
-            implicit none
-            type(case_t), intent(in) :: case
-            type(note_t), intent(inout) :: note
-        end subroutine explain_i
-    end interface
+    public :: sweep_columns, sweep_work_t, work_for
 
 contains
 
@@ -128,7 +96,8 @@ contains
                            'lyapunov', fill_lyapunov_exponent), &
             sweep_column_t('largest_singular_value', '', &
                            'largest singular value of the tangent map over the span, in the scales of the motion', &
-                           'singular', fill_largest_singular_value)]
+                           'singular', fill_largest_singular_value), &
+            sweep_proof_columns()]
     end function sweep_columns
 
     !> What columns need.
@@ -155,6 +124,10 @@ contains
             work%measured = work%details .or. any(columns%group == 'nutation' .and. .not. in_range)
         end associate
         work%turns = work%period .or. any(columns%name == 'phi_end' .or. columns%name == 'psi_end')
+        work%proof = any(columns%group == proof_group)
+        ! A bound is that of a number.
+        work%end = work%end .or. any(columns%group == proof_group .and. index(columns%name, '_end') > 0)
+        work%nutation = work%nutation .or. any(columns%group == proof_group .and. index(columns%name, '_end') == 0)
     end function work_for
 
     pure subroutine fill_theta_min(results, cells)

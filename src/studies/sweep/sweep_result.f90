@@ -1,11 +1,15 @@
-!> What a sweep has to compute, and what it computes of a case: a number per column of its table, NaN for what does not exist or was not
-!> asked for.
+!> What a sweep has to compute, and what it computes of a case: a number per column of its table, NaN for what
+!> does not exist or was not asked for.
 module spintop_sweep_result
+    use spintop_certificate, only: proof_count
     use spintop_kinds, only: dp, nan => no_number
     use spintop_nutation_watch, only: no_class
     implicit none
     private
-    public :: sweep_result_t, sweep_work_t
+    public :: sweep_result_t, sweep_work_t, proof_words
+
+    !> Whether the bounds of a case are proved: `none` without a result.
+    character(*), parameter :: proof_words(0:2) = [character(8) :: 'none', 'unproved', 'proved']
 
     !> What is to be computed: the groups, and the extremes of the nutation that take a search of their own where
     !> it is measured along the motion.
@@ -28,6 +32,7 @@ module spintop_sweep_result
         logical :: range = .false. !! the range of theta
         logical :: measured = .false. !! more of the nutation, which is measured unless the body is symmetric
         logical :: turns = .false. !! phi and psi with all their turns
+        logical :: proof = .false. !! bounds of the errors
     end type sweep_work_t
 
     !> The quantities of a case; their units and meanings are those of the columns.
@@ -57,6 +62,9 @@ module spintop_sweep_result
         real(dp) :: lyapunov_exponent = nan
         real(dp) :: largest_singular_value = nan
         integer :: motion_class = no_class
+        !> Bounds of the errors, by quantity (spintop_certificate), and the index in `proof_words`.
+        real(dp) :: bounds(proof_count) = nan
+        integer :: proof = 0
     end type sweep_result_t
 
 end module spintop_sweep_result

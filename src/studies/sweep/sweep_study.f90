@@ -24,7 +24,8 @@ module spintop_sweep_study
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: study_column_t
     use spintop_summary, only: rounded, summary_t
-    use spintop_sweep_columns, only: sweep_column_t, sweep_columns, sweep_work_t, work_for
+    use spintop_sweep_column, only: sweep_column_t
+    use spintop_sweep_columns, only: sweep_columns, sweep_work_t, work_for
     use spintop_sweep_forecast, only: forecast_sweep
     use spintop_sweep_table, only: describe_table, start_table
     use spintop_sweep_team, only: sweep_team_t

@@ -22,9 +22,11 @@ module spintop_sweep_table
     use spintop_statistics_table, only: statistics_table_t
     use spintop_status, only: status_names, status_non_finite, status_ok
     use spintop_sweep_axes, only: axes_t
-    use spintop_sweep_columns, only: sweep_column_t, sweep_columns
+    use spintop_study_column, only: proof_group
+    use spintop_sweep_column, only: sweep_column_t
+    use spintop_sweep_columns, only: sweep_columns
     use spintop_sweep_notes, only: note_names, note_t
-    use spintop_sweep_result, only: sweep_result_t
+    use spintop_sweep_result, only: proof_words, sweep_result_t
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words, table_column_t
     use spintop_table_head, only: comment_lines, table_head
     use spintop_text, only: string_t
@@ -198,9 +200,10 @@ contains
         do i = 1, size(job%columns)
             associate (quantity => known(job%columns(i)), column => columns(axes + 2 + i))
                 column%column_t = quantity%column_t
-                if (.not. quantity%is_class) cycle
+                if (.not. (quantity%is_class .or. quantity%is_proof)) cycle
                 column%kind = column_of_words
-                call take_words([character(len(class_names)) :: 'none', class_names], column)
+                if (quantity%is_class) call take_words([character(len(class_names)) :: 'none', class_names], column)
+                if (quantity%is_proof) call take_words(proof_words, column)
             end associate
         end do
         columns(size(columns)) = table_column_t('notes', '', 'reasons why quantities do not exist', column_of_notes)
@@ -274,13 +277,14 @@ contains
         end do
     end subroutine explain_missing
 
-    !> Whether a quantity is infinite, or one undefined that every case has.
+    !> Whether a quantity, but a bound, is infinite, or one undefined that every case has.
     pure logical function overflowed(columns, cells)
         type(sweep_column_t), intent(in) :: columns(:)
         real(dp), intent(in) :: cells(:)
         integer :: i
         overflowed = .false.
         do i = 1, size(columns)
+            if (columns(i)%group == proof_group) cycle
             overflowed = overflowed .or. abs(cells(i)) > huge(cells)
             if (columns(i)%always_exists) overflowed = overflowed .or. .not. is_finite(cells(i))
         end do

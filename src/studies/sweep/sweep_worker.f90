@@ -5,6 +5,7 @@ module spintop_sweep_worker
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_case, only: attitude_parameters, case_t, kept_parts_t, make_case
+    use spintop_certificate, only: proof_count
     use spintop_compare, only: is_zero
     use spintop_exact_block, only: exact_block_t, block_size
     use spintop_job, only: job_t
@@ -15,10 +16,12 @@ module spintop_sweep_worker
     use spintop_status, only: status_bad_input, status_meanings, status_ok
     use spintop_sweep_axes, only: swept_scene_t
     use spintop_sweep_batch, only: sweep_batch_t, goes_in_batch
-    use spintop_sweep_columns, only: sweep_column_t, sweep_columns, work_for
+    use spintop_sweep_column, only: sweep_column_t
+    use spintop_sweep_columns, only: sweep_columns, work_for
     use spintop_sweep_exact, only: load_lane, unload_lane, kernel_runs, stop_exactly
     use spintop_sweep_free, only: goes_in_free_block, sweep_free_t
     use spintop_sweep_notes, only: note_t, note_no_stop
+    use spintop_sweep_proof, only: prove_case, sweep_proofs
     use spintop_sweep_result, only: sweep_result_t, sweep_work_t
     use spintop_sweep_stepping, only: compute_stepping
     use spintop_sweep_table, only: cells_of_row, put_rows
@@ -50,6 +53,8 @@ module spintop_sweep_worker
         logical, private :: same_body = .false., same_attitude = .false., same_plans = .false.
         !> Selected groups of quantities.
         type(sweep_work_t), private :: wanted
+        !> Which quantities are to be proved.
+        logical, private :: proofs(proof_count) = .false.
         !> The columns of the table.
         type(sweep_column_t), allocatable, private :: columns(:)
         !> The cases of a block, each of which overwrites one of the last block and keeps what does not
@@ -114,6 +119,7 @@ contains
         allocate (known, source=sweep_columns())
         worker%columns = known(job%columns)
         worker%wanted = work_for(worker%columns)
+        worker%proofs = sweep_proofs(worker%columns, job%scene%certified)
     end subroutine prepare
 
     !> Prepares to go along a grid from case to case.
@@ -188,6 +194,7 @@ contains
         end do
         call charge(worker%making, worker%since)
         call compute_together(worker, job, n)
+        if (any(worker%proofs)) call prove_cases(worker, job, n)
         call charge(worker%computing, worker%since)
         call fill_rows(worker, job, first, n, rows)
         call charge(worker%filling, worker%since)
@@ -277,6 +284,18 @@ contains
             end do
         end associate
     end subroutine compute_together
+
+    !> Proves the numbers of `n` cases.
+    subroutine prove_cases(worker, job, n)
+        type(sweep_worker_t), intent(inout) :: worker
+        type(job_t), intent(in) :: job
+        integer, intent(in) :: n
+        integer :: k
+        do k = 1, n
+            if (worker%status(k) /= status_ok) cycle
+            call prove_case(worker%cases(k), worker%proofs, job%scene%certified, worker%values(k), worker%note(k))
+        end do
+    end subroutine prove_cases
 
     !> Fills the rows of `n` cases.
     subroutine fill_rows(worker, job, first, n, rows)

@@ -1,4 +1,4 @@
-!> The table of a trajectory, as CSV or NetCDF: a row of numbers per sample, and how the motion ended.
+!> The table of a trajectory, as CSV or NetCDF: a row per sample, and how the motion ended.
 module spintop_motion_table
     use spintop_errors, only: error_t
     use spintop_job, only: job_t
@@ -8,9 +8,11 @@ module spintop_motion_table
     use spintop_provenance, only: fact_count, fact_t
     use spintop_row_block, only: row_block_t
     use spintop_study_head, only: study_facts, study_head
-    use spintop_table_column, only: column_t, table_column_t
+    use spintop_table_column, only: column_of_words, table_column_t
     use spintop_table_file, only: table_file_t
     use spintop_text, only: string_t
+    use spintop_text_buffer, only: text_buffer_t
+    use spintop_trajectory_column, only: trajectory_column_t
     implicit none
     private
     public :: motion_table_t
@@ -28,6 +30,7 @@ module spintop_motion_table
     type :: motion_table_t
         private
         character(:), allocatable :: path
+        type(table_column_t), allocatable :: columns(:)
         !> The CSV table and its header, or the NetCDF table and its next rows.
         type(table_file_t) :: text
         character(:), allocatable :: head
@@ -49,11 +52,18 @@ contains
     subroutine describe(self, job, columns)
         class(motion_table_t), intent(inout) :: self
         type(job_t), intent(in) :: job !! the job
-        class(column_t), intent(in) :: columns(:) !! columns of the table
+        type(trajectory_column_t), intent(in) :: columns(:) !! columns of the table
         type(fact_t) :: facts(fact_count)
         integer :: i
 
         self%path = job%output
+        allocate (self%columns(size(columns)))
+        do i = 1, size(columns)
+            self%columns(i) = table_column_t(columns(i)%name, columns(i)%unit, columns(i)%what)
+            if (.not. columns(i)%is_proof) cycle
+            self%columns(i)%kind = column_of_words
+            self%columns(i)%words = [string_t('unproved'), string_t('proved')]
+        end do
         if (job%scene%format /= 'netcdf') then
             self%head = study_head(job, columns)
             return
@@ -65,10 +75,10 @@ contains
             description%facts(:fact_count) = facts
             description%facts(fact_count + 1)%key = status_key
             description%facts(fact_count + 1)%value = complete
-            allocate (description%columns(size(columns)), description%axes(1))
+            allocate (description%columns, source=self%columns)
+            allocate (description%axes(1))
             description%axes(1) = netcdf_axis_t(row_dimension, job%plan%samples)
             do i = 1, size(columns)
-                description%columns(i) = table_column_t(columns(i)%name, columns(i)%unit, columns(i)%what)
                 if (columns(i)%name /= time_column) cycle
                 description%columns(i)%axis = 1
                 description%axes(1)%name = time_column
@@ -94,10 +104,24 @@ contains
     !> Adds a row.
     subroutine add_row(self, values, error)
         class(motion_table_t), intent(inout) :: self
-        real(dp), intent(in), contiguous :: values(:) !! a number for each column
+        real(dp), intent(in), contiguous :: values(:) !! a number for each column, of a word its number from 0
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        if (.not. allocated(self%netcdf)) then
+        type(text_buffer_t) :: line
+        integer :: i
+
+        if (.not. (allocated(self%netcdf) .or. any(self%columns%kind == column_of_words))) then
             call self%text%add_row(values, error)
+            return
+        else if (.not. allocated(self%netcdf)) then
+            do i = 1, size(values)
+                if (self%columns(i)%kind == column_of_words) then
+                    call line%put_text(self%columns(i)%words(nint(values(i)) + 1)%text)
+                else
+                    call line%put_reals(values(i:i))
+                end if
+            end do
+            call line%end_row()
+            call self%text%put(line%contents(), error)
             return
         end if
         self%rows = self%rows + 1

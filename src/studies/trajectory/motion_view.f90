@@ -4,6 +4,7 @@ module spintop_motion_view
     use spintop_attitude, only: to_space
     use spintop_body, only: body_t
     use spintop_case, only: case_t
+    use spintop_certificate, only: proof_count, proof_of_phi, proof_of_psi, proof_of_q0, proof_of_q3, proof_of_theta
     use spintop_compare, only: is_finite
     use spintop_conditioning, only: conditioning_t, prepare_conditioning
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
@@ -11,6 +12,7 @@ module spintop_motion_view
     use spintop_motion, only: motion_t
     use spintop_quantities, only: energy_scale, euler_residuals, kinetic_energy, potential_energy, &
         support_force, vertical_momentum
+    use spintop_row_proof, only: row_proof_t
     implicit none
     private
     public :: motion_view_t
@@ -28,6 +30,8 @@ module spintop_motion_view
         type(case_t), private :: case
         !> Angles of the last motion; those of the next are continuous with them.
         real(dp) :: near(3) = 0
+        !> The proof of the numbers, where it is wanted.
+        type(row_proof_t) :: proof
         type(exact_motion_t), allocatable, private :: oracle
         type(conditioning_t), allocatable, private :: conditioning
         !> What was computed of this motion when a column asked for it.
@@ -72,6 +76,7 @@ contains
         self%computed = computed
         self%motion = self%case%turn%back(computed, self%near)
         if (is_start) call take_start(self%case%given_start, self%motion)
+        if (any(self%proof%wanted)) call prove(self%proof, self%motion)
         self%near = self%motion%angle
         self%kinetic = kinetic_energy(self%body, self%motion)
         self%potential = potential_energy(self%body, self%motion)
@@ -90,6 +95,19 @@ contains
         motion%omega = start%omega
         motion%quaternion = start%quaternion
     end subroutine take_start
+
+    !> Proves the attitude, and replaces it where it is to be certified.
+    subroutine prove(proof, motion)
+        type(row_proof_t), intent(inout) :: proof
+        type(motion_t), intent(inout) :: motion
+        real(dp) :: printed(proof_count)
+        printed = 0
+        printed(proof_of_q0:proof_of_q3) = motion%quaternion
+        printed([proof_of_phi, proof_of_theta, proof_of_psi]) = motion%angle
+        call proof%prove(motion%t, printed)
+        motion%quaternion = printed(proof_of_q0:proof_of_q3)
+        motion%angle = printed([proof_of_phi, proof_of_theta, proof_of_psi])
+    end subroutine prove
 
     !> Change of the energy since the start, J.
     pure real(dp) function energy_change(self)

@@ -5,7 +5,8 @@ module spintop_row_maker
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
     use spintop_motion_view, only: motion_view_t
-    use spintop_trajectory_columns, only: trajectory_column_t
+    use spintop_row_proof, only: wanted_proofs
+    use spintop_trajectory_column, only: trajectory_column_t
     implicit none
     private
     public :: row_maker_t
@@ -20,18 +21,26 @@ module spintop_row_maker
         procedure :: row
         procedure :: is_defined
         procedure :: come_near
+        procedure :: proof_summary
+        procedure :: close
     end type row_maker_t
 
 contains
 
     !> Takes the columns of the rows, and the case. Columns that need an exact motion are for bodies that
-    !> have one.
-    subroutine set(self, columns, case)
+    !> have one. With `certified` proved numbers replace the computed ones.
+    subroutine set(self, columns, case, certified)
         class(row_maker_t), intent(inout) :: self
         type(trajectory_column_t), intent(in) :: columns(:) !! the columns
         type(case_t), intent(in) :: case !! body, start and span
+        logical, intent(in), optional :: certified !! whether proved numbers replace the computed ones
+        logical :: by_middles
+        by_middles = .false.
+        if (present(certified)) by_middles = certified
+        call self%close()
         self%columns = columns
         call self%view%set(case)
+        call self%view%proof%open(wanted_proofs(columns%name, by_middles), by_middles, case%given_body, case%given_start)
     end subroutine set
 
     !> The row of a motion, which is in the axes of the computation; all but the errors are those of the
@@ -51,12 +60,12 @@ contains
         end do
     end function row
 
-    !> Whether the last row, given, is finite, but for what does not exist at a pole.
+    !> Whether the last row, given, is finite, but for bounds and for what does not exist at a pole.
     pure logical function is_defined(self, values)
         class(row_maker_t), intent(in) :: self
         real(dp), intent(in) :: values(:) !! the values
         logical :: lost(size(values))
-        lost = .not. is_finite(values)
+        lost = .not. is_finite(values) .and. self%columns%bounds == 0
         if (any(lost) .and. abs(sin(self%view%near(2))) <= 4 * epsilon(1.0_dp)) then
             lost = lost .and. .not. self%columns%ends_at_poles
         end if
@@ -69,5 +78,19 @@ contains
         class(row_maker_t), intent(in) :: other !! the other object of this type
         self%view%near = other%view%near
     end subroutine come_near
+
+    !> How many rows are proved, and why others are not; empty if no proof was wanted.
+    function proof_summary(self) result(text)
+        class(row_maker_t), intent(in) :: self
+        character(:), allocatable :: text
+        text = ''
+        if (any(self%view%proof%wanted)) text = self%view%proof%summary()
+    end function proof_summary
+
+    !> Gives back the memory of the proof.
+    subroutine close(self)
+        class(row_maker_t), intent(inout) :: self
+        call self%view%proof%close()
+    end subroutine close
 
 end module spintop_row_maker

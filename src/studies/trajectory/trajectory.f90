@@ -23,7 +23,8 @@ module spintop_trajectory
     use spintop_study_head, only: study_head
     use spintop_summary, only: summary_t, decimal, rounded
     use spintop_text, only: to_text, string_t
-    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns
+    use spintop_trajectory_column, only: trajectory_column_t
+    use spintop_trajectory_columns, only: trajectory_columns
     implicit none
     private
     public :: run_trajectory
@@ -40,6 +41,7 @@ module spintop_trajectory
         !> Number of rows of the whole table.
         integer(int64) :: total = 0
         integer :: rows = 0
+        logical :: certified = .false.
         !> Whether a value of a motion overflowed or is NaN, and the time, s.
         logical :: is_undefined = .false.
         real(dp) :: t_undefined = 0
@@ -77,6 +79,8 @@ contains
         call finish_tables(job, outcome, writer, watch, error)
         if (allocated(error)) return
         call describe_run(job, writer%rows, outcome, elapsed, watch, summary)
+        if (writer%columns%proof_summary() /= '') call summary%add('proof', writer%columns%proof_summary())
+        call writer%columns%close()
     end subroutine run_trajectory
 
     !> Begins the table of the motion, and that of its events if there is to be one. `watch` looks for the events; it
@@ -94,7 +98,8 @@ contains
         associate (columns => writer%chosen)
             writer%counts_turns = any(columns%name == 'phi' .or. columns%name == 'psi')
             call writer%progress%start(job%name, 'rows', writer%total, options%quiet, options%progress)
-            call writer%columns%set(columns, job%case)
+            writer%certified = job%scene%certified
+            call writer%columns%set(columns, job%case, writer%certified)
             call writer%table%describe(job, columns)
             call writer%table%create(error)
             if (allocated(error)) return
@@ -104,7 +109,7 @@ contains
             end if
             if (job%event_output == '') return
             call watch%open_table(job%event_output, study_head(job, [event_columns, columns%column_t]), columns, &
-                                  job%case, error)
+                                  job%case, writer%certified, error)
         end associate
         if (allocated(error)) call writer%table%discard()
     end subroutine begin_tables
@@ -227,7 +232,7 @@ contains
         call writer%table%create(writer%error)
         if (allocated(writer%error)) return
         writer%rows = 0
-        call writer%columns%set(writer%chosen, job%case)
+        call writer%columns%set(writer%chosen, job%case, writer%certified)
         do i = 1, size(times)
             times(i) = sample_time(first%t, size(times), i)
         end do

@@ -6,33 +6,12 @@ module spintop_trajectory_columns
     use spintop_motion, only: motion_t
     use spintop_motion_view, only: motion_view_t
     use spintop_quantities, only: axial_momentum, axis_height_rate, axis_tip, vertical_momentum
-    use spintop_study_column, only: place_of, study_column_t
+    use spintop_proof_columns, only: proof_columns
+    use spintop_study_column, only: place_of, proof_group
+    use spintop_trajectory_column, only: trajectory_column_t
     implicit none
     private
     public :: trajectory_column_t, trajectory_columns, find_trajectory_column
-
-    !> A column of a trajectory.
-    type, extends(study_column_t) :: trajectory_column_t
-        !> Gives the value of the column.
-        procedure(value_i), pointer, nopass :: value => null()
-        !> It is in the table when the input names no columns.
-        logical :: is_default = .false.
-        !> It compares with the exact motion.
-        logical :: needs_exact_motion = .false.
-        !> Near a pole it may vary much faster than the attitude turns: it depends on phi or psi.
-        logical :: varies_near_poles = .false.
-        !> At a pole it does not exist.
-        logical :: ends_at_poles = .false.
-    end type trajectory_column_t
-
-    abstract interface
-        !> The value of a column for the motion that is looked at.
-        real(dp) function value_i(now)
-            import :: dp, motion_view_t
-            implicit none
-            type(motion_view_t), intent(inout) :: now
-        end function value_i
-    end interface
 
 contains
 
@@ -109,10 +88,11 @@ contains
             trajectory_column_t('norm_error', '', 'norm error abs(q) - 1 of the computed quaternion', &
                                 'errors', value_of_norm_error), &
             trajectory_column_t('axis_z_rate', '1/s', 'rate of axis_z, zero at the turning points of theta', &
-                                'attitude', value_of_axis_z_rate)]
+                                'attitude', value_of_axis_z_rate), &
+            proof_columns()]
     end function trajectory_columns
 
-    !> The column of that name; `found` tells whether there is one.
+    !> The column of that name that is a quantity of the motion; `found` tells whether there is one.
     subroutine find_trajectory_column(name, column, found)
         character(*), intent(in) :: name !! its name
         type(trajectory_column_t), intent(out) :: column !! column
@@ -122,6 +102,7 @@ contains
         allocate (columns, source=trajectory_columns())
         place = place_of(columns, name)
         found = place > 0
+        if (found) found = columns(place)%group /= proof_group
         if (found) column = columns(place)
     end subroutine find_trajectory_column
 

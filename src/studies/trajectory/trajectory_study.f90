@@ -15,7 +15,8 @@ module spintop_trajectory_study
     use spintop_summary, only: summary_t
     use spintop_text, only: to_text
     use spintop_trajectory, only: run_trajectory
-    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns
+    use spintop_trajectory_column, only: trajectory_column_t
+    use spintop_trajectory_columns, only: trajectory_columns
     implicit none
     private
     public :: trajectory_study_t

@@ -1,0 +1,202 @@
+/* Bounds of printed numbers: the interface to certificate.f90, and the choice of the precision. */
+#include "balls.h"
+#ifdef SPINTOP_FLINT
+#include <math.h>
+#include <stdlib.h>
+
+/* The precisions that are tried one after the other, bits. */
+static const slong precisions[] = {128, 192, 288, 432, 648, 972, 1458, 2187, 3280, 4920, 7380, 11070, 16384};
+enum { LEVELS = sizeof precisions / sizeof *precisions };
+
+/* A top, and its motion at the precisions that were needed so far. */
+typedef struct {
+    top_data data;
+    int has_radii;
+    top_motion *motion[LEVELS];
+    int reason[LEVELS];
+} top_proof;
+
+void *spintop_proof_open(const double value[DATA], const double radius[DATA], int spin_is_omega3)
+{
+    top_proof *proof = calloc(1, sizeof *proof);
+    int i;
+    if (!proof) return NULL;
+    for (i = 0; i < DATA; i++) {
+        proof->data.value[i] = value[i], proof->data.radius[i] = radius[i];
+        if (radius[i] > 0) proof->has_radii = 1;
+    }
+    proof->data.spin_is_omega3 = spin_is_omega3;
+    return proof;
+}
+
+void spintop_proof_close(top_proof *proof)
+{
+    int level, i;
+    if (!proof) return;
+    for (level = 0; level < LEVELS; level++) {
+        top_motion *m = proof->motion[level];
+        if (!m) continue;
+        for (i = 0; i < BALLS; i++) arb_clear(m->ball + i);
+        acb_clear(m->tau), acb_clear(m->nome), acb_clear(m->w_plus), acb_clear(m->w_minus);
+        ball_components_clear(&m->first);
+        free(m);
+    }
+    free(proof);
+}
+
+/* The motion at a precision; NULL without memory. */
+static top_motion *motion_at_level(top_proof *proof, int level)
+{
+    top_motion *m = proof->motion[level];
+    int i, *reason = proof->reason + level;
+    if (m) return m;
+    m = proof->motion[level] = calloc(1, sizeof *m);
+    if (!m) return NULL;
+    for (i = 0; i < BALLS; i++) arb_init(m->ball + i);
+    acb_init(m->tau), acb_init(m->nome), acb_init(m->w_plus), acb_init(m->w_minus);
+    ball_components_init(&m->first);
+    m->bits = precisions[level];
+    *reason = ball_start(m, &proof->data);
+    if (m->regime == NUTATING || m->regime == FREE) {
+        if (*reason == PROVED) *reason = ball_roots(m);
+        if (*reason == PROVED) *reason = ball_phases(m);
+    }
+    m->is_angle_free = m->regime == SLEEPING || m->pole || m->meets_top || m->meets_bottom;
+    return m;
+}
+
+/* The rotation from the attitude q to the printed one, which is normalised, as upper bound of its angle. */
+static double turn_between(arb_srcptr q, const double printed[], slong bits)
+{
+    arb_ptr t = _arb_vec_init(4), length = t, chord = t + 1, part = t + 2, other = t + 3;
+    double least = INFINITY, size;
+    int i, side;
+    arf_t bound;
+    arf_init(bound);
+    for (i = 0; i < 4; i++) arb_set_d(part, printed[Q0 + i]), arb_addmul(length, part, part, bits);
+    arb_rsqrt(length, length, bits);
+    for (side = -1; side < 2; side += 2) {
+        arb_zero(chord);
+        for (i = 0; i < 4; i++) {
+            arb_set_d(part, printed[Q0 + i]), arb_mul(part, part, length, bits);
+            arb_mul_si(other, q + Q0 + i, side, bits), arb_add(part, part, other, bits);
+            arb_addmul(chord, part, part, bits);
+        }
+        arb_get_abs_ubound_arf(bound, chord, bits), arb_set_arf(chord, bound);
+        arb_sqrt(chord, chord, bits), arb_mul_2exp_si(chord, chord, -1);
+        arb_asin(chord, chord, bits), arb_mul_2exp_si(chord, chord, 2);
+        arb_get_abs_ubound_arf(bound, chord, bits);
+        size = arb_is_finite(chord) ? arf_get_d(bound, ARF_RND_UP) : INFINITY;
+        if (size < least) least = size;
+    }
+    arf_clear(bound);
+    _arb_vec_clear(t, 4);
+    return least;
+}
+
+/* Whether a radius is at most a quarter of the last place of max(|x|, 2^-52). */
+static int is_narrow(const arb_t x)
+{
+    slong exponent;
+    if (!arb_is_finite(x)) return 0;
+    exponent = arf_abs_bound_lt_2exp_si(arb_midref(x));
+    if (exponent < -51) exponent = -51;
+    return mag_cmp_2exp_si(arb_radref(x), exponent - 55) <= 0;
+}
+
+static int are_narrow(arb_srcptr answer, int which)
+{
+    int i;
+    if (which != ORIENTATION) return is_narrow(answer + which);
+    for (i = Q0; i <= Q3; i++)
+        if (!arb_is_finite(answer + i) || mag_cmp_2exp_si(arb_radref(answer + i), -60) > 0) return 0;
+    return 1;
+}
+
+/* The bound of a printed number; with `certified` the number is the middle of its ball. */
+static double bound_of(arb_srcptr answer, int which, double printed[], int certified, slong bits)
+{
+    double bound;
+    arb_t off;
+    arf_t size;
+    if (which == ORIENTATION) return turn_between(answer, printed, bits);
+    if (certified) printed[which] = arf_get_d(arb_midref(answer + which), ARF_RND_NEAR);
+    if (!isfinite(printed[which])) return INFINITY;
+    arb_init(off), arf_init(size);
+    arb_set_d(off, printed[which]), arb_sub(off, off, answer + which, bits + 64);
+    arb_get_abs_ubound_arf(size, off, bits);
+    bound = arf_get_d(size, ARF_RND_UP);
+    arb_clear(off), arf_clear(size);
+    return bound;
+}
+
+/* The sum of the radii of what is wanted: it stops falling when those of the data are all that is left. */
+static double width(arb_srcptr answer, const int wanted[])
+{
+    double sum = 0;
+    int i;
+    for (i = 0; i < QUANTITIES; i++) {
+        if (!wanted[i]) continue;
+        if (i != ORIENTATION) sum += arb_is_finite(answer + i) ? mag_get_d(arb_radref(answer + i)) : 0;
+        else sum += width(answer, (const int[QUANTITIES]){1, 1, 1, 1});
+    }
+    return sum;
+}
+
+/* Whether a quantity does not exist, whatever the precision. */
+static int reason_of_absence(const top_motion *m, arb_srcptr answer, int which)
+{
+    if ((which == ANGLE_PHI || which == ANGLE_PSI) && m->is_angle_free) return NO_ANGLES;
+    if (which == PERIOD && !arb_is_finite(answer + which) && m->regime == SLEEPING) return NO_PERIOD;
+    return PROVED;
+}
+
+/* Whether anything is wanted that depends on the time. */
+static int needs_attitude(const int wanted[])
+{
+    int i;
+    for (i = 0; i < QUANTITIES; i++)
+        if (wanted[i] && i != PERIOD && i != PRECESSION) return 1;
+    return 0;
+}
+
+/* Bounds of the wanted quantities at a time. A reason other than PROVED goes with an infinite bound. Returns the
+ * bits of the highest precision that was used. */
+int spintop_proof_bounds(top_proof *proof, double t, const int wanted[QUANTITIES], int certified, int most_bits,
+                         double printed[QUANTITIES], double bound[QUANTITIES], int reason[QUANTITIES])
+{
+    int level, i, open = 1, used = 0, is_last;
+    double last_width = INFINITY, now_width;
+    arb_ptr answer = _arb_vec_init(QUANTITIES);
+    for (i = 0; i < QUANTITIES; i++) bound[i] = INFINITY, reason[i] = wanted[i] ? TOO_WIDE : PROVED;
+    for (level = 0; level < LEVELS && open && precisions[level] <= most_bits; level++) {
+        const top_motion *m = motion_at_level(proof, level);
+        int why = m ? proof->reason[level] : TOO_WIDE;
+        if (!m) break;
+        used = (int)m->bits, is_last = 0, open = 0;
+        if (why == PROVED) ball_periods(answer, m);
+        if (why == PROVED && needs_attitude(wanted)) why = ball_attitude(answer, m, t);
+        if (why == PROVED && proof->has_radii) {
+            now_width = width(answer, wanted);
+            is_last = now_width > 0.5 * last_width, last_width = now_width;
+        }
+        for (i = 0; i < QUANTITIES; i++) {
+            int absent;
+            if (reason[i] == PROVED || reason[i] == NO_ANGLES || reason[i] == NO_PERIOD) continue;
+            absent = why == PROVED ? reason_of_absence(m, answer, i) : PROVED;
+            reason[i] = why != PROVED ? why : absent != PROVED ? absent : TOO_WIDE;
+            if (reason[i] == TOO_WIDE && (are_narrow(answer, i) || (is_last && (i == ORIENTATION
+                || arb_is_finite(answer + i))))) {
+                bound[i] = bound_of(answer, i, printed, certified, m->bits);
+                reason[i] = isfinite(bound[i]) ? PROVED : TOO_WIDE;
+            }
+            open = open || reason[i] == TOO_WIDE || (why != PROVED);
+        }
+        if (is_last) break;
+    }
+    _arb_vec_clear(answer, QUANTITIES);
+    return used;
+}
+
+int spintop_proof_library(void) { return 1; }
+#endif

@@ -1,0 +1,180 @@
+/* Theta functions of a motion: M+ and M- with their continuous arguments, and logarithmic slopes. In form a the
+ * phase runs along the real axis, in form b, by the dual nome, along the imaginary one; without gravity the nome is
+ * 0, and the functions are sines and cosines. */
+#include "balls.h"
+#ifdef SPINTOP_FLINT
+
+/* theta_which, 1 .. 4, at the phase whose e^(i phase) is w, but for a factor common to theta_1 and theta_2; `slope`,
+ * its derivative, may be NULL. */
+static void theta(acb_t value, acb_ptr slope, const top_motion *m, int which, const acb_t w, int is_unit)
+{
+    const slong bits = m->bits;
+    acb_ptr t = _acb_vec_init(9);
+    if (m->regime == FREE) { /* sine, cosine and 1 */
+        if (is_unit) acb_conj(t, w);
+        else acb_inv(t, w, bits);
+        acb_add(t + 1, w, t, bits), acb_mul_2exp_si(t + 1, t + 1, -1);
+        acb_sub(t + 2, w, t, bits), acb_mul_2exp_si(t + 2, t + 2, -1);
+        acb_div_onei(t + 2, t + 2), acb_one(t + 3);
+        acb_set(value, which == 1 ? t + 2 : which == 2 ? t + 1 : t + 3);
+        if (slope && which == 1) acb_set(slope, t + 1);
+        if (slope && which == 2) acb_neg(slope, t + 2);
+    } else {
+        const int terms = slope ? 2 : 1;
+        acb_modular_theta_sum(t, t + 2, t + 4, t + 6, w, is_unit, m->nome, terms, bits);
+        acb_set(value, t + 2 * (which - 1));
+        if (slope) {
+            arb_const_pi(acb_realref(t + 8), bits);
+            acb_div_arb(slope, t + 2 * (which - 1) + 1, acb_realref(t + 8), bits);
+        }
+    }
+    _acb_vec_clear(t, 9);
+}
+
+/* e^(i z), z real, as factor along the axis of the phase: the phase of form b is i z, with the sign s. */
+static void along_axis(acb_t w, const top_motion *m, const arb_t z, int s)
+{
+    if (m->is_dual) {
+        if (s > 0) arb_neg(acb_realref(w), z);
+        else arb_set(acb_realref(w), z);
+        arb_exp(acb_realref(w), acb_realref(w), m->bits), arb_zero(acb_imagref(w));
+    } else {
+        arb_sin_cos(acb_imagref(w), acb_realref(w), z, m->bits);
+    }
+}
+
+/* The factor of the pole: e^(s nu) in form a, e^(i nu) in form b. */
+static void across_axis(acb_t w, const top_motion *m, const arb_t nu, int s)
+{
+    if (m->is_dual) {
+        arb_sin_cos(acb_imagref(w), acb_realref(w), nu, m->bits);
+    } else {
+        if (s > 0) arb_set(acb_realref(w), nu);
+        else arb_neg(acb_realref(w), nu);
+        arb_exp(acb_realref(w), acb_realref(w), m->bits), arb_zero(acb_imagref(w));
+    }
+}
+
+/* (log theta_which)' at w, its real part in form b and its imaginary part in form a. */
+static void log_slope(arb_t slope, const top_motion *m, int which, const acb_t w, int s)
+{
+    acb_t value, rate;
+    acb_init(value), acb_init(rate);
+    theta(value, rate, m, which, w, 0), acb_div(value, rate, value, m->bits);
+    if (!m->is_dual) arb_set(slope, acb_imagref(value));
+    else if (s > 0) arb_set(slope, acb_realref(value));
+    else arb_neg(slope, acb_realref(value));
+    acb_clear(value), acb_clear(rate);
+}
+
+void ball_theta_start(top_motion *m)
+{
+    const slong bits = m->bits;
+    acb_t w;
+    arb_t half;
+    acb_init(w), arb_init(half);
+    acb_exp_pi_i(m->nome, m->tau, bits);
+    across_axis(m->w_plus, m, BALL(m, nu_plus), m->sign_plus);
+    across_axis(m->w_minus, m, BALL(m, nu_minus), m->sign_minus);
+    if (m->is_dual) {
+        arb_mul_2exp_si(half, BALL(m, height), -1);
+        along_axis(w, m, half, m->sign_plus), acb_mul(w, w, m->w_plus, bits);
+    } else {
+        acb_mul_onei(w, m->w_plus);
+    }
+    log_slope(BALL(m, slope_plus), m, 1, w, m->sign_plus);
+    log_slope(BALL(m, slope_minus), m, m->is_dual ? 4 : 2, m->w_minus, m->sign_minus);
+    acb_clear(w), arb_clear(half);
+}
+
+void ball_pole_rate(arb_t rate, const top_motion *m)
+{
+    const slong bits = m->bits;
+    const int sign = m->pole > 0 ? m->sign_minus : m->sign_plus;
+    const int which = m->pole < 0 ? 1 : m->is_dual ? 4 : 2;
+    acb_t w, value, slope, down;
+    acb_init(w), acb_init(value), acb_init(slope), acb_init(down);
+    along_axis(w, m, BALL(m, z0), sign), theta(value, slope, m, which, w, !m->is_dual);
+    if (m->is_dual) acb_mul_onei(slope, slope), acb_mul_si(slope, slope, sign, bits);
+    along_axis(w, m, BALL(m, z0), 1), theta(down, NULL, m, m->is_dual ? 2 : 4, w, !m->is_dual);
+    acb_div(slope, slope, down, bits);
+    /* M+ of form b is imaginary there: its real counterpart is its imaginary part, as in ball_attitude. */
+    arb_mul(rate, m->is_dual && m->pole < 0 ? acb_imagref(slope) : acb_realref(slope), BALL(m, zeta), bits);
+    acb_clear(w), acb_clear(value), acb_clear(slope), acb_clear(down);
+}
+
+/* The continuous argument of a component near the line `line`, beyond whole jumps. 0 if the component may vanish. */
+static int argument(arb_t turn, const acb_t value, const arb_t line, const fmpz_t turns, const arb_t jump, slong bits)
+{
+    int is_known;
+    acb_t turned;
+    arb_t back;
+    acb_init(turned), arb_init(back);
+    arb_neg(back, line), arb_sin_cos(acb_imagref(turned), acb_realref(turned), back, bits);
+    acb_mul(turned, turned, value, bits);
+    is_known = acb_is_finite(turned) && !acb_contains_zero(turned);
+    if (is_known) {
+        acb_arg(turn, turned, bits);
+        arb_add(turn, turn, line, bits);
+        arb_addmul_fmpz(turn, jump, turns, bits);
+    } else {
+        arb_indeterminate(turn);
+    }
+    acb_clear(turned), arb_clear(back);
+    return is_known;
+}
+
+void ball_components_init(top_components *c)
+{
+    acb_init(c->plus), acb_init(c->minus), arb_init(c->turn_plus), arb_init(c->turn_minus);
+}
+
+void ball_components_clear(top_components *c)
+{
+    acb_clear(c->plus), acb_clear(c->minus), arb_clear(c->turn_plus), arb_clear(c->turn_minus);
+}
+
+/* z reduced by whole half periods, and their number. 0 if there is none. */
+static int reduce(arb_t z, fmpz_t turns, const top_motion *m, const arb_t phase)
+{
+    arf_t half;
+    arb_div(z, phase, BALL(m, height), m->bits);
+    if (!arb_is_finite(z)) return 0;
+    arf_init(half), arf_set_d(half, 0.5);
+    arf_add(arb_midref(z), arb_midref(z), half, m->bits, ARF_RND_DOWN);
+    arf_floor(arb_midref(z), arb_midref(z)), arf_get_fmpz(turns, arb_midref(z), ARF_RND_DOWN);
+    arb_set(z, phase), arb_submul_fmpz(z, BALL(m, height), turns, m->bits);
+    arf_clear(half);
+    return 1;
+}
+
+int ball_components(top_components *c, const top_motion *m, const arb_t phase)
+{
+    const slong bits = m->bits;
+    int is_finite;
+    arb_ptr t = _arb_vec_init(4);
+    arb_ptr z = t, half = t + 1, line_plus = t + 2, line_minus = t + 3;
+    acb_t down, w, with_pole;
+    fmpz_t turns;
+    acb_init(down), acb_init(w), acb_init(with_pole), fmpz_init(turns);
+    is_finite = reduce(z, turns, m, phase);
+    if (is_finite) {
+        along_axis(w, m, z, 1), theta(down, NULL, m, m->is_dual ? 2 : 4, w, !m->is_dual);
+        if (m->is_dual) along_axis(w, m, z, m->sign_plus);
+        acb_mul(with_pole, w, m->w_plus, bits), theta(c->plus, NULL, m, 1, with_pole, 0);
+        if (m->is_dual) along_axis(w, m, z, m->sign_minus);
+        acb_mul(with_pole, w, m->w_minus, bits), theta(c->minus, NULL, m, m->is_dual ? 4 : 2, with_pole, 0);
+        if (!m->is_dual) {
+            arb_const_pi(half, bits), arb_mul_2exp_si(half, half, -1), arb_sub(line_plus, z, half, bits);
+            arb_mul_si(line_plus, line_plus, m->sign_plus, bits), arb_mul_si(line_minus, z, m->sign_minus, bits);
+        }
+        acb_div(c->plus, c->plus, down, bits), acb_div(c->minus, c->minus, down, bits);
+        c->knows_plus = argument(c->turn_plus, c->plus, line_plus, turns, BALL(m, jump_plus), bits);
+        c->knows_minus = argument(c->turn_minus, c->minus, line_minus, turns, BALL(m, jump_minus), bits);
+        c->is_odd = fmpz_is_odd(turns);
+    }
+    _arb_vec_clear(t, 4);
+    acb_clear(down), acb_clear(w), acb_clear(with_pole), fmpz_clear(turns);
+    return is_finite;
+}
+#endif

@@ -1,0 +1,94 @@
+/* The exact motion of a symmetric top in ball arithmetic: what the files of this folder share.
+ *
+ * u = cos(theta), a = I3 omega3/I1, b = Lz/I1, beta = 2 m g l/I1, y = u - u at the start, y1 <= y2 <= y3 the roots
+ * of the cubic u'^2. "Plus" is q0 + i q3 and its pole, theta = pi; "minus" is q1 + i q2 and theta = 0.
+ * In a build without FLINT this header is empty, and balls_absent.c is all there is. */
+#ifndef SPINTOP_BALLS_H
+#define SPINTOP_BALLS_H
+
+/* The numbers of a motion, in the order in which certificate.f90 gives them. */
+enum { INERTIA1, INERTIA3, MASS, GRAVITY, LENGTH, PHI, THETA, PSI, PHI_RATE, THETA_RATE, SPIN, DATA };
+/* The quantities that are enclosed. */
+enum { Q0, Q1, Q2, Q3, ANGLE_THETA, ANGLE_PHI, ANGLE_PSI, PERIOD, PRECESSION, ORIENTATION, QUANTITIES };
+/* Why something is not proved; certificate.f90 has the sentences. */
+enum { PROVED, TOO_WIDE, NO_ANGLES, NO_PERIOD, UNDECIDED_SIGN, UNDECIDED_ROOTS, UNDECIDED_BRANCH, NO_LIBRARY };
+
+#ifdef SPINTOP_FLINT
+#if SPINTOP_FLINT >= 3
+#include <flint/acb.h>
+#include <flint/acb_elliptic.h>
+#include <flint/acb_modular.h>
+#include <flint/acb_poly.h>
+#else
+#include <acb.h>
+#include <acb_elliptic.h>
+#include <acb_modular.h>
+#include <acb_poly.h>
+#endif
+
+/* Data of a motion: value and radius of each number, and whether SPIN is omega3 or psi'. */
+typedef struct {
+    double value[DATA], radius[DATA];
+    int spin_is_omega3;
+} top_data;
+
+/* Balls of a motion, each by its name: BALL(m, beta) is one of them. */
+#define BALL_NAMES(X) \
+    X(i1) X(i3) X(weight) X(phi) X(psi) X(phi_rate) X(theta_rate) X(spin) \
+    X(u0) X(sh) X(ch) X(s2) X(sine) X(cosine) X(a) X(beta) X(omega3) X(half) X(swing) X(b_minus_a) X(b_plus_a) \
+    X(sum) X(difference) X(g0) X(g1) X(g2) X(y1) X(y2) X(y3) X(nu_plus) X(nu_minus) X(zeta) X(z0) X(height) \
+    X(jump_plus) X(jump_minus) X(slope_plus) X(slope_minus) X(kappa_plus) X(kappa_minus) X(period) X(omega) X(start_rate)
+#define AS_INDEX(name) ball_##name,
+enum { BALL_NAMES(AS_INDEX) BALLS };
+#define BALL(m, name) ((m)->ball + ball_##name)
+
+/* The regimes of a motion. */
+enum regime { NUTATING, FREE, STEADY, SLEEPING };
+
+/* M+ and M- at a reduced phase, with their continuous arguments. */
+typedef struct {
+    acb_t plus, minus;
+    arb_t turn_plus, turn_minus;
+    int knows_plus, knows_minus, is_odd; /* whether the arguments are known; (-1)^n of the half periods left out */
+} top_components;
+
+/* A motion at a precision. */
+typedef struct {
+    slong bits;
+    enum regime regime;
+    int is_flipped;              /* the centre of mass is below the pivot: computed turned over */
+    int pole;                    /* exact start at theta = 0: 1, at theta = pi: -1, elsewhere: 0 */
+    int is_turning;              /* theta' = 0 at the start, or it is on a pole */
+    int starts_high;             /* then: at the upper turning point */
+    int meets_top, meets_bottom; /* b = a exactly and the axis passes theta = 0; b = -a exactly */
+    int is_plane;                /* a = b = 0 exactly */
+    int is_dual;                 /* form b, by the dual nome */
+    int is_angle_free;           /* phi and psi are not continuous, or do not exist */
+    int sign_plus, sign_minus;
+    arb_struct ball[BALLS];
+    acb_t tau, nome, w_plus, w_minus; /* q, and the factors e^(i phase) of the poles */
+    top_components first;             /* at the start */
+} top_motion;
+
+/* ball_start.c: a motion from its data, up to the roots; returns a reason or PROVED. */
+int ball_start(top_motion *m, const top_data *data);
+/* ball_roots.c: the three roots. */
+int ball_roots(top_motion *m);
+/* ball_phases.c: periods and phases. */
+int ball_phases(top_motion *m);
+/* ball_theta.c: what theta functions give: their logarithmic slopes, both components at a phase, and the rate at which
+ * the component that vanishes at a start on a pole leaves it. */
+void ball_components_init(top_components *c);
+void ball_components_clear(top_components *c);
+void ball_theta_start(top_motion *m);
+int ball_components(top_components *c, const top_motion *m, const arb_t z);
+void ball_pole_rate(arb_t rate, const top_motion *m);
+/* ball_attitude.c: q0 .. q3, theta, phi, psi at a time; phi and psi are NaN where they do not exist. */
+int ball_attitude(arb_ptr answer, const top_motion *m, double t);
+/* The same of all times: period, precession per nutation. */
+void ball_periods(arb_ptr answer, const top_motion *m);
+
+/* 1 or -1 as the sign of a ball, 1 for an exact zero; 0 if it is not decided. */
+int ball_sign(const arb_t x);
+#endif
+#endif

@@ -1,0 +1,241 @@
+!> Verifies a table: its input is computed again with balls, and each number that can be is certified.
+!>
+!> A number is *proved* if its distance from the true value is at most what the table claims, *wrong* if it is certainly
+!> more, else *unproved*. The claim is the bound beside the number; with `output.certified` 3/4 of the last place; for
+!> the exact solution what the data allow (`inherent_error`). Other numbers have no claim.
+module spintop_verification
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_case, only: case_t, make_case
+    use spintop_certificate, only: balls_hint, balls_missing, has_balls, last_reason, proof_count, proof_names, &
+        proof_of_precession, proof_of_psi, proof_of_q0, proof_reasons, proved
+    use spintop_claims, only: claim_of
+    use spintop_compare, only: is_finite
+    use spintop_conditioning, only: inherent_error
+    use spintop_errors, only: error_t, exit_failed, exit_ok, input_error
+    use spintop_job, only: job_t
+    use spintop_kinds, only: dp, no_number
+    use spintop_line_list, only: line_list_t
+    use spintop_loaded_table, only: read_table, table_t
+    use spintop_plain_text, only: escaped
+    use spintop_problems, only: problems_t
+    use spintop_row_proof, only: row_proof_t
+    use spintop_scene, only: scene_t
+    use spintop_sweep_axes, only: swept_scene_t
+    use spintop_text, only: string_t, to_text
+    implicit none
+    private
+    public :: verify_table
+
+    !> Numbers of a table that have true values, and what was found.
+    type :: verification_t
+        type(table_t) :: table
+        !> Printed numbers and bounds (quantity, row); NaN where there is none.
+        real(dp), allocatable :: printed(:, :), bounds(:, :)
+        !> Names of the columns.
+        character(32) :: names(proof_count) = ''
+        logical :: is_sweep = .false.
+        integer(int64) :: proved = 0, unproved = 0, wrong = 0
+        !> Unproved cells by reason, and without a claim.
+        integer(int64) :: reasons(0:last_reason) = 0
+        !> The largest bound of each quantity.
+        real(dp) :: largest(proof_count) = 0
+        !> The first wrong cell, as text.
+        character(:), allocatable :: first_wrong
+    end type verification_t
+
+contains
+
+    !> Verifies the table of a job, which was prepared from its header. `code` tells whether there is a wrong number or,
+    !> if `strict`, one that is not proved.
+    subroutine verify_table(job, strict, lines, code, error)
+        type(job_t), target, intent(inout) :: job !! the job of the table
+        logical, intent(in) :: strict !! whether all numbers must be proved
+        type(string_t), allocatable, intent(out) :: lines(:) !! the result as text
+        integer, intent(out) :: code !! exit code
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(verification_t) :: found
+
+        code = exit_ok
+        if (.not. has_balls()) then
+            error = input_error(escaped(job%input) // ': ' // balls_missing // '; ' // balls_hint)
+            return
+        end if
+        call read_table(job%input, found%table, error)
+        if (.not. allocated(error)) call take_numbers(job, found, error)
+        if (allocated(error)) return
+        if (found%is_sweep) then
+            call verify_sweep(job, found, error)
+        else
+            call verify_trajectory(job, found, error)
+        end if
+        if (allocated(error)) return
+        if (found%wrong > 0 .or. (strict .and. found%unproved > 0)) code = exit_failed
+        call report(job, found, lines)
+    end subroutine verify_table
+
+    !> The numbers that have true values, and their bounds.
+    subroutine take_numbers(job, found, error)
+        type(job_t), intent(in) :: job
+        type(verification_t), intent(inout) :: found
+        type(error_t), allocatable, intent(out) :: error
+        integer :: k, rows
+
+        found%is_sweep = job%scene%kind == 'sweep'
+        rows = size(found%table%cells, 2)
+        allocate (found%printed(proof_count, rows), found%bounds(proof_count, rows))
+        found%printed = no_number
+        found%bounds = no_number
+        do k = proof_of_q0, proof_of_precession
+            found%names(k) = proof_names(k)
+            if (found%is_sweep .and. k <= proof_of_psi) found%names(k) = trim(proof_names(k)) // '_end'
+            call take_column(found%table, trim(found%names(k)), found%printed(k, :), error)
+            if (.not. allocated(error)) call take_column(found%table, trim(found%names(k)) // '_bound', found%bounds(k, :), error)
+            if (allocated(error)) return
+        end do
+    end subroutine take_numbers
+
+    !> The numbers of a column, if there is one.
+    subroutine take_column(table, name, values, error)
+        type(table_t), intent(in) :: table
+        character(*), intent(in) :: name
+        real(dp), intent(inout) :: values(:)
+        type(error_t), allocatable, intent(out) :: error
+        real(dp), allocatable :: numbers(:)
+        integer :: i
+        if (.not. any([(table%names(i)%text == name, i=1, size(table%names))])) return
+        call table%read_column(name, numbers, error)
+        if (.not. allocated(error)) values = numbers
+    end subroutine take_column
+
+    !> The rows of a trajectory.
+    subroutine verify_trajectory(job, found, error)
+        type(job_t), intent(in) :: job
+        type(verification_t), intent(inout) :: found
+        type(error_t), allocatable, intent(out) :: error
+        type(row_proof_t) :: proof
+        real(dp), allocatable :: times(:)
+        integer :: row, k
+
+        call found%table%read_column('t', times, error)
+        if (allocated(error)) return
+        call proof%open([(any(is_finite(found%printed(k, :))), k=1, proof_count)], .false., job%case%given_body, &
+                        job%case%given_start)
+        do row = 1, size(times)
+            call verify_row(job, job%case, times(row), row, proof, found)
+        end do
+        call proof%close()
+    end subroutine verify_trajectory
+
+    !> The rows of a sweep: each has a case of its own.
+    subroutine verify_sweep(job, found, error)
+        type(job_t), target, intent(in) :: job
+        type(verification_t), intent(inout) :: found
+        type(error_t), allocatable, intent(out) :: error
+        type(swept_scene_t), allocatable, target :: swept
+        type(row_proof_t) :: proof
+        type(case_t) :: case
+        real(dp), allocatable :: cases(:), ends(:)
+        real(dp) :: values(size(job%axes%axis))
+        integer :: row
+
+        call found%table%read_column('case', cases, error)
+        if (allocated(error)) return
+        allocate (ends(size(cases)), source=no_number)
+        call take_column(found%table, 't_end', ends, error)
+        if (allocated(error)) return
+        allocate (swept)
+        call swept%copy(job%scene, job%axes)
+        do row = 1, size(cases)
+            if (.not. (cases(row) >= 1 .and. cases(row) <= job%axes%cases)) then
+                error = input_error(escaped(job%input) // ': case ' // to_text(cases(row)) // ' is not a case of its input')
+                return
+            end if
+            if (.not. any(is_finite(found%printed(:, row)))) cycle
+            call job%axes%find_values(int(cases(row), int64), values)
+            call swept%put(values)
+            call make_again(swept%scene, case, error)
+            if (allocated(error)) return
+            if (.not. is_finite(ends(row))) ends(row) = case%t_end
+            call proof%open(is_finite(found%printed(:, row)), .false., case%given_body, case%given_start)
+            call verify_row(job, case, ends(row), row, proof, found)
+        end do
+        call proof%close()
+    end subroutine verify_sweep
+
+    !> Makes the case of a row, which was made when the table was computed.
+    subroutine make_again(scene, case, error)
+        type(scene_t), intent(in) :: scene
+        type(case_t), intent(inout) :: case
+        type(error_t), allocatable, intent(out) :: error
+        type(problems_t) :: problems
+        call make_case(scene, case, problems)
+        if (problems%any()) error = input_error('a row with numbers belongs to a case that its input refuses: ' // problems%first())
+    end subroutine make_again
+
+    !> The numbers of a row.
+    subroutine verify_row(job, case, t, row, proof, found)
+        type(job_t), intent(in) :: job
+        type(case_t), intent(in) :: case
+        real(dp), intent(in) :: t
+        integer, intent(in) :: row
+        type(row_proof_t), intent(inout) :: proof
+        type(verification_t), intent(inout) :: found
+        real(dp) :: printed(proof_count), floor, claim, half_place
+        integer :: k
+
+        printed = found%printed(:, row)
+        proof%wanted = is_finite(printed)
+        call proof%prove(t, printed)
+        floor = no_number
+        if (job%plan%exact) floor = inherent_error(case%body, case%start, t)
+        do k = 1, proof_count
+            if (.not. proof%wanted(k)) cycle
+            if (proof%reasons(k) == proved) found%largest(k) = max(found%largest(k), proof%bounds(k))
+            half_place = spacing(max(abs(printed(k)), epsilon(1.0_dp))) / 2
+            claim = found%bounds(k, row)
+            if (.not. is_finite(claim)) then
+                if (job%scene%certified) claim = 1.5_dp * half_place
+                if (.not. job%scene%certified) claim = claim_of(k, case, printed, floor, found%is_sweep)
+            end if
+            if (proof%reasons(k) /= proved .or. .not. is_finite(claim)) then
+                found%unproved = found%unproved + 1
+                found%reasons(proof%reasons(k)) = found%reasons(proof%reasons(k)) + 1
+            else if (proof%bounds(k) <= claim) then
+                found%proved = found%proved + 1
+            else if (proof%bounds(k) - half_place > claim) then
+                ! A ball is at most half of the last place wide.
+                if (found%wrong == 0) found%first_wrong = 'row ' // to_text(row) // ', ' // trim(found%names(k)) // ' = ' &
+                    // to_text(printed(k)) // ': off by up to ' // to_text(proof%bounds(k)) // ', claimed ' // to_text(claim)
+                found%wrong = found%wrong + 1
+            else
+                found%unproved = found%unproved + 1
+                found%reasons(proved) = found%reasons(proved) + 1
+            end if
+        end do
+    end subroutine verify_row
+
+    !> The result as text.
+    subroutine report(job, found, lines)
+        type(job_t), intent(in) :: job
+        type(verification_t), intent(in) :: found
+        type(string_t), allocatable, intent(out) :: lines(:)
+        type(line_list_t) :: text
+        integer :: k
+
+        call text%add(job%input // ': ' // to_text(found%proved) // ' numbers proved, ' // to_text(found%unproved) &
+                      // ' unproved, ' // to_text(found%wrong) // ' wrong')
+        if (allocated(found%first_wrong)) call text%add('  first wrong  ' // found%first_wrong)
+        do k = 0, last_reason
+            if (found%reasons(k) == 0) cycle
+            if (k == proved) call text%add('  unproved  ' // to_text(found%reasons(k)) // ': nothing is claimed of them, or &
+                &they are at the limit of the claim')
+            if (k /= proved) call text%add('  unproved  ' // to_text(found%reasons(k)) // ': ' // trim(proof_reasons(k)))
+        end do
+        do k = 1, proof_count
+            if (found%largest(k) > 0) call text%add('  largest bound  ' // trim(found%names(k)) // ' ' &
+                                                    // to_text(found%largest(k)))
+        end do
+        call text%get(lines)
+    end subroutine report
+
+end module spintop_verification

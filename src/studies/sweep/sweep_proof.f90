@@ -1,0 +1,68 @@
+!> The proof of the numbers of a case of a sweep: upper bounds of their errors, and certified digits.
+module spintop_sweep_proof
+    use spintop_case, only: case_t
+    use spintop_certificate, only: proof_count, proof_of_period, proof_of_phi, proof_of_precession, proof_of_psi, &
+        proof_of_theta, proof_reasons, proved
+    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp
+    use spintop_row_proof, only: row_proof_t
+    use spintop_sweep_column, only: sweep_column_t
+    use spintop_sweep_notes, only: note_t
+    use spintop_sweep_result, only: proof_words, sweep_result_t
+    implicit none
+    private
+    public :: sweep_proofs, prove_case
+
+    !> The quantities of sweeps that have bounds, and their columns.
+    integer, parameter :: quantities(5) = [proof_of_theta, proof_of_phi, proof_of_psi, proof_of_period, proof_of_precession]
+    character(*), parameter :: names(5) = [character(23) :: 'theta_end', 'phi_end', 'psi_end', 'nutation_period', &
+        'precession_per_nutation']
+
+contains
+
+    !> Which quantities are to be proved for a table with these columns: those with a bound; also those that are printed,
+    !> if these are to be certified, or if there is a column `proof` without bounds.
+    pure function sweep_proofs(columns, certified) result(wanted)
+        type(sweep_column_t), intent(in) :: columns(:) !! of the table
+        logical, intent(in) :: certified !! whether proved numbers replace the computed ones
+        logical :: wanted(proof_count)
+        integer :: i
+        wanted = .false.
+        do i = 1, size(names)
+            wanted(quantities(i)) = any(columns%name == trim(names(i)) // '_bound')
+        end do
+        if (.not. certified .and. (any(wanted) .or. .not. any(columns%is_proof))) return
+        do i = 1, size(names)
+            wanted(quantities(i)) = wanted(quantities(i)) .or. any(columns%name == names(i))
+        end do
+    end function sweep_proofs
+
+    !> Bounds of the wanted numbers of a case, which has ended well. What the case does not have needs no proof.
+    subroutine prove_case(case, wanted, certified, values, note)
+        type(case_t), intent(in) :: case !! body, start and span
+        logical, intent(in) :: wanted(proof_count) !! which quantities are to be proved
+        logical, intent(in) :: certified !! whether proved numbers replace the computed ones
+        type(sweep_result_t), intent(inout) :: values !! the quantities of the case
+        type(note_t), intent(inout) :: note !! notes on the case
+        type(row_proof_t) :: proof
+        real(dp) :: printed(proof_count)
+
+        printed = 0
+        printed(quantities) = [values%theta_end, values%phi_end, values%psi_end, values%nutation_period, &
+                               values%precession_per_nutation]
+        call proof%open(wanted .and. is_finite(printed), certified, case%given_body, case%given_start)
+        call proof%prove(merge(values%t_end, case%t_end, is_finite(values%t_end)), printed)
+        call proof%close()
+        if (certified) then
+            values%theta_end = printed(proof_of_theta)
+            values%phi_end = printed(proof_of_phi)
+            values%psi_end = printed(proof_of_psi)
+            values%nutation_period = printed(proof_of_period)
+            values%precession_per_nutation = printed(proof_of_precession)
+        end if
+        where (proof%wanted) values%bounds = proof%bounds
+        values%proof = findloc(proof_words, merge('proved  ', 'unproved', proof%is_proved()), dim=1) - 1
+        if (.not. proof%is_proved()) call note%explain('unproved: ' // trim(proof_reasons(proof%outcome())))
+    end subroutine prove_case
+
+end module spintop_sweep_proof

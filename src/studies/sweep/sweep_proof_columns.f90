@@ -1,0 +1,68 @@
+!> The columns of a sweep table that prove its numbers: upper bounds of their errors (spintop_certificate).
+module spintop_sweep_proof_columns
+    use spintop_certificate, only: proof_of_period, proof_of_phi, proof_of_precession, proof_of_psi, proof_of_theta
+    use spintop_kinds, only: dp
+    use spintop_study_column, only: proof_group
+    use spintop_sweep_column, only: sweep_column_t
+    use spintop_sweep_result, only: sweep_result_t
+    implicit none
+    private
+    public :: sweep_proof_columns
+
+contains
+
+    !> The columns, in the order of the documentation.
+    function sweep_proof_columns() result(columns)
+        type(sweep_column_t), allocatable :: columns(:)
+        columns = [ &
+            sweep_column_t('theta_end_bound', 'rad', 'upper bound of the error of theta_end, proved', &
+                           proof_group, fill_theta_end_bound), &
+            sweep_column_t('phi_end_bound', 'rad', 'upper bound of the error of phi_end, proved', &
+                           proof_group, fill_phi_end_bound), &
+            sweep_column_t('psi_end_bound', 'rad', 'upper bound of the error of psi_end, proved', &
+                           proof_group, fill_psi_end_bound), &
+            sweep_column_t('nutation_period_bound', 's', 'upper bound of the error of nutation_period, proved', &
+                           proof_group, fill_nutation_period_bound), &
+            sweep_column_t('precession_per_nutation_bound', 'rad', 'upper bound of the error of precession_per_nutation, proved', &
+                           proof_group, fill_precession_per_nutation_bound), &
+            sweep_column_t('proof', '', 'proved, or unproved if a bound is infinite (categorical)', &
+                           proof_group, fill_proof, is_proof=.true.)]
+    end function sweep_proof_columns
+
+    pure subroutine fill_theta_end_bound(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%bounds(proof_of_theta)
+    end subroutine fill_theta_end_bound
+
+    pure subroutine fill_phi_end_bound(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%bounds(proof_of_phi)
+    end subroutine fill_phi_end_bound
+
+    pure subroutine fill_psi_end_bound(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%bounds(proof_of_psi)
+    end subroutine fill_psi_end_bound
+
+    pure subroutine fill_nutation_period_bound(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%bounds(proof_of_period)
+    end subroutine fill_nutation_period_bound
+
+    pure subroutine fill_precession_per_nutation_bound(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%bounds(proof_of_precession)
+    end subroutine fill_precession_per_nutation_bound
+
+    pure subroutine fill_proof(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%proof
+    end subroutine fill_proof
+
+end module spintop_sweep_proof_columns

@@ -1,0 +1,166 @@
+"""Bounds in tables, certified numbers, and `spintop verify`."""
+
+import math
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
+from program_test import ProgramCase  # noqa: E402
+
+TOP = """\
+&study kind = 'trajectory' /
+&top mass = 1.0, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387 /
+&initial theta = 0.19634954084936207, psi_rate = 1.0 /
+&span t_end = 3.0, samples = 7 /
+&output columns = 't', 'theta', 'phi', 'psi', 'q0', 'q1', 'q2', 'q3' /
+"""
+SWEEP = """\
+&study kind = 'sweep' /
+&top mass = 1.0, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387 /
+&initial theta_deg = 30 /
+&span t_end = 2.0 /
+&output columns = 'theta_end', 'theta_end_bound', 'phi_end', 'psi_end', 'nutation_period', 'nutation_period_bound',
+                  'precession_per_nutation', 'precession_per_nutation_bound', 'proof' /
+&sweep parameter(1) = 'initial.psi_rate', values(1,:) = 0, 0.5, 3, 40 /
+"""
+BOUNDS = "t,theta,theta_bound,phi_bound,psi_bound,q0,q0_bound,orientation_bound,proof"
+MISSING = "this build has no FLINT, which certifies digits"
+
+
+class WithoutFlintTest(ProgramCase):
+    """A build without FLINT names what is missing, and computes everything else."""
+
+    def test_missing(self) -> None:
+        scene = self.write(TOP)
+        run = self.run_program("--check", scene, "--set", f"output.columns={BOUNDS}")
+        if run.returncode == 0:
+            self.skipTest("this build has FLINT")
+        self.assertEqual(run.returncode, 2)
+        self.assertIn(f"column 'theta_bound': {MISSING}", run.stderr)
+        self.assertIn("SPINTOP_FLINT=1 scripts/run", run.stderr)
+        run = self.run_program("--check", scene, "--set", "output.certified=.true.")
+        self.assertEqual(run.returncode, 2)
+        self.assertIn(MISSING, run.stderr)
+        self.compute(scene)
+        run = self.run_program("verify", "output/scene.csv")
+        self.assertEqual(run.returncode, 2)
+        self.assertIn(MISSING, run.stderr)
+
+
+class ProofTest(ProgramCase):
+    """With FLINT."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.top = self.write(TOP)
+        check = self.run_program("--check", self.top, "--set", "output.certified=.true.")
+        if MISSING in check.stderr:
+            self.skipTest("this build has no FLINT")
+
+    def verify(self, *arguments: str, code: int = 0) -> str:
+        """The result of `spintop verify` on the table."""
+        run = self.run_program("verify", "output/scene.csv", *arguments)
+        self.assertEqual(run.returncode, code, run.stdout + run.stderr)
+        return run.stdout
+
+    def change(self, name: str, row: int, text: str) -> None:
+        """Put another text in a cell of the table."""
+        path = self.folder / "output/scene.csv"
+        lines = path.read_text().splitlines(keepends=True)
+        first = next(i for i, line in enumerate(lines) if not line.startswith("#"))
+        cells = lines[first + row].rstrip("\n").split(",")
+        cells[lines[first].rstrip("\n").split(",").index(name)] = text
+        lines[first + row] = ",".join(cells) + "\n"
+        path.write_text("".join(lines))
+
+    def test_bounds_of_the_exact_solution(self) -> None:
+        table = self.compute(self.top, f"output.columns={BOUNDS}")
+        self.assertEqual(set(table.texts("proof")), {"proved"})
+        for name in ("theta_bound", "phi_bound", "psi_bound", "q0_bound", "orientation_bound"):
+            self.assertLess(table.largest(name), 1e-14)
+
+    def test_bounds_of_a_method(self) -> None:
+        """The bound of the attitude is the error that the exact solution finds."""
+        table = self.compute(
+            self.top,
+            "integration.method=dop853",
+            "output.columns=t,orientation_error,orientation_bound,proof",
+        )
+        self.assertEqual(set(table.texts("proof")), {"proved"})
+        errors, bounds = table.column("orientation_error"), table.column("orientation_bound")
+        self.assertGreater(max(errors), 1e-11)
+        for error, bound in zip(errors, bounds, strict=True):
+            self.assertAlmostEqual(error, bound, delta=1e-14)
+
+    def test_certified_numbers(self) -> None:
+        """The numbers of a method become those of the exact motion, whatever the method."""
+        setting = "output.columns=t,theta,theta_bound,phi,phi_bound,q0,q0_bound,proof"
+        exact = self.compute(self.top, setting, "output.certified=.true.")
+        other = self.compute(
+            self.top, setting, "output.certified=.true.", "integration.method=dop853"
+        )
+        self.assertEqual(exact.rows, other.rows)
+        for name in ("theta", "phi", "q0"):
+            numbers, bounds = exact.column(name), exact.column(f"{name}_bound")
+            for number, bound in zip(numbers, bounds, strict=True):
+                self.assertLessEqual(bound, 0.75 * math.ulp(max(abs(number), 2.0**-52)))
+        self.assertIn("certified = .true.", exact.resolved())
+        self.assertIn("0 unproved, 0 wrong", self.verify("--strict"))
+
+    def test_unproved_rows_say_why(self) -> None:
+        run = self.run_program(
+            self.top,
+            "--set=top.inertia=0.875,0.8,0.25",
+            "--set=output.columns=t,theta,theta_bound,proof",
+        )
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertEqual(set(self.table().texts("proof")), {"unproved"})
+        self.assertEqual(set(self.table().texts("theta_bound")), {"inf"})
+        self.assertIn("7 unproved (the body is not an undamped symmetric top", run.stdout)
+
+    def test_sweep(self) -> None:
+        scene = self.write(SWEEP)
+        table = self.compute(scene)
+        self.assertEqual(table.texts("status"), ["ok"] * 4)
+        self.assertEqual(table.texts("proof"), ["proved"] * 4)
+        self.assertLess(table.largest("theta_end_bound"), 1e-12)
+        self.assertLess(table.largest("nutation_period_bound"), 1e-12)
+        self.assertEqual(table.texts("precession_per_nutation_bound")[0], "0")  # a plane pendulum
+        self.assertIn("0 wrong", self.verify())
+        self.change("nutation_period", 3, "0.7")
+        self.assertIn("first wrong  row 3, nutation_period = 0.7", self.verify(code=3))
+
+    def test_bytes_do_not_depend_on_threads(self) -> None:
+        scene = self.write(SWEEP)
+        first = self.compute(scene)
+        self.assertEqual(self.run_program(scene, "--threads", "2").returncode, 0)
+        self.assertEqual(first.rows, self.table().rows)
+
+    def test_verify(self) -> None:
+        """A digit that is wrong is found; the numbers of the exact solution need no bounds beside them."""
+        self.compute(self.top)
+        self.assertIn("49 numbers proved, 0 unproved, 0 wrong", self.verify("--strict"))
+        theta = self.table().texts("theta")[4]
+        place = 14
+        wrong = theta[:place] + str((int(theta[place]) + 5) % 10) + theta[place + 1 :]
+        self.change("theta", 5, wrong)
+        said = self.verify(code=3)
+        self.assertIn("1 wrong", said)
+        self.assertIn(f"first wrong  row 5, theta = {wrong}", said)
+
+    def test_verify_without_claims(self) -> None:
+        """A method claims nothing: its numbers are unproved, but their errors are bounded."""
+        self.compute(self.top, "integration.method=rk4", "integration.steps=60")
+        said = self.verify()
+        self.assertIn("0 numbers proved, 49 unproved, 0 wrong", said)
+        self.assertIn("largest bound  theta ", said)
+        self.verify("--strict", code=3)
+
+    def test_what_is_no_table(self) -> None:
+        run = self.run_program("verify", self.top)
+        self.assertEqual(run.returncode, 2)
+        run = self.run_program("verify")
+        self.assertIn("verify takes a table", run.stderr)
+        run = self.run_program("verify", "--fast", "a.csv")
+        self.assertIn("verify takes no option but --strict", run.stderr)

@@ -6,10 +6,11 @@
 module spintop_capabilities
     use spintop_kinds, only: dp, qp
     use spintop_body, only: body_t
+    use spintop_loads, only: works
     use spintop_motion, only: motion_t
     implicit none
     private
-    public :: capability_t, flows_t, group_action_t, series_t, quadruple_series_t, ends_t, reset_t
+    public :: capability_t, flows_t, group_action_t, series_t, quadruple_series_t, ends_t, reset_t, action_t
     public :: max_states, max_series_order
     public :: structure_none, structure_split, structure_group, structure_series, &
         structure_quadruple, structure_names
@@ -79,7 +80,66 @@ module spintop_capabilities
         procedure(apply), deferred :: apply
     end type reset_t
 
+    !> What effects do beside changing y' = f(t, y): their work, breaks of f, and rest under dry friction.
+    type, abstract, extends(capability_t) :: action_t
+        !> Whether dry friction may hold the body, and whether it may let it go again by itself.
+        logical :: may_stick = .false., may_slip = .false.
+    contains
+        procedure(find_power), deferred :: power
+        procedure(next_knot), deferred :: next_knot
+        procedure(find_speed), deferred :: find_speed
+        procedure(at_rest), deferred :: at_rest
+        procedure(excess), deferred :: excess
+        procedure(pause), deferred :: pause
+    end type action_t
+
     abstract interface
+        !> Power of each part of the work (`spintop_loads`), W.
+        pure function find_power(self, t, y) result(power)
+            import :: action_t, dp, max_states, works
+            class(action_t), intent(in) :: self
+            real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+            real(dp) :: power(works)
+        end function find_power
+
+        !> The first time after `t` at which f is not smooth, s; `huge` if there is none.
+        pure real(dp) function next_knot(self, t)
+            import :: action_t, dp
+            class(action_t), intent(in) :: self
+            real(dp), intent(in) :: t !! s
+        end function next_knot
+
+        !> Magnitude of the angular velocity, and how fast it decreases.
+        pure subroutine find_speed(self, t, y, speed, slowing)
+            import :: action_t, dp, max_states
+            class(action_t), intent(in) :: self
+            real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+            real(dp), intent(out) :: speed, slowing !! rad/s, rad/s^2
+        end subroutine find_speed
+
+        !> The state at rest at a time, with the attitude that the motion in a state reaches after `left` seconds of
+        !> constant deceleration to rest.
+        pure function at_rest(self, t, y, left) result(resting)
+            import :: action_t, dp, max_states
+            class(action_t), intent(in) :: self
+            real(dp), intent(in) :: t, y(max_states), left !! time, s; state; s
+            real(dp) :: resting(max_states)
+        end function at_rest
+
+        !> By how much the torques exceed what dry friction can balance at rest, N m: it holds where they do not.
+        pure real(dp) function excess(self, t, y)
+            import :: action_t, dp, max_states
+            class(action_t), intent(in) :: self
+            real(dp), intent(in) :: t, y(max_states) !! time, s, and a state at rest
+        end function excess
+
+        !> A time in which the torques on a resting body change little, from `t` on, s.
+        pure real(dp) function pause(self, t)
+            import :: action_t, dp
+            class(action_t), intent(in) :: self
+            real(dp), intent(in) :: t !! s
+        end function pause
+
         !> Sets the constants for a body and its start.
         pure subroutine set(self, body, start)
             import :: capability_t, body_t, motion_t

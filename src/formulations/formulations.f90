@@ -1,6 +1,8 @@
 !> The registry of formulations: one line each; lists, help, checks and tests derive from it. It is built
 !> once, at the first question, and shared by all threads.
 module spintop_formulations
+    use spintop_body, only: body_t
+    use spintop_body_with_effects, only: body_with_effects_t
     use spintop_formulation, only: formulation_t, formulation_info_t
     use spintop_euler, only: euler_t
     use spintop_lagrange, only: lagrange_t
@@ -16,6 +18,8 @@ module spintop_formulations
 
     type :: entry_t
         class(formulation_t), allocatable :: prototype
+        !> The variant for bodies with effects; not allocated if there is none.
+        class(formulation_t), allocatable :: with_effects
     end type entry_t
 
     !> The formulations by name, in the order in which they are listed.
@@ -46,15 +50,16 @@ contains
         call known%add(lagrange_t())
         call known%add(energy_rate_t())
         call known%add(lagrange_energy_t())
-        call known%add(rigid_body_t())
+        call known%add(rigid_body_t(), with_effects=body_with_effects_t())
         call known%add(space_frame_t())
         call known%add(cayley_klein_t())
     end subroutine list_formulations
 
     !> Adds a formulation.
-    subroutine add(self, prototype)
+    subroutine add(self, prototype, with_effects)
         class(registry_t), intent(inout) :: self
         class(formulation_t), intent(in) :: prototype
+        class(formulation_t), intent(in), optional :: with_effects
         type(entry_t), allocatable :: larger(:)
         integer :: i
         if (.not. allocated(self%entry)) allocate (self%entry(16))
@@ -62,11 +67,13 @@ contains
             allocate (larger(2 * self%size))
             do i = 1, self%size
                 call move_alloc(self%entry(i)%prototype, larger(i)%prototype)
+                call move_alloc(self%entry(i)%with_effects, larger(i)%with_effects)
             end do
             call move_alloc(larger, self%entry)
         end if
         self%size = self%size + 1
         allocate (self%entry(self%size)%prototype, source=prototype)
+        if (present(with_effects)) allocate (self%entry(self%size)%with_effects, source=with_effects)
     end subroutine add
 
     !> Names and properties of all formulations.
@@ -81,19 +88,28 @@ contains
         end do
     end function formulation_infos
 
-    !> The formulation of a name; not allocated, with `status_unknown_name`, if there is none.
-    subroutine create_formulation(name, formulation, status)
+    !> The formulation of a name, in its variant for bodies with effects if the body has any and there is one; not
+    !> allocated, with `status_unknown_name`, if there is none.
+    subroutine create_formulation(name, formulation, status, body)
         character(*), intent(in) :: name !! as in an input
         class(formulation_t), allocatable, intent(out) :: formulation !! not allocated if the name is unknown
         integer, intent(out), optional :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        type(body_t), intent(in), optional :: body !! the body for which it is
         type(registry_t), pointer :: known
         type(formulation_info_t) :: info
+        logical :: affected
         integer :: i
+        affected = .false.
+        if (present(body)) affected = allocated(body%effects)
         known => known_formulations()
         do i = 1, known%size
             info = known%entry(i)%prototype%info()
             if (info%name /= name) cycle
-            allocate (formulation, source=known%entry(i)%prototype)
+            if (affected .and. allocated(known%entry(i)%with_effects)) then
+                allocate (formulation, source=known%entry(i)%with_effects)
+            else
+                allocate (formulation, source=known%entry(i)%prototype)
+            end if
             exit
         end do
         if (present(status)) status = merge(status_ok, status_unknown_name, allocated(formulation))

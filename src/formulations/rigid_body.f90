@@ -18,7 +18,7 @@ module spintop_rigid_body
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: rigid_body_t
+    public :: rigid_body_t, body_turns_t
 
     !> State y = (q0, q1, q2, q3, Pi1, Pi2, Pi3).
     type, extends(formulation_t) :: rigid_body_t

@@ -7,7 +7,8 @@ module spintop_status
     public :: status_step_too_small, status_turning_point, status_outside, status_unsuitable
     public :: status_integrator, status_bad_input, status_bad_body, status_bad_start, status_bad_controls
     public :: status_bad_span, status_bad_samples, status_bad_events, status_bad_projection
-    public :: status_no_steps, status_no_structure, status_stuck_at_turn, status_unknown_name, status_too_many_events, last_status
+    public :: status_no_steps, status_no_structure, status_stuck_at_turn, status_unknown_name, status_too_many_events
+    public :: status_at_rest, last_status, is_good_end
 
     !> Outcomes of a computation. `status_meaning` gives a sentence for each.
     integer, parameter :: status_ok = 0
@@ -34,7 +35,9 @@ module spintop_status
     integer, parameter :: status_stuck_at_turn = 20
     integer, parameter :: status_unknown_name = 21
     integer, parameter :: status_too_many_events = 22
-    integer, parameter :: last_status = 22
+    !> The end of a body that dry friction holds: a good end.
+    integer, parameter :: status_at_rest = 23
+    integer, parameter :: last_status = 23
 
     !> Names in tables, and a sentence for each. Threads use these constants: gfortran keeps the length of the
     !> result of a function of deferred length in memory that all threads share.
@@ -42,7 +45,7 @@ module spintop_status
         'ok', 'pole', 'non_finite', 'step_limit', 'not_converged', 'step_too_small', &
         'turning_point', 'outside', 'unsuitable', 'integrator', 'bad_input', 'bad_body', 'bad_start', &
         'bad_controls', 'bad_span', 'bad_samples', 'bad_events', 'bad_projection', 'no_steps', &
-        'no_structure', 'stuck_at_turn', 'unknown_name', 'too_many_events']
+        'no_structure', 'stuck_at_turn', 'unknown_name', 'too_many_events', 'at_rest']
 
     character(*), parameter :: status_meanings(0:last_status) = [character(112) :: &
         'completed', &
@@ -67,9 +70,16 @@ module spintop_status
         'the method needs a structure that the formulation does not offer', &
         'this method cannot leave a turning point of theta where theta_rate is reset from the energy', &
         'the name is unknown', &
-        'there are more events than can be counted or kept']
+        'there are more events than can be counted or kept', &
+        'dry friction holds the body at rest']
 
 contains
+
+    !> Whether a motion with this status was computed to its end.
+    elemental logical function is_good_end(status)
+        integer, intent(in) :: status !! number of a status
+        is_good_end = status == status_ok .or. status == status_at_rest
+    end function is_good_end
 
     !> Name of a status in tables; 'unknown' for a number that is not a status.
     pure function status_name(status) result(name)

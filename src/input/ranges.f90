@@ -24,7 +24,7 @@ contains
         if (self%upper_open) range_contains = range_contains .and. x < self%upper
     end function range_contains
 
-    !> Reads a rule. Numbers may be multiples of pi: `2 pi`, `-pi`.
+    !> Reads a rule. Numbers may be multiples of pi, or half of one: `2 pi`, `-pi/2`.
     subroutine parse_range(rule, range, valid)
         character(*), intent(in) :: rule !! the range as written
         type(range_t), intent(out) :: range !! the interval
@@ -75,6 +75,7 @@ contains
         if (symbol > 0) then
             factor = text(:symbol - 1)
             bound = pi
+            if (index(text, 'pi/2') > 0) bound = pi / 2
             if (factor == '') factor = '1'
             if (adjustl(factor) == '-') factor = '-1'
         end if

@@ -2,12 +2,16 @@
 module spintop_integration
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
-    use spintop_events, only: event_watch_t, path_t
+    use spintop_events, only: event_watch_t
     use spintop_motion, only: motion_t
+    use spintop_rest, only: rest_t
+    use spintop_step_path, only: follower_t, step_path_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_stepper, only: stepper_t, workspace_t, counts_t
+    use spintop_loads, only: works
+    use spintop_work_account, only: work_account_t
     use spintop_suitability, only: call_status
-    use spintop_status, only: status_ok, status_outside, status_step_too_small, &
+    use spintop_status, only: status_ok, status_at_rest, status_outside, status_step_too_small, &
         status_step_limit, status_turning_point, status_not_converged, status_too_many_events
     implicit none
     private
@@ -20,6 +24,9 @@ module spintop_integration
         !> Whether phi and psi count their turns, which requires an evaluation in every step; otherwise the
         !> angles are the values nearest to those of the start.
         logical :: counts_turns = .true.
+        !> Whether the work of effects is wanted; then it is set before each motion is observed, J, by its parts.
+        logical :: wants_work = .false.
+        real(dp) :: work(works) = 0
     contains
         procedure(observe), deferred :: observe
     end type observer_t
@@ -35,28 +42,6 @@ module spintop_integration
         end subroutine observe
     end interface
 
-    !> The angles, followed through every step, or constant.
-    type :: follower_t
-        real(dp) :: t = 0, y(max_states) = 0, angle(3) = 0
-        logical :: is_idle = .false.
-    contains
-        procedure :: go_to
-        procedure :: walk_to
-    end type follower_t
-
-    !> The motion within the last step, by dense output.
-    type, extends(path_t) :: step_path_t
-        class(formulation_t), pointer :: formulation => null()
-        class(stepper_t), pointer :: stepper => null()
-        class(workspace_t), pointer :: work => null()
-        !> Angles at the start of the step, and at the two latest times of evaluation. They are followed to a
-        !> new time from the latest of these before it.
-        type(follower_t) :: seen(3)
-    contains
-        procedure :: at => motion_in_step
-        procedure :: is_spent => step_is_spent
-    end type step_path_t
-
     !> A run in progress: formulation, stepper, workspace, and the samples not yet shown.
     type :: run_t
         class(formulation_t), pointer :: formulation => null()
@@ -67,8 +52,13 @@ module spintop_integration
         !> Index of the first sample that was not shown, and the number of samples.
         integer :: next = 1, last = 0
         type(follower_t) :: follower
+        !> Rest under dry friction and breaks of the right-hand side, and the work of effects; of no use without these.
+        type(rest_t) :: rest
+        type(work_account_t) :: account
     contains
         procedure :: begin => begin_run
+        procedure :: take_step
+        procedure :: end_step
         procedure :: look_for_events
         procedure :: show_until
         procedure :: show_end
@@ -85,6 +75,8 @@ module spintop_integration
         integer :: status = status_ok
         !> Time reached, s: that of the event that ended the run, if there was one.
         real(dp) :: t = 0
+        !> With `status_at_rest` the time at which dry friction stopped the body, s.
+        real(dp) :: t_stuck = 0
         !> Cost of the run.
         type(counts_t) :: counts
     end type outcome_t
@@ -95,8 +87,6 @@ module spintop_integration
     real(dp), parameter :: arrival = 1.0e-4_dp, close = 1.0e-2_dp
     !> A sample of a fixed-step method within this fraction of a step is at the step.
     real(dp), parameter :: grid_slack = 1.0e-6_dp
-    !> A pole that is passed within this fraction of a step is passed on an arbitrary side.
-    real(dp), parameter :: shortest_pace = 1.0e-12_dp
 
 contains
 
@@ -142,16 +132,23 @@ contains
                 status = status_step_limit
                 exit
             end if
-            call stepper%advance(formulation, work, status)
+            if (allocated(formulation%action)) then
+                call run%take_step(path, status)
+            else
+                call stepper%advance(formulation, work, status)
+            end if
             if (status == status_ok .and. present(watch)) then
                 call run%look_for_events(path, watch, status, ends)
                 if (ends) exit
             end if
-            if (status == status_ok) call run%show_until(work%t)
+            if (status == status_ok) call run%show_until(run%work%t)
             call run%check_arrival(status)
+            if (allocated(formulation%action)) call run%end_step(stepper, work, path, status)
         end do
         outcome%status = status
-        outcome%t = work%t
+        outcome%t = run%work%t
+        if (run%rest%is_resting .and. status == status_ok .and. .not. ends) outcome%status = status_at_rest
+        outcome%t_stuck = run%rest%t_stuck
         if (ends) outcome%t = watch%t
         outcome%counts = work%counts
     end subroutine integrate
@@ -171,6 +168,10 @@ contains
             if (status == status_ok) call check_start(formulation, work, status)
             if (status /= status_ok) return
             call work%projection%begin(stepper%controls%project, formulation, work%y)
+            if (allocated(formulation%action)) then
+                call self%rest%begin(formulation, work)
+                self%account%is_open = self%observer%wants_work
+            end if
             is_idle = .not. (self%observer%counts_turns .or. present(watch))
             self%follower = follower_t(0.0_dp, work%y, start%angle, is_idle)
             call self%show_until(0.0_dp)
@@ -184,6 +185,38 @@ contains
             call watch%begin(body, formulation%motion(work%t, work%y, self%follower%angle))
         end associate
     end subroutine begin_run
+
+    !> Takes a step of a body with effects: at rest, across a point without a series, or by the method itself. Run and
+    !> path have the stepper that took it.
+    subroutine take_step(self, path, status)
+        class(run_t), target, intent(inout) :: self
+        type(step_path_t), intent(inout) :: path
+        integer, intent(out) :: status
+        call self%rest%advance(self%formulation, self%stepper, self%work, status)
+        if (.not. self%rest%is_other) return
+        self%stepper => self%rest%stepper
+        self%work => self%rest%work
+        path%stepper => self%stepper
+        path%work => self%work
+    end subroutine take_step
+
+    !> Ends such a step: the work up to there, and whether the body has come to rest. After a step of another stepper
+    !> the method begins anew.
+    subroutine end_step(self, stepper, work, path, status)
+        class(run_t), intent(inout) :: self
+        class(stepper_t), target, intent(in) :: stepper !! the method
+        class(workspace_t), target, intent(inout) :: work !! its workspace
+        type(step_path_t), intent(inout) :: path
+        integer, intent(inout) :: status
+        if (status == status_ok .and. self%account%is_open) then
+            call self%account%go_to(self%formulation, self%stepper, self%work, self%work%t)
+        end if
+        self%stepper => stepper
+        self%work => work
+        path%stepper => stepper
+        path%work => work
+        if (status == status_ok) call self%rest%settle(self%formulation, stepper, work, status)
+    end subroutine end_step
 
     !> Looks for events in the last step. The run ends at one that ends the motion, or as far as the
     !> steps that are allowed suffice for the search, and the events that can be counted.
@@ -249,68 +282,12 @@ contains
     !> Shows the motion at the time of the follower.
     subroutine show(self)
         class(run_t), intent(inout) :: self
+        if (self%account%is_open) then
+            call self%account%go_to(self%formulation, self%stepper, self%work, self%follower%t)
+            self%observer%work = self%account%total
+        end if
         call self%observer%observe(self%formulation, self%follower%t, self%follower%y, self%follower%angle)
     end subroutine show
-
-    !> The motion at a time within the last step.
-    subroutine motion_in_step(self, t, motion)
-        class(step_path_t), intent(inout) :: self
-        real(dp), intent(in) :: t
-        type(motion_t), intent(out) :: motion
-        type(follower_t) :: follower
-        follower = self%seen(max(1, count(self%seen%t <= t)))
-        self%work%counts%looks = self%work%counts%looks + 1
-        call follower%walk_to(self%formulation, self%stepper, self%work, t, &
-                              self%stepper%interpolate(self%formulation, self%work, t))
-        motion = self%formulation%motion(t, follower%y, follower%angle)
-        if (t > self%seen(3)%t) self%seen(2:3) = [self%seen(3), follower]
-    end subroutine motion_in_step
-
-    !> Whether the allowed work of the case is used up.
-    logical function step_is_spent(self)
-        class(step_path_t), intent(in) :: self
-        step_is_spent = self%work%is_spent(self%stepper%controls%max_steps)
-    end function step_is_spent
-
-    !> Moves to a later time and state.
-    subroutine go_to(self, formulation, t, y)
-        class(follower_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
-        real(dp), intent(in) :: t, y(max_states)
-        logical :: sure
-        if (.not. self%is_idle) call formulation%follow(self%t, self%y, t, y, self%angle, sure)
-        self%t = t
-        self%y = y
-    end subroutine go_to
-
-    !> Moves to a state within the last step, in small increments where the axis passes a pole and the states
-    !> in between are known.
-    recursive subroutine walk_to(self, formulation, stepper, work, t, y)
-        class(follower_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(stepper_t), intent(in) :: stepper
-        class(workspace_t), intent(inout) :: work
-        real(dp), intent(in) :: t, y(max_states)
-        real(dp) :: angle(3), middle
-        logical :: sure
-
-        angle = self%angle
-        sure = self%is_idle
-        if (.not. sure) call formulation%follow(self%t, self%y, t, y, angle, sure)
-        if (.not. sure) sure = t - self%t <= max(shortest_pace * (work%t - work%t_last), 2 * spacing(t)) &
-                               .or. work%is_spent(stepper%controls%max_steps)
-        if (sure) then
-            self%t = t
-            self%y = y
-            self%angle = angle
-        else
-            middle = self%t + (t - self%t) / 2
-            work%counts%looks = work%counts%looks + 1
-            call self%walk_to(formulation, stepper, work, middle, &
-                              stepper%interpolate(formulation, work, middle))
-            call self%walk_to(formulation, stepper, work, t, y)
-        end if
-    end subroutine walk_to
 
     !> Checks that the derivative exists at the start.
     subroutine check_start(formulation, work, status)

@@ -55,6 +55,7 @@ contains
         else
             holds_for = all(body%inertia > 0)
         end if
+        if (allocated(body%effects)) holds_for = holds_for .and. form%takes_effects
     end function holds_for
 
     !> Whether the equations offer the structure that a method needs.

@@ -8,6 +8,7 @@ module spintop_case
     use spintop_body, only: body_t
     use spintop_body_turn, only: body_turn_t, find_body_turn
     use spintop_body_of_scene, only: make_body, is_set
+    use spintop_effects_of_scene, only: make_effects
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, find_nutation
     use spintop_problems, only: problems_t
@@ -66,6 +67,7 @@ contains
         if (present(kept)) keep = kept
         if (.not. keep%body) then
             call make_body(scene, case%given_body, problems)
+            if (.not. problems%any()) call make_effects(scene%effects, case%given_body, problems)
             if (.not. problems%any()) then
                 case%turn = find_body_turn(case%given_body)
                 case%body = case%turn%turned_body(case%given_body)

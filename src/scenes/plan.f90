@@ -43,7 +43,11 @@ contains
         call choose_method(scene, case%body, plan, problems)
         plan%max_steps = scene%max_steps
         if (problems%any()) return
-        if (case%turn%is_turned()) then
+        if (case%turn%is_shifted()) then
+            plan%reason = plan%reason // ' The rotor on the axis and the rotation of the frame about the vertical only add &
+                &constants to the rates of phi and psi, so the motion is computed as that of a top without them.'
+        end if
+        if (case%turn%axis > 0) then
             plan%reason = plan%reason // ' The body is rotated internally: its symmetry axis, body ' &
                 // axis_letters(case%turn%axis) // ', becomes z, with the centre of mass above the &
                 &pivot. The results are rotated back.'
@@ -154,7 +158,7 @@ contains
 
         tolerance = defaults%relative_tolerance
         if (is_set(scene%relative_tolerance)) tolerance = scene%relative_tolerance
-        call create_formulation(trim(likely_formulation(scene, body)), formulation)
+        call create_formulation(trim(likely_formulation(scene, body)), formulation, body=body)
         if (scene%steps /= unset_integer .or. is_set(scene%step)) then
             call recommend_steps(formulation%info(), plan%stepper, why)
         else
@@ -192,12 +196,12 @@ contains
                 plan%reason = plan%reason // ' The equations are those of ' // of_symmetric_tops // ', &
                     &regular at the poles and cheap for a spin of any speed.'
             else
-                call create_formulation(trim(of_any_body), plan%formulation)
+                call create_formulation(trim(of_any_body), plan%formulation, body=body)
                 plan%reason = plan%reason // ' The equations are those of ' // trim(of_any_body) // ', which hold for any &
                     &body in any attitude.'
             end if
         else
-            call create_formulation(trim(scene%formulation), plan%formulation)
+            call create_formulation(trim(scene%formulation), plan%formulation, body=body)
             plan%reason = plan%reason // ' The input names formulation ' // trim(scene%formulation) // '.'
         end if
         info = plan%formulation%info()

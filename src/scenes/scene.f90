@@ -13,6 +13,7 @@ module spintop_scene
     use spintop_formulations, only: formulation_infos
     use spintop_method_aliases, only: method_aliases
     use spintop_methods, only: method_infos
+    use spintop_scene_effects, only: describe_effects, effects_scene_t
     use spintop_scene_words, only: combination_names, combine_grid, kind_trajectory, reference_auto, reference_names, &
         study_kinds
     use spintop_shapes, only: shape_infos, shape_by_inertia
@@ -49,6 +50,8 @@ module spintop_scene
         real(dp) :: rod_length = unset
         real(dp) :: gravity = 9.81_dp
         real(dp) :: damping(3) = 0
+        ! &effects
+        type(effects_scene_t) :: effects
         ! &initial
         real(dp) :: angle(3) = unset
         real(dp) :: angle_deg(3) = unset
@@ -132,6 +135,7 @@ contains
         call table%add('study.kind', scene%kind, join(study_kinds, '|'), 'what to compute')
         call table%add('study.title', scene%title, what='title of the scene, for tables and figures')
         call describe_top(scene, table)
+        call describe_effects(scene%effects, table)
         call describe_initial(scene, table)
         call describe_span(scene, table)
         call describe_integration(scene, table)

@@ -154,7 +154,7 @@ contains
         type(keeper_t) :: keeper
         type(outcome_t) :: outcome
 
-        call create_formulation('rigid_body', formulation)
+        call create_formulation('rigid_body', formulation, body=case%body)
         call create_stepper(method, stepper)
         stepper%controls%relative_tolerance = tolerance
         stepper%controls%absolute_tolerance = tolerance

@@ -87,13 +87,17 @@ contains
         character(:), allocatable :: momentum, energy
         integer :: status
 
-        if (case%turn%is_turned()) then
+        if (case%turn%is_shifted()) call self%add('effects', 'the lines below are for the top without effects that has &
+            &the rates phi_rate + ' // decimal(case%turn%phi_shift) // ' and psi_rate + ' // decimal(case%turn%psi_shift))
+        if (case%turn%axis > 0) then
             call self%add('axes', 'the lines below are for the rotated body, with its centre of mass above the pivot')
         end if
         associate (body => case%body, start => case%start)
             momentum = decimal(vertical_momentum(body, start)) // ' J s'
             energy = decimal(kinetic_energy(body, start) + potential_energy(body, start)) // ' J'
-            if (any(body%damping > 0)) then
+            if (allocated(body%effects)) then
+                call self%add('start', 'Lz = ' // momentum // ', E = ' // energy // '; the effects change them')
+            else if (any(body%damping > 0)) then
                 call self%add('start', 'Lz = ' // momentum // ', E = ' // energy // '; the damping changes both')
             else
                 call self%add('constants', 'c1 = Lz = ' // momentum // ', c2 = E = ' // energy)

@@ -2,6 +2,7 @@
 module spintop_body
     use spintop_kinds, only: dp
     use spintop_compare, only: is_equal, is_zero
+    use spintop_effects, only: effects_t
     use spintop_vectors, only: cross
     implicit none
     private
@@ -19,6 +20,8 @@ module spintop_body
         real(dp) :: gravity = 9.81_dp
         !> Viscous damping coefficients d_i of the torque -d_i omega_i in body axes, N m s.
         real(dp) :: damping(3) = 0
+        !> Effects beside gravity and damping; not allocated if there are none.
+        type(effects_t), allocatable :: effects
     contains
         procedure :: mgl
         procedure :: weight_moment
@@ -51,17 +54,18 @@ contains
         is_symmetric = is_equal(self%inertia(1), self%inertia(2)) .and. all(is_zero(self%centre_of_mass(1:2)))
     end function is_symmetric
 
-    !> Whether this is a symmetric undamped top about body z with its centre of mass on or above O:
+    !> Whether this is a symmetric undamped top about body z with its centre of mass on or above O, without effects:
     !> the Lagrange top, whose motion has a closed-form solution.
     pure logical function is_lagrange(self)
         class(body_t), intent(in) :: self
-        is_lagrange = self%is_symmetric() .and. self%mgl() >= 0 .and. all(is_zero(self%damping))
+        is_lagrange = self%is_symmetric() .and. self%mgl() >= 0 .and. all(is_zero(self%damping)) &
+            .and. .not. allocated(self%effects)
     end function is_lagrange
 
-    !> Whether the body moves freely: without damping and without gravitational torque.
+    !> Whether the body moves freely: without damping, gravitational torque and effects.
     pure logical function is_free(self)
         class(body_t), intent(in) :: self
-        is_free = all(is_zero(self%damping)) .and. all(is_zero(self%weight_moment()))
+        is_free = all(is_zero(self%damping)) .and. all(is_zero(self%weight_moment())) .and. .not. allocated(self%effects)
     end function is_free
 
     !> Whether its motion has a closed form: that of a Lagrange top, or of a free body.

@@ -3,12 +3,18 @@
 !>
 !> The rotated axes have the symmetry axis along z and the centre of mass at or above the pivot. Results that
 !> are computed in them are rotated back to the axes in which the body was given.
+!>
+!> The same for effects that only add constants to the rates of phi and psi: a rotor with constant momentum h on the
+!> axis, and a frame that turns with s about the vertical. With the rates phi' + s and psi' + h/I3 the body moves as
+!> a top without effects.
 module spintop_body_turn
     use spintop_kinds, only: dp, pi
     use spintop_attitude, only: quaternion_product, conjugate_quaternion, &
-        angles_from_quaternion, rates_from_omega
+        angles_from_quaternion, rates_from_omega, vertical_from_quaternion
     use spintop_body, only: body_t
+    use spintop_compare, only: is_zero
     use spintop_motion, only: motion_t, motion_from_angles, motion_from_quaternion
+    use spintop_vectors, only: cross
     implicit none
     private
     public :: body_turn_t, find_body_turn
@@ -19,9 +25,12 @@ module spintop_body_turn
         integer :: axis = 0
         !> The direction of the axis is reversed by the rotation.
         logical :: flipped = .false.
+        !> What effects add to the rates of phi and psi, rad/s.
+        real(dp) :: phi_shift = 0, psi_shift = 0
         real(dp), private :: p(4) = [1, 0, 0, 0]
     contains
         procedure :: is_turned
+        procedure :: is_shifted
         procedure :: exchanges_axes
         procedure :: turned_body
         procedure :: turned_motion
@@ -46,12 +55,18 @@ contains
         integer :: axis, sense
 
         if (body%is_lagrange()) return
+        if (allocated(body%effects)) then
+            trial = with_shifts(trial, body)
+            turned = trial%turned_body(body)
+            turn = trial
+            if (turned%is_lagrange()) return
+            turn = body_turn_t()
+        end if
         do axis = 3, 1, -1
             do sense = 1, 2
-                trial%axis = axis
-                trial%flipped = sense == 2
-                trial%p = exchange(:, axis)
+                trial = body_turn_t(axis=axis, flipped=sense == 2, p=exchange(:, axis))
                 if (trial%flipped) trial%p = quaternion_product(flip, trial%p)
+                if (allocated(body%effects)) trial = with_shifts(trial, body)
                 turned = trial%turned_body(body)
                 if (.not. turned%is_lagrange()) cycle
                 turn = trial
@@ -60,11 +75,29 @@ contains
         end do
     end function find_body_turn
 
-    !> Whether there is a rotation.
+    !> A rotation with what the effects on a body add to the rates of the angles, if they do no more.
+    pure type(body_turn_t) function with_shifts(rotation, body) result(turn)
+        type(body_turn_t), intent(in) :: rotation
+        type(body_t), intent(in) :: body
+        type(body_t) :: turned
+        turn = rotation
+        turned = rotation%turned_body(body)
+        if (.not. turned%effects%shifts_angles()) return
+        turn%phi_shift = turned%effects%frame_rate(3)
+        turn%psi_shift = turned%effects%rotor_momentum(3) / turned%inertia(3)
+    end function with_shifts
+
+    !> Whether the computation has a rotation, or other rates of the angles.
     elemental logical function is_turned(self)
         class(body_turn_t), intent(in) :: self
-        is_turned = self%axis > 0
+        is_turned = self%axis > 0 .or. self%is_shifted()
     end function is_turned
+
+    !> Whether effects add to the rates of the angles.
+    elemental logical function is_shifted(self)
+        class(body_turn_t), intent(in) :: self
+        is_shifted = .not. (is_zero(self%phi_shift) .and. is_zero(self%psi_shift))
+    end function is_shifted
 
     !> Whether the symmetry axis was not body z.
     elemental logical function exchanges_axes(self)
@@ -72,15 +105,23 @@ contains
         exchanges_axes = self%axis == 1 .or. self%axis == 2
     end function exchanges_axes
 
-    !> The body in rotated axes.
+    !> The body in rotated axes; without effects, where they are in the rates of the angles.
     pure type(body_t) function turned_body(self, body) result(turned)
         class(body_turn_t), intent(in) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         turned = body
+        if (self%is_shifted()) deallocate (turned%effects)
         if (self%axis == 0) return
         turned%inertia = exchanged(self%axis, body%inertia)
         turned%damping = exchanged(self%axis, body%damping)
         turned%centre_of_mass = self%vector(body%centre_of_mass)
+        if (.not. allocated(turned%effects)) return
+        associate (effects => turned%effects)
+            effects%drag_moment = exchanged(self%axis, effects%drag_moment)
+            effects%rotor_momentum = self%vector(effects%rotor_momentum)
+            effects%rotor_torque = self%vector(effects%rotor_torque)
+            effects%torque_body = self%vector(effects%torque_body)
+        end associate
     end function turned_body
 
     !> Components in the order that brings `axis` to z.
@@ -117,7 +158,57 @@ contains
         end if
         if (self%axis > 0) turned%omega = self%vector(motion%omega)
         if (self%axis == 3) turned%gives_omega3 = motion%gives_omega3 .or. motion%gives_omega
+        if (self%is_shifted()) turned = shifted(self, turned)
     end function turned_motion
+
+    !> A motion with the other rates of phi and psi.
+    pure type(motion_t) function shifted(self, motion) result(other)
+        type(body_turn_t), intent(in) :: self
+        type(motion_t), intent(in) :: motion
+        real(dp) :: phi, psi
+        other = motion
+        phi = self%phi_shift * motion%t
+        psi = self%psi_shift * motion%t
+        other%angle = motion%angle + [phi, 0.0_dp, psi]
+        other%rate = motion%rate + [self%phi_shift, 0.0_dp, self%psi_shift]
+        other%quaternion = quaternion_product(about_z(phi), quaternion_product(motion%quaternion, about_z(psi)))
+        other%omega = motion%omega + self%phi_shift * vertical_from_quaternion(motion%quaternion)
+        other%omega(3) = other%omega(3) + self%psi_shift
+        other%omega = components(other%omega, -psi)
+    end function shifted
+
+    !> The reverse, with the angular acceleration.
+    pure type(motion_t) function unshifted(self, motion) result(other)
+        type(body_turn_t), intent(in) :: self
+        type(motion_t), intent(in) :: motion
+        real(dp) :: phi, psi, gamma(3), total(3)
+        other = motion
+        phi = self%phi_shift * motion%t
+        psi = self%psi_shift * motion%t
+        other%angle = motion%angle - [phi, 0.0_dp, psi]
+        other%rate = motion%rate - [self%phi_shift, 0.0_dp, self%psi_shift]
+        other%quaternion = quaternion_product(about_z(-phi), quaternion_product(motion%quaternion, about_z(-psi)))
+        gamma = vertical_from_quaternion(other%quaternion)
+        total = components(motion%omega, psi)
+        other%omega = total - self%phi_shift * gamma
+        other%omega(3) = other%omega(3) - self%psi_shift
+        other%omega_rate = components(motion%omega_rate, psi) + self%psi_shift * [-total(2), total(1), 0.0_dp] &
+            - self%phi_shift * cross(gamma, other%omega)
+    end function unshifted
+
+    !> The rotation about z by an angle.
+    pure function about_z(angle) result(q)
+        real(dp), intent(in) :: angle
+        real(dp) :: q(4)
+        q = [cos(angle / 2), 0.0_dp, 0.0_dp, sin(angle / 2)]
+    end function about_z
+
+    !> Components of a vector in axes that are turned back about z by an angle.
+    pure function components(v, angle) result(w)
+        real(dp), intent(in) :: v(3), angle
+        real(dp) :: w(3)
+        w = [v(1) * cos(angle) - v(2) * sin(angle), v(1) * sin(angle) + v(2) * cos(angle), v(3)]
+    end function components
 
     !> A motion in rotated axes, expressed in the axes in which the body was given. phi and psi are the values
     !> nearest to those of `near`.
@@ -126,13 +217,14 @@ contains
         type(motion_t), intent(in) :: motion !! in rotated axes
         real(dp), intent(in) :: near(3) !! angles near the result, rad
         seen = motion
+        if (self%is_shifted()) seen = unshifted(self, motion)
         if (self%axis == 0) return
-        seen%quaternion = quaternion_product(motion%quaternion, self%p)
-        seen%omega = given_vector(motion%omega)
-        seen%omega_rate = given_vector(motion%omega_rate)
+        seen%quaternion = quaternion_product(seen%quaternion, self%p)
+        seen%omega = given_vector(seen%omega)
+        seen%omega_rate = given_vector(seen%omega_rate)
         if (self%axis == 3) then
-            seen%angle = [motion%angle(1) - pi, pi - motion%angle(2), -(motion%angle(3) + pi)]
-            seen%rate = [motion%rate(1), -motion%rate(2), -motion%rate(3)]
+            seen%angle = [seen%angle(1) - pi, pi - seen%angle(2), -(seen%angle(3) + pi)]
+            seen%rate = [seen%rate(1), -seen%rate(2), -seen%rate(3)]
         else
             seen%angle = angles_from_quaternion(seen%quaternion, near)
             seen%rate = rates_from_omega(seen%angle, seen%omega)

@@ -3,6 +3,7 @@ module spintop_quantities
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
+    use spintop_loads, only: find_loads, frame_energy, loads_t, momentum_rate, total_momentum
     use spintop_attitude, only: to_space, vertical_from_quaternion
     use spintop_vectors, only: cross
     implicit none
@@ -19,12 +20,13 @@ contains
         kinetic_energy = dot_product(body%inertia, motion%omega**2) / 2
     end function kinetic_energy
 
-    !> Potential energy above the height of the pivot, J.
+    !> Potential energy above the height of the pivot, J, with that of the motion of the frame.
     pure real(dp) function potential_energy(body, motion)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         potential_energy = body%mass * body%gravity &
             * dot_product(body%centre_of_mass, vertical_from_quaternion(motion%quaternion))
+        if (allocated(body%effects)) potential_energy = potential_energy + frame_energy(body, motion%t, motion%quaternion)
     end function potential_energy
 
     !> Scale of energy errors, J: kinetic energy at the start + m g |r|; positive also for a body at rest
@@ -40,23 +42,38 @@ contains
     pure real(dp) function vertical_momentum(body, motion)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
-        vertical_momentum = dot_product(body%inertia * motion%omega, &
-                                        vertical_from_quaternion(motion%quaternion))
+        if (allocated(body%effects)) then
+            vertical_momentum = dot_product(total_momentum(body, motion%t, motion%quaternion, motion%omega), &
+                                            vertical_from_quaternion(motion%quaternion))
+        else
+            vertical_momentum = dot_product(body%inertia * motion%omega, &
+                                            vertical_from_quaternion(motion%quaternion))
+        end if
     end function vertical_momentum
 
     !> Angular momentum about body z, kg m^2/s.
     pure real(dp) function axial_momentum(body, motion)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
+        real(dp) :: momentum(3)
         axial_momentum = body%inertia(3) * motion%omega(3)
+        if (.not. allocated(body%effects)) return
+        momentum = total_momentum(body, motion%t, motion%quaternion, motion%omega)
+        axial_momentum = momentum(3)
     end function axial_momentum
 
-    !> Residual of Euler's equations, I omega' + omega x I omega - torque, N m. The first two components are
+    !> Residual of Euler's equations, I omega' + omega x I omega - torque, N m; with effects, of those for P'. The first two components are
     !> R1 and R2 of Eq 51.
     pure function euler_residuals(body, motion) result(residual)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! attitude, angular velocity and acceleration at an instant
         real(dp) :: residual(3)
+        type(loads_t) :: loads
+        if (allocated(body%effects)) then
+            call loads_of(body, motion, loads)
+            residual = momentum_rate(body, motion%quaternion, motion%omega, motion%omega_rate) - loads%rate
+            return
+        end if
         residual = body%inertia * motion%omega_rate &
                    + cross(motion%omega, body%inertia * motion%omega) &
                    + body%damping * motion%omega &
@@ -69,12 +86,27 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! attitude, angular velocity and acceleration at an instant
         real(dp) :: force(3)
+        type(loads_t) :: loads
+        if (allocated(body%effects)) then
+            call loads_of(body, motion, loads)
+            force = to_space(motion%quaternion, loads%force)
+            return
+        end if
         associate (r => body%centre_of_mass)
             force = to_space(motion%quaternion, cross(motion%omega_rate, r) &
                              + cross(motion%omega, cross(motion%omega, r)))
         end associate
         force = body%mass * (force + [0.0_dp, 0.0_dp, body%gravity])
     end function support_force
+
+    !> What acts on a body with effects in a motion.
+    pure subroutine loads_of(body, motion, loads)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: motion
+        type(loads_t), intent(out) :: loads
+        call find_loads(body, body%effects, motion%t, motion%quaternion, &
+                        total_momentum(body, motion%t, motion%quaternion, motion%omega), loads)
+    end subroutine loads_of
 
     !> Tip of the axis in space axes: the unit vector from the pivot to the centre of mass, or
     !> along body z where both coincide.

@@ -51,8 +51,13 @@ contains
         values%nutation_rate = 2 * pi / nutation%period
         values%precession_per_nutation = nutation%precession
         values%precession_rate = nutation%precession_rate
-        if (abs(nutation%precession) > 0) then
-            values%nutations_per_turn = 2 * pi / abs(nutation%precession)
+        if (case%turn%is_shifted()) then
+            values%phi_rate_max = nutation%phi_rate_max - case%turn%phi_shift
+            values%precession_rate = nutation%precession_rate - case%turn%phi_shift
+            values%precession_per_nutation = values%precession_rate * nutation%period
+        end if
+        if (abs(values%precession_per_nutation) > 0) then
+            values%nutations_per_turn = 2 * pi / abs(values%precession_per_nutation)
         else
             call note%add(note_no_turns, 'no precession')
         end if
@@ -120,6 +125,7 @@ contains
             return
         end if
         values%motion_class = nutation%class
+        if (case%turn%is_shifted()) nutation%spin = nutation%spin - case%turn%psi_shift * nutation%period
         values%spin_per_nutation = merge(-1, 1, case%turn%flipped) * nutation%spin
         values%theta_rate_max = nutation%theta_rate_max
         values%force_max = force%largest

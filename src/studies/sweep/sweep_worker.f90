@@ -34,8 +34,8 @@ module spintop_sweep_worker
     integer, parameter :: block_of_stepping = 16
 
     !> Kinds of body, for each of which there is a plan: symmetric tops and free bodies, which have a closed form,
-    !> others without damping, with damping.
-    integer, parameter :: symmetric_top = 1, free_body = 2, undamped = 3, damped = 4
+    !> others without damping, with damping, with effects.
+    integer, parameter :: symmetric_top = 1, free_body = 2, undamped = 3, damped = 4, affected = 5
 
     !> The plan for bodies of one kind.
     type :: kept_plan_t
@@ -48,7 +48,7 @@ module spintop_sweep_worker
     !> Data of a thread for making and computing cases.
     type :: sweep_worker_t
         type(swept_scene_t), private :: swept
-        type(kept_plan_t), private :: plans(damped)
+        type(kept_plan_t), private :: plans(affected)
         !> Whether the body, the attitude at the start, or the plans are the same in all cases.
         logical, private :: same_body = .false., same_attitude = .false., same_plans = .false.
         !> Selected groups of quantities.
@@ -112,7 +112,7 @@ contains
         worker%came = .true.
         worker%parameters = 0
         worker%plans(kind_of(job%case%body)) = kept_plan_t(.true., job%plan)
-        worker%same_body = .not. job%axes%varies('top')
+        worker%same_body = .not. (job%axes%varies('top') .or. job%axes%varies('effects'))
         worker%same_attitude = .not. job%axes%varies_any(attitude_parameters)
         call prepare_grid(worker, job)
         worker%same_plans = .not. job%axes%varies('integration')
@@ -374,6 +374,7 @@ contains
         kind = damped
         if (all(is_zero(body%damping))) kind = merge(free_body, undamped, body%is_free())
         if (body%is_lagrange()) kind = symmetric_top
+        if (allocated(body%effects)) kind = affected
     end function kind_of
 
 end module spintop_sweep_worker

@@ -1,0 +1,341 @@
+!> Any rigid body with a fixed point under effects: the equations of `rigid_body` with the momentum P = I w_a + h, which
+!> contains that of the frame and of the rotor, and all moments of `spintop_loads`.
+!>
+!> A type of its own, so that a body without effects pays nothing for them.
+module spintop_body_with_effects
+    use spintop_attitude, only: follow_angles, may_meet_pole, quaternion_product, conjugate_quaternion, rotation_minus_one
+    use spintop_body, only: body_t
+    use spintop_capabilities, only: action_t, max_series_order, max_states, quadruple_series_t, series_t
+    use spintop_compare, only: is_zero
+    use spintop_effects, only: effects_t
+    use spintop_effects_series, only: expand_series => find_series
+    use spintop_effects_series_quadruple, only: expand_in_quadruple => find_series
+    use spintop_formulation, only: formulation_info_t, max_invariants
+    use spintop_kinds, only: dp, pi, qp
+    use spintop_loads, only: find_kinematics, find_loads, loads_t, total_momentum, works
+    use spintop_motion, only: motion_t, motion_from_quaternion
+    use spintop_motion_scales, only: motion_scales_t, motion_scales
+    use spintop_rigid_body, only: body_turns_t, rigid_body_t
+    use spintop_status, only: status_ok
+    use spintop_vectors, only: cross
+    implicit none
+    private
+    public :: body_with_effects_t
+
+    !> State y = (q0, q1, q2, q3, P1, P2, P3).
+    type, extends(rigid_body_t) :: body_with_effects_t
+        type(effects_t) :: effects
+    contains
+        procedure, nopass :: describe
+        procedure :: prepare
+        procedure :: derivative
+        procedure :: motion
+        procedure :: follow
+        procedure :: invariants
+        procedure, private :: loads_at
+    end type body_with_effects_t
+
+    interface body_with_effects_t
+        module procedure new_body
+    end interface body_with_effects_t
+
+    !> Turns about body axes: the angular velocity is that of the attitude, not of the momentum.
+    type, extends(body_turns_t) :: turns_in_frame_t
+    contains
+        procedure :: velocity
+    end type turns_in_frame_t
+
+    !> The Taylor series of the motion.
+    type, extends(series_t) :: effects_series_t
+        private
+        type(body_t) :: body
+        type(effects_t) :: effects
+    contains
+        procedure :: set => set_series
+        procedure :: expand
+    end type effects_series_t
+
+    !> The same in quadruple precision.
+    type, extends(quadruple_series_t) :: effects_quadruple_t
+        private
+        type(body_t) :: body
+        type(effects_t) :: effects
+    contains
+        procedure :: set => set_quadruple
+        procedure :: expand => expand_quadruple
+    end type effects_quadruple_t
+
+    !> Work, knots of tables, and rest under dry friction.
+    type, extends(action_t) :: effects_action_t
+        private
+        type(body_t) :: body
+        type(effects_t) :: effects
+    contains
+        procedure :: set => set_action
+        procedure :: power
+        procedure :: next_knot
+        procedure :: find_speed
+        procedure :: at_rest
+        procedure :: excess
+        procedure :: pause
+    end type effects_action_t
+
+    !> So often in a period of a vibration a resting body is looked at.
+    integer, parameter :: looks_per_period = 64
+
+contains
+
+    !> The formulation with all that it offers.
+    function new_body() result(new)
+        type(body_with_effects_t) :: new
+        allocate (turns_in_frame_t :: new%group)
+        allocate (effects_series_t :: new%series)
+        allocate (effects_quadruple_t :: new%quadruple_series)
+        allocate (effects_action_t :: new%action)
+    end function new_body
+
+    !> Name and properties: a variant of `rigid_body`.
+    pure function describe() result(info)
+        type(formulation_info_t) :: info
+        info = formulation_info_t('rigid_body', &
+            'quaternion and body momentum, for any body with effects; no pole is singular', 7, &
+            symmetric_only=.false., singular_at_poles=.false., quaternion=1, takes_effects=.true.)
+    end function describe
+
+    !> Initial state.
+    pure subroutine prepare(self, body, start, y, status)
+        class(body_with_effects_t), intent(inout) :: self
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        real(dp), intent(out) :: y(max_states) !! initial state
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        type(motion_scales_t) :: scales
+        self%body = body
+        self%effects = effects_t()
+        if (allocated(body%effects)) self%effects = body%effects
+        self%depends_on_time = self%effects%depends_on_time()
+        call self%set_capabilities(body, start)
+        y = 0
+        y(1:4) = start%quaternion
+        y(5:7) = total_momentum(body, 0.0_dp, start%quaternion, start%omega)
+        scales = motion_scales(body, start)
+        self%scale(1:4) = 0.5_dp
+        self%scale(5:7) = max(scales%momentum, norm2(y(5:7)))
+        status = status_ok
+    end subroutine prepare
+
+    !> What acts in a state.
+    pure subroutine loads_at(self, t, y, loads)
+        class(body_with_effects_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states)
+        type(loads_t), intent(out) :: loads
+        call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
+    end subroutine loads_at
+
+    !> q' = q (0, w)/2, and P' as in `spintop_loads`.
+    pure subroutine derivative(self, t, y, dy, status)
+        class(body_with_effects_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+        real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        type(loads_t) :: loads
+        call self%loads_at(t, y, loads)
+        dy(1:4) = quaternion_product(y(1:4), [0.0_dp, loads%omega]) / 2
+        dy(5:7) = loads%rate
+        dy(8) = 0
+        status = status_ok
+    end subroutine derivative
+
+    !> The motion, with the angular acceleration of the derivative: w' = I^-1 (P' - h') - O x w.
+    pure type(motion_t) function motion(self, t, y, near)
+        class(body_with_effects_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
+        type(loads_t) :: loads
+        call self%loads_at(t, y, loads)
+        motion = motion_from_quaternion(t, y(1:4) / norm2(y(1:4)), loads%omega, near)
+        motion%norm_error = norm2(y(1:4)) - 1
+        motion%omega_rate = (loads%rate - self%effects%rotor_torque) / self%body%inertia &
+            - cross(loads%frame, loads%omega)
+    end function motion
+
+    !> Continues the angles to a later state.
+    pure subroutine follow(self, t_last, y_last, t, y, angle, sure)
+        class(body_with_effects_t), intent(in) :: self
+        real(dp), intent(in) :: t_last, y_last(max_states), t, y(max_states) !! times, s, and states at both ends
+        real(dp), intent(inout) :: angle(3)
+            !! phi, theta, psi at the earlier state on entry, at the later one on return, rad
+        logical, intent(out) :: sure !! whether the turns are certain
+        type(loads_t) :: last, now
+        real(dp) :: slope(3, 2)
+        call find_kinematics(self%body, self%effects, t_last, y_last(1:4), y_last(5:7), last)
+        call find_kinematics(self%body, self%effects, t, y(1:4), y(5:7), now)
+        if (may_meet_pole(y_last(1:4), last%omega, y(1:4), now%omega, t - t_last)) then
+            slope(:, 1) = acceleration(self, t_last, y_last)
+            slope(:, 2) = acceleration(self, t, y)
+            call follow_angles(y_last(1:4), last%omega, y(1:4), now%omega, t - t_last, angle, sure, slope)
+        else
+            call follow_angles(y_last(1:4), last%omega, y(1:4), now%omega, t - t_last, angle, sure)
+        end if
+    end subroutine follow
+
+    !> The angular acceleration w' in a state, rad/s^2.
+    pure function acceleration(self, t, y)
+        class(body_with_effects_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states)
+        real(dp) :: acceleration(3)
+        type(loads_t) :: loads
+        call self%loads_at(t, y, loads)
+        acceleration = (loads%rate - self%effects%rotor_torque) / self%body%inertia - cross(loads%frame, loads%omega)
+    end function acceleration
+
+    !> None: effects do work, and turn the momentum.
+    pure subroutine invariants(self, y, values)
+        class(body_with_effects_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states) !! state
+        real(dp), intent(out) :: values(max_invariants) !! values of the invariants
+        associate (unused => self, also_unused => y)
+        end associate
+        values = 0
+    end subroutine invariants
+
+    !> The angular velocity, from the rate of the attitude, and the rate of the momentum.
+    pure subroutine velocity(self, y, dy, xi)
+        class(turns_in_frame_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), dy(max_states)
+        real(dp), intent(out) :: xi(max_states)
+        real(dp) :: spin(4)
+        associate (unused => self)
+        end associate
+        spin = 2 * quaternion_product(conjugate_quaternion(y(1:4)), dy(1:4)) / sum(y(1:4)**2)
+        xi(1:3) = spin(2:4)
+        xi(4:6) = dy(5:7)
+        xi(7:8) = 0
+    end subroutine velocity
+
+    !> Constants of the series.
+    pure subroutine set_series(self, body, start)
+        class(effects_series_t), intent(inout) :: self
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        associate (unused => start)
+        end associate
+        self%body = body
+        self%effects = effects_t()
+        if (allocated(body%effects)) self%effects = body%effects
+    end subroutine set_series
+
+    !> Taylor coefficients of the motion.
+    pure subroutine expand(self, t, y, order, coefficient)
+        class(effects_series_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states)
+        integer, intent(in) :: order
+        real(dp), intent(out) :: coefficient(max_states, 0:max_series_order)
+        call expand_series(self%body, self%effects, t, y, order, coefficient)
+    end subroutine expand
+
+    !> Constants of the series in quadruple precision.
+    pure subroutine set_quadruple(self, body, start)
+        class(effects_quadruple_t), intent(inout) :: self
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        associate (unused => start)
+        end associate
+        self%body = body
+        self%effects = effects_t()
+        if (allocated(body%effects)) self%effects = body%effects
+    end subroutine set_quadruple
+
+    !> Taylor coefficients of the motion in quadruple precision.
+    pure subroutine expand_quadruple(self, t, y, order, coefficient)
+        class(effects_quadruple_t), intent(in) :: self
+        real(dp), intent(in) :: t
+        real(qp), intent(in) :: y(max_states)
+        integer, intent(in) :: order
+        real(qp), intent(out) :: coefficient(max_states, 0:max_series_order)
+        call expand_in_quadruple(self%body, self%effects, t, y, order, coefficient)
+    end subroutine expand_quadruple
+
+    !> Constants of the action.
+    pure subroutine set_action(self, body, start)
+        class(effects_action_t), intent(inout) :: self
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        associate (unused => start)
+        end associate
+        self%body = body
+        self%effects = effects_t()
+        if (allocated(body%effects)) self%effects = body%effects
+        self%may_stick = self%effects%is_dry()
+        self%may_slip = self%may_stick .and. self%effects%depends_on_time()
+    end subroutine set_action
+
+    !> Power of each part of the work.
+    pure function power(self, t, y)
+        class(effects_action_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states)
+        real(dp) :: power(works)
+        type(loads_t) :: loads
+        call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
+        power = loads%power()
+    end function power
+
+    !> The next knot of the table of torques.
+    pure real(dp) function next_knot(self, t)
+        class(effects_action_t), intent(in) :: self
+        real(dp), intent(in) :: t
+        next_knot = huge(t)
+        if (allocated(self%effects%table)) next_knot = self%effects%table%next_knot(t)
+    end function next_knot
+
+    !> |w| and -|w|'.
+    pure subroutine find_speed(self, t, y, speed, slowing)
+        class(effects_action_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states)
+        real(dp), intent(out) :: speed, slowing
+        type(loads_t) :: loads
+        call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
+        speed = norm2(loads%omega)
+        slowing = 0
+        ! O x w does not change the magnitude.
+        if (speed > 0) slowing = -dot_product(loads%omega / speed, (loads%rate - self%effects%rotor_torque) / self%body%inertia)
+    end subroutine find_speed
+
+    !> The state at rest.
+    pure function at_rest(self, t, y, left) result(resting)
+        class(effects_action_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states), left
+        real(dp) :: resting(max_states)
+        type(loads_t) :: loads
+        real(dp), parameter :: still(3) = 0
+        resting = y
+        if (left > 0) then
+            call find_kinematics(self%body, self%effects, t - left, y(1:4), y(5:7), loads)
+            resting(1:4) = y(1:4) + quaternion_product(y(1:4), rotation_minus_one(loads%omega * left / 2))
+        end if
+        resting(5:7) = total_momentum(self%body, t, resting(1:4), still)
+    end function at_rest
+
+    !> |T| - M at rest.
+    pure real(dp) function excess(self, t, y)
+        class(effects_action_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states)
+        type(loads_t) :: loads
+        call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
+        excess = norm2(loads%pull) - loads%dry
+        if (loads%sticks) excess = min(excess, 0.0_dp)
+    end function excess
+
+    !> A part of the period of the vibration, or of the interval of the table up to the next knot; for a driven rotor, in which
+    !> the torque grows steadily, all the time there is.
+    pure real(dp) function pause(self, t)
+        class(effects_action_t), intent(in) :: self
+        real(dp), intent(in) :: t
+        pause = huge(t)
+        if (.not. all(is_zero(self%effects%vibration_amplitude))) then
+            pause = 2 * pi / self%effects%vibration_rate / looks_per_period
+        end if
+        if (.not. self%next_knot(t) < huge(t)) return
+        pause = min(pause, self%next_knot(t) - t, self%effects%table%pace(t))
+    end function pause
+
+end module spintop_body_with_effects

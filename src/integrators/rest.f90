@@ -1,0 +1,270 @@
+!> Steps of a body with effects whose right-hand side is not smooth everywhere: steps end at knots of torques and where
+!> dry friction brings the body to rest; there it lies until other torques exceed the friction; and where the motion
+!> has no Taylor series, a Runge-Kutta step leads on.
+module spintop_rest
+    use spintop_dop853, only: dop853_t
+    use spintop_dop853_table, only: dop853_table
+    use spintop_formulation, only: formulation_t, max_states, structure_none
+    use spintop_kinds, only: dp
+    use spintop_status, only: status_non_finite, status_ok, status_step_too_small
+    use spintop_stepper, only: method_info_t, stepper_t, workspace_t
+    implicit none
+    private
+    public :: rest_t
+
+    !> Rest: the attitude is kept.
+    type, extends(stepper_t) :: rest_stepper_t
+    contains
+        procedure :: new_workspace
+        procedure :: begin => begin_rest
+        procedure :: advance => lie
+        procedure :: state_within
+    end type rest_stepper_t
+
+    !> What happens beside the steps of the method.
+    type :: rest_t
+        !> Whether the body lies still, since the time `t_stuck`, s.
+        logical :: is_resting = .false.
+        real(dp) :: t_stuck = 0
+        !> Whether the last step was one of another stepper, and that stepper with its workspace.
+        logical :: is_other = .false.
+        class(stepper_t), allocatable :: stepper
+        class(workspace_t), allocatable :: work
+        !> Largest angular velocity so far, rad/s.
+        real(dp), private :: largest = 0
+    contains
+        procedure :: begin
+        procedure :: advance
+        procedure :: settle
+        procedure, private :: advance_by_other
+        procedure, private :: check_rest
+    end type rest_t
+
+    !> A body whose angular velocity is below this share of its largest value comes to rest.
+    real(dp), parameter :: nearly_still = 1.0e-8_dp
+    !> Steps to rest are limited to this share of the time left.
+    real(dp), parameter :: share = 0.5_dp
+    !> Tolerance of the steps where there is no series, if that of the method is not smaller.
+    real(dp), parameter :: crossing_tolerance = 1.0e-12_dp
+
+contains
+
+    !> Looks at the start.
+    subroutine begin(self, formulation, work)
+        class(rest_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(in) :: work !! at the start
+        real(dp) :: speed, slowing
+        call formulation%action%find_speed(work%t, work%y, speed, slowing)
+        self%largest = speed
+        if (.not. speed > 0) call self%check_rest(formulation, work%t, work%y)
+    end subroutine begin
+
+    !> Notes whether friction holds a body that is at rest.
+    subroutine check_rest(self, formulation, t, y)
+        class(rest_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: t, y(max_states)
+        self%is_resting = formulation%action%may_stick
+        if (self%is_resting) self%is_resting = .not. formulation%action%excess(t, y) > 0
+        if (self%is_resting) self%t_stuck = t
+    end subroutine check_rest
+
+    !> Takes a step, by the method or by another stepper.
+    subroutine advance(self, formulation, stepper, work, status)
+        class(rest_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(stepper_t), intent(in) :: stepper !! the method
+        class(workspace_t), intent(inout) :: work !! its workspace
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        real(dp) :: t_end, speed, slowing
+
+        self%is_other = self%is_resting
+        if (self%is_resting) then
+            if (allocated(self%stepper)) deallocate (self%stepper)
+            allocate (rest_stepper_t :: self%stepper)
+            self%stepper%controls = stepper%controls
+            call self%advance_by_other(formulation, work, status)
+            return
+        end if
+        t_end = work%t_end
+        if (stepper%controls%steps == 0) then
+            work%t_end = min(t_end, formulation%action%next_knot(work%t))
+            if (formulation%action%may_stick) then
+                call formulation%action%find_speed(work%t, work%y, speed, slowing)
+                if (slowing > 0 .and. speed > 0) work%t_end = min(work%t_end, work%t + share * speed / slowing)
+            end if
+        end if
+        call stepper%advance(formulation, work, status)
+        if (stepper%info%needs /= structure_none .and. stepper%controls%steps == 0 &
+            .and. (status == status_non_finite .or. status == status_step_too_small)) then
+            self%is_other = .true.
+            if (allocated(self%stepper)) deallocate (self%stepper)
+            allocate (self%stepper, source=dop853_t(table=dop853_table(), info=method_info_t('dop853')))
+            self%stepper%controls%relative_tolerance = min(crossing_tolerance, stepper%controls%relative_tolerance)
+            self%stepper%controls%absolute_tolerance = min(crossing_tolerance, stepper%controls%absolute_tolerance)
+            call self%advance_by_other(formulation, work, status)
+        end if
+        work%t_end = t_end
+    end subroutine advance
+
+    !> Takes a step of the other stepper from the state of the method.
+    subroutine advance_by_other(self, formulation, work, status)
+        class(rest_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(workspace_t), intent(in) :: work
+        integer, intent(out) :: status
+        if (allocated(self%work)) deallocate (self%work)
+        call self%stepper%new_workspace(self%work)
+        self%work%t_begin = work%t_begin
+        self%work%t_end = work%t_end
+        self%work%t = work%t
+        self%work%y = work%y
+        self%work%grid = work%grid
+        self%work%counts = work%counts
+        call self%stepper%begin(formulation, self%work, status)
+        if (status == status_ok) call self%stepper%advance(formulation, self%work, status)
+    end subroutine advance_by_other
+
+    !> Takes the state of another stepper over, and finds out whether the body comes to rest, or begins to move.
+    subroutine settle(self, formulation, stepper, work, status)
+        class(rest_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(stepper_t), intent(in) :: stepper !! the method
+        class(workspace_t), intent(inout) :: work !! its workspace
+        integer, intent(inout) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        real(dp) :: speed, slowing, left, allowed
+        logical :: begins
+
+        begins = self%is_other
+        if (self%is_other) then
+            work%t = self%work%t
+            work%y = self%work%y
+            work%grid = self%work%grid
+            work%counts = self%work%counts
+            work%rest = 0
+            self%is_other = .false.
+        end if
+        if (formulation%action%may_stick) then
+            call formulation%action%find_speed(work%t, work%y, speed, slowing)
+            self%largest = max(self%largest, speed)
+            if (speed > 0) then
+                self%is_resting = .false.
+                allowed = nearly_still * self%largest
+                if (stepper%controls%steps > 0) allowed = max(allowed, slowing * work%h)
+                if (slowing > 0 .and. speed <= allowed) then
+                    left = min(speed / slowing, work%t_end - work%t)
+                    call stop_at_rest(left)
+                end if
+            else
+                call self%check_rest(formulation, work%t, work%y)
+            end if
+        end if
+        if (begins .and. .not. self%is_resting .and. work%t < work%t_end) call stepper%begin(formulation, work, status)
+
+    contains
+
+        !> Brings the body to rest after `left` seconds; with a fixed step size only where friction holds it.
+        subroutine stop_at_rest(left)
+            real(dp), intent(in) :: left
+            real(dp) :: y(max_states)
+            y = formulation%action%at_rest(work%t + left, work%y, left)
+            call self%check_rest(formulation, work%t + left, y)
+            if (stepper%controls%steps > 0) then
+                if (self%is_resting) work%y = y
+                return
+            end if
+            work%t = work%t + left
+            work%y = y
+            work%rest = 0
+            begins = .true.
+        end subroutine stop_at_rest
+
+    end subroutine settle
+
+    !> A workspace.
+    subroutine new_workspace(self, work)
+        class(rest_stepper_t), intent(in) :: self
+        class(workspace_t), allocatable, intent(out) :: work !! workspace of the type that the method needs
+        associate (unused => self)
+        end associate
+        allocate (workspace_t :: work)
+    end subroutine new_workspace
+
+    !> Nothing to prepare.
+    subroutine begin_rest(self, formulation, work, status)
+        class(rest_stepper_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        associate (unused => self, also_unused => formulation)
+        end associate
+        work%slope = 0
+        status = status_ok
+    end subroutine begin_rest
+
+    !> Lies still until the torques exceed the friction, or to the end; with a fixed step size over one step.
+    subroutine lie(self, formulation, work, status)
+        class(rest_stepper_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        real(dp) :: t
+
+        t = work%t_end
+        if (formulation%action%may_slip) then
+            t = min(t, work%t + formulation%action%pause(work%t))
+            if (exceeds(t)) t = root(work%t, t)
+        end if
+        if (self%controls%steps > 0) then
+            work%grid = work%grid + 1
+            t = work%t_end
+            if (work%grid < self%controls%steps) t = work%t_begin + (work%t_end - work%t_begin) * work%grid / self%controls%steps
+        end if
+        work%t_last = work%t
+        work%y_last = work%y
+        work%y = formulation%action%at_rest(t, work%y, 0.0_dp)
+        work%t = t
+        work%counts%steps = work%counts%steps + 1
+        status = status_ok
+
+    contains
+
+        !> Whether the torques exceed the friction at a time.
+        logical function exceeds(time)
+            real(dp), intent(in) :: time
+            exceeds = formulation%action%excess(time, formulation%action%at_rest(time, work%y, 0.0_dp)) > 0
+        end function exceeds
+
+        !> The first time at which they do between two times, by bisection, just beyond.
+        real(dp) function root(before, after)
+            real(dp), intent(in) :: before, after
+            real(dp) :: low, middle
+            low = before
+            root = after
+            do
+                middle = low + (root - low) / 2
+                if (.not. (middle > low .and. middle < root)) exit
+                if (exceeds(middle)) then
+                    root = middle
+                else
+                    low = middle
+                end if
+            end do
+        end function root
+
+    end subroutine lie
+
+    !> The state at rest.
+    function state_within(self, formulation, work, t) result(y)
+        class(rest_stepper_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        real(dp), intent(in) :: t !! time, s
+        real(dp) :: y(max_states)
+        associate (unused => self)
+        end associate
+        y = formulation%action%at_rest(t, work%y_last, 0.0_dp)
+    end function state_within
+
+end module spintop_rest

@@ -1,0 +1,99 @@
+!> The motion within the last step of a run, by dense output, with angles that are followed through every turn.
+module spintop_step_path
+    use spintop_events, only: path_t
+    use spintop_formulation, only: formulation_t, max_states
+    use spintop_kinds, only: dp
+    use spintop_motion, only: motion_t
+    use spintop_stepper, only: stepper_t, workspace_t
+    implicit none
+    private
+    public :: follower_t, step_path_t
+
+    !> The angles, followed through every step, or constant.
+    type :: follower_t
+        real(dp) :: t = 0, y(max_states) = 0, angle(3) = 0
+        logical :: is_idle = .false.
+    contains
+        procedure :: go_to
+        procedure :: walk_to
+    end type follower_t
+
+    !> The motion within the last step, by dense output.
+    type, extends(path_t) :: step_path_t
+        class(formulation_t), pointer :: formulation => null()
+        class(stepper_t), pointer :: stepper => null()
+        class(workspace_t), pointer :: work => null()
+        !> Angles at the start of the step, and at the two latest times of evaluation. They are followed to a
+        !> new time from the latest of these before it.
+        type(follower_t) :: seen(3)
+    contains
+        procedure :: at => motion_in_step
+        procedure :: is_spent => step_is_spent
+    end type step_path_t
+
+    !> A pole that is passed within this fraction of a step is passed on an arbitrary side.
+    real(dp), parameter :: shortest_pace = 1.0e-12_dp
+
+contains
+
+    !> The motion at a time within the last step.
+    subroutine motion_in_step(self, t, motion)
+        class(step_path_t), intent(inout) :: self
+        real(dp), intent(in) :: t
+        type(motion_t), intent(out) :: motion
+        type(follower_t) :: follower
+        follower = self%seen(max(1, count(self%seen%t <= t)))
+        self%work%counts%looks = self%work%counts%looks + 1
+        call follower%walk_to(self%formulation, self%stepper, self%work, t, &
+                              self%stepper%interpolate(self%formulation, self%work, t))
+        motion = self%formulation%motion(t, follower%y, follower%angle)
+        if (t > self%seen(3)%t) self%seen(2:3) = [self%seen(3), follower]
+    end subroutine motion_in_step
+
+    !> Whether the allowed work of the case is used up.
+    logical function step_is_spent(self)
+        class(step_path_t), intent(in) :: self
+        step_is_spent = self%work%is_spent(self%stepper%controls%max_steps)
+    end function step_is_spent
+
+    !> Moves to a later time and state.
+    subroutine go_to(self, formulation, t, y)
+        class(follower_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: t, y(max_states)
+        logical :: sure
+        if (.not. self%is_idle) call formulation%follow(self%t, self%y, t, y, self%angle, sure)
+        self%t = t
+        self%y = y
+    end subroutine go_to
+
+    !> Moves to a state within the last step, in small increments where the axis passes a pole and the states
+    !> in between are known.
+    recursive subroutine walk_to(self, formulation, stepper, work, t, y)
+        class(follower_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(stepper_t), intent(in) :: stepper
+        class(workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: t, y(max_states)
+        real(dp) :: angle(3), middle
+        logical :: sure
+
+        angle = self%angle
+        sure = self%is_idle
+        if (.not. sure) call formulation%follow(self%t, self%y, t, y, angle, sure)
+        if (.not. sure) sure = t - self%t <= max(shortest_pace * (work%t - work%t_last), 2 * spacing(t)) &
+                               .or. work%is_spent(stepper%controls%max_steps)
+        if (sure) then
+            self%t = t
+            self%y = y
+            self%angle = angle
+        else
+            middle = self%t + (t - self%t) / 2
+            work%counts%looks = work%counts%looks + 1
+            call self%walk_to(formulation, stepper, work, middle, &
+                              stepper%interpolate(formulation, work, middle))
+            call self%walk_to(formulation, stepper, work, t, y)
+        end if
+    end subroutine walk_to
+
+end module spintop_step_path

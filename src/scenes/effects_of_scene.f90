@@ -1,0 +1,174 @@
+!> Makes the effects of a scene, and checks them.
+module spintop_effects_of_scene
+    use spintop_body, only: body_t
+    use spintop_effects, only: earth_rotation, effects_t
+    use spintop_kinds, only: degree, dp
+    use spintop_loads, only: friction_jams
+    use spintop_parameters, only: unset
+    use spintop_problems, only: problems_t
+    use spintop_scene_effects, only: axes_names, effects_scene_t
+    use spintop_torque_table, only: interpolation_names, make_torque_table
+    implicit none
+    private
+    public :: make_effects
+
+contains
+
+    !> The effects of a body; a body without any has none allocated. Problems of their description are reported.
+    subroutine make_effects(scene, body, problems)
+        type(effects_scene_t), intent(in) :: scene !! the group of the input
+        type(body_t), intent(inout) :: body !! its effects are set; its mass properties are
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        type(effects_t) :: effects
+
+        if (allocated(body%effects)) deallocate (body%effects)
+        call take_friction(scene, effects, problems)
+        call take_drag(scene, effects, problems)
+        call take_vibration(scene, effects, problems)
+        call take_earth(scene, effects, problems)
+        effects%rotor_momentum = given(scene%rotor_momentum)
+        effects%rotor_torque = given(scene%rotor_torque)
+        effects%torque_body = given(scene%torque_body)
+        effects%torque_space = given(scene%torque_space)
+        call take_table(scene, effects, problems)
+        if (problems%any() .or. .not. effects%is_any()) return
+        if (friction_jams(body, effects%friction_arm)) then
+            call problems%add('effects.friction_coefficient', 'friction may jam the body: m mu rho |[r]x I^-1| is 1 or more, &
+                &so that the load of the pivot need not exist', 'use a smaller friction_coefficient or friction_radius')
+            return
+        end if
+        body%effects = effects
+    end subroutine make_effects
+
+    !> Whether a number of the group was given.
+    elemental logical function is_set(x)
+        real(dp), intent(in) :: x
+        is_set = x > unset
+    end function is_set
+
+    !> A number that was given, or zero.
+    elemental real(dp) function given(x)
+        real(dp), intent(in) :: x
+        given = merge(x, 0.0_dp, is_set(x))
+    end function given
+
+    !> Dry friction.
+    subroutine take_friction(scene, effects, problems)
+        type(effects_scene_t), intent(in) :: scene
+        type(effects_t), intent(inout) :: effects
+        type(problems_t), intent(inout) :: problems
+        effects%friction_torque = given(scene%friction_torque)
+        effects%friction_smoothing = given(scene%friction_smoothing)
+        effects%friction_arm = given(scene%friction_coefficient) * given(scene%friction_radius)
+        if (is_set(scene%friction_coefficient) .and. .not. is_set(scene%friction_radius)) then
+            call problems%add('effects.friction_coefficient', 'the moment of friction needs the radius of the pivot', &
+                              'give friction_radius too')
+        else if (is_set(scene%friction_radius) .and. .not. is_set(scene%friction_coefficient)) then
+            call problems%add('effects.friction_radius', 'the moment of friction needs a coefficient', &
+                              'give friction_coefficient too')
+        end if
+        if (is_set(scene%friction_smoothing) .and. .not. (is_set(scene%friction_torque) &
+                                                          .or. is_set(scene%friction_coefficient))) then
+            call problems%add('effects.friction_smoothing', 'there is no dry friction to smooth', &
+                              'give friction_torque, or friction_coefficient and friction_radius')
+        end if
+    end subroutine take_friction
+
+    !> The air.
+    subroutine take_drag(scene, effects, problems)
+        type(effects_scene_t), intent(in) :: scene
+        type(effects_t), intent(inout) :: effects
+        type(problems_t), intent(inout) :: problems
+        effects%drag_moment = given(scene%drag_moment)
+        effects%drag_force = given(scene%drag_force)
+        if (.not. is_set(scene%drag_exponent)) return
+        effects%drag_exponent = scene%drag_exponent
+        if (.not. any(is_set(scene%drag_moment))) then
+            call problems%add('effects.drag_exponent', 'there is no moment of the air whose exponent it is', &
+                              'give drag_moment(3) too')
+        end if
+    end subroutine take_drag
+
+    !> The motion of the pivot.
+    subroutine take_vibration(scene, effects, problems)
+        type(effects_scene_t), intent(in) :: scene
+        type(effects_t), intent(inout) :: effects
+        type(problems_t), intent(inout) :: problems
+        effects%vibration_amplitude = given(scene%vibration_amplitude)
+        effects%vibration_phase = given(scene%vibration_phase)
+        if (any(is_set(scene%vibration_phase_deg))) then
+            effects%vibration_phase = given(scene%vibration_phase_deg) * degree
+            if (any(is_set(scene%vibration_phase))) then
+                call problems%add('effects.vibration_phase_deg', 'the phases are given twice', &
+                                  'give them either in radians or in degrees')
+            end if
+        end if
+        if (is_set(scene%vibration_rate)) effects%vibration_rate = scene%vibration_rate
+        if (any(is_set(scene%vibration_amplitude)) .and. .not. is_set(scene%vibration_rate)) then
+            call problems%add('effects.vibration_amplitude', 'the vibration has an amplitude without a rate', &
+                              'give vibration_rate too')
+        else if (.not. any(is_set(scene%vibration_amplitude)) .and. is_set(scene%vibration_rate)) then
+            call problems%add('effects.vibration_rate', 'the vibration has a rate without an amplitude', &
+                              'give vibration_amplitude(3) too')
+        else if (.not. any(is_set(scene%vibration_amplitude)) .and. any(is_set( &
+                 [scene%vibration_phase, scene%vibration_phase_deg]))) then
+            call problems%add('effects.vibration_phase', 'the vibration has phases without an amplitude', &
+                              'give vibration_amplitude(3) and vibration_rate too')
+        end if
+    end subroutine take_vibration
+
+    !> The rotation of the Earth.
+    subroutine take_earth(scene, effects, problems)
+        type(effects_scene_t), intent(in) :: scene
+        type(effects_t), intent(inout) :: effects
+        type(problems_t), intent(inout) :: problems
+        real(dp), parameter :: right_angle = 90
+        real(dp) :: latitude
+        latitude = given(scene%latitude)
+        if (is_set(scene%latitude_deg)) then
+            ! A pole is one exactly.
+            latitude = scene%latitude_deg * degree
+            if (abs(scene%latitude_deg) >= right_angle) latitude = sign(acos(0.0_dp), latitude)
+            if (is_set(scene%latitude)) then
+                call problems%add('effects.latitude_deg', 'the latitude is given twice', &
+                                  'give it either in radians or in degrees')
+            end if
+        end if
+        effects%frame_rate = earth_rotation(given(scene%earth_rate), latitude)
+        if (is_set(scene%earth_rate) .neqv. (is_set(scene%latitude) .or. is_set(scene%latitude_deg))) then
+            if (is_set(scene%earth_rate)) then
+                call problems%add('effects.earth_rate', 'the rotation of the Earth needs a latitude', &
+                                  'give latitude or latitude_deg too')
+            else
+                call problems%add(merge('effects.latitude    ', 'effects.latitude_deg', is_set(scene%latitude)), &
+                                  'a latitude without the rotation of the Earth has no effect', &
+                                  'give earth_rate too, 7.292115e-5 for the Earth')
+            end if
+        end if
+    end subroutine take_earth
+
+    !> The table of torques, which was read before.
+    subroutine take_table(scene, effects, problems)
+        type(effects_scene_t), intent(in) :: scene
+        type(effects_t), intent(inout) :: effects
+        type(problems_t), intent(inout) :: problems
+        if (scene%torque_table == '') then
+            if (scene%torque_axes /= '') call problems%add('effects.torque_axes', 'there is no table of torques', &
+                                                           'give torque_table too')
+            if (scene%torque_interpolation /= '') call problems%add('effects.torque_interpolation', &
+                'there is no table of torques', 'give torque_table too')
+            return
+        end if
+        effects%table_in_space = scene%torque_axes == axes_names(2)
+        if (.not. allocated(scene%table_times)) return
+        allocate (effects%table)
+        call make_torque_table(scene%table_times, scene%table_torques, interpolation_of(scene), effects%table)
+    end subroutine take_table
+
+    !> The interpolation of the table.
+    pure integer function interpolation_of(scene) result(interpolation)
+        type(effects_scene_t), intent(in) :: scene
+        interpolation = max(1, findloc(interpolation_names, scene%torque_interpolation, dim=1))
+    end function interpolation_of
+
+end module spintop_effects_of_scene

@@ -1,0 +1,89 @@
+!> The group &effects of an input as plain data, with its rows of the parameter table.
+module spintop_scene_effects
+    use spintop_kinds, only: dp
+    use spintop_parameters, only: parameter_table_t, unset
+    use spintop_text, only: join
+    use spintop_torque_table, only: interpolation_names
+    implicit none
+    private
+    public :: effects_scene_t, describe_effects, axes_names
+
+    !> Axes of a table of torques.
+    character(*), parameter :: axes_names(2) = [character(5) :: 'body', 'space']
+
+    !> The contents of the group; nothing has a value unless the input gives it.
+    type :: effects_scene_t
+        real(dp) :: friction_torque = unset
+        real(dp) :: friction_coefficient = unset
+        real(dp) :: friction_radius = unset
+        real(dp) :: friction_smoothing = unset
+        real(dp) :: drag_moment(3) = unset
+        real(dp) :: drag_exponent = unset
+        real(dp) :: drag_force = unset
+        real(dp) :: vibration_amplitude(3) = unset
+        real(dp) :: vibration_rate = unset
+        real(dp) :: vibration_phase(3) = unset
+        real(dp) :: vibration_phase_deg(3) = unset
+        real(dp) :: earth_rate = unset
+        real(dp) :: latitude = unset
+        real(dp) :: latitude_deg = unset
+        real(dp) :: rotor_momentum(3) = unset
+        real(dp) :: rotor_torque(3) = unset
+        real(dp) :: torque_body(3) = unset
+        real(dp) :: torque_space(3) = unset
+        character(256) :: torque_table = ''
+        character(32) :: torque_axes = ''
+        character(32) :: torque_interpolation = ''
+        !> Times, s, and torques, N m, of the rows of the table, once it was read.
+        real(dp), allocatable :: table_times(:), table_torques(:, :)
+    end type effects_scene_t
+
+contains
+
+    !> Binds every component to its row of the parameter table.
+    subroutine describe_effects(effects, table)
+        type(effects_scene_t), target, intent(inout) :: effects !! its components are bound
+        type(parameter_table_t), intent(inout) :: table !! bound to the components
+
+        call table%add('effects.friction_torque', effects%friction_torque, 'N m', '>= 0', &
+                       'dry moment of the pivot without load (0)')
+        call table%add('effects.friction_coefficient', effects%friction_coefficient, '', '>= 0', &
+                       'coefficient of dry friction of the pivot (0)')
+        call table%add('effects.friction_radius', effects%friction_radius, 'm', '> 0', &
+                       'radius of the ball of the pivot')
+        call table%add('effects.friction_smoothing', effects%friction_smoothing, 'rad/s', '>= 0', &
+                       'angular velocity below which dry friction is smoothed (0: the exact law)')
+        call table%add('effects.drag_moment', effects%drag_moment, 'N m s^p', '>= 0', &
+                       'coefficients of the moment of the air about body x, y, z (0)')
+        call table%add('effects.drag_exponent', effects%drag_exponent, '', '[1, 3]', &
+                       'exponent p of the moment of the air (2)')
+        call table%add('effects.drag_force', effects%drag_force, 'kg/m', '>= 0', &
+                       'density x drag coefficient x area/2, of the drag on the centre of mass (0)')
+        call table%add('effects.vibration_amplitude', effects%vibration_amplitude, 'm', '', &
+                       'amplitudes of the pivot along space x, y, z (0)')
+        call table%add('effects.vibration_rate', effects%vibration_rate, 'rad/s', '> 0', &
+                       'angular frequency of the pivot')
+        call table%add('effects.vibration_phase', effects%vibration_phase, 'rad', '', &
+                       'phases of the pivot along space x, y, z (0)')
+        call table%add('effects.vibration_phase_deg', effects%vibration_phase_deg, 'deg', '', &
+                       'phases of the pivot along space x, y, z (0)')
+        call table%add('effects.earth_rate', effects%earth_rate, 'rad/s', '>= 0', &
+                       'angular velocity of the Earth (0)')
+        call table%add('effects.latitude', effects%latitude, 'rad', '[-pi/2, pi/2]', &
+                       'astronomical latitude; space x, y, z are east, north, up')
+        call table%add('effects.latitude_deg', effects%latitude_deg, 'deg', '[-90, 90]', 'astronomical latitude')
+        call table%add('effects.rotor_momentum', effects%rotor_momentum, 'J s', '', &
+                       'angular momentum of an internal rotor at the start, in body axes (0)')
+        call table%add('effects.rotor_torque', effects%rotor_torque, 'N m', '', &
+                       'rate of the momentum of the rotor, in body axes (0)')
+        call table%add('effects.torque_body', effects%torque_body, 'N m', '', 'constant torque in body axes (0)')
+        call table%add('effects.torque_space', effects%torque_space, 'N m', '', 'constant torque in space axes (0)')
+        call table%add('effects.torque_table', effects%torque_table, &
+                       what='CSV file of a torque over time: t,m1,m2,m3 (path from the input)')
+        call table%add('effects.torque_axes', effects%torque_axes, join(axes_names, '|'), &
+                       'axes of the table of torques (body)')
+        call table%add('effects.torque_interpolation', effects%torque_interpolation, join(interpolation_names, '|'), &
+                       'interpolation of the table of torques (linear)')
+    end subroutine describe_effects
+
+end module spintop_scene_effects

@@ -1,0 +1,90 @@
+!> Effects on a body beside gravity and viscous damping: dry friction of the pivot, drag of the air, a moving pivot,
+!> the rotation of the Earth, a rotor, given torques. Their values only; `spintop_loads` has their moments.
+module spintop_effects
+    use spintop_compare, only: is_zero
+    use spintop_kinds, only: dp, pi
+    use spintop_torque_table, only: torque_table_t
+    implicit none
+    private
+    public :: effects_t, earth_rotation
+
+    !> The effects on a body. Body axes are the principal ones; an effect with zeros is none.
+    type :: effects_t
+        !> Dry moment of the pivot without load, N m.
+        real(dp) :: friction_torque = 0
+        !> Coefficient of friction times the radius of the pivot's ball, m: the dry moment per newton of load.
+        real(dp) :: friction_arm = 0
+        !> Angular velocity, rad/s, below which dry friction is smoothed; 0 is the exact law.
+        real(dp) :: friction_smoothing = 0
+        !> Coefficients k_i of the moment -k_i |w|^(p - 1) w_i of the air, N m s^p, and p.
+        real(dp) :: drag_moment(3) = 0, drag_exponent = 2
+        !> Coefficient c of the force -c |v| v on the centre of mass, kg/m.
+        real(dp) :: drag_force = 0
+        !> Motion of the pivot along space x, y, z: amplitude cos(rate t + phase), m, rad/s, rad.
+        real(dp) :: vibration_amplitude(3) = 0, vibration_rate = 1, vibration_phase(3) = 0
+        !> Angular velocity of the frame in space axes, rad/s: that of the Earth.
+        real(dp) :: frame_rate(3) = 0
+        !> Angular momentum of the rotor in body axes at the start, J s, and the torque that drives it, N m.
+        real(dp) :: rotor_momentum(3) = 0, rotor_torque(3) = 0
+        !> Constant torques in body and in space axes, N m.
+        real(dp) :: torque_body(3) = 0, torque_space(3) = 0
+        !> A torque over time, in body or in space axes.
+        type(torque_table_t), allocatable :: table
+        logical :: table_in_space = .false.
+    contains
+        procedure :: is_any
+        procedure :: is_dry
+        procedure :: has_friction
+        procedure :: depends_on_time
+        procedure :: shifts_angles
+    end type effects_t
+
+contains
+
+    !> Whether there is any effect.
+    pure logical function is_any(self)
+        class(effects_t), intent(in) :: self
+        is_any = self%has_friction() .or. self%depends_on_time() .or. self%drag_force > 0 &
+            .or. .not. all(is_zero([self%drag_moment, self%frame_rate, self%rotor_momentum, self%torque_body, &
+                                    self%torque_space]))
+    end function is_any
+
+    !> Whether there is dry friction.
+    pure logical function has_friction(self)
+        class(effects_t), intent(in) :: self
+        has_friction = self%friction_torque > 0 .or. self%friction_arm > 0
+    end function has_friction
+
+    !> Whether there is dry friction by the exact law, under which the body may stick.
+    pure logical function is_dry(self)
+        class(effects_t), intent(in) :: self
+        is_dry = self%has_friction() .and. is_zero(self%friction_smoothing)
+    end function is_dry
+
+    !> Whether an effect depends on the time.
+    pure logical function depends_on_time(self)
+        class(effects_t), intent(in) :: self
+        depends_on_time = allocated(self%table) &
+            .or. .not. all(is_zero([self%vibration_amplitude, self%rotor_torque]))
+    end function depends_on_time
+
+    !> Whether the effects on a symmetric top about body z only add constants to the rates of phi and psi: a rotor
+    !> that is not driven on the axis, and a frame that turns about the vertical.
+    pure logical function shifts_angles(self)
+        class(effects_t), intent(in) :: self
+        shifts_angles = .not. (self%has_friction() .or. self%depends_on_time() .or. self%drag_force > 0) &
+            .and. all(is_zero([self%drag_moment, self%torque_body, self%torque_space, self%frame_rate(1:2), &
+                               self%rotor_momentum(1:2)]))
+    end function shifts_angles
+
+    !> Angular velocity of the Earth in axes that point east, north and up, rad/s. At a pole it is vertical.
+    pure function earth_rotation(rate, latitude) result(rotation)
+        real(dp), intent(in) :: rate, latitude !! rad/s; rad
+        real(dp) :: rotation(3)
+        rotation = rate * [0.0_dp, cos(latitude), sin(latitude)]
+        if (abs(latitude) >= pi / 2 * (1 - epsilon(latitude))) then
+            rotation = rate * [0.0_dp, 0.0_dp, sign(1.0_dp, latitude)]
+        end if
+    end function earth_rotation
+
+end module spintop_effects

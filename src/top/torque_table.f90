@@ -1,0 +1,192 @@
+!> A torque that a table gives over time: broken lines, or cubics through its rows.
+!>
+!> Between two rows (knots) the torque is a polynomial of the time since the first of them. Before the first row
+!> and after the last one the outermost polynomials continue; inputs are checked to need neither.
+module spintop_torque_table
+    use spintop_kinds, only: dp
+    implicit none
+    private
+    public :: torque_table_t, make_torque_table, interpolation_names, fewest_rows
+    public :: by_lines, by_monotone, by_spline, max_degree
+
+    !> Interpolations: broken lines; cubics that are monotone where the rows are; the cubic spline.
+    integer, parameter :: by_lines = 1, by_monotone = 2, by_spline = 3
+    character(*), parameter :: interpolation_names(by_spline) = [character(8) :: 'linear', 'monotone', 'spline']
+    !> Smallest number of rows of each.
+    integer, parameter :: fewest_rows(by_spline) = [2, 3, 4]
+    !> Highest degree of the polynomials.
+    integer, parameter :: max_degree = 3
+
+    !> The torque over time.
+    type :: torque_table_t
+        !> Times of the rows, s.
+        real(dp), allocatable :: knots(:)
+        !> Coefficients by power of the time since the knot, component, and interval.
+        real(dp), allocatable :: coefficient(:, :, :)
+        !> One of the interpolations.
+        integer :: interpolation = by_lines
+    contains
+        procedure :: at
+        procedure :: expansion
+        procedure :: next_knot
+        procedure :: pace
+    end type torque_table_t
+
+contains
+
+    !> The table of rows in increasing order of time, as many as the interpolation needs.
+    pure subroutine make_torque_table(t, torque, interpolation, table)
+        real(dp), intent(in) :: t(:), torque(:, :) !! times, s; components and rows, N m
+        integer, intent(in) :: interpolation !! one of the interpolations
+        type(torque_table_t), intent(out) :: table !! the torque over time
+        real(dp) :: slope(size(t)), chord(size(t) - 1), h(size(t) - 1)
+        integer :: axis, n
+
+        n = size(t)
+        table%knots = t
+        table%interpolation = interpolation
+        allocate (table%coefficient(0:max_degree, 3, n - 1), source=0.0_dp)
+        h = t(2:) - t(:n - 1)
+        do axis = 1, 3
+            chord = (torque(axis, 2:) - torque(axis, :n - 1)) / h
+            table%coefficient(0, axis, :) = torque(axis, :n - 1)
+            table%coefficient(1, axis, :) = chord
+            if (interpolation == by_lines) cycle
+            if (interpolation == by_monotone) then
+                slope = monotone_slopes(h, chord)
+            else
+                slope = spline_slopes(h, chord)
+            end if
+            table%coefficient(1, axis, :) = slope(:n - 1)
+            table%coefficient(2, axis, :) = (3 * chord - 2 * slope(:n - 1) - slope(2:)) / h
+            table%coefficient(3, axis, :) = (slope(:n - 1) + slope(2:) - 2 * chord) / h**2
+        end do
+    end subroutine make_torque_table
+
+    !> Slopes of Fritsch and Butland (A method for constructing local monotone piecewise cubic interpolants, SIAM J.
+    !> Sci. Stat. Comput. 5, 1984): weighted harmonic means of the neighbouring chords; at the ends a three-point
+    !> formula, limited so that the cubic stays monotone.
+    pure function monotone_slopes(h, chord) result(slope)
+        real(dp), intent(in) :: h(:), chord(:)
+        real(dp) :: slope(size(h) + 1), weight
+        integer :: i, n
+        n = size(h) + 1
+        slope = 0
+        do i = 2, n - 1
+            if (.not. chord(i - 1) * chord(i) > 0) cycle
+            weight = (h(i - 1) + 2 * h(i)) / (3 * (h(i - 1) + h(i)))
+            slope(i) = chord(i - 1) * chord(i) / (weight * chord(i) + (1 - weight) * chord(i - 1))
+        end do
+        slope(1) = limited_end(h(1), h(2), chord(1), chord(2))
+        slope(n) = limited_end(h(n - 1), h(n - 2), chord(n - 1), chord(n - 2))
+    end function monotone_slopes
+
+    !> Slope at an end: that of the parabola through three rows, as far as the cubic stays monotone.
+    pure real(dp) function limited_end(h, h_next, chord, chord_next) result(slope)
+        real(dp), intent(in) :: h, h_next, chord, chord_next
+        slope = ((2 * h + h_next) * chord - h * chord_next) / (h + h_next)
+        if (.not. slope * chord > 0) then
+            slope = 0
+        else if (chord * chord_next <= 0 .and. abs(slope) > 3 * abs(chord)) then
+            slope = 3 * chord
+        end if
+    end function limited_end
+
+    !> Slopes of the cubic spline that is one cubic in the first two and in the last two intervals (not-a-knot), by
+    !> elimination in the tridiagonal equations (de Boor, A Practical Guide to Splines, 1978, chapter IV).
+    pure function spline_slopes(h, chord) result(slope)
+        real(dp), intent(in) :: h(:), chord(:)
+        real(dp) :: slope(size(h) + 1), diagonal(size(h) + 1), above(size(h) + 1), below, ratio
+        integer :: i, n
+        n = size(h) + 1
+        diagonal(1) = h(2)
+        above(1) = h(1) + h(2)
+        slope(1) = ((h(1) + 2 * above(1)) * chord(1) * h(2) + h(1)**2 * chord(2)) / above(1)
+        do i = 2, n - 1
+            ratio = -h(i) / diagonal(i - 1)
+            slope(i) = ratio * slope(i - 1) + 3 * (h(i - 1) * chord(i) + h(i) * chord(i - 1))
+            diagonal(i) = ratio * above(i - 1) + 2 * (h(i - 1) + h(i))
+            above(i) = h(i - 1)
+        end do
+        below = h(n - 2) + h(n - 1)
+        ratio = -below / diagonal(n - 1)
+        slope(n) = (h(n - 1)**2 * chord(n - 2) + (2 * below + h(n - 1)) * h(n - 2) * chord(n - 1)) / below
+        diagonal(n) = ratio * above(n - 1) + h(n - 2)
+        slope(n) = (ratio * slope(n - 1) + slope(n)) / diagonal(n)
+        do i = n - 1, 1, -1
+            slope(i) = (slope(i) - above(i) * slope(i + 1)) / diagonal(i)
+        end do
+    end function spline_slopes
+
+    !> The torque at a time, N m.
+    pure function at(self, t) result(torque)
+        class(torque_table_t), intent(in) :: self
+        real(dp), intent(in) :: t !! s
+        real(dp) :: torque(3), h
+        integer :: i
+        i = interval_at(self%knots, t)
+        h = t - self%knots(i)
+        associate (c => self%coefficient)
+            torque = c(0, :, i) + h * (c(1, :, i) + h * (c(2, :, i) + h * c(3, :, i)))
+        end associate
+    end function at
+
+    !> Its Taylor coefficients about a time, of the polynomial that follows it.
+    pure function expansion(self, t) result(coefficient)
+        class(torque_table_t), intent(in) :: self
+        real(dp), intent(in) :: t !! s
+        real(dp) :: coefficient(3, 0:max_degree), h
+        integer :: i
+        i = interval_at(self%knots, t)
+        h = t - self%knots(i)
+        associate (c => self%coefficient)
+            coefficient(:, 0) = c(0, :, i) + h * (c(1, :, i) + h * (c(2, :, i) + h * c(3, :, i)))
+            coefficient(:, 1) = c(1, :, i) + h * (2 * c(2, :, i) + h * 3 * c(3, :, i))
+            coefficient(:, 2) = c(2, :, i) + h * 3 * c(3, :, i)
+            coefficient(:, 3) = c(3, :, i)
+        end associate
+    end function expansion
+
+    !> The first knot after a time, s; `huge` if there is none.
+    pure real(dp) function next_knot(self, t)
+        class(torque_table_t), intent(in) :: self
+        real(dp), intent(in) :: t !! s
+        integer :: i
+        next_knot = huge(t)
+        i = interval_at(self%knots, t)
+        if (self%knots(i) > t) then
+            next_knot = self%knots(i)
+        else if (self%knots(i + 1) > t) then
+            next_knot = self%knots(i + 1)
+        end if
+    end function next_knot
+
+    !> A time in which the torque between two knots changes little, s; of broken lines the ends are enough.
+    pure real(dp) function pace(self, t)
+        class(torque_table_t), intent(in) :: self
+        real(dp), intent(in) :: t !! s
+        integer, parameter :: parts = 16
+        integer :: i
+        pace = huge(t)
+        if (self%interpolation == by_lines) return
+        i = interval_at(self%knots, t)
+        pace = (self%knots(i + 1) - self%knots(i)) / parts
+    end function pace
+
+    !> The interval that a time is in, or begins, by bisection.
+    pure integer function interval_at(knots, t) result(first)
+        real(dp), intent(in) :: knots(:), t
+        integer :: last, middle
+        first = 1
+        last = size(knots)
+        do while (last - first > 1)
+            middle = (first + last) / 2
+            if (knots(middle) <= t) then
+                first = middle
+            else
+                last = middle
+            end if
+        end do
+    end function interval_at
+
+end module spintop_torque_table

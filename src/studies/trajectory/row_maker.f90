@@ -6,6 +6,7 @@ module spintop_row_maker
     use spintop_motion, only: motion_t
     use spintop_motion_view, only: motion_view_t
     use spintop_row_proof, only: wanted_proofs
+    use spintop_text_buffer, only: text_buffer_t
     use spintop_trajectory_column, only: trajectory_column_t
     implicit none
     private
@@ -21,6 +22,7 @@ module spintop_row_maker
         procedure :: row
         procedure :: is_defined
         procedure :: come_near
+        procedure :: put
         procedure :: proof_summary
         procedure :: close
     end type row_maker_t
@@ -78,6 +80,21 @@ contains
         class(row_maker_t), intent(in) :: other !! the other object of this type
         self%view%near = other%view%near
     end subroutine come_near
+
+    !> Adds the values of a row to a text, those of words as words.
+    subroutine put(self, values, text)
+        class(row_maker_t), intent(in) :: self
+        real(dp), intent(in) :: values(:) !! the values
+        type(text_buffer_t), intent(inout) :: text !! the cells are added
+        integer :: i
+        do i = 1, size(values)
+            if (self%columns(i)%is_proof) then
+                call text%put_text(merge('proved  ', 'unproved', values(i) > 0))
+            else
+                call text%put_reals(values(i:i))
+            end if
+        end do
+    end subroutine put
 
     !> How many rows are proved, and why others are not; empty if no proof was wanted.
     function proof_summary(self) result(text)

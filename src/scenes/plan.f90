@@ -43,7 +43,9 @@ contains
         call choose_method(scene, case%body, plan, problems)
         plan%max_steps = scene%max_steps
         if (problems%any()) return
-        if (case%turn%is_turned()) then
+        if (case%turn%to_principal_axes) then
+            plan%reason = plan%reason // ' The body is rotated internally to its principal axes. The results are rotated back.'
+        else if (case%turn%is_turned()) then
             plan%reason = plan%reason // ' The body is rotated internally: its symmetry axis, body ' &
                 // axis_letters(case%turn%axis) // ', becomes z, with the centre of mass above the &
                 &pivot. The results are rotated back.'

@@ -87,7 +87,9 @@ contains
         character(:), allocatable :: momentum, energy
         integer :: status
 
-        if (case%turn%is_turned()) then
+        if (case%turn%to_principal_axes) then
+            call self%add('axes', 'the lines below are for the body in its principal axes')
+        else if (case%turn%is_turned()) then
             call self%add('axes', 'the lines below are for the rotated body, with its centre of mass above the pivot')
         end if
         associate (body => case%body, start => case%start)

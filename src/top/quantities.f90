@@ -17,6 +17,7 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         kinetic_energy = dot_product(body%inertia, motion%omega**2) / 2
+        if (body%has_products()) kinetic_energy = dot_product(body%momentum(motion%omega), motion%omega) / 2
     end function kinetic_energy
 
     !> Potential energy above the height of the pivot, J.
@@ -42,6 +43,8 @@ contains
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         vertical_momentum = dot_product(body%inertia * motion%omega, &
                                         vertical_from_quaternion(motion%quaternion))
+        if (body%has_products()) vertical_momentum = dot_product(body%momentum(motion%omega), &
+                                                                 vertical_from_quaternion(motion%quaternion))
     end function vertical_momentum
 
     !> Angular momentum about body z, kg m^2/s.
@@ -49,6 +52,7 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         axial_momentum = body%inertia(3) * motion%omega(3)
+        if (body%has_products()) axial_momentum = dot_product(body%momentum(motion%omega), [0, 0, 1])
     end function axial_momentum
 
     !> Residual of Euler's equations, I omega' + omega x I omega - torque, N m. The first two components are
@@ -61,6 +65,10 @@ contains
                    + cross(motion%omega, body%inertia * motion%omega) &
                    + body%damping * motion%omega &
                    - body%torque(vertical_from_quaternion(motion%quaternion))
+        if (body%has_products()) residual = body%momentum(motion%omega_rate) &
+                                            + cross(motion%omega, body%momentum(motion%omega)) &
+                                            + body%damping * motion%omega &
+                                            - body%torque(vertical_from_quaternion(motion%quaternion))
     end function euler_residuals
 
     !> Support force on the body in space axes, N: the mass times the acceleration of the centre of mass,

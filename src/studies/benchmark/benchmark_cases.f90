@@ -58,10 +58,10 @@ module spintop_benchmark_cases
                     'elliptic functions, J. Phys. A 39, 2006', &
                     'top.mass=1;top.inertia=1000,5000,6000;top.length=0;initial.quaternion=1,0,0,0;' // &
                     'initial.omega=10,10,10;span.t_end=0.1'), &
-        benchmark_t('staude', 'permanent rotation about an axis that is no principal one', &
+        benchmark_t('staude', 'stable permanent rotation about an axis that is no principal one', &
                     'O. Staude, Ueber permanente Rotationsaxen bei der Bewegung eines schweren Koerpers um einen festen ' // &
                     'Punkt, J. reine angew. Math. 113, 1894', &
-                    'top.mass=4;top.gravity=10;top.inertia=1,1.5,2.25;top.centre_of_mass=0,0.0675,0.18;' // &
+                    'top.mass=4;top.gravity=10;top.inertia=1,1.5,2.25;top.centre_of_mass=-0.108,-0.0675,0.036;' // &
                     'initial.theta=0.8762980611683406;initial.psi=0.6747409422235526;initial.omega=1.44,1.8,1.92;span.t_end=10'), &
         benchmark_t('grioli', 'regular precession of a body without symmetry about an inclined axis', &
                     'G. Grioli, Esistenza e determinazione delle precessioni regolari dinamicamente possibili per un solido ' // &

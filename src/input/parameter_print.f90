@@ -1,7 +1,7 @@
 !> The table of parameters as text: the resolved namelist, and the list for users.
 module spintop_parameter_print
     use spintop_line_list, only: line_list_t
-    use spintop_parameter, only: one_per_group, parameter_t
+    use spintop_parameter, only: parameter_t
     use spintop_parameters, only: parameter_table_t
     use spintop_text, only: string_t, to_text
     implicit none
@@ -17,29 +17,29 @@ contains
         type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
         character(*), intent(in), optional :: groups !! 'a|b': print only these
         type(line_list_t) :: text
-        integer :: group, i, before, number
+        integer :: group, i, before, most, number
 
         do group = 1, size(table%groups)
             associate (name => table%groups(group)%name)
                 if (present(groups)) then
                     if (index('|' // groups // '|', '|' // name // '|') == 0) cycle
                 end if
-                number = 0
-                do
-                    number = number + 1
+                most = 1
+                do i = 1, size(table%parameters)
+                    if (table%parameters(i)%group == name) most = table%parameters(i)%most_groups()
+                end do
+                do number = 1, most
                     before = text%count
                     do i = 1, size(table%parameters)
                         if (table%parameters(i)%group /= name) cycle
-                        if (table%parameters(i)%value_text() == '') cycle
-                        if (table%parameters(i)%elements == one_per_group) then
+                        if (most > 1) then
                             call print_one(table%parameters(i), number, name, before, text)
-                        else if (number == 1) then
+                        else if (table%parameters(i)%value_text() /= '') then
                             if (text%count == before) call text%add('&' // name)
                             call print_parameter(table%parameters(i), text)
                         end if
                     end do
-                    if (text%count == before) exit
-                    call text%add('/')
+                    if (text%count > before) call text%add('/')
                 end do
             end associate
         end do
@@ -56,16 +56,12 @@ contains
         integer, allocatable :: columns(:)
         integer :: i
 
-        if (number > parameter%most_groups()) return
         call parameter%row_text(merge(1, number, parameter%rank == 1), elements, columns)
-        if (parameter%rank == 1 .and. .not. any(columns == number)) return
-        if (size(columns) == 0) return
-        if (text%count == before) call text%add('&' // name)
-        if (parameter%rank == 2) call text%add_words('    ' // parameter%key // ' = ', elements)
         do i = 1, size(columns)
-            if (parameter%rank == 1 .and. columns(i) == number) then
-                call text%add('    ' // parameter%key // ' = ' // elements(i)%text)
-            end if
+            if (parameter%rank == 1 .and. columns(i) /= number) cycle
+            if (text%count == before) call text%add('&' // name)
+            if (parameter%rank == 1) call text%add('    ' // parameter%key // ' = ' // elements(i)%text)
+            if (parameter%rank == 2 .and. i == 1) call text%add_words('    ' // parameter%key // ' = ', elements)
         end do
     end subroutine print_one
 

@@ -61,6 +61,13 @@ class Body:
     centre: np.ndarray
     products: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
+    def tensor(self) -> np.ndarray:
+        """The tensor of inertia about the pivot, kg m^2."""
+        tensor = np.diag(self.inertia)
+        for (row, column), product in zip(((1, 2), (2, 0), (0, 1)), self.products, strict=True):
+            tensor[row, column] = tensor[column, row] = product
+        return tensor
+
     def axis(self) -> np.ndarray:
         """Unit vector from the pivot to the centre of mass; body z where they coincide."""
         length = np.linalg.norm(self.centre)
@@ -93,10 +100,7 @@ def read_body(table: Table) -> Body | None:
 def central_inertia(body: Body) -> np.ndarray:
     """The tensor of inertia about the centre of mass, kg m^2 (Steiner's theorem)."""
     r = body.centre
-    tensor = np.diag(body.inertia)
-    for (row, column), product in zip(((1, 2), (2, 0), (0, 1)), body.products, strict=True):
-        tensor[row, column] = tensor[column, row] = product
-    return tensor - body.mass * (r @ r * np.eye(3) - np.outer(r, r))
+    return body.tensor() - body.mass * (r @ r * np.eye(3) - np.outer(r, r))
 
 
 def exists(body: Body) -> bool:

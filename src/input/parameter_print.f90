@@ -56,6 +56,7 @@ contains
         integer, allocatable :: columns(:)
         integer :: i
 
+        allocate (elements(0)) ! else gfortran 12 warns of its bounds
         call parameter%row_text(merge(1, number, parameter%rank == 1), elements, columns)
         do i = 1, size(columns)
             if (parameter%rank == 1 .and. columns(i) /= number) cycle

@@ -124,7 +124,7 @@ def take_of(table: Table, pictures: int) -> Take:
     rotations = matrices(q / np.linalg.norm(q, axis=1, keepdims=True))
     omega = np.column_stack([values[name] for name in OMEGA])
     vectors = {
-        "momentum": np.einsum("nij,nj->ni", rotations, omega * body.inertia),
+        "momentum": np.einsum("nij,nj->ni", rotations, omega @ body.tensor()),
         "omega": np.einsum("nij,nj->ni", rotations, omega),
         "force": np.column_stack([values[name] for name in FORCE]),
     }

@@ -73,6 +73,12 @@ _TABLES: dict[str, dict[str, Callable[[Entry], str]]] = {
     "columns": {"column": _NAME, "unit": _cell("unit"), "what it is": _WHAT},
     "events": {"event": _NAME, "what it is": _WHAT},
     "shapes": {"shape": _NAME, "what it is": _WHAT, "needs": _needs},
+    "parts": {
+        "part": _NAME,
+        "what it is": _WHAT,
+        "needs": lambda entry: ", ".join(map(_code, ["mass", *entry["needs"]])),
+        "may have": lambda entry: ", ".join(map(_code, entry["takes"])),
+    },
     "parameters": {
         "key": _key,
         "unit": _cell("unit", str),
@@ -80,6 +86,7 @@ _TABLES: dict[str, dict[str, Callable[[Entry], str]]] = {
         "meaning": _WHAT,
         "values": _values,
     },
+    "benchmarks": {"benchmark": _NAME, "what it is": _WHAT, "source": _cell("source")},
     "cases": {"case": _NAME, "what it is, and why it is hard": _WHAT},
     "studies": {"kind": _NAME, "what it computes": _WHAT},
     "statuses": {"status": _NAME, "meaning": _WHAT},

@@ -1,21 +1,27 @@
 """The body of a trajectory, and the solids that the page draws for it."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from spintop_figures.tables.table import Table, is_word
 
-BODY = re.compile(r"mass (\S+) kg; inertia (.+?) kg m\^2 about the pivot; centre of mass (.+?) m")
+BODY = re.compile(
+    r"mass (\S+) kg; inertia (.+?) kg m\^2 about the pivot; centre of mass (.+?) m"
+    r"(?:; elements 23, 31, 12 of the inertia tensor (.+?) kg m\^2)?"
+)
+PART = re.compile(r"part(\(\d+\))?\.")
+"""The keys of a part in a header: the group of the second has the name part(2)."""
+
 ALIKE = 1e-6
 """Moments of inertia that differ by less than this part of the largest are equal."""
 
 SLACK = 8 * np.finfo(float).eps
 """Part of the largest moment by which the sum of the others may fall short, as in the program."""
 
-NUMBERS = 6
-"""Of inertia and centre of mass together."""
+NUMBERS = 9
+"""Of inertia, centre of mass and products of inertia together."""
 
 LARGEST = 1e100
 """Numbers beyond are those of no body that can be drawn."""
@@ -45,11 +51,22 @@ NO_SUCH_BODY = (
 
 @dataclass(frozen=True)
 class Body:
-    """Mass (kg), principal inertia about the pivot (kg m^2), centre of mass (m), in body axes."""
+    """Mass (kg), inertia about the pivot (kg m^2), centre of mass (m), in body axes.
+
+    The inertia is the diagonal of the tensor, the products are its elements 23, 31 and 12.
+    """
 
     mass: float
     inertia: np.ndarray
     centre: np.ndarray
+    products: np.ndarray = field(default_factory=lambda: np.zeros(3))
+
+    def tensor(self) -> np.ndarray:
+        """The tensor of inertia about the pivot, kg m^2."""
+        tensor = np.diag(self.inertia)
+        for (row, column), product in zip(((1, 2), (2, 0), (0, 1)), self.products, strict=True):
+            tensor[row, column] = tensor[column, row] = product
+        return tensor
 
     def axis(self) -> np.ndarray:
         """Unit vector from the pivot to the centre of mass; body z where they coincide."""
@@ -71,19 +88,19 @@ def read_body(table: Table) -> Body | None:
     if not match:
         return None
     try:
-        mass, *others = [float(x) for group in match.groups() for x in group.split(",")]
+        mass, *others = [float(x) for group in match.groups("0, 0, 0") for x in group.split(",")]
     except ValueError:
         return None
     sizes = np.abs([mass, *others])
     if len(others) != NUMBERS or not (sizes < LARGEST).all():
         return None
-    return Body(mass, np.array(others[:3]), np.array(others[3:]))
+    return Body(mass, *np.reshape(others, (3, 3)))
 
 
 def central_inertia(body: Body) -> np.ndarray:
     """The tensor of inertia about the centre of mass, kg m^2 (Steiner's theorem)."""
     r = body.centre
-    return np.diag(body.inertia) - body.mass * (r @ r * np.eye(3) - np.outer(r, r))
+    return body.tensor() - body.mass * (r @ r * np.eye(3) - np.outer(r, r))
 
 
 def exists(body: Body) -> bool:
@@ -123,6 +140,44 @@ def shape_drawing(table: Table, body: Body) -> Drawing | None:
     return Drawing([as_solid(kind, np.eye(3), body.centre, **drawn)], label)
 
 
+def part_solid(table: Table, group: str) -> dict[str, object] | None:
+    """The part that a group of the input describes; None if it is a point, or cannot be drawn."""
+    sizes = {
+        key: float(table.setting(f"{group}.{key}") or 0)
+        for key in ("radius", "inner_radius", "thickness")
+    }
+    radius, inner, height = sizes.values()
+    shape = table.setting(f"{group}.shape")
+    place = np.array(table.settings.get(f"{group}.place", [0, 0, 0]), dtype=float)
+    z = np.array(table.settings.get(f"{group}.axis", [0, 0, 1]), dtype=float)
+    z /= np.linalg.norm(z)
+    x = np.cross(np.eye(3)[np.argmin(abs(z))], z)
+    axes = np.column_stack([x / np.linalg.norm(x), np.cross(z, x / np.linalg.norm(x)), z])
+    if shape == "torus":
+        height = radius - inner
+    if shape == "cone":
+        place = place + 3 * height / 4 * z
+    if not 0 < max(sizes.values()) < LARGEST:
+        return None
+    if shape == "sphere":
+        return as_solid("sphere", axes, place, radius=radius)
+    radius, height = max(radius, THINNEST * height / 2), max(height, THINNEST * radius)
+    kind = "cone" if shape == "cone" else "ring" if inner > 0 else "cylinder"
+    extents = {"inner": inner} if kind == "ring" else {}
+    return as_solid(kind, axes, place, radius=radius, height=height, **extents)
+
+
+def part_drawing(table: Table) -> Drawing | None:
+    """The parts of which the input composes the body; None if it has none."""
+    groups = sorted({key.partition(".")[0] for key in table.settings if PART.match(key)})
+    if not groups:
+        return None
+    solids = [solid for group in groups if (solid := part_solid(table, group))]
+    return Drawing(
+        solids, f"The body is composed of {len(groups)} parts; those with extent are drawn."
+    )
+
+
 def equivalent_solid(body: Body, inertia: np.ndarray) -> dict[str, object] | None:
     """The homogeneous solid of the mass and these moments of inertia about the centre of mass.
 
@@ -157,7 +212,7 @@ def name_of(solid: dict[str, object]) -> str:
 
 def draw_body(table: Table, body: Body) -> Drawing:
     """The solids for a body: its shape, or a homogeneous solid of its mass properties."""
-    if shape := shape_drawing(table, body):
+    if shape := shape_drawing(table, body) or part_drawing(table):
         return shape
     if exists(body):
         solid = equivalent_solid(body, central_inertia(body))

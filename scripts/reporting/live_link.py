@@ -52,6 +52,7 @@ def is_lagrange(table: Table, body: Body) -> bool:
     return (
         abs(first - second) <= ALIKE * first
         and not body.centre[:2].any()
+        and not body.products.any()
         and body.centre[2] >= 0
         and min(body.mass, *body.inertia) > 0
         and not any(float(word) for word in damping)

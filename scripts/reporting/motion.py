@@ -114,7 +114,7 @@ def scene_of(table: Table, body: Body | None, omega: np.ndarray | None) -> str:
     """
     numbers = [table.rows["t"].iloc[0], *attitude_at_start(table)]
     if body is not None:
-        numbers += [body.mass, *body.inertia, *body.centre]
+        numbers += [body.mass, *body.inertia, *body.centre, *body.products]
     words = [str(table.settings.get(f"top.{key}", "")) for key in ("gravity", "damping")]
     if omega is None:
         given = {key: value for key, value in table.settings.items() if key.startswith("initial.")}
@@ -151,6 +151,7 @@ def motion_facts(table: Table, data: Data, anchor: str) -> dict[str, object]:
         facts["body"] = {
             "mass": body.mass,
             "inertia": body.inertia.tolist(),
+            "products": body.products.tolist(),
             "centre": body.centre.tolist(),
             "axis": body.axis().tolist(),
             "solids": draw_body(table, body).solids,

@@ -5,7 +5,7 @@ module spintop_assignment
     use spintop_kinds, only: dp
     use spintop_literals, only: read_integer, read_logical, read_long, read_real
     use spintop_parameter, only: all_elements, kind_integer, kind_long, kind_real, kind_text, &
-        leading_elements, parameter_t, quoted
+        leading_elements, one_per_group, parameter_t, quoted
     use spintop_plain_text, only: is_plain
     use spintop_scanner, only: scanner_t, token_close, token_colon, token_comma, token_open, &
         token_string, token_t, token_word
@@ -20,6 +20,8 @@ module spintop_assignment
         type(place_t) :: place           !! of the key
         logical :: quotes_optional = .false.
         logical :: refused = .false.     !! an error makes the other values void
+        integer :: group = 0             !! which of the groups of this name it stands in, if these may be repeated
+        integer, private :: rank = 0     !! dimensions of what the key names: 0 for a value, 1 for a list, 2 for rows
         integer, private :: row = 1, first = 1, last = 1
         logical, private :: whole = .true. !! the key or its row, without bounds
         integer :: count = 0             !! values so far
@@ -46,36 +48,51 @@ contains
         integer :: bounds(2, 2), dimensions
 
         self%last = parameter%extents(2)
+        self%rank = parameter%rank
+        if (parameter%elements == one_per_group .and. self%group > 0) call take_group(self)
         call scanner%peek(token)
         if (token%kind /= token_open) then
-            if (parameter%rank == 2) call self%refuse(parameter, diagnostics, self%place, &
+            if (self%rank == 2) call self%refuse(parameter, diagnostics, self%place, &
                 parameter%key // ' has rows', 'name one: ' // parameter%key // '(1,:) = ...')
             return
         end if
         call scanner%next(token)
         call read_bounds(scanner, bounds, dimensions, token)
         self%place%width = token%place%column - self%place%column + 1
-        if (parameter%rank == 0) then
+        if (self%rank == 0) then
             call self%refuse(parameter, diagnostics, self%place, &
                 parameter%key // ' is a single value', 'it takes no subscript')
-        else if (dimensions /= parameter%rank) then
+        else if (dimensions /= self%rank) then
             call self%refuse(parameter, diagnostics, self%place, 'bad subscript of ' // &
-                parameter%key, 'write ' // example(parameter) // '; strides are not supported')
-        else if (parameter%rank == 2 .and. &
+                parameter%key, 'write ' // example(parameter, self%rank) // '; strides are not supported')
+        else if (self%rank == 2 .and. &
             (bounds(1, 1) < 1 .or. bounds(1, 1) /= bounds(2, 1))) then
             call self%refuse(parameter, diagnostics, self%place, &
-                'one row at a time', 'write ' // example(parameter))
+                'one row at a time', 'write ' // example(parameter, self%rank))
         else
-            if (parameter%rank == 2) self%row = bounds(1, 1)
+            if (self%rank == 2) self%row = bounds(1, 1)
             call take_bounds(self, parameter, bounds(:, dimensions), diagnostics)
         end if
     end subroutine read_subscripts
 
+    !> In the n-th group of a name a key stands for element n of its list, or for row n.
+    pure subroutine take_group(self)
+        class(assignment_t), intent(inout) :: self
+        self%rank = self%rank - 1
+        if (self%rank == 1) then
+            self%row = self%group
+        else
+            self%first = self%group
+            self%last = self%group
+        end if
+    end subroutine take_group
+
     !> Example of the subscripts of a parameter.
-    function example(parameter) result(text)
+    function example(parameter, rank) result(text)
         type(parameter_t), intent(in) :: parameter
+        integer, intent(in) :: rank
         character(:), allocatable :: text
-        if (parameter%rank == 1) then
+        if (rank == 1) then
             text = parameter%key // '(2) or ' // parameter%key // '(2:3)'
         else
             text = parameter%key // '(1,:) or ' // parameter%key // '(1,2:3)'
@@ -181,8 +198,8 @@ contains
             if (self%count > self%last - self%first + 1) then
                 if (parameter%faulty) return
                 hint = 'it takes ' // values(self%last - self%first + 1)
-                if (self%last == self%first .and. parameter%rank > 0) hint = hint // '; several: ' &
-                    // parameter%key // ' = ..., or ' // example(parameter)
+                if (self%last == self%first .and. self%rank > 0) hint = hint // '; several: ' &
+                    // parameter%key // ' = ..., or ' // example(parameter, self%rank)
                 if (token%touches .and. parameter%kind == kind_text) then
                     hint = hint // '; a quote inside a text is written twice'
                 end if
@@ -203,7 +220,7 @@ contains
         logical :: all_needed
 
         if (self%refused .or. parameter%faulty) return
-        all_needed = parameter%elements == all_elements .or. .not. self%whole
+        all_needed = parameter%elements == all_elements .or. .not. self%whole .or. self%group > 0
         if (self%count == 0) then
             call self%refuse(parameter, diagnostics, self%place, &
                 'no value for ' // parameter%key, 'omit the key to use the default')

@@ -1,17 +1,17 @@
 !> Reads a namelist file, and overrides from the command line, into a table of parameters.
 !>
 !> The rules are those of Fortran, but stricter where Fortran accepts likely mistakes. Every group and every
-!> key must be known and may occur once. Only comments are allowed between groups. Texts are in quotes, on one
-!> line. No value may be empty. A list is given by `key = a, b`, by elements `key(2) = a` and ranges
-!> `key(2:3) = a, b`, or, if it has rows, by `key(1,:) = a, b`. All errors are collected; reading continues
-!> after an error.
+!> key must be known and may occur once; a group of parts may be repeated. Only comments are allowed between
+!> groups. Texts are in quotes, on one line. No value may be empty. A list is given by `key = a, b`, by elements
+!> `key(2) = a` and ranges `key(2:3) = a, b`, or, if it has rows, by `key(1,:) = a, b`. All errors are collected;
+!> reading continues after an error.
 module spintop_namelist
     use spintop_assignment, only: assignment_t
     use spintop_diagnostics, only: diagnostics_t, place_t
     use spintop_errors, only: error_t
     use spintop_files, only: read_file
     use spintop_overrides, only: read_override
-    use spintop_parameter, only: all_elements, leading_elements, parameter_t, quoted
+    use spintop_parameter, only: all_elements, leading_elements, one_per_group, parameter_t, quoted
     use spintop_parameters, only: parameter_table_t
     use spintop_scanner, only: scanner_t, token_comma, token_end, token_equals, token_group, &
         token_slash, token_t, token_word
@@ -122,11 +122,11 @@ contains
         type(diagnostics_t), intent(inout) :: diagnostics
         character(:), allocatable :: name, before
         type(token_t) :: token
-        logical :: known
+        integer :: number
 
         name = scanner%word(start)
         name = lower_case(name(2:))
-        call open_group(name, start%place, table, diagnostics, known)
+        call open_group(name, start%place, table, diagnostics, number)
         do
             call scanner%peek(token)
             select case (token%kind)
@@ -149,34 +149,51 @@ contains
                 call scanner%next(token)
                 call diagnostics%error(token%place, 'a comma without a value')
             case default
-                call read_assignment(scanner, name, known, table, diagnostics)
+                call read_assignment(scanner, name, number, table, diagnostics)
             end select
         end do
     end subroutine read_group
 
-    subroutine open_group(name, place, table, diagnostics, known)
+    subroutine open_group(name, place, table, diagnostics, number)
         character(*), intent(in) :: name
         type(place_t), intent(in) :: place
         type(parameter_table_t), intent(inout) :: table
         type(diagnostics_t), intent(inout) :: diagnostics
-        logical, intent(out) :: known !! whether the group is known, and was not read before
-        integer :: number
+        integer, intent(out) :: number !! which of the groups of this name it is; 0 if it is unknown, or one too many
+        integer :: i, most
 
-        number = table%find_group(name)
-        known = number > 0
-        if (.not. known) then
+        number = 0
+        i = table%find_group(name)
+        if (i == 0) then
             call diagnostics%error(place, 'unknown group &' // abbreviate(name), &
                 suggest_group(table, name))
             return
         end if
-        known = table%groups(number)%place%source == 0
-        if (known) then
-            table%groups(number)%place = place
-        else
-            call diagnostics%error(place, 'group &' // name // ' is given a second time', &
-                'first on line ' // to_text(table%groups(number)%place%line))
-        end if
+        most = most_groups(table, name)
+        associate (group => table%groups(i))
+            if (group%count < most) then
+                group%count = group%count + 1
+                if (group%count == 1) group%place = place
+                number = group%count
+            else if (most == 1) then
+                call diagnostics%error(place, 'group &' // name // ' is given a second time', &
+                    'first on line ' // to_text(group%place%line))
+            else
+                call diagnostics%error(place, 'too many groups &' // name, 'at most ' // to_text(most))
+            end if
+        end associate
     end subroutine open_group
+
+    !> How often a group may occur.
+    pure integer function most_groups(table, name) result(most)
+        type(parameter_table_t), intent(in) :: table
+        character(*), intent(in) :: name
+        integer :: i
+        do i = 1, size(table%parameters)
+            if (table%parameters(i)%group == name) exit
+        end do
+        most = table%parameters(i)%most_groups()
+    end function most_groups
 
     logical function is_legacy_end(scanner, token)
         type(scanner_t), intent(in) :: scanner
@@ -199,10 +216,10 @@ contains
     end subroutine close_group
 
     !> Reads `key = values`; key and values of an unknown group are skipped.
-    subroutine read_assignment(scanner, group, known, table, diagnostics)
+    subroutine read_assignment(scanner, group, group_number, table, diagnostics)
         type(scanner_t), intent(inout) :: scanner
         character(*), intent(in) :: group
-        logical, intent(in) :: known
+        integer, intent(in) :: group_number !! which of the groups of this name it is; 0 if it is not to be read
         type(parameter_table_t), intent(inout) :: table
         type(diagnostics_t), intent(inout) :: diagnostics
         type(assignment_t) :: assignment
@@ -218,7 +235,7 @@ contains
             return
         end if
         number = 0
-        if (known) call find_key(scanner%word(token), group, token%place, table, diagnostics, number)
+        if (group_number > 0) call find_key(scanner%word(token), group, token%place, table, diagnostics, number)
         if (number > 0 .and. .not. has_equals) then
             call diagnostics%error(token%place, 'no = after ' // scanner%word(token))
             table%parameters(number)%faulty = .true.
@@ -229,6 +246,7 @@ contains
         end if
         assignment%place = token%place
         associate (parameter => table%parameters(number))
+            if (parameter%elements == one_per_group) assignment%group = group_number
             call assignment%read_subscripts(parameter, scanner, diagnostics)
             do while (token%kind /= token_equals)
                 call scanner%next(token)
@@ -287,6 +305,9 @@ contains
         do row = 1, parameter%extents(1)
             last = 0
             if (parameter%elements == all_elements) last = parameter%extents(2)
+            if (parameter%elements == one_per_group .and. parameter%rank == 2 .and. parameter%last_set(row) > 0) then
+                last = parameter%extents(2)
+            end if
             if (parameter%elements == leading_elements) last = parameter%last_set(row)
             do column = 1, last
                 if (parameter%is_set(row, column)) cycle

@@ -11,7 +11,7 @@ module spintop_parameter
     private
     public :: parameter_t, unset, unset_integer, quoted
     public :: kind_real, kind_integer, kind_long, kind_text, kind_logical
-    public :: all_elements, leading_elements, any_elements
+    public :: all_elements, leading_elements, any_elements, one_per_group
 
     !> Value of a real that was not given.
     real(dp), parameter :: unset = -huge(1.0_dp)
@@ -32,6 +32,8 @@ module spintop_parameter
     integer, parameter :: leading_elements = 2
     !> Each element may be given independently.
     integer, parameter :: any_elements = 3
+    !> The group may be repeated; the n-th group has element n of a list, or row n.
+    integer, parameter :: one_per_group = 4
 
     !> One parameter. Elements are numbered (row, column): a scalar has only (1, 1), a list has only row 1.
     type :: parameter_t
@@ -71,7 +73,7 @@ module spintop_parameter
         procedure :: row_text
         procedure :: element_name
         procedure :: full_name
-        procedure :: is_number
+        procedure :: is_number, most_groups
         procedure :: in_other_units
         procedure, private :: prepare
     end type parameter_t
@@ -175,6 +177,13 @@ contains
         class(parameter_t), intent(in) :: self
         is_number = any(self%kind == [kind_real, kind_integer, kind_long])
     end function is_number
+
+    !> How often its group may occur.
+    pure integer function most_groups(self) result(most)
+        class(parameter_t), intent(in) :: self
+        most = 1
+        if (self%elements == one_per_group) most = self%extents(merge(2, 1, self%rank == 1))
+    end function most_groups
 
     !> The other key that takes the value in another unit, as the end of a sentence; '' if there is none.
     pure function in_other_units(self) result(text)

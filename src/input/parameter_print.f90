@@ -17,25 +17,54 @@ contains
         type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
         character(*), intent(in), optional :: groups !! 'a|b': print only these
         type(line_list_t) :: text
-        integer :: group, i, before
+        integer :: group, i, before, most, number
 
         do group = 1, size(table%groups)
             associate (name => table%groups(group)%name)
                 if (present(groups)) then
                     if (index('|' // groups // '|', '|' // name // '|') == 0) cycle
                 end if
-                before = text%count
+                most = 1
                 do i = 1, size(table%parameters)
-                    if (table%parameters(i)%group /= name) cycle
-                    if (table%parameters(i)%value_text() == '') cycle
-                    if (text%count == before) call text%add('&' // name)
-                    call print_parameter(table%parameters(i), text)
+                    if (table%parameters(i)%group == name) most = table%parameters(i)%most_groups()
                 end do
-                if (text%count > before) call text%add('/')
+                do number = 1, most
+                    before = text%count
+                    do i = 1, size(table%parameters)
+                        if (table%parameters(i)%group /= name) cycle
+                        if (most > 1) then
+                            call print_one(table%parameters(i), number, name, before, text)
+                        else if (table%parameters(i)%value_text() /= '') then
+                            if (text%count == before) call text%add('&' // name)
+                            call print_parameter(table%parameters(i), text)
+                        end if
+                    end do
+                    if (text%count > before) call text%add('/')
+                end do
             end associate
         end do
         call text%get(lines)
     end subroutine print_namelist
+
+    !> What the group of a number has of a parameter of repeated groups.
+    subroutine print_one(parameter, number, name, before, text)
+        type(parameter_t), intent(in) :: parameter
+        integer, intent(in) :: number, before !! number of the group, and of the lines before it
+        character(*), intent(in) :: name
+        type(line_list_t), intent(inout) :: text
+        type(string_t), allocatable :: elements(:)
+        integer, allocatable :: columns(:)
+        integer :: i
+
+        allocate (elements(0)) ! else gfortran 12 warns of its bounds
+        call parameter%row_text(merge(1, number, parameter%rank == 1), elements, columns)
+        do i = 1, size(columns)
+            if (parameter%rank == 1 .and. columns(i) /= number) cycle
+            if (text%count == before) call text%add('&' // name)
+            if (parameter%rank == 1) call text%add('    ' // parameter%key // ' = ' // elements(i)%text)
+            if (parameter%rank == 2 .and. i == 1) call text%add_words('    ' // parameter%key // ' = ', elements)
+        end do
+    end subroutine print_one
 
     !> The groups in which the input gives something, as `a|b`.
     function given_groups(table) result(groups)

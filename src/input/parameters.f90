@@ -14,13 +14,13 @@ module spintop_parameters
     use spintop_literals, only: read_subscript
     use spintop_number_slot, only: number_slot_t
     use spintop_parameter, only: all_elements, any_elements, kind_integer, kind_real, leading_elements, &
-        parameter_t, quoted, unset, unset_integer
+        one_per_group, parameter_t, quoted, unset, unset_integer
     use spintop_ranges, only: parse_range
     use spintop_text, only: did_you_mean, split, string_t, to_text
     implicit none
     private
     public :: parameter_table_t, unit_hint
-    public :: unset, unset_integer, all_elements, leading_elements, any_elements
+    public :: unset, unset_integer, all_elements, leading_elements, any_elements, one_per_group
 
     !> Suffix of the name of an angle in degrees.
     character(*), parameter :: degrees = '_deg'
@@ -29,6 +29,7 @@ module spintop_parameters
     type :: group_t
         character(:), allocatable :: name
         type(place_t) :: place = place_t()
+        integer :: count = 0 !! how many times it was given
     end type group_t
 
     !> All parameters of an input, and the places where they were given.

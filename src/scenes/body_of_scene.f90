@@ -1,11 +1,13 @@
 !> Makes the body of a scene, and checks its mass properties.
 module spintop_body_of_scene
     use spintop_kinds, only: dp
-    use spintop_compare, only: is_zero
+    use spintop_compare, only: is_equal, is_zero
     use spintop_body, only: body_t
     use spintop_shapes, only: dimensions_t, solid_t, shape_infos, build_shape, &
         shape_by_inertia
     use spintop_parameters, only: unset
+    use spintop_parts, only: sum_parts
+    use spintop_principal_axes, only: clear_rounding, find_principal_axes, steiner
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
     implicit none
@@ -32,11 +34,14 @@ contains
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         body%gravity = scene%gravity
         body%damping = scene%damping
-        if (scene%shape == shape_by_inertia) then
+        if (scene%parts%any()) then
+            call take_parts(scene, body, problems)
+        else if (scene%shape == shape_by_inertia) then
             call take_inertia(scene, body, problems)
         else
             call take_shape(scene, body, problems)
         end if
+        if (.not. problems%any() .and. body%has_products()) call check_damping(body, problems)
     end subroutine make_body
 
     !> Mass properties that are given as numbers.
@@ -44,7 +49,6 @@ contains
         type(scene_t), intent(in) :: scene
         type(body_t), intent(inout) :: body
         type(problems_t), intent(inout) :: problems
-        real(dp) :: central(3)
 
         if (is_set(scene%density)) call refuse('top.density', 'is for a shape')
         if (is_set(scene%radius)) call refuse('top.radius', 'is for a shape')
@@ -52,7 +56,13 @@ contains
         if (is_set(scene%thickness)) call refuse('top.thickness', 'is for a shape')
         if (is_set(scene%rod_length)) call refuse('top.rod_length', 'is for a shape')
         if (.not. is_set(scene%mass)) call require('top.mass')
-        if (.not. all(is_set(scene%inertia))) call require('top.inertia')
+        if (any(is_set(scene%inertia_tensor))) then
+            call take_tensor(scene, body, problems)
+        else if (all(is_set(scene%inertia))) then
+            body%inertia = scene%inertia
+        else
+            call require('top.inertia')
+        end if
         if (all(is_set(scene%centre_of_mass)) .and. is_set(scene%length)) then
             call problems%add('top.length', 'the centre of mass is given twice', &
                               'give either centre_of_mass or length')
@@ -65,30 +75,8 @@ contains
                               'give length (along body z) or centre_of_mass(3)')
         end if
         if (problems%any()) return
-
         body%mass = scene%mass
-        body%inertia = scene%inertia
-        if (breaks_triangle(scene%inertia)) then
-            call problems%add(inertia_names(maxloc(scene%inertia, dim=1)), &
-                'no body has these moments of inertia: the largest exceeds the sum of the others', &
-                'each moment is at most the sum of the other two')
-        end if
-        if (scene%inertia_about == 'centre_of_mass') then
-            body%inertia = scene%inertia + steiner(body)
-            if (count(.not. is_zero(body%centre_of_mass)) > 1) then
-                call problems%add('top.centre_of_mass', 'the pivot is not on a principal axis, so the &
-                    &inertia about it is not along body x, y, z', &
-                    'give the principal moments about the pivot instead')
-            end if
-        else
-            central = scene%inertia - steiner(body)
-            if (problems%any()) return
-            if (any(central < -triangle_slack * scene%inertia) .or. breaks_triangle(central)) then
-                call problems%warn('top.inertia', 'no mass distribution has this inertia about the pivot &
-                    &with its centre of mass there (is the term m l^2 missing?)', &
-                    "computed as given; inertia_about = 'centre_of_mass' adds that term")
-            end if
-        end if
+        call refer_to_pivot(scene, body, problems)
 
     contains
 
@@ -105,12 +93,125 @@ contains
 
     end subroutine take_inertia
 
+    !> The inertia tensor of a scene: the elements on and above the diagonal, or their mirror images.
+    subroutine take_tensor(scene, body, problems)
+        type(scene_t), intent(in) :: scene
+        type(body_t), intent(inout) :: body
+        type(problems_t), intent(inout) :: problems
+        !> Difference of two mirrored elements that counts as rounding of their digits, relative to the largest element.
+        real(dp), parameter :: unequal = 1.0e-9_dp
+        integer :: i, j
+
+        if (any(is_set(scene%inertia))) then
+            call problems%add('top.inertia_tensor', 'the inertia is given twice', 'give either inertia or inertia_tensor')
+            return
+        end if
+        associate (given => scene%inertia_tensor, mirrored => transpose(scene%inertia_tensor))
+            if (.not. all(is_set(given) .or. is_set(mirrored))) then
+                call problems%add('top.inertia_tensor', 'the inertia tensor is not complete', &
+                                  'give its diagonal and the elements above it')
+            else if (any(is_set(given) .and. is_set(mirrored) .and. &
+                         abs(given - mirrored) > unequal * maxval(abs(given), is_set(given)))) then
+                call problems%add('top.inertia_tensor', 'the inertia tensor is not symmetric', &
+                                  'omit the elements below its diagonal')
+            else
+                do i = 1, 3
+                    body%inertia(i) = given(i, i)
+                    j = mod(i, 3) + 1
+                    body%products(i) = merge(given(min(j, 6 - i - j), max(j, 6 - i - j)), &
+                                             given(max(j, 6 - i - j), min(j, 6 - i - j)), &
+                                             is_set(given(min(j, 6 - i - j), max(j, 6 - i - j))))
+                end do
+            end if
+        end associate
+    end subroutine take_tensor
+
+    !> Checks an inertia that is given as numbers, and refers it to the pivot.
+    subroutine refer_to_pivot(scene, body, problems)
+        type(scene_t), intent(in) :: scene
+        type(body_t), intent(inout) :: body
+        type(problems_t), intent(inout) :: problems
+        real(dp) :: shift(3), shift_products(3), moments(3), central(3), axes(4)
+        character(18) :: name
+        logical :: is_tensor
+
+        is_tensor = any(is_set(scene%inertia_tensor))
+        moments = body%inertia
+        if (is_tensor) call find_principal_axes(body%inertia, body%products, moments, axes)
+        if (breaks_triangle(moments) .or. minval(moments) < -triangle_slack * maxval(moments)) then
+            name = inertia_names(maxloc(moments, dim=1))
+            if (is_tensor) name = 'top.inertia_tensor'
+            call problems%add(trim(name), &
+                'no body has these moments of inertia: the largest exceeds the sum of the others', &
+                'each moment is at most the sum of the other two')
+            return
+        end if
+        call steiner(body%mass, body%centre_of_mass, shift, shift_products)
+        if (scene%inertia_about == 'centre_of_mass') then
+            body%inertia = body%inertia + shift
+            body%products = body%products + shift_products
+        else
+            central = moments - shift
+            if (is_tensor) call find_principal_axes(body%inertia - shift, body%products - shift_products, central, axes)
+            if (any(central < -triangle_slack * moments) .or. breaks_triangle(central)) then
+                call problems%warn('top.inertia', 'no mass distribution has this inertia about the pivot &
+                    &with its centre of mass there (is the term m l^2 missing?)', &
+                    "computed as given; inertia_about = 'centre_of_mass' adds that term")
+            end if
+        end if
+        if (is_tensor) call clear_rounding(body%inertia, body%products, body%centre_of_mass)
+    end subroutine refer_to_pivot
+
+    !> Mass properties that are the sum of those of the parts.
+    subroutine take_parts(scene, body, problems)
+        type(scene_t), intent(in) :: scene
+        type(body_t), intent(inout) :: body
+        type(problems_t), intent(inout) :: problems
+
+        if (scene%shape /= shape_by_inertia) call refuse('top.shape', .true.)
+        call refuse('top.mass', is_set(scene%mass))
+        call refuse('top.inertia', any(is_set(scene%inertia)))
+        call refuse('top.inertia_tensor', any(is_set(scene%inertia_tensor)))
+        call refuse('top.inertia_about', scene%inertia_about /= 'pivot')
+        call refuse('top.centre_of_mass', any(is_set(scene%centre_of_mass)))
+        call refuse('top.length', is_set(scene%length))
+        call refuse('top.density', is_set(scene%density))
+        call refuse('top.radius', is_set(scene%radius))
+        call refuse('top.inner_radius', is_set(scene%inner_radius))
+        call refuse('top.thickness', is_set(scene%thickness))
+        call refuse('top.rod_length', is_set(scene%rod_length))
+        call sum_parts(scene%parts, body%mass, body%centre_of_mass, body%inertia, body%products, problems)
+        if (.not. problems%any()) call clear_rounding(body%inertia, body%products, body%centre_of_mass)
+
+    contains
+
+        subroutine refuse(name, given)
+            character(*), intent(in) :: name
+            logical, intent(in) :: given
+            if (given) call problems%add(name, name // ' is not for a body of parts', 'omit it, or the groups &part')
+        end subroutine refuse
+
+    end subroutine take_parts
+
+    !> Damping about axes that are not principal axes must not distinguish them.
+    subroutine check_damping(body, problems)
+        type(body_t), intent(in) :: body
+        type(problems_t), intent(inout) :: problems
+        logical :: differ(3)
+        differ = .not. is_equal(cshift(body%damping, 1), cshift(body%damping, 2))
+        if (any(differ .and. .not. is_zero(body%products))) then
+            call problems%add('top.damping', 'the damping differs about axes that are not principal axes of inertia', &
+                              'give equal coefficients about these axes')
+        end if
+    end subroutine check_damping
+
     !> Mass properties of a shape.
     subroutine take_shape(scene, body, problems)
         type(scene_t), intent(in) :: scene
         type(body_t), intent(inout) :: body
         type(problems_t), intent(inout) :: problems
         type(solid_t) :: solid
+        real(dp) :: shift(3), no_products(3)
         integer :: i
 
         do i = 1, size(shape_infos)
@@ -121,6 +222,7 @@ contains
             call check('top.rod_length', scene%rod_length, shape_infos(i)%needs_rod_length)
         end do
         if (any(is_set(scene%inertia))) call check('top.inertia', 1.0_dp, .false.)
+        if (any(is_set(scene%inertia_tensor))) call check('top.inertia_tensor', 1.0_dp, .false.)
         if (any(is_set(scene%centre_of_mass))) call check('top.centre_of_mass', 1.0_dp, .false.)
         call check('top.length', scene%length, .false.)
         if (scene%inertia_about /= 'pivot') call check('top.inertia_about', 1.0_dp, .false.)
@@ -141,7 +243,8 @@ contains
         body%mass = scene%mass
         if (is_set(scene%density)) body%mass = scene%density * solid%volume
         body%centre_of_mass = [0.0_dp, 0.0_dp, solid%length]
-        body%inertia = body%mass * [solid%across, solid%across, solid%along] + steiner(body)
+        call steiner(body%mass, body%centre_of_mass, shift, no_products)
+        body%inertia = body%mass * [solid%across, solid%across, solid%along] + shift
         if (is_zero(body%mass)) then
             call problems%add('top.thickness', 'the body has no volume', 'give its mass, not its density')
         end if
@@ -168,14 +271,5 @@ contains
         real(dp), intent(in) :: inertia(3)
         breaks_triangle = 2 * maxval(inertia) > sum(inertia) * (1 + triangle_slack)
     end function breaks_triangle
-
-    !> Moments of inertia about the pivot of the mass at the centre of mass (Steiner), kg m^2.
-    pure function steiner(body) result(moments)
-        type(body_t), intent(in) :: body
-        real(dp) :: moments(3)
-        associate (square => body%centre_of_mass**2)
-            moments = body%mass * (sum(square) - square)
-        end associate
-    end function steiner
 
 end module spintop_body_of_scene

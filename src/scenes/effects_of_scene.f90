@@ -32,6 +32,11 @@ contains
         effects%torque_space = given(scene%torque_space)
         call take_table(scene, effects, problems)
         if (problems%any() .or. .not. effects%is_any()) return
+        if (body%has_products()) then
+            call problems%add('effects', 'effects are given in the principal axes of the body, and its inertia is a tensor in &
+                &other axes', 'give inertia(3) about the principal axes')
+            return
+        end if
         if (friction_jams(body, effects%friction_arm)) then
             call problems%add('effects.friction_coefficient', 'friction may jam the body: m mu rho |[r]x I^-1| is 1 or more, &
                 &so that the load of the pivot need not exist', 'use a smaller friction_coefficient or friction_radius')

@@ -47,7 +47,9 @@ contains
             plan%reason = plan%reason // ' The rotor on the axis and the rotation of the frame about the vertical only add &
                 &constants to the rates of phi and psi, so the motion is computed as that of a top without them.'
         end if
-        if (case%turn%axis > 0) then
+        if (case%turn%to_principal_axes) then
+            plan%reason = plan%reason // ' The body is rotated internally to its principal axes. The results are rotated back.'
+        else if (case%turn%axis > 0) then
             plan%reason = plan%reason // ' The body is rotated internally: its symmetry axis, body ' &
                 // axis_letters(case%turn%axis) // ', becomes z, with the centre of mass above the &
                 &pivot. The results are rotated back.'

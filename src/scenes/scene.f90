@@ -10,6 +10,7 @@ module spintop_scene
     use spintop_kinds, only: dp
     use spintop_projection, only: projection_names, project_nothing
     use spintop_parameters, only: parameter_table_t, unset, unset_integer, any_elements, leading_elements
+    use spintop_parts, only: describe_parts, parts_t
     use spintop_formulations, only: formulation_infos
     use spintop_method_aliases, only: method_aliases
     use spintop_methods, only: method_infos
@@ -40,6 +41,7 @@ module spintop_scene
         character(word) :: shape = shape_by_inertia
         real(dp) :: mass = unset
         real(dp) :: inertia(3) = unset
+        real(dp) :: inertia_tensor(3, 3) = unset
         character(word) :: inertia_about = 'pivot'
         real(dp) :: centre_of_mass(3) = unset
         real(dp) :: length = unset
@@ -50,6 +52,8 @@ module spintop_scene
         real(dp) :: rod_length = unset
         real(dp) :: gravity = 9.81_dp
         real(dp) :: damping(3) = 0
+        ! &part
+        type(parts_t) :: parts
         ! &effects
         type(effects_scene_t) :: effects
         ! &initial
@@ -123,6 +127,8 @@ module spintop_scene
         ! &stability
         character(word) :: stability_cases(64) = ''
         character(2 * word) :: stability_methods(64) = ''
+        ! &benchmark
+        character(word) :: benchmark_cases(64) = ''
     end type scene_t
 
 contains
@@ -135,6 +141,7 @@ contains
         call table%add('study.kind', scene%kind, join(study_kinds, '|'), 'what to compute')
         call table%add('study.title', scene%title, what='title of the scene, for tables and figures')
         call describe_top(scene, table)
+        call describe_parts(scene%parts, table)
         call describe_effects(scene%effects, table)
         call describe_initial(scene, table)
         call describe_span(scene, table)
@@ -144,6 +151,7 @@ contains
         call describe_statistics(scene, table)
         call describe_precision(scene, table)
         call describe_stability(scene, table)
+        call table%add('benchmark.cases', scene%benchmark_cases, what='benchmarks of the catalogue (all)')
     end subroutine describe_scene
 
     !> The body, by its mass properties or by a shape.
@@ -157,8 +165,11 @@ contains
         call table%add('top.mass', scene%mass, 'kg', '> 0', 'mass of the body')
         call table%add('top.inertia', scene%inertia, 'kg m^2', '> 0', &
                        'principal moments of inertia about body x, y, z')
+        call table%add('top.inertia_tensor', scene%inertia_tensor, 'kg m^2', '', &
+                       'inertia tensor in body axes, instead of top.inertia; its elements below the diagonal may be omitted', &
+                       elements=any_elements)
         call table%add('top.inertia_about', scene%inertia_about, 'pivot|centre_of_mass', &
-                       'reference point of top.inertia')
+                       'reference point of top.inertia and top.inertia_tensor')
         call table%add('top.centre_of_mass', scene%centre_of_mass, 'm', '', &
                        'centre of mass from the pivot in body axes')
         call table%add('top.length', scene%length, 'm', '', &

@@ -159,7 +159,7 @@ contains
         integer(int64) :: number
         logical :: found
 
-        if (.not. self%axes%varies('top')) return
+        if (.not. (self%axes%varies('top') .or. self%axes%varies('part'))) return
         allocate (swept)
         call swept%copy(self%scene, self%axes)
         do number = 1, self%axes%cases, max(1_int64, self%axes%cases / most_looked_at)

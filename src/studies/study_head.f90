@@ -51,6 +51,7 @@ contains
         character(:), allocatable :: text
         text = 'mass ' // to_text(body%mass) // ' kg; inertia ' // listed(body%inertia) // &
                ' kg m^2 about the pivot; centre of mass ' // listed(body%centre_of_mass) // ' m'
+        if (body%has_products()) text = text // '; elements 23, 31, 12 of the inertia tensor ' // listed(body%products) // ' kg m^2'
 
     contains
 

@@ -89,7 +89,9 @@ contains
 
         if (case%turn%is_shifted()) call self%add('effects', 'the lines below are for the top without effects that has &
             &the rates phi_rate + ' // decimal(case%turn%phi_shift) // ' and psi_rate + ' // decimal(case%turn%psi_shift))
-        if (case%turn%axis > 0) then
+        if (case%turn%to_principal_axes) then
+            call self%add('axes', 'the lines below are for the body in its principal axes')
+        else if (case%turn%axis > 0) then
             call self%add('axes', 'the lines below are for the rotated body, with its centre of mass above the pivot')
         end if
         associate (body => case%body, start => case%start)

@@ -14,6 +14,9 @@ module spintop_body
         real(dp) :: mass = 1
         !> Principal moments of inertia about O, kg m^2.
         real(dp) :: inertia(3) = 1
+        !> Elements 23, 31 and 12 of the inertia tensor about O, kg m^2: zero in principal axes, which all methods need.
+        !> Other axes are those of a body as it was given; `inertia` then has the diagonal of the tensor.
+        real(dp) :: products(3) = 0
         !> Centre of mass from O in body axes, m.
         real(dp) :: centre_of_mass(3) = 0
         !> m/s^2, downwards along space z.
@@ -31,6 +34,8 @@ module spintop_body
         procedure :: has_closed_form
         procedure :: symmetry_axis
         procedure :: torque
+        procedure :: momentum
+        procedure :: has_products
     end type body_t
 
 contains
@@ -51,7 +56,8 @@ contains
     !> Whether inertia and weight are symmetric about body z, whatever the damping.
     pure logical function is_symmetric(self)
         class(body_t), intent(in) :: self
-        is_symmetric = is_equal(self%inertia(1), self%inertia(2)) .and. all(is_zero(self%centre_of_mass(1:2)))
+        is_symmetric = is_equal(self%inertia(1), self%inertia(2)) .and. all(is_zero(self%centre_of_mass(1:2))) &
+                       .and. .not. self%has_products()
     end function is_symmetric
 
     !> Whether this is a symmetric undamped top about body z with its centre of mass on or above O, without effects:
@@ -103,6 +109,23 @@ contains
         end function alike
 
     end function symmetry_axis
+
+    !> Whether the body axes are not principal axes.
+    pure logical function has_products(self)
+        class(body_t), intent(in) :: self
+        has_products = .not. all(is_zero(self%products))
+    end function has_products
+
+    !> Angular momentum about O in body axes, kg m^2/s.
+    pure function momentum(self, omega)
+        class(body_t), intent(in) :: self
+        real(dp), intent(in) :: omega(3) !! angular velocity in body axes, rad/s
+        real(dp) :: momentum(3)
+        momentum = self%inertia * omega
+        if (self%has_products()) then
+            momentum = momentum + cshift(self%products, 2) * cshift(omega, 1) + cshift(self%products, 1) * cshift(omega, 2)
+        end if
+    end function momentum
 
     !> Gravitational torque about O in body axes, N m: m g Gamma x r (`gamma` is the upward
     !> vertical in body axes).

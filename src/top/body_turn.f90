@@ -1,8 +1,9 @@
-!> Rotations of the body axes that make a Lagrange top of a body whose symmetry axis is body x or y, or whose
-!> centre of mass lies below the pivot on body z.
+!> Rotations of the body axes to axes that the methods need: to the principal axes of a body that is given by an
+!> inertia tensor; and those that make a Lagrange top of a body whose symmetry axis is body x or y, or whose centre of
+!> mass lies below the pivot on body z.
 !>
-!> The rotated axes have the symmetry axis along z and the centre of mass at or above the pivot. Results that
-!> are computed in them are rotated back to the axes in which the body was given.
+!> The rotated axes of a Lagrange top have the symmetry axis along z and the centre of mass at or above the pivot.
+!> Results that are computed in rotated axes are rotated back to the axes in which the body was given.
 !>
 !> The same for effects that only add constants to the rates of phi and psi: a rotor with constant momentum h on the
 !> axis, and a frame that turns with s about the vertical. With the rates phi' + s and psi' + h/I3 the body moves as
@@ -10,10 +11,11 @@
 module spintop_body_turn
     use spintop_kinds, only: dp, pi
     use spintop_attitude, only: quaternion_product, conjugate_quaternion, &
-        angles_from_quaternion, rates_from_omega, vertical_from_quaternion
+        angles_from_quaternion, rates_from_omega, to_space, vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_compare, only: is_zero
     use spintop_motion, only: motion_t, motion_from_angles, motion_from_quaternion
+    use spintop_principal_axes, only: clear_rounding, find_principal_axes
     use spintop_vectors, only: cross
     implicit none
     private
@@ -21,13 +23,16 @@ module spintop_body_turn
 
     !> A rotation of the body axes by a quaternion p: the vector v becomes p v conj(p).
     type :: body_turn_t
-        !> The symmetry axis was body x, y or z (1, 2, 3); 0 if there is no rotation.
+        !> Whether the body is rotated to its principal axes first.
+        logical :: to_principal_axes = .false.
+        !> The symmetry axis was (principal) axis x, y or z (1, 2, 3); 0 if there is no rotation of it.
         integer :: axis = 0
         !> The direction of the axis is reversed by the rotation.
         logical :: flipped = .false.
         !> What effects add to the rates of phi and psi, rad/s.
         real(dp) :: phi_shift = 0, psi_shift = 0
-        real(dp), private :: p(4) = [1, 0, 0, 0]
+        !> The whole rotation, and that to principal axes.
+        real(dp), private :: p(4) = [1, 0, 0, 0], principal(4) = [1, 0, 0, 0]
     contains
         procedure :: is_turned
         procedure :: is_shifted
@@ -47,25 +52,37 @@ module spintop_body_turn
 
 contains
 
-    !> The rotation that makes a Lagrange top of the body; none if it is one already, or cannot be one.
+    !> The rotation that gives a body principal axes and makes a Lagrange top of it; none if it needs none.
     pure type(body_turn_t) function find_body_turn(body) result(turn)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(body_turn_t) :: trial
         type(body_t) :: turned
+        real(dp) :: moments(3)
         integer :: axis, sense
 
         if (body%is_lagrange()) return
-        if (allocated(body%effects)) then
+        if (body%has_products()) then
+            call find_principal_axes(body%inertia, body%products, moments, turn%principal)
+            turn%to_principal_axes = .true.
+            turn%p = turn%principal
+            turned = turn%turned_body(body)
+            if (turned%is_lagrange()) return
+        else if (allocated(body%effects)) then
             trial = with_shifts(trial, body)
             turned = trial%turned_body(body)
-            turn = trial
-            if (turned%is_lagrange()) return
-            turn = body_turn_t()
+            if (turned%is_lagrange()) then
+                turn = trial
+                return
+            end if
         end if
         do axis = 3, 1, -1
             do sense = 1, 2
-                trial = body_turn_t(axis=axis, flipped=sense == 2, p=exchange(:, axis))
+                trial = turn
+                trial%axis = axis
+                trial%flipped = sense == 2
+                trial%p = exchange(:, axis)
                 if (trial%flipped) trial%p = quaternion_product(flip, trial%p)
+                if (turn%to_principal_axes) trial%p = quaternion_product(trial%p, turn%principal)
                 if (allocated(body%effects)) trial = with_shifts(trial, body)
                 turned = trial%turned_body(body)
                 if (.not. turned%is_lagrange()) cycle
@@ -90,7 +107,7 @@ contains
     !> Whether the computation has a rotation, or other rates of the angles.
     elemental logical function is_turned(self)
         class(body_turn_t), intent(in) :: self
-        is_turned = self%axis > 0 .or. self%is_shifted()
+        is_turned = self%axis > 0 .or. self%to_principal_axes .or. self%is_shifted()
     end function is_turned
 
     !> Whether effects add to the rates of the angles.
@@ -99,28 +116,36 @@ contains
         is_shifted = .not. (is_zero(self%phi_shift) .and. is_zero(self%psi_shift))
     end function is_shifted
 
-    !> Whether the symmetry axis was not body z.
+    !> Whether body z is not along the z axis of the rotated axes.
     elemental logical function exchanges_axes(self)
         class(body_turn_t), intent(in) :: self
-        exchanges_axes = self%axis == 1 .or. self%axis == 2
+        exchanges_axes = self%axis == 1 .or. self%axis == 2 .or. self%to_principal_axes
     end function exchanges_axes
 
-    !> The body in rotated axes; without effects, where they are in the rates of the angles.
+    !> The body in rotated axes; without effects, where they are in the rates of the angles. (Its damping is the same about
+    !> axes that the rotation to principal axes mixes, and it has no effects then.)
     pure type(body_t) function turned_body(self, body) result(turned)
         class(body_turn_t), intent(in) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
+        real(dp) :: unused(4)
         turned = body
         if (self%is_shifted()) deallocate (turned%effects)
+        if (self%to_principal_axes) then
+            call find_principal_axes(body%inertia, body%products, turned%inertia, unused)
+            turned%products = 0
+            turned%centre_of_mass = to_space(self%principal, body%centre_of_mass)
+            call clear_rounding(turned%inertia, turned%products, turned%centre_of_mass)
+        end if
         if (self%axis == 0) return
-        turned%inertia = exchanged(self%axis, body%inertia)
-        turned%damping = exchanged(self%axis, body%damping)
-        turned%centre_of_mass = self%vector(body%centre_of_mass)
+        turned%inertia = exchanged(self%axis, turned%inertia)
+        turned%damping = exchanged(self%axis, turned%damping)
+        turned%centre_of_mass = reordered(self, turned%centre_of_mass)
         if (.not. allocated(turned%effects)) return
         associate (effects => turned%effects)
             effects%drag_moment = exchanged(self%axis, effects%drag_moment)
-            effects%rotor_momentum = self%vector(effects%rotor_momentum)
-            effects%rotor_torque = self%vector(effects%rotor_torque)
-            effects%torque_body = self%vector(effects%torque_body)
+            effects%rotor_momentum = reordered(self, effects%rotor_momentum)
+            effects%rotor_torque = reordered(self, effects%rotor_torque)
+            effects%torque_body = reordered(self, effects%torque_body)
         end associate
     end function turned_body
 
@@ -132,13 +157,23 @@ contains
         w = cshift(v, axis)
     end function exchanged
 
-    !> A vector in rotated axes, without rounding errors.
+    !> A vector in principal axes, expressed in rotated axes, without rounding errors.
+    pure function reordered(self, v) result(w)
+        class(body_turn_t), intent(in) :: self
+        real(dp), intent(in) :: v(3)
+        real(dp) :: w(3)
+        w = exchanged(self%axis, v)
+        if (self%flipped) w(2:3) = -w(2:3)
+    end function reordered
+
+    !> A vector in rotated axes; without rounding errors if it was in principal axes.
     pure function vector(self, v) result(w)
         class(body_turn_t), intent(in) :: self
         real(dp), intent(in) :: v(3) !! in the axes in which the body was given
         real(dp) :: w(3)
-        w = exchanged(self%axis, v)
-        if (self%flipped) w(2:3) = -w(2:3)
+        w = v
+        if (self%to_principal_axes) w = to_space(self%principal, v)
+        w = reordered(self, w)
     end function vector
 
     !> A motion in rotated axes.
@@ -146,18 +181,18 @@ contains
         class(body_turn_t), intent(in) :: self
         type(motion_t), intent(in) :: motion !! in the axes in which the body was given
         turned = motion
-        if (self%axis == 3) then
-            turned = motion_from_angles(motion%t, [motion%angle(1) + pi, pi - motion%angle(2), &
-                -motion%angle(3) - pi], [motion%rate(1), -motion%rate(2), -motion%rate(3)])
-        else if (self%axis > 0) then
+        if (self%exchanges_axes()) then
             turned = motion_from_quaternion(motion%t, &
                 quaternion_product(motion%quaternion, conjugate_quaternion(self%p)), &
                 self%vector(motion%omega), motion%angle)
             turned%gives_quaternion = .true.
             turned%gives_omega = .true.
+        else if (self%axis == 3) then
+            turned = motion_from_angles(motion%t, [motion%angle(1) + pi, pi - motion%angle(2), &
+                -motion%angle(3) - pi], [motion%rate(1), -motion%rate(2), -motion%rate(3)])
+            turned%omega = self%vector(motion%omega)
+            turned%gives_omega3 = motion%gives_omega3 .or. motion%gives_omega
         end if
-        if (self%axis > 0) turned%omega = self%vector(motion%omega)
-        if (self%axis == 3) turned%gives_omega3 = motion%gives_omega3 .or. motion%gives_omega
         if (self%is_shifted()) turned = shifted(self, turned)
     end function turned_motion
 
@@ -218,16 +253,16 @@ contains
         real(dp), intent(in) :: near(3) !! angles near the result, rad
         seen = motion
         if (self%is_shifted()) seen = unshifted(self, motion)
-        if (self%axis == 0) return
+        if (.not. (self%axis > 0 .or. self%to_principal_axes)) return
         seen%quaternion = quaternion_product(seen%quaternion, self%p)
         seen%omega = given_vector(seen%omega)
         seen%omega_rate = given_vector(seen%omega_rate)
-        if (self%axis == 3) then
-            seen%angle = [seen%angle(1) - pi, pi - seen%angle(2), -(seen%angle(3) + pi)]
-            seen%rate = [seen%rate(1), -seen%rate(2), -seen%rate(3)]
-        else
+        if (self%exchanges_axes()) then
             seen%angle = angles_from_quaternion(seen%quaternion, near)
             seen%rate = rates_from_omega(seen%angle, seen%omega)
+        else
+            seen%angle = [seen%angle(1) - pi, pi - seen%angle(2), -(seen%angle(3) + pi)]
+            seen%rate = [seen%rate(1), -seen%rate(2), -seen%rate(3)]
         end if
 
     contains
@@ -239,6 +274,7 @@ contains
             v = w
             if (self%flipped) v(2:3) = -v(2:3)
             v = cshift(v, -self%axis)
+            if (self%to_principal_axes) v = to_space(conjugate_quaternion(self%principal), v)
         end function given_vector
 
     end function back

@@ -10,6 +10,7 @@ module spintop_quantities
     private
     public :: kinetic_energy, potential_energy, energy_scale, vertical_momentum, axial_momentum
     public :: euler_residuals, support_force, axis_tip, axis_height_rate
+    public :: kovalevskaya_integral, goryachev_integral
 
 contains
 
@@ -18,6 +19,7 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         kinetic_energy = dot_product(body%inertia, motion%omega**2) / 2
+        if (body%has_products()) kinetic_energy = dot_product(body%momentum(motion%omega), motion%omega) / 2
     end function kinetic_energy
 
     !> Potential energy above the height of the pivot, J, with that of the motion of the frame.
@@ -49,6 +51,8 @@ contains
             vertical_momentum = dot_product(body%inertia * motion%omega, &
                                             vertical_from_quaternion(motion%quaternion))
         end if
+        if (body%has_products()) vertical_momentum = dot_product(body%momentum(motion%omega), &
+                                                                 vertical_from_quaternion(motion%quaternion))
     end function vertical_momentum
 
     !> Angular momentum about body z, kg m^2/s.
@@ -57,13 +61,44 @@ contains
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         real(dp) :: momentum(3)
         axial_momentum = body%inertia(3) * motion%omega(3)
+        if (body%has_products()) axial_momentum = dot_product(body%momentum(motion%omega), [0, 0, 1])
         if (.not. allocated(body%effects)) return
         momentum = total_momentum(body, motion%t, motion%quaternion, motion%omega)
         axial_momentum = momentum(3)
     end function axial_momentum
 
-    !> Residual of Euler's equations, I omega' + omega x I omega - torque, N m; with effects, of those for P'. The first two components are
-    !> R1 and R2 of Eq 51.
+    !> Kovalevskaya's integral |(omega1 + i omega2)^2 - nu (Gamma1 + i Gamma2)|^2 with nu = m g (x + i y)/I3, 1/s^4. It is
+    !> constant for I1 = I2 = 2 I3 and z = 0 (S. Kovalevskaya, Sur le probleme de la rotation d'un corps solide autour d'un
+    !> point fixe, Acta Math. 12, 1889).
+    pure real(dp) function kovalevskaya_integral(body, motion) result(integral)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
+        complex(dp) :: rate, nu, vertical
+        real(dp) :: gamma(3), moment(3)
+        gamma = vertical_from_quaternion(motion%quaternion)
+        moment = body%weight_moment()
+        nu = cmplx(moment(1), moment(2), dp) / body%inertia(3)
+        vertical = cmplx(gamma(1), gamma(2), dp)
+        rate = cmplx(motion%omega(1), motion%omega(2), dp)
+        integral = abs(rate**2 - nu * vertical)**2
+    end function kovalevskaya_integral
+
+    !> The integral of Goryachev and Chaplygin omega3 (omega1^2 + omega2^2) - (nu1 omega1 + nu2 omega2) Gamma3 with nu =
+    !> m g r/I3, 1/s^3. It is constant for I1 = I2 = 4 I3 and z = 0 if the vertical momentum vanishes (Chaplygin 1901).
+    pure real(dp) function goryachev_integral(body, motion) result(integral)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
+        real(dp) :: gamma(3), moment(3)
+        gamma = vertical_from_quaternion(motion%quaternion)
+        moment = body%weight_moment()
+        associate (omega => motion%omega)
+            integral = omega(3) * (omega(1)**2 + omega(2)**2) &
+                       - dot_product(moment(1:2), omega(1:2)) / body%inertia(3) * gamma(3)
+        end associate
+    end function goryachev_integral
+
+    !> Residual of Euler's equations, I omega' + omega x I omega - torque, N m; with effects, of those for P'. The first
+    !> two components are R1 and R2 of Eq 51.
     pure function euler_residuals(body, motion) result(residual)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! attitude, angular velocity and acceleration at an instant
@@ -78,6 +113,10 @@ contains
                    + cross(motion%omega, body%inertia * motion%omega) &
                    + body%damping * motion%omega &
                    - body%torque(vertical_from_quaternion(motion%quaternion))
+        if (body%has_products()) residual = body%momentum(motion%omega_rate) &
+                                            + cross(motion%omega, body%momentum(motion%omega)) &
+                                            + body%damping * motion%omega &
+                                            - body%torque(vertical_from_quaternion(motion%quaternion))
     end function euler_residuals
 
     !> Support force on the body in space axes, N: the mass times the acceleration of the centre of mass,

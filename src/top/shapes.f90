@@ -1,12 +1,14 @@
 !> Bodies of common shapes: mass properties from dimensions and density.
 !>
-!> Every shape is a homogeneous solid of revolution about body z, on a massless support. Its row in
-!> `shape_infos` lists the dimensions it needs; its formula is in `build_shape`.
+!> Every part is a homogeneous solid of revolution. Its row in `part_infos` lists its dimensions; its formula is in
+!> `build_part`. Every shape is one such part about body z, on a massless support. Its row in `shape_infos` lists the
+!> dimensions it needs; `build_shape` says where the part is.
 module spintop_shapes
     use spintop_kinds, only: dp, pi
     implicit none
     private
     public :: shape_info_t, dimensions_t, solid_t, shape_infos, build_shape, shape_by_inertia
+    public :: part_info_t, part_infos, build_part
 
     !> Dimensions that shapes are made of.
     type :: dimensions_t
@@ -22,7 +24,7 @@ module spintop_shapes
     type :: solid_t
         !> Volume, m^3.
         real(dp) :: volume = 0
-        !> From the pivot to the centre of mass along body z, m.
+        !> From the pivot, or from the place of a part, to the centre of mass along the axis, m.
         real(dp) :: length = 0
         !> Moments of inertia about the centre of mass, divided by the mass, m^2: across, along z.
         real(dp) :: across = 0, along = 0
@@ -35,6 +37,29 @@ module spintop_shapes
         !> Which dimensions it needs besides the radius.
         logical :: needs_inner_radius, needs_thickness, needs_rod_length
     end type shape_info_t
+
+    !> Registry entry of a part of a body.
+    type :: part_info_t
+        character(16) :: name
+        character(96) :: what
+        !> Which of the dimensions radius, inner radius and thickness it needs, and which it takes; those that are not
+        !> given are zero.
+        logical :: needs(3), takes(3)
+    end type part_info_t
+
+    !> All parts.
+    type(part_info_t), parameter :: part_infos(*) = [ &
+        part_info_t('disc', 'disc or ring about its centre', [.true., .false., .false.], [.true., .true., .true.]), &
+        part_info_t('rod', 'rod about its centre; thickness is its length', &
+                    [.false., .false., .true.], [.true., .false., .true.]), &
+        part_info_t('cylinder', 'cylinder or tube about its centre; thickness is its height', &
+                    [.true., .false., .true.], [.true., .true., .true.]), &
+        part_info_t('cone', 'cone that opens along its axis from its apex; thickness is its height', &
+                    [.true., .false., .true.], [.true., .false., .true.]), &
+        part_info_t('sphere', 'ball or hollow ball about its centre', [.true., .false., .false.], [.true., .true., .false.]), &
+        part_info_t('torus', 'torus about its centre; its hole has the inner radius', &
+                    [.true., .true., .false.], [.true., .true., .false.]), &
+        part_info_t('point_mass', 'mass without extent', [.false., .false., .false.], [.false., .false., .false.])]
 
     !> Name of the shape that is given by its mass properties.
     character(*), parameter :: shape_by_inertia = 'inertia'
@@ -57,32 +82,56 @@ contains
     pure type(solid_t) function build_shape(name, size) result(solid)
         character(*), intent(in) :: name !! name of the shape
         type(dimensions_t), intent(in) :: size !! dimensions of the shape
+        type(dimensions_t) :: whole
+        whole = size
+        whole%inner_radius = 0
+        select case (name)
+        case ('spinning_wheel')
+            solid = build_part('disc', whole)
+            solid%length = size%rod_length
+        case ('ring')
+            solid = build_part('disc', size)
+            solid%length = size%rod_length
+        case ('sphere')
+            solid = build_part('sphere', whole)
+            solid%length = size%rod_length
+        case ('cylinder')
+            solid = build_part('cylinder', whole)
+            solid%length = size%thickness / 2
+        case default
+            solid = build_part(name, whole)
+        end select
+    end function build_shape
+
+    !> Volume, length and radii of inertia of a part; zeros for an unknown one and for a point mass.
+    pure type(solid_t) function build_part(name, size) result(solid)
+        character(*), intent(in) :: name !! name of the part
+        type(dimensions_t), intent(in) :: size !! its dimensions
+        real(dp) :: middle, tube
         associate (r => size%radius, s => size%inner_radius, h => size%thickness)
             select case (name)
-            case ('spinning_wheel')
-                solid = disc(0.0_dp, r, h, size%rod_length)
-            case ('ring')
-                solid = disc(s, r, h, size%rod_length)
-            case ('cylinder')
-                solid = disc(0.0_dp, r, h, h / 2)
+            case ('disc', 'rod', 'cylinder')
+                solid%volume = pi * (r - s) * (r + s) * h
+                solid%across = (3 * (r**2 + s**2) + h**2) / 12
+                solid%along = (r**2 + s**2) / 2
             case ('sphere')
-                solid = solid_t(4 * pi * r**3 / 3, size%rod_length, 2 * r**2 / 5, 2 * r**2 / 5)
+                solid%volume = 4 * pi * (r**3 - s**3) / 3
+                ! 2 (r^5 - s^5)/(5 (r^3 - s^3)), also for a thin shell.
+                solid%along = r**2
+                if (s > 0) solid%along = solid%along + s**3 * (r + s) / (r**2 + r * s + s**2)
+                solid%along = 2 * solid%along / 5
+                solid%across = solid%along
             case ('cone')
-                solid = solid_t(pi * r**2 * h / 3, 3 * h / 4, 3 * (4 * r**2 + h**2) / 80, &
-                                3 * r**2 / 10)
+                solid = solid_t(pi * r**2 * h / 3, 3 * h / 4, 3 * (4 * r**2 + h**2) / 80, 3 * r**2 / 10)
+            case ('torus')
+                middle = (r + s) / 2
+                tube = (r - s) / 2
+                solid = solid_t(2 * pi**2 * middle * tube**2, 0.0_dp, middle**2 / 2 + 5 * tube**2 / 8, &
+                                middle**2 + 3 * tube**2 / 4)
             case default
                 solid = solid_t()
             end select
         end associate
-    end function build_shape
-
-    !> A disc with a round hole.
-    pure type(solid_t) function disc(inner, outer, height, length)
-        real(dp), intent(in) :: inner, outer, height, length
-        disc%volume = pi * (outer - inner) * (outer + inner) * height
-        disc%length = length
-        disc%across = (3 * (outer**2 + inner**2) + height**2) / 12
-        disc%along = (outer**2 + inner**2) / 2
-    end function disc
+    end function build_part
 
 end module spintop_shapes

@@ -25,17 +25,18 @@ module spintop_validity
 
 contains
 
-    !> `status_ok` for a body of finite numbers with a positive mass, without negative moments of inertia
-    !> or damping coefficients, and with a weight that is not lost to underflow; else `status_non_finite` or
-    !> `status_bad_body`. Single moments may be zero (a thin rod): `can_run` decides which equations hold for
-    !> such a body.
+    !> `status_ok` for a body of finite numbers in its principal axes with a positive mass, without negative moments of
+    !> inertia or damping coefficients, and with a weight that is not lost to underflow; else `status_non_finite` or
+    !> `status_bad_body`. Single moments may be zero (a thin rod): `can_run` decides which equations hold for such a
+    !> body.
     pure integer function body_status(body) result(status)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         associate (a => body%inertia, r => body%centre_of_mass, d => body%damping)
             ! Zero times a number is zero unless the number is infinite or NaN: one comparison checks all.
             if (.not. abs(0 * body%mass + 0 * body%gravity + sum(0 * a) + sum(0 * r) + sum(0 * d)) <= 0) then
                 status = status_non_finite
-            else if (.not. body%mass > 0 .or. min(a(1), a(2), a(3)) < 0 .or. min(d(1), d(2), d(3)) < 0) then
+            else if (.not. body%mass > 0 .or. min(a(1), a(2), a(3)) < 0 .or. min(d(1), d(2), d(3)) < 0 .or. &
+                     body%has_products()) then
                 status = status_bad_body
             else
                 status = merge(status_bad_body, status_ok, loses_weight(body))

@@ -8,6 +8,7 @@ import { equal, near, test } from "./check.js";
 const BODY = {
   mass: 2,
   inertia: [3, 3, 0.5],
+  products: [0, 0, 0],
   centre: [0, 0, 1],
   axis: [0, 0, 1],
   solids: [
@@ -80,6 +81,16 @@ test("the momentum of a steady precession has its own height", () => {
   const expected = 0.5 * (RATE * Math.cos(0.8) + SPIN) * Math.cos(0.8) + across * Math.sin(0.8);
   near(a.z, expected, 1e-3);
   near(b.z, expected, 1e-3);
+});
+
+test("the momentum of a body in other than principal axes", () => {
+  const body = { ...BODY, inertia: [3, 2, 1], products: [0.1, -0.2, 0.3] };
+  const columns = { t: Float64Array.of(0, 1) };
+  Object.entries({ q0: 1, q1: 0, q2: 0, q3: 0, omega1: 1, omega2: 10, omega3: 100 }).forEach(([name, value]) => {
+    columns[name] = Float64Array.of(value, value);
+  });
+  const { momentum } = new Motion({ ...FACTS, total: 2, body }, columns);
+  [3 + 3 - 20, 0.3 + 20 + 10, -0.2 + 1 + 100].forEach((value, k) => near(momentum[k], value, 1e-12));
 });
 
 test("the trace goes through the rows, and is as long as the motion", () => {

@@ -14,9 +14,11 @@ TOPICS = {
     "columns": "study name group unit description",
     "events": "name in_table description",
     "shapes": "name needs description",
+    "parts": "name needs takes description",
     "parameters": "name group key type full_name unit default range lower lower_open upper"
     " upper_open choices description",
     "cases": "name is_long description",
+    "benchmarks": "name description source",
     "studies": "name takes_axes takes_columns has_parts has_netcdf has_events description",
     "statuses": "name number description",
     "exit_codes": "code description",

@@ -11,7 +11,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
-COMPARISONS = "kind = 'stability'", "kind = 'work_precision'"  # take long: other tests run parts
+COMPARISONS = "kind = 'stability'", "kind = 'work_precision'", "kind = 'benchmark'"
+"""These take long: other tests run parts of them."""
+
 INPUTS = [
     path
     for path in sorted((ROOT / "input").glob("*.nml"))

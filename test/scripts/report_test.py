@@ -168,6 +168,51 @@ class BodyTest(ReportCase):
         thin = top.replace("thickness = 0.4", "thickness = 0.001")
         self.assertIn("but for its thickness", self.drawing(body, thin)[1])
 
+    def test_parts(self) -> None:
+        """The parts of a body are drawn where they are; a point has no extent."""
+        parts = (
+            {"shape": "'disc'", "radius": 0.5, "inner_radius": 0.2, "thickness": 0.1},
+            {"shape": "'cone'", "radius": 0.2, "thickness": 0.4, "axis": "2, 0, 0"},
+            {"shape": "'point_mass'", "place": "0, 0, 1"},
+            {"shape": "'rod'", "thickness": 1.0, "place": "0, 0, 0.5"},
+            {"shape": "'torus'", "radius": 0.4, "inner_radius": 0.2, "place": "0, 0, 0.3"},
+        )
+        groups = "".join(
+            "#     &part\n"
+            + "".join(f"#         {key} = {part[key]}\n" for key in part)
+            + "#     /\n"
+            for part in parts
+        )
+        body = Body(2.0, np.array([8.25, 8.25, 0.5]), np.array([0.0, 0.0, 2.0]))
+        solids, label = self.drawing(body, groups)
+        self.assertEqual([solid["kind"] for solid in solids], ["ring", "cone", "cylinder", "ring"])
+        self.assertIn("composed of 5 parts", label)
+        np.testing.assert_allclose(solids[1]["place"], [0.3, 0, 0], atol=1e-15)
+        np.testing.assert_allclose(np.reshape(solids[1]["axes"], (3, 3))[2], [1, 0, 0], atol=1e-15)
+        for solid in solids:
+            self.assertAlmostEqual(np.linalg.det(np.reshape(solid["axes"], (3, 3))), 1)
+        self.assertEqual((solids[3]["height"], solids[3]["place"]), (0.2, [0, 0, 0.3]))
+
+    def test_products(self) -> None:
+        """A body that is given in other than principal axes is drawn in its own."""
+        inertia, angle = np.diag([0.2, 0.3, 0.4]), 0.4
+        turn = np.array(
+            [[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]]
+        )
+        tensor = turn @ inertia @ turn.T
+        numbers = ", ".join(str(x) for x in np.diag(tensor))
+        header = (
+            f"# body: mass 2 kg; inertia {numbers} kg m^2 about the pivot; "
+            "centre of mass 0, 0, 0 m; "
+            f"elements 23, 31, 12 of the inertia tensor {tensor[1, 2]}, 0, 0 kg m^2\n"
+        )
+        body = read_body(self.table(header + a_trajectory()))
+        np.testing.assert_allclose(central_inertia(body), tensor)
+        [solid], label = self.drawing(body)
+        self.assertIn("homogeneous cuboid", label)
+        own = np.reshape(solid["axes"], (3, 3))
+        np.testing.assert_allclose(abs(own @ turn), np.eye(3), atol=1e-12)
+
     def test_every_shape_of_the_program(self) -> None:
         """The program has no shape that the page cannot draw."""
         source = (TESTS.parent / "src/top/shapes.f90").read_text(encoding="utf-8")

@@ -282,17 +282,24 @@ def input_of(head: list[str]) -> str:
 def read_head(
     lines: list[str],
 ) -> tuple[dict[str, str], dict[str, list[str]], dict[str, str], dict[str, str]]:
-    """The `key: value` lines of a header, the resolved input, units and meanings of the columns."""
+    """The `key: value` lines of a header, the resolved input, units and meanings of the columns.
+
+    The second of several groups of one name, such as part, has the name part(2).
+    """
     header: dict[str, str] = {}
     settings: dict[str, list[str]] = {}
     units: dict[str, str] = {}
     meanings: dict[str, str] = {}
+    groups: list[str] = []
     group = key = ""
     in_columns = False
     for line in lines:
         assignment = ASSIGNMENT.fullmatch(line)
         if line.startswith("&"):
             group, key = line[1:].strip().lower(), ""
+            groups.append(group)
+            if groups.count(group) > 1:
+                group += f"({groups.count(group)})"
         elif line == "/":
             group = ""
         elif group and assignment:

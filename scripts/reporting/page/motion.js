@@ -18,6 +18,7 @@ export const COLUMNS = ["t", ...ANGLES, ...QUATERNION, ...RATES, ...OMEGA, ...FO
 
 const plainDisc = {
   inertia: [1, 1, 1],
+  products: [0, 0, 0],
   centre: [0, 0, 1],
   axis: [0, 0, 1],
   solids: [
@@ -118,8 +119,13 @@ export class Motion {
 
   /** Angular momentum about the pivot in space axes. */
   #findMomentum(omega) {
-    const { inertia } = this.body;
-    return this.#inSpace(omega.map((rate, i) => inertia[i % 3] * rate));
+    const { inertia, products } = this.body;
+    const part = (rate, i) => {
+      const [first, k] = [i - (i % 3), i % 3];
+      const [next, last] = [(k + 1) % 3, (k + 2) % 3];
+      return inertia[k] * rate + products[last] * omega[first + next] + products[next] * omega[first + last];
+    };
+    return this.#inSpace(omega.map(part));
   }
 
   /**

@@ -1,5 +1,6 @@
 !> The registries as JSON: a list of objects per topic, for scripts. What does not exist is null.
 module spintop_listed_json
+    use spintop_benchmark_cases, only: benchmarks
     use spintop_arkode_tables, only: arkode_table_names
     use spintop_body, only: body_t
     use spintop_errors, only: exit_codes
@@ -14,7 +15,7 @@ module spintop_listed_json
     use spintop_parameter, only: kind_integer, kind_logical, kind_long, kind_real, parameter_t
     use spintop_parameters, only: parameter_table_t
     use spintop_scene, only: scene_t, describe_scene
-    use spintop_shapes, only: shape_infos, shape_by_inertia
+    use spintop_shapes, only: part_infos, shape_infos, shape_by_inertia
     use spintop_status, only: status_names, status_meanings, status_ok
     use spintop_stepper, only: method_info_t, stepper_t
     use spintop_studies, only: list_studies, study_entry_t
@@ -23,8 +24,8 @@ module spintop_listed_json
     use spintop_suitability, only: can_run
     implicit none
     private
-    public :: tell_cases, tell_columns, tell_events, tell_exit_codes, tell_formulations, tell_methods, &
-        tell_parameters, tell_shapes, tell_statuses, tell_studies
+    public :: tell_benchmarks, tell_cases, tell_columns, tell_events, tell_exit_codes, tell_formulations, tell_methods, &
+        tell_parameters, tell_parts, tell_shapes, tell_statuses, tell_studies
 
 contains
 
@@ -207,6 +208,26 @@ contains
         call json%close()
     end subroutine tell_shapes
 
+    !> The parts of bodies; `needs` and `takes` are the keys of &part that a part must and may have, beside its mass.
+    subroutine tell_parts(json)
+        type(json_t), intent(inout) :: json !! the item is appended
+        character(12), parameter :: dimensions(*) = [character(12) :: 'radius', 'inner_radius', 'thickness']
+        integer :: i
+
+        call json%open_list('parts')
+        do i = 1, size(part_infos)
+            associate (part => part_infos(i))
+                call json%open_object()
+                call json%add('name', part%name)
+                call json%add('needs', pack(dimensions, part%needs))
+                call json%add('takes', pack(dimensions, part%takes .and. .not. part%needs))
+                call json%add('description', part%what)
+                call json%close()
+            end associate
+        end do
+        call json%close()
+    end subroutine tell_parts
+
     !> The parameters of an input.
     subroutine tell_parameters(json)
         type(json_t), intent(inout) :: json !! the item is appended
@@ -279,6 +300,21 @@ contains
         end do
         call json%close()
     end subroutine tell_cases
+
+    !> The published benchmarks.
+    subroutine tell_benchmarks(json)
+        type(json_t), intent(inout) :: json !! the item is appended
+        integer :: i
+        call json%open_list('benchmarks')
+        do i = 1, size(benchmarks)
+            call json%open_object()
+            call json%add('name', benchmarks(i)%name)
+            call json%add('description', benchmarks(i)%what)
+            call json%add('source', benchmarks(i)%source)
+            call json%close()
+        end do
+        call json%close()
+    end subroutine tell_benchmarks
 
     !> The kinds of study, and what each can do.
     subroutine tell_studies(json)

@@ -1,5 +1,6 @@
 !> The registries as aligned text, a line per item: its name, a second column, and what it is.
 module spintop_listed_text
+    use spintop_benchmark_cases, only: benchmarks
     use spintop_arkode_tables, only: arkode_table_names
     use spintop_errors, only: exit_codes
     use spintop_event_text, only: named_events, event_grammar
@@ -11,7 +12,7 @@ module spintop_listed_text
     use spintop_parameter_print, only: list_parameters
     use spintop_parameters, only: parameter_table_t
     use spintop_scene, only: scene_t, describe_scene
-    use spintop_shapes, only: shape_infos, shape_by_inertia
+    use spintop_shapes, only: part_infos, shape_infos, shape_by_inertia
     use spintop_status, only: status_names, status_meanings
     use spintop_stepper, only: method_info_t
     use spintop_studies, only: list_studies, study_entry_t
@@ -20,8 +21,8 @@ module spintop_listed_text
     use spintop_text, only: string_t, join, to_text
     implicit none
     private
-    public :: show_cases, show_columns, show_events, show_exit_codes, show_formulations, show_methods, &
-        show_parameters, show_shapes, show_statuses, show_studies
+    public :: show_benchmarks, show_cases, show_columns, show_events, show_exit_codes, show_formulations, show_methods, &
+        show_parameters, show_parts, show_shapes, show_statuses, show_studies
 
 contains
 
@@ -121,6 +122,28 @@ contains
         call text%get(lines)
     end subroutine show_shapes
 
+    !> The parts of bodies, with the dimensions that they need and those that they may have.
+    subroutine show_parts(lines)
+        type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
+        character(14), parameter :: dimensions(*) = [character(14) :: ', radius', ', inner_radius', ', thickness']
+        type(line_list_t) :: text
+        character(160) :: what
+        integer :: i, k
+        do i = 1, size(part_infos)
+            associate (part => part_infos(i))
+                what = trim(part%what) // '; needs mass or density'
+                do k = 1, size(dimensions)
+                    if (part%needs(k)) what = trim(what) // dimensions(k)
+                end do
+                do k = 1, size(dimensions)
+                    if (part%takes(k) .and. .not. part%needs(k)) what = trim(what) // ' (' // trim(dimensions(k) (3:)) // ')'
+                end do
+                call add(text, part%name, '', trim(what))
+            end associate
+        end do
+        call text%get(lines)
+    end subroutine show_parts
+
     !> The parameters of an input.
     subroutine show_parameters(lines)
         type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
@@ -141,6 +164,17 @@ contains
         end do
         call text%get(lines)
     end subroutine show_cases
+
+    !> The published benchmarks.
+    subroutine show_benchmarks(lines)
+        type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
+        type(line_list_t) :: text
+        integer :: i
+        do i = 1, size(benchmarks)
+            call add(text, benchmarks(i)%name, '', trim(benchmarks(i)%what) // ': ' // benchmarks(i)%source)
+        end do
+        call text%get(lines)
+    end subroutine show_benchmarks
 
     !> The kinds of study.
     subroutine show_studies(lines)

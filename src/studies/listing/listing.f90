@@ -2,10 +2,10 @@
 module spintop_listing
     use spintop_errors, only: error_t, input_error
     use spintop_json, only: json_t
-    use spintop_listed_json, only: tell_cases, tell_columns, tell_events, tell_exit_codes, tell_formulations, &
-        tell_methods, tell_parameters, tell_shapes, tell_statuses, tell_studies
-    use spintop_listed_text, only: show_cases, show_columns, show_events, show_exit_codes, show_formulations, &
-        show_methods, show_parameters, show_shapes, show_statuses, show_studies
+    use spintop_listed_json, only: tell_benchmarks, tell_cases, tell_columns, tell_events, tell_exit_codes, &
+        tell_formulations, tell_methods, tell_parameters, tell_parts, tell_shapes, tell_statuses, tell_studies
+    use spintop_listed_text, only: show_benchmarks, show_cases, show_columns, show_events, show_exit_codes, &
+        show_formulations, show_methods, show_parameters, show_parts, show_shapes, show_statuses, show_studies
     use spintop_provenance, only: program_version
     use spintop_terminal, only: output_width
     use spintop_text, only: string_t, did_you_mean, join
@@ -51,8 +51,10 @@ contains
                   topic_t('columns', 'columns of the tables, with their units', show_columns, tell_columns), &
                   topic_t('events', 'events that a motion can be searched for', show_events, tell_events), &
                   topic_t('shapes', 'shapes of bodies, and their dimensions', show_shapes, tell_shapes), &
+                  topic_t('parts', 'parts of bodies, and their dimensions', show_parts, tell_parts), &
                   topic_t('parameters', 'keys of the input, with ranges and default values', show_parameters, tell_parameters), &
                   topic_t('cases', 'hard cases of the stability study', show_cases, tell_cases), &
+                  topic_t('benchmarks', 'published benchmarks', show_benchmarks, tell_benchmarks), &
                   topic_t('studies', 'kinds of studies', show_studies, tell_studies), &
                   topic_t('statuses', 'how a motion can end', show_statuses, tell_statuses), &
                   topic_t('exit_codes', 'exit codes of the program', show_exit_codes, tell_exit_codes)]

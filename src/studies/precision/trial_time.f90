@@ -29,16 +29,18 @@ contains
     !> The minimum time of `repeats` computations of a case with a plan, s. A similar computation, which took
     !> about `expected` seconds, should have run just before as a warm-up. If the repeats would take longer
     !> than two seconds there are fewer of them, but at least one. `counts` is the cost of one computation.
-    subroutine time_trial(case, plan, expected, repeats, time, counts)
+    subroutine time_trial(case, plan, expected, repeats, time, counts, motion, status)
         type(case_t), intent(in) :: case !! body, start and span
         type(plan_t), intent(inout) :: plan !! model, method and settings
         real(dp), intent(in) :: expected !! expected time of one computation, s
         integer, intent(in) :: repeats !! maximum number of measurements
         real(dp), intent(out) :: time !! minimum time, s
         type(counts_t), intent(out) :: counts !! cost of one computation
+        type(motion_t), intent(out), optional :: motion !! the end of the span, in the axes of the computation
+        integer, intent(out), optional :: status !! how the last computation ended (spintop_status)
         type(arrival_t) :: arrival
         real(dp) :: began, start
-        integer :: calls, repeat, i
+        integer :: calls, repeat, i, ended
 
         arrival%counts_turns = .false.
         calls = 1 + int(shortest / max(expected, shortest / 1000))
@@ -47,22 +49,24 @@ contains
         do repeat = 1, repeats
             began = seconds()
             do i = 1, calls
-                call go(case, plan, arrival, counts)
+                call go(case, plan, arrival, counts, ended)
             end do
             time = min(time, (seconds() - began) / calls)
             if (seconds() - start > longest) exit
         end do
+        if (present(motion)) motion = arrival%motion
+        if (present(status)) status = ended
     end subroutine time_trial
 
     !> Computes the state at the end of the span.
-    subroutine go(case, plan, arrival, counts)
+    subroutine go(case, plan, arrival, counts, status)
         type(case_t), intent(in) :: case
         type(plan_t), intent(inout) :: plan
         type(arrival_t), intent(inout) :: arrival
         type(counts_t), intent(out) :: counts
+        integer, intent(out) :: status
         type(exact_motion_t) :: exact
         type(outcome_t) :: outcome
-        integer :: status
 
         if (plan%exact) then
             call prepare_exact_motion(case%body, case%start, exact, status)
@@ -71,6 +75,7 @@ contains
             call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, &
                            [case%t_end], arrival, outcome)
             counts = outcome%counts
+            status = outcome%status
         end if
     end subroutine go
 

@@ -4,12 +4,9 @@
 !> Every case can be run separately, because its settings are parameters of an input file. integration.steps
 !> is the number of steps for methods without step control.
 module spintop_hard_cases
-    use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t
-    use spintop_overrides, only: read_override
-    use spintop_parameters, only: parameter_table_t
-    use spintop_scene, only: scene_t, describe_scene
-    use spintop_text, only: split, string_t
+    use spintop_scene, only: scene_t
+    use spintop_scene_of_settings, only: make_scene_of_settings
     implicit none
     private
     public :: hard_case_t, hard_cases, make_scene
@@ -28,7 +25,7 @@ module spintop_hard_cases
     end type hard_case_t
 
     integer, parameter :: slow = 1, wheel = 2, ball = 3, rod = 4, disc = 5, free = 6, kovalevskaya = 7, &
-        goryachev = 8, skew = 9, benchmark = 10, shell = 11, damped = 12
+        goryachev = 8, skew = 9, benchmark = 10, shell = 11, damped = 12, almost = 13, needle = 14
 
     !> The bodies: the slow top of Example 1 of the paper, the wheel of Example 2, and others.
     character(*), parameter :: bodies(*) = [character(160) :: &
@@ -43,7 +40,9 @@ module spintop_hard_cases
         'top.mass=10;top.gravity=10;top.inertia=1,1.5,2.25;top.centre_of_mass=0.01,0.005,0.02', &
         'top.mass=15;top.inertia=0.234375,0.46875,0.234375;top.inertia_about=centre_of_mass;top.centre_of_mass=0,1,0', &
         'top.mass=1;top.gravity=20;top.inertia=5,5,1;top.length=1', &
-        'top.mass=1;top.inertia=0.875,0.7,0.25;top.centre_of_mass=0.05,-0.03,0.86;top.damping=0.01,0.01,0.005']
+        'top.mass=1;top.inertia=0.875,0.7,0.25;top.centre_of_mass=0.05,-0.03,0.86;top.damping=0.01,0.01,0.005', &
+        'top.mass=1;top.inertia=0.875,0.8750001,0.25;top.length=0.86602540378443865', &
+        'top.mass=0.12;top.inertia=1.7231e-4,6.58e-6,1.7243e-4;top.length=0']
 
     !> The catalogue.
     type(hard_case_t), parameter :: hard_cases(*) = [ &
@@ -90,6 +89,12 @@ module spintop_hard_cases
             is_long=.true.), &
         hard_case_t('intermediate_axis', 'a free body that rotates about its intermediate axis, and turns over repeatedly', &
             'initial.quaternion=1,0,0,0;initial.omega=1e-3,1,1e-3;span.t_end=100;integration.steps=8000', free), &
+        hard_case_t('unstable_rotation', 'the same, started 1e-8 rad/s off that axis: errors grow by a factor of 1e8', &
+            'initial.quaternion=1,0,0,0;initial.omega=1e-8,1,1e-8;span.t_end=80;integration.steps=8000', free), &
+        hard_case_t('free_needle', 'a free body with two moments that differ by 7e-4, and one 26 times smaller', &
+            'initial.quaternion=1,0,0,0;initial.omega=30,100,1;span.t_end=10;integration.steps=16000', needle), &
+        hard_case_t('nearly_symmetric', 'Example 1 of the paper with moments that differ by 1e-7: it has no closed form', &
+            'initial.theta=0.19634954084936207;initial.psi_rate=1;span.t_end=10;integration.steps=8000', almost), &
         hard_case_t('kovalevskaya', 'the Kovalevskaya top (integrable): its centre of mass is not on the symmetry axis', &
             'initial.quaternion=0.77046945974922898,0.57785209481169215,0.24077170617153840,-0.12038585308576920;' // &
             'initial.omega=0.5,0.25,1;span.t_end=100;integration.steps=8000', kovalevskaya), &
@@ -111,17 +116,7 @@ contains
         type(hard_case_t), intent(in) :: case !! entry of the catalogue
         type(scene_t), target, intent(out) :: scene !! the scene of the case
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        type(parameter_table_t) :: table
-        type(diagnostics_t) :: diagnostics
-        type(string_t), allocatable :: settings(:)
-        integer :: i
-
-        call describe_scene(scene, table)
-        call split(trim(bodies(case%body)) // ';' // trim(case%settings), ';', settings)
-        do i = 1, size(settings)
-            call read_override(settings(i)%text, table, diagnostics)
-        end do
-        call diagnostics%raise(error)
+        call make_scene_of_settings(trim(bodies(case%body)) // ';' // trim(case%settings), scene, error)
     end subroutine make_scene
 
 end module spintop_hard_cases

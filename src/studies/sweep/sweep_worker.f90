@@ -112,7 +112,7 @@ contains
         worker%came = .true.
         worker%parameters = 0
         worker%plans(kind_of(job%case%body)) = kept_plan_t(.true., job%plan)
-        worker%same_body = .not. (job%axes%varies('top') .or. job%axes%varies('effects'))
+        worker%same_body = .not. (job%axes%varies('top') .or. job%axes%varies('part') .or. job%axes%varies('effects'))
         worker%same_attitude = .not. job%axes%varies_any(attitude_parameters)
         call prepare_grid(worker, job)
         worker%same_plans = .not. job%axes%varies('integration')

@@ -5,7 +5,8 @@ module spintop_trajectory_columns
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
     use spintop_motion_view, only: motion_view_t
-    use spintop_quantities, only: axial_momentum, axis_height_rate, axis_tip, vertical_momentum
+    use spintop_quantities, only: axial_momentum, axis_height_rate, axis_tip, goryachev_integral, kovalevskaya_integral, &
+        vertical_momentum
     use spintop_proof_columns, only: proof_columns
     use spintop_study_column, only: place_of, proof_group
     use spintop_trajectory_column, only: trajectory_column_t
@@ -89,6 +90,10 @@ contains
                                 'errors', value_of_norm_error), &
             trajectory_column_t('axis_z_rate', '1/s', 'rate of axis_z, zero at the turning points of theta', &
                                 'attitude', value_of_axis_z_rate), &
+            trajectory_column_t('kovalevskaya', '1/s^4', 'Kovalevskaya integral; constant for I1 = I2 = 2 I3 and ' // &
+                                'centre of mass in body x y', 'momenta', value_of_kovalevskaya), &
+            trajectory_column_t('goryachev', '1/s^3', 'integral of Goryachev and Chaplygin; constant for I1 = I2 = 4 I3, ' // &
+                                'lz = 0 and centre of mass in body x y', 'momenta', value_of_goryachev), &
             proof_columns()]
     end function trajectory_columns
 
@@ -360,5 +365,15 @@ contains
         type(motion_view_t), intent(inout) :: now
         value = axis_height_rate(now%motion)
     end function value_of_axis_z_rate
+
+    real(dp) function value_of_kovalevskaya(now) result(value)
+        type(motion_view_t), intent(inout) :: now
+        value = kovalevskaya_integral(now%body, now%motion)
+    end function value_of_kovalevskaya
+
+    real(dp) function value_of_goryachev(now) result(value)
+        type(motion_view_t), intent(inout) :: now
+        value = goryachev_integral(now%body, now%motion)
+    end function value_of_goryachev
 
 end module spintop_trajectory_columns

@@ -1,0 +1,122 @@
+!> The catalogue of published benchmark tops: the settings of each as in an input, the source, and the figures that were
+!> published. A quantity without a figure in the source has none here. The last benchmarks are special solutions, which
+!> are known in closed form or by an invariant.
+module spintop_benchmark_cases
+    use spintop_kinds, only: dp, no_number
+    implicit none
+    private
+    public :: benchmark_t, benchmarks, figure_t, figures
+
+    !> A benchmark of the literature.
+    type :: benchmark_t
+        character(24) :: name
+        !> What it is.
+        character(88) :: what
+        !> Where it was published.
+        character(192) :: source
+        !> Parameters as in an input, separated by semicolons.
+        character(288) :: settings
+    end type benchmark_t
+
+    !> A quantity of a benchmark at the end of its span.
+    type :: figure_t
+        !> Name of the benchmark, and of a column of trajectories.
+        character(24) :: benchmark
+        character(8) :: column
+        !> The published figure; NaN if there is none. The sign of a quaternion is that of the published one.
+        real(dp) :: published = no_number
+        !> Who published it, with which method and step.
+        character(112) :: method = ''
+    end type figure_t
+
+    !> The body and the start of Bruels, Cardona and Arnold.
+    character(*), parameter :: heavy_top = 'top.mass=15;top.inertia=0.234375,0.46875,0.234375;' // &
+        'top.inertia_about=centre_of_mass;top.centre_of_mass=0,1,0;initial.quaternion=1,0,0,0;initial.omega=0,150,-4.61538;'
+    character(*), parameter :: of_heavy_top = 'O. Bruels, A. Cardona, M. Arnold, Lie group generalized-alpha time integration ' // &
+        'of constrained flexible multibody systems, Mech. Mach. Theory 48, 2012'
+    character(*), parameter :: fine_alpha = 'Kynema verification suite: Lie group generalized-alpha, step 2e-6 s', &
+        coarse_alpha = 'Exudyn test heavyTop: generalized-alpha in Matlab, step 1e-4 s', &
+        by_rk4 = 'Exudyn test heavyTop: RK4 in Matlab', &
+        by_exudyn = 'Exudyn test heavyTop: generalized-alpha, index 2, step 1e-4 s', &
+        by_cvode = 'Assimulo example cvode_gyro: CVODE, BDF of order 2, tolerances 1e-10'
+
+    !> The catalogue.
+    type(benchmark_t), parameter :: benchmarks(*) = [ &
+        benchmark_t('heavy_top', 'fast top with its axis along body y, to t = 2', of_heavy_top, heavy_top // 'span.t_end=2'), &
+        benchmark_t('heavy_top_start', 'the same to t = 0.2', of_heavy_top, heavy_top // 'span.t_end=0.2'), &
+        benchmark_t('simo_wong', 'fast top that is nearly upright', &
+                    'J. C. Simo, K. K. Wong, Unconditionally stable algorithms for rigid body dynamics that exactly ' // &
+                    'preserve energy and momentum, Int. J. Numer. Meth. Engng 31, 1991', &
+                    'top.mass=1;top.gravity=20;top.inertia=5,5,1;top.length=1;initial.theta=0.05;initial.omega3=50;' // &
+                    'span.t_end=10'), &
+        benchmark_t('steady_cone', 'cone in steady precession at 60 degrees', &
+                    'P. L. Kinon, P. Betsch, input of ggl_vi_error_analysis in the code metis, 2021', &
+                    'top.shape=cone;top.radius=0.05;top.thickness=0.1;top.density=2700;initial.theta_deg=60;' // &
+                    'initial.phi_rate=10;initial.psi_rate=135.6;span.t_end=1'), &
+        benchmark_t('free_gyroscope', 'free body without symmetry', &
+                    'E. Celledoni, N. Saefstroem, Efficient time-symmetric simulation of torqued rigid bodies using Jacobi ' // &
+                    'elliptic functions, J. Phys. A 39, 2006', &
+                    'top.mass=1;top.inertia=1000,5000,6000;top.length=0;initial.quaternion=1,0,0,0;' // &
+                    'initial.omega=10,10,10;span.t_end=0.1'), &
+        benchmark_t('staude', 'stable permanent rotation about an axis that is no principal one', &
+                    'O. Staude, Ueber permanente Rotationsaxen bei der Bewegung eines schweren Koerpers um einen festen ' // &
+                    'Punkt, J. reine angew. Math. 113, 1894', &
+                    'top.mass=4;top.gravity=10;top.inertia=1,1.5,2.25;top.centre_of_mass=-0.108,-0.0675,0.036;' // &
+                    'initial.theta=0.8762980611683406;initial.psi=0.6747409422235526;initial.omega=1.44,1.8,1.92;span.t_end=10'), &
+        benchmark_t('grioli', 'regular precession of a body without symmetry about an inclined axis', &
+                    'G. Grioli, Esistenza e determinazione delle precessioni regolari dinamicamente possibili per un solido ' // &
+                    'pesante asimmetrico, Ann. Mat. Pura Appl. 26, 1947', &
+                    'top.mass=1;top.gravity=10;top.inertia_tensor(1,:)=2,0,0.75;top.inertia_tensor(2,2:3)=2,0;' // &
+                    'top.inertia_tensor(3,3)=1;top.length=0.5;initial.theta=1.5707963267948966;' // &
+                    'initial.psi=-0.6435011087932844;initial.omega=0,2,2;span.t_end=10'), &
+        benchmark_t('hess', 'motion whose momentum stays perpendicular to the axis of the centre of mass', &
+                    'W. Hess, Ueber die Eulerschen Bewegungsgleichungen und ueber eine neue partikulaere Loesung des ' // &
+                    'Problems, Math. Ann. 37, 1890', &
+                    'top.mass=1;top.gravity=10;top.inertia=2.25,2,1;top.centre_of_mass=0.1,0,0.3;initial.theta=1;' // &
+                    'initial.psi=0.5;initial.omega=-0.4,1,0.3;span.t_end=10'), &
+        benchmark_t('bobylev_steklov', 'motion with omega1 constant and omega2 = 0', &
+                    'D. Bobylev and V. Steklov 1896, in E. Leimanis, The general problem of the motion of coupled rigid ' // &
+                    'bodies about a fixed point, Springer, 1965', &
+                    'top.mass=1;top.gravity=4;top.inertia=2,1.5,1;top.centre_of_mass=0.25,0,0;' // &
+                    'initial.theta=0.9272952180016123;initial.psi=0.8480620789814809;initial.omega=0.5,0,1.2;span.t_end=10')]
+
+    !> The quantities, with the published figures.
+    type(figure_t), parameter :: figures(*) = [ &
+        figure_t('heavy_top', 'com_x', -0.150416985652933_dp, fine_alpha), &
+        figure_t('heavy_top', 'com_y', -0.724164450779749_dp, fine_alpha), &
+        figure_t('heavy_top', 'com_z', -0.673023460701136_dp, fine_alpha), &
+        figure_t('heavy_top', 'q0', 0.122947275600560_dp, fine_alpha), &
+        figure_t('heavy_top', 'q1', -0.491079359219981_dp, fine_alpha), &
+        figure_t('heavy_top', 'q2', 0.350430794926147_dp, fine_alpha), &
+        figure_t('heavy_top', 'q3', -0.787986857972906_dp, fine_alpha), &
+        figure_t('heavy_top_start', 'q0', -0.70813_dp, coarse_alpha), &
+        figure_t('heavy_top_start', 'q1', 0.43881_dp, coarse_alpha), &
+        figure_t('heavy_top_start', 'q2', 0.54593_dp, coarse_alpha), &
+        figure_t('heavy_top_start', 'q3', 0.089251_dp, coarse_alpha), &
+        figure_t('heavy_top_start', 'q0', -0.70828_dp, by_rk4), &
+        figure_t('heavy_top_start', 'q1', 0.43878_dp, by_rk4), &
+        figure_t('heavy_top_start', 'q2', 0.54573_dp, by_rk4), &
+        figure_t('heavy_top_start', 'q3', 0.0894_dp, by_rk4), &
+        figure_t('heavy_top_start', 'q0', -0.70824157_dp, by_exudyn), &
+        figure_t('heavy_top_start', 'q1', 0.43878143_dp, by_exudyn), &
+        figure_t('heavy_top_start', 'q2', 0.54578152_dp, by_exudyn), &
+        figure_t('heavy_top_start', 'q3', 0.08937154_dp, by_exudyn), &
+        figure_t('simo_wong', 'energy', 1269.975_dp, 'Solfec validation: the start'), &
+        figure_t('simo_wong', 'com_x'), &
+        figure_t('simo_wong', 'com_y'), &
+        figure_t('simo_wong', 'com_z'), &
+        figure_t('steady_cone', 'com_x'), &
+        figure_t('steady_cone', 'com_y'), &
+        figure_t('steady_cone', 'com_z'), &
+        figure_t('free_gyroscope', 'omega1', 0.692800241862_dp, by_cvode), &
+        figure_t('free_gyroscope', 'gamma2', 0.708468221_dp, by_cvode), &
+        figure_t('staude', 'omega1'), &
+        figure_t('staude', 'gamma3'), &
+        figure_t('grioli', 'omega1'), &
+        figure_t('grioli', 'gamma3'), &
+        figure_t('hess', 'omega1'), &
+        figure_t('hess', 'gamma3'), &
+        figure_t('bobylev_steklov', 'omega3'), &
+        figure_t('bobylev_steklov', 'gamma3')]
+
+end module spintop_benchmark_cases

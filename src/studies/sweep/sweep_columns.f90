@@ -39,12 +39,16 @@ module spintop_sweep_columns
         logical :: oracle = .false. !! the comparison with the exact motion
         logical :: inherent = .false. !! the accuracy that the data allow
         logical :: cost = .false. !! the cost
-        logical :: details = .false. !! more of the whole nutation
+        logical :: details = .false. !! more of the whole nutation, and extremes of rates and forces
+        logical :: turning = .false. !! what follows from turning points
         logical :: growth = .false. !! the stability of the start
         logical :: lyapunov = .false. !! the Lyapunov exponent
         logical :: singular = .false. !! the largest singular value
         logical :: fastest = .false. !! the largest precession rate
         logical :: lowest = .false. !! the minimum height of the centre of mass
+        logical :: nutation_rate = .false. !! the largest nutation rate
+        logical :: vertical_force = .false. !! the extremes of the vertical force
+        logical :: force = .false. !! the largest force
     end type sweep_work_t
 
     abstract interface
@@ -128,7 +132,8 @@ contains
             sweep_column_t('spin_per_nutation', 'rad', &
                            'change of psi in a nutation, without the half turns at exact passages of a pole', &
                            'details', fill_spin_per_nutation), &
-            sweep_column_t('theta_rate_max', 'rad/s', 'maximum nutation rate', 'details', fill_theta_rate_max), &
+            sweep_column_t('theta_rate_max', 'rad/s', 'largest magnitude of the nutation rate', &
+                           'details', fill_theta_rate_max), &
             sweep_column_t('force_max', 'N', 'maximum support force', 'details', fill_force_max), &
             sweep_column_t('force_z_min', 'N', 'minimum vertical support force', 'details', fill_force_z_min), &
             sweep_column_t('force_z_max', 'N', 'maximum vertical support force', 'details', fill_force_z_max), &
@@ -162,6 +167,10 @@ contains
         ! The class of a motion derives from the largest precession rate.
         work%fastest = any(columns%name == 'phi_rate_max' .or. columns%name == 'motion_class')
         work%lowest = any(columns%name == 'com_z_min')
+        work%turning = work%nutation .or. any(columns%name == 'spin_per_nutation' .or. columns%name == 'motion_class')
+        work%nutation_rate = any(columns%name == 'theta_rate_max')
+        work%vertical_force = any(columns%name == 'force_z_min' .or. columns%name == 'force_z_max')
+        work%force = any(columns%name == 'force_max')
     end function work_for
 
     pure subroutine fill_theta_min(results, cells)

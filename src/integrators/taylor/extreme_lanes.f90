@@ -1,15 +1,17 @@
-!> Extremes of the precession rate and of the height of the centre of mass along the motions in lanes.
+!> Extremes of the precession rate, of the nutation rate and of the height of the centre of mass along the motions in
+!> lanes.
 module spintop_extreme_lanes
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_formulation, only: max_series_order
-    use spintop_lane_series, only: numerator, parts, rows
+    use spintop_lane_series, only: numerator, parts
     use spintop_motion, only: motion_t
+    use spintop_lane_products, only: multiply, multiply_slopes, square
     use spintop_root_watch, only: of_interval, root_watch_t, rounding, states_at
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
     private
-    public :: precession_lanes_t, height_lanes_t
+    public :: precession_lanes_t, nutation_rate_lanes_t, height_lanes_t
 
     !> Watches the precession rate: its value that is largest in magnitude, rad/s.
     type, extends(root_watch_t) :: precession_lanes_t
@@ -22,6 +24,18 @@ module spintop_extreme_lanes
         procedure :: take => take_precession
         procedure :: finish => finish_precession
     end type precession_lanes_t
+
+    !> Watches the nutation rate: its largest magnitude, rad/s.
+    type, extends(root_watch_t) :: nutation_rate_lanes_t
+        real(dp), allocatable :: rate_max(:)
+        real(dp), private :: largest(lanes) = 0
+    contains
+        procedure :: prepare => prepare_nutation
+        procedure :: begin => begin_nutation
+        procedure :: find_polynomials => find_nutation_slopes
+        procedure :: take => take_nutation
+        procedure :: finish => finish_nutation
+    end type nutation_rate_lanes_t
 
     !> Watches the height of the centre of mass: its minimum, m.
     type, extends(root_watch_t) :: height_lanes_t
@@ -76,11 +90,10 @@ contains
         do k = 0, degree
             n(:, k) = run%c(:, numerator, k)
         end do
-        call add_squares(degree, run%c, d)
         ! On the unit interval, so that no power overflows.
         call of_interval(degree, run%now%t - run%now%t_last, n, rounded)
-        call of_interval(degree, run%now%t - run%now%t_last, d, rounded)
-        call find_slopes(degree - 1, n, d, a)
+        call find_sine2(run, degree, d)
+        call multiply_slopes(degree - 1, n, d, a)
         degree = degree - 1
         noise = 0
         do k = 0, degree
@@ -117,6 +130,121 @@ contains
         self%rate_max(case) = merge(rate, self%largest(lane), abs(rate) > abs(self%largest(lane)) &
                                     .and. abs(rate) <= huge(rate))
     end subroutine finish_precession
+
+    !> Makes room for so many cases.
+    subroutine prepare_nutation(self, cases)
+        class(nutation_rate_lanes_t), intent(inout) :: self
+        integer, intent(in) :: cases !! number of cases
+        if (allocated(self%rate_max)) deallocate (self%rate_max)
+        allocate (self%rate_max(cases), source=0.0_dp)
+        self%sign = 0
+    end subroutine prepare_nutation
+
+    !> A case begins in a lane.
+    subroutine begin_nutation(self, run, lane, body, start)
+        class(nutation_rate_lanes_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run !! the lanes
+        integer, intent(in) :: lane !! index of the lane
+        type(body_t), intent(in) :: body !! mass properties of the body
+        type(motion_t), intent(in) :: start !! the motion at the start
+        real(dp) :: rate(lanes)
+        associate (unused => body, also_unused => start)
+        end associate
+        self%sign(lane) = 0
+        call find_nutation_rates(run%now%state, rate)
+        self%largest(lane) = rate(lane)
+    end subroutine begin_nutation
+
+    !> With w = Gamma3' and d = Gamma1^2 + Gamma2^2, theta'^2 = w^2/d has the slope 2 w (w' d + Gamma3 w^2)/d^2. The
+    !> roots of w, turning points, are none of the largest; the other factor is smooth at the poles.
+    subroutine find_nutation_slopes(self, run, degree, a, noise)
+        class(nutation_rate_lanes_t), intent(in) :: self
+        type(taylor_lanes_t), intent(in) :: run !! the lanes
+        integer, intent(out) :: degree !! degree of the polynomials
+        real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
+            !! coefficients, and a bound of their rounding errors
+        real(dp), dimension(lanes, 0:max_series_order) :: height, w, w_rate, w2, d, product
+        integer :: k
+        associate (unused => self)
+        end associate
+        degree = run%order - 2
+        do k = 0, run%order
+            height(:, k) = run%c(:, 6, k)
+        end do
+        call of_interval(run%order, run%now%t - run%now%t_last, height, noise)
+        do k = 0, run%order - 1
+            w(:, k) = (k + 1) * height(:, k + 1)
+        end do
+        do k = 0, degree
+            w_rate(:, k) = (k + 1) * w(:, k + 1)
+        end do
+        call find_sine2(run, degree, d)
+        call multiply(degree, w_rate, d, a)
+        call square(degree, w, w2)
+        call multiply(degree, height, w2, product)
+        noise = 0
+        do k = 0, degree
+            a(:, k) = a(:, k) + product(:, k)
+            noise = noise + rounding * abs(a(:, k))
+        end do
+    end subroutine find_nutation_slopes
+
+    !> Takes extremes of the nutation rate.
+    subroutine take_nutation(self, run, u, slope)
+        class(nutation_rate_lanes_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(inout) :: run !! the lanes
+        real(dp), intent(in) :: u(lanes), slope(lanes)
+            !! roots as fractions of the step; sign of the slope at each, 0 in lanes without a root
+        real(dp) :: x(lanes, parts), rate(lanes)
+        call states_at(run, u * (run%now%t - run%now%t_last), x)
+        call find_nutation_rates(x, rate)
+        self%largest = merge(rate, self%largest, abs(slope) > 0 .and. rate > self%largest .and. rate <= huge(rate))
+    end subroutine take_nutation
+
+    !> The case in a lane is at its end.
+    subroutine finish_nutation(self, run, lane, case)
+        class(nutation_rate_lanes_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run !! the lanes
+        integer, intent(in) :: lane, case !! index of the lane, and of its case
+        real(dp) :: rate(lanes)
+        call find_nutation_rates(run%now%state, rate)
+        self%rate_max(case) = max(self%largest(lane), rate(lane))
+    end subroutine finish_nutation
+
+    !> Magnitudes of theta'; at a pole, where theta' has two signs, its limit.
+    pure subroutine find_nutation_rates(x, rate)
+        real(dp), intent(in) :: x(lanes, parts)
+        real(dp), intent(out) :: rate(lanes)
+        real(dp) :: sine
+        integer :: i
+        !$omp simd private(sine)
+        do i = 1, lanes
+            sine = sqrt(x(i, 4)**2 + x(i, 5)**2)
+            rate(i) = merge(abs(x(i, 4) * x(i, 2) - x(i, 5) * x(i, 1)) / max(sine, tiny(sine)), &
+                            sqrt(x(i, 1)**2 + x(i, 2)**2), sine > 0)
+        end do
+    end subroutine find_nutation_rates
+
+    !> The series of Gamma1^2 + Gamma2^2 over the unit interval.
+    subroutine find_sine2(run, degree, d)
+        type(taylor_lanes_t), intent(in) :: run
+        integer, intent(in) :: degree
+        real(dp), intent(out) :: d(lanes, 0:max_series_order)
+        real(dp), dimension(lanes, 0:max_series_order) :: first, second
+        real(dp) :: rounded(lanes)
+        integer :: k
+        do k = 0, degree
+            first(:, k) = run%c(:, 4, k)
+            second(:, k) = run%c(:, 5, k)
+        end do
+        call of_interval(degree, run%now%t - run%now%t_last, first, rounded)
+        call of_interval(degree, run%now%t - run%now%t_last, second, rounded)
+        call square(degree, first, d)
+        call square(degree, second, first)
+        do k = 0, degree
+            d(:, k) = d(:, k) + first(:, k)
+        end do
+    end subroutine find_sine2
 
     !> Makes room for so many cases.
     subroutine prepare_height(self, cases)
@@ -184,54 +312,5 @@ contains
         integer, intent(in) :: lane, case !! index of the lane, and of its case
         self%height_min(case) = min(self%least(lane), dot_product(self%centre(lane, :), run%now%state(lane, 4:6)))
     end subroutine finish_height
-
-    !> Gamma1^2 + Gamma2^2.
-    pure subroutine add_squares(degree, c, d)
-        integer, intent(in) :: degree
-        real(dp), intent(in) :: c(lanes, rows, 0:degree)
-        real(dp), intent(out) :: d(lanes, 0:degree)
-        real(dp) :: first, second
-        integer :: i, j, k
-        do k = 0, degree
-            !$omp simd private(first, second, j)
-            do i = 1, lanes
-                first = 0
-                second = 0
-                do j = 0, max(k, 0)
-                    first = first + c(i, 4, j) * c(i, 4, k - j)
-                    second = second + c(i, 5, j) * c(i, 5, k - j)
-                end do
-                d(i, k) = first + second
-            end do
-        end do
-    end subroutine add_squares
-
-    !> The series of n' d - n d'; that of n' has (k + 1) n_(k+1) as its term k.
-    pure subroutine find_slopes(degree, n, d, a)
-        integer, intent(in) :: degree
-        real(dp), intent(in) :: n(lanes, 0:degree + 1), d(lanes, 0:degree + 1)
-        real(dp), intent(out) :: a(lanes, 0:degree)
-        real(dp) :: n_rate(lanes, 0:degree + 1), d_rate(lanes, 0:degree + 1), first, second
-        integer :: i, j, k
-        do k = 0, degree + 1
-            !$omp simd
-            do i = 1, lanes
-                n_rate(i, k) = k * n(i, k)
-                d_rate(i, k) = k * d(i, k)
-            end do
-        end do
-        do k = 0, degree
-            !$omp simd private(first, second, j)
-            do i = 1, lanes
-                first = 0
-                second = 0
-                do j = 0, max(k, 0)
-                    first = first + n_rate(i, k + 1 - j) * d(i, j)
-                    second = second + n(i, j) * d_rate(i, k + 1 - j)
-                end do
-                a(i, k) = first - second
-            end do
-        end do
-    end subroutine find_slopes
 
 end module spintop_extreme_lanes

@@ -2,14 +2,16 @@
 !> of the precession rate, and the minima of the height of the centre of mass.
 module spintop_nutation_watch
     use spintop_kinds, only: dp, pi
+    use spintop_body, only: body_t
     use spintop_case, only: case_t
     use spintop_compare, only: is_finite, is_zero
+    use spintop_euler_poisson, only: euler_poisson_rate
     use spintop_event_recorder, only: event_recorder_t
     use spintop_events, only: event_t
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, class_loop, class_cusp, class_wave, class_steady, &
         class_libration, class_circulation
-    use spintop_quantities, only: axis_height_rate
+    use spintop_quantities, only: axis_height_rate, support_force
     use spintop_attitude, only: vertical_from_quaternion
     use spintop_turning_record, only: turning_points_t, upper, lower
     use spintop_vectors, only: cross
@@ -20,8 +22,9 @@ module spintop_nutation_watch
     !> Class of a motion whose nutations belong to several classes.
     integer, parameter :: no_class = 0
 
-    !> The measured events, which follow those of the scene.
-    integer, parameter :: lowest_centre = 3, fastest(2) = [4, 5], own_events = 5
+    !> The measured events, which follow those of the scene; the last five where forces are measured, too.
+    integer, parameter :: lowest_centre = 3, fastest(2) = [4, 5], fastest_nutation(2) = [6, 7], vertical_force(2) = [8, 9], &
+        largest_force = 10
 
     !> A precession rate at the upper turning points within this fraction of the largest one, and a range of
     !> theta within this angle, rad, count as zero.
@@ -31,8 +34,14 @@ module spintop_nutation_watch
     type, extends(event_recorder_t) :: nutation_watch_t
         !> Minimum height of the centre of mass so far, m.
         real(dp) :: com_z_min = huge(1.0_dp)
+        !> Whether the nutation rate and the support force are measured, too: the largest magnitude so far, rad/s, and the
+        !> extremes of the force, N.
+        logical :: measures_forces = .false.
+        real(dp) :: theta_rate_max = 0, force_max = 0, force_z_min = huge(1.0_dp), force_z_max = -huge(1.0_dp)
         type(case_t), private :: case
-        logical, private :: measures = .false., starts_turning = .false.
+        logical, private :: starts_turning = .false.
+        !> Number of measured events.
+        integer, private :: own_events = 0
         type(turning_points_t), private :: turns(upper:lower)
         real(dp), private :: phi_rate_max = 0
     contains
@@ -42,18 +51,26 @@ module spintop_nutation_watch
         procedure :: nutation
         procedure :: take_end
         procedure, private :: take_extremes
+        procedure, private :: take_forces
     end type nutation_watch_t
 
 contains
 
     !> Requests the measurement of the nutation; call after `set`.
-    subroutine measure_nutation(self, case)
+    subroutine measure_nutation(self, case, with_forces)
         class(nutation_watch_t), intent(inout) :: self
         type(case_t), intent(in) :: case !! body, start and span
-        self%measures = .true.
+        logical, intent(in) :: with_forces !! whether the nutation rate and the support force are measured, too
+        self%measures_forces = with_forces
         self%case = case
+        self%own_events = fastest(2)
         self%events = [self%events, event_t('upper', -1), event_t('lower', 1), event_t('lowest', 1), &
                        event_t('fastest', 1), event_t('fastest', -1)]
+        if (with_forces) then
+            self%own_events = largest_force
+            self%events = [self%events, event_t('fastest nutation', 1), event_t('fastest nutation', -1), &
+                           event_t('vertical force', 1), event_t('vertical force', -1), event_t('largest force', -1)]
+        end if
         ! The precession is fastest near a pole.
         self%pole_axis = [0.0_dp, 0.0_dp, 1.0_dp]
         self%starts_turning = is_zero(axis_height_rate(case%start))
@@ -65,18 +82,18 @@ contains
         class(nutation_watch_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion !! the motion at an instant
         real(dp), intent(out) :: values(:) !! one value for each event
-        real(dp) :: own(own_events), gamma(3), gamma_rate(3)
+        real(dp) :: own(largest_force), gamma(3), gamma_rate(3)
         integer :: n
 
-        n = size(values)
-        if (self%measures) then
-            n = n - own_events
+        n = size(values) - self%own_events
+        if (self%own_events > 0) then
             gamma = vertical_from_quaternion(motion%quaternion)
             gamma_rate = cross(gamma, motion%omega)
             own([upper, lower]) = axis_height_rate(motion)
             own(lowest_centre) = dot_product(self%case%body%centre_of_mass, gamma_rate)
             own(fastest) = precession_slope(gamma, gamma_rate, motion%omega, motion%omega_rate)
-            values(n + 1:) = own
+            if (self%measures_forces) call find_force_slopes(self%case%body, motion, own)
+            values(n + 1:) = own(:self%own_events)
         end if
         if (n > 0) call self%event_recorder_t%quantities(motion, values(:n))
     end subroutine quantities
@@ -91,6 +108,30 @@ contains
         end associate
     end function precession_slope
 
+    !> The slope of the nutation rate, but for a positive factor and its sign: with w = gamma3' and d = gamma1^2 +
+    !> gamma2^2, theta'^2 = w^2/d. Those of the vertical force and of the square of the force, over mass and twice its
+    !> square.
+    pure subroutine find_force_slopes(body, motion, slopes)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: motion
+        real(dp), intent(inout) :: slopes(largest_force)
+        real(dp), dimension(3) :: gamma, gamma1, gamma2, gamma3, b, b1, force, force1
+
+        associate (r => body%centre_of_mass, w => motion%omega, inertia => body%inertia)
+            gamma = vertical_from_quaternion(motion%quaternion)
+            gamma1 = cross(gamma, w)
+            b = (cross(inertia * w, w) + body%torque(gamma) - body%damping * w) / inertia
+            b1 = (cross(inertia * b, w) + cross(inertia * w, b) + body%torque(gamma1) - body%damping * b) / inertia
+            gamma2 = cross(gamma1, w) + cross(gamma, b)
+            gamma3 = cross(gamma2, w) + 2 * cross(gamma1, b) + cross(gamma, b1)
+            slopes(fastest_nutation) = gamma2(3) * sum(gamma(1:2)**2) + gamma(3) * gamma1(3)**2
+            slopes(vertical_force) = dot_product(r, gamma3)
+            force = cross(b, r) + cross(w, cross(w, r)) + body%gravity * gamma
+            force1 = cross(b1, r) + cross(b, cross(w, r)) + cross(w, cross(b, r)) + body%gravity * gamma1
+            slopes(largest_force) = dot_product(force, force1)
+        end associate
+    end subroutine find_force_slopes
+
     !> Receives an event.
     subroutine meet(self, number, motion)
         class(nutation_watch_t), intent(inout) :: self
@@ -98,9 +139,8 @@ contains
         type(motion_t), intent(in) :: motion !! the motion at the event
         integer :: kind
 
-        kind = 0
-        if (self%measures) kind = number - (size(self%events) - own_events)
-        if (kind <= 0) then
+        kind = number - (size(self%events) - self%own_events)
+        if (kind <= 0 .or. self%own_events == 0) then
             call self%event_recorder_t%meet(number, motion)
             return
         end if
@@ -128,7 +168,34 @@ contains
         end if
         self%com_z_min = min(self%com_z_min, dot_product(self%case%body%centre_of_mass, &
                                                          vertical_from_quaternion(motion%quaternion)))
+        if (self%measures_forces) call self%take_forces(motion)
     end subroutine take_extremes
+
+    !> Updates the extremes of the nutation rate and of the support force.
+    subroutine take_forces(self, motion)
+        class(nutation_watch_t), intent(inout) :: self
+        type(motion_t), intent(in) :: motion
+        type(motion_t) :: here
+        real(dp) :: force(3), gamma(3), rate(6), sine
+
+        associate (inertia => self%case%body%inertia)
+            gamma = vertical_from_quaternion(motion%quaternion)
+            here = motion
+            rate = euler_poisson_rate(self%case%body, [gamma, inertia * motion%omega])
+            here%omega_rate = rate(4:6) / inertia
+        end associate
+        force = support_force(self%case%body, here)
+        self%force_max = max(self%force_max, norm2(force))
+        self%force_z_min = min(self%force_z_min, force(3))
+        self%force_z_max = max(self%force_z_max, force(3))
+        sine = hypot(gamma(1), gamma(2))
+        ! At a pole theta' has two signs, and a limit.
+        if (sine > 0) then
+            self%theta_rate_max = max(self%theta_rate_max, abs(axis_height_rate(motion)) / sine)
+        else
+            self%theta_rate_max = max(self%theta_rate_max, hypot(motion%omega(1), motion%omega(2)))
+        end if
+    end subroutine take_forces
 
     !> The measured nutation; `seen` reports whether there was a whole one.
     subroutine nutation(self, measured, seen)

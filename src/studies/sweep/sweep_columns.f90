@@ -76,7 +76,8 @@ contains
             sweep_column_t('spin_per_nutation', 'rad', &
                            'change of psi in a nutation, without the half turns at exact passages of a pole', &
                            'details', fill_spin_per_nutation), &
-            sweep_column_t('theta_rate_max', 'rad/s', 'maximum nutation rate', 'details', fill_theta_rate_max), &
+            sweep_column_t('theta_rate_max', 'rad/s', 'largest magnitude of the nutation rate', &
+                           'details', fill_theta_rate_max), &
             sweep_column_t('force_max', 'N', 'maximum support force', 'details', fill_force_max), &
             sweep_column_t('force_z_min', 'N', 'minimum vertical support force', 'details', fill_force_z_min), &
             sweep_column_t('force_z_max', 'N', 'maximum vertical support force', 'details', fill_force_z_max), &
@@ -128,6 +129,10 @@ contains
         ! A bound is that of a number.
         work%end = work%end .or. any(columns%group == proof_group .and. index(columns%name, '_end') > 0)
         work%nutation = work%nutation .or. any(columns%group == proof_group .and. index(columns%name, '_end') == 0)
+        work%turning = work%nutation .or. any(columns%name == 'spin_per_nutation' .or. columns%name == 'motion_class')
+        work%nutation_rate = any(columns%name == 'theta_rate_max')
+        work%vertical_force = any(columns%name == 'force_z_min' .or. columns%name == 'force_z_max')
+        work%force = any(columns%name == 'force_max')
     end function work_for
 
     pure subroutine fill_theta_min(results, cells)

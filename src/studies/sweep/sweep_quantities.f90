@@ -66,14 +66,22 @@ contains
     end subroutine put_nutation
 
     !> The measured nutation.
-    subroutine put_measured(case, watch, values, note)
+    subroutine put_measured(case, watch, has_turning, values, note)
         type(case_t), intent(in) :: case !! body, start and span
         type(nutation_watch_t), intent(in) :: watch !! the measured nutation
+        logical, intent(in) :: has_turning !! whether quantities between turning points are wanted
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
         type(note_t), intent(inout) :: note !! notes on the case
         type(nutation_t) :: nutation
         logical :: seen
 
+        if (watch%measures_forces) then
+            values%theta_rate_max = watch%theta_rate_max
+            values%force_max = watch%force_max
+            values%force_z_min = watch%force_z_min
+            values%force_z_max = watch%force_z_max
+        end if
+        if (.not. has_turning) return
         call watch%nutation(nutation, seen)
         if (.not. seen) then
             call note%add(note_no_nutation)

@@ -22,12 +22,16 @@ module spintop_sweep_result
         logical :: oracle = .false. !! the comparison with the exact motion
         logical :: inherent = .false. !! the accuracy that the data allow
         logical :: cost = .false. !! the cost
-        logical :: details = .false. !! more of the whole nutation
+        logical :: details = .false. !! more of the whole nutation, and extremes of rates and forces
+        logical :: turning = .false. !! what follows from turning points
         logical :: growth = .false. !! the stability of the start
         logical :: lyapunov = .false. !! the Lyapunov exponent
         logical :: singular = .false. !! the largest singular value
         logical :: fastest = .false. !! the largest precession rate
         logical :: lowest = .false. !! the minimum height of the centre of mass
+        logical :: nutation_rate = .false. !! the largest nutation rate
+        logical :: vertical_force = .false. !! the extremes of the vertical force
+        logical :: force = .false. !! the largest force
         logical :: free = .false. !! the constants of a free motion
         logical :: range = .false. !! the range of theta
         logical :: measured = .false. !! more of the nutation, which is measured unless the body is symmetric

@@ -19,7 +19,7 @@ module spintop_sweep_stepping
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
     use spintop_status, only: status_ok, status_step_limit, status_too_many_events, status_meanings
     use spintop_stepper, only: looks_per_step
-    use spintop_sweep_notes, only: note_t, note_no_extremes, note_no_inherent, note_no_stop
+    use spintop_sweep_notes, only: note_t, note_no_inherent, note_no_stop
     use spintop_sweep_quantities, only: find_free_constants, put_nutation, put_measured, put_fast_top, put_azimuth, put_end, &
         put_details, precession_period
     use spintop_sweep_result, only: sweep_result_t, sweep_work_t
@@ -86,19 +86,18 @@ contains
         if (measures .or. size(events) > 0) then
             allocate (watch)
             call watch%set(events, n, case)
-            if (measures) call watch%measure_nutation(case)
+            if (measures) then
+                call watch%measure_nutation(case, wanted%nutation_rate .or. wanted%vertical_force .or. wanted%force)
+            end if
         end if
         call follow(case, plan, max_steps, wanted, watch, values, status, note)
         if (status /= status_ok) return
         status = stability
         if (measures) then
             call watch%take_end()
-            call put_measured(case, watch, values, note)
+            call put_measured(case, watch, wanted%turning, values, note)
         end if
         call find_free_constants(case, wanted, values, note)
-        if (measures .and. wanted%details) then
-            call note%add(note_no_extremes, 'they are not measured')
-        end if
         if (size(events) > 0) then
             if (watch%ended_by == 0) call note%add(note_no_stop)
         end if

@@ -7,7 +7,8 @@ module spintop_sweep_watches
     use spintop_kinds, only: dp, pi, no_number
     use spintop_case, only: case_t
     use spintop_energy_lanes, only: energy_lanes_t
-    use spintop_extreme_lanes, only: height_lanes_t, precession_lanes_t
+    use spintop_extreme_lanes, only: height_lanes_t, nutation_rate_lanes_t, precession_lanes_t
+    use spintop_force_lanes, only: force_lanes_t, vertical_force_lanes_t
     use spintop_form_stop_lanes, only: form_columns, form_stop_lanes_t
     use spintop_growth_lanes, only: growth_lanes_t
     use spintop_inherent_lanes, only: inherent_lanes_t
@@ -17,8 +18,8 @@ module spintop_sweep_watches
     use spintop_status, only: status_meanings, status_non_finite, status_ok, status_step_limit
     use spintop_stepper, only: controls_t
     use spintop_stop_lanes, only: stop_lanes_t
-    use spintop_sweep_notes, only: note_no_class, note_no_extremes, note_no_inherent, note_no_lyapunov, &
-        note_no_nutation, note_no_singular, note_no_stop, note_t
+    use spintop_sweep_notes, only: note_no_class, note_no_inherent, note_no_lyapunov, note_no_nutation, &
+        note_no_singular, note_no_stop, note_t
     use spintop_sweep_quantities, only: put_azimuth, put_nutation
     use spintop_sweep_result, only: sweep_result_t, sweep_work_t
     use spintop_turning_lanes, only: turning_lanes_t
@@ -109,6 +110,9 @@ contains
         type(growth_lanes_t) :: growth
         type(inherent_lanes_t) :: inherent
         type(turning_lanes_t) :: turning
+        type(nutation_rate_lanes_t) :: nutation_rate
+        type(vertical_force_lanes_t) :: vertical_force
+        type(force_lanes_t) :: force
         class(lane_watch_t), allocatable :: stop_watch
         if (allocated(self%slots)) deallocate (self%slots)
         allocate (self%slots(0))
@@ -118,9 +122,12 @@ contains
             call append(stop_watch)
         end if
         if (wanted%period) call append(azimuth_lanes_t())
-        if (wanted%nutation .or. wanted%details) call append(turning)
+        if (wanted%turning) call append(turning)
         if (wanted%fastest) call append(precession_lanes_t())
         if (wanted%lowest) call append(height_lanes_t())
+        if (wanted%nutation_rate) call append(nutation_rate)
+        if (wanted%vertical_force) call append(vertical_force)
+        if (wanted%force) call append(force)
         if (wanted%energy) call append(energy_lanes_t())
         if (wanted%lyapunov .or. wanted%singular) then
             call growth%set(controls, is_singular=wanted%singular, with_exponent=wanted%lyapunov)
@@ -178,6 +185,13 @@ contains
                 height = watch%height_min(i)
             type is (precession_lanes_t)
                 rate = watch%rate_max(i)
+            type is (nutation_rate_lanes_t)
+                values%theta_rate_max = watch%rate_max(i)
+            type is (vertical_force_lanes_t)
+                values%force_z_min = watch%force_min(i)
+                values%force_z_max = watch%force_max(i)
+            type is (force_lanes_t)
+                values%force_max = watch%force_max(i)
             type is (growth_lanes_t)
                 if (watch%is_singular) then
                     call take(values%largest_singular_value, watch%value(i), watch%status(i), note_no_singular)
@@ -199,7 +213,7 @@ contains
                 end if
             end select
         end do
-        if (.not. (wanted%nutation .or. wanted%details)) return
+        if (.not. wanted%turning) return
         if (seen) then
             call put_nutation(case, nutation, values, note)
             values%com_z_min = height
@@ -211,7 +225,6 @@ contains
         else
             call note%add(note_no_nutation)
         end if
-        if (wanted%details) call note%add(note_no_extremes, 'they are not measured')
 
     contains
 

@@ -5,7 +5,7 @@ module spintop_sweep_worker
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_case, only: attitude_parameters, case_t, make_case
-    use spintop_compare, only: is_zero
+    use spintop_compare, only: is_finite, is_zero
     use spintop_exact_block, only: exact_block_t, block_size
     use spintop_job, only: job_t
     use spintop_plan, only: plan_t, make_plan
@@ -225,7 +225,8 @@ contains
             call make_worker_case(worker, job, k, keeps_attitude)
             plan => worker%plans(kind_of(case%body))%plan
             worker%max_steps(k) = plan%max_steps
-            in_lanes = plan%exact .and. case%body%is_lagrange()
+            ! The lanes begin with angles and rates, which do not exist at a pole.
+            in_lanes = plan%exact .and. case%body%is_lagrange() .and. all(is_finite(case%start%rate))
             if (in_lanes .and. status == status_ok .and. size(job%events) > 0) then
                 call stop_exactly(case, job%events, job%stop_after, worker%max_steps(k), status, worker%came(k))
                 if (status /= status_ok) call note%explain(trim(status_meanings(status)))

@@ -240,7 +240,7 @@ contains
             if (any(abs(now(1:2)) > 0)) new = nearest_turn(now(4) / 2 - atan2(now(1), now(2)), other)
             bend = pole_bend(self%c(lane, :, :3), self%now%t(lane) - t_last)
             is_sure = pace * rate <= largest_turn .and. abs(new - other) <= sharp &
-                      .and. pace**2 * bend <= straight * sqrt(min(sum(gamma**2), sum(now(1:2)**2)))
+                      .and. pace**2 * bend <= (straight - (new - other)**2) * sqrt(min(sum(gamma**2), sum(now(1:2)**2)))
             if (is_sure .or. pace <= max(shortest_pace * (self%now%t(lane) - t_last), 2 * spacing(goal))) then
                 t = goal
                 gamma = now(1:2)

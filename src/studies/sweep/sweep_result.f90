@@ -1,5 +1,5 @@
-!> What a sweep has to compute, and what it computes of a case: a number per column of its table, NaN for what does not exist or was not
-!> asked for.
+!> What a sweep has to compute, and what it computes of a case: a number per column of its table, NaN for what does
+!> not exist or was not asked for.
 module spintop_sweep_result
     use spintop_kinds, only: dp, nan => no_number
     use spintop_nutation_watch, only: no_class

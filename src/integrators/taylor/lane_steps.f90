@@ -9,7 +9,7 @@ module spintop_lane_steps
     use spintop_taylor, only: safety, largest_growth, smallest_spacings, stretch
     implicit none
     private
-    public :: choose_durations, add_terms, follow, terms_at, closest_to_pole, changes_to
+    public :: choose_durations, add_terms, follow, terms_at, closest_to_pole, changes_to, pole_bend
     public :: step_underflow, non_finite, changes_side, turns_far, border
 
     !> s Gamma3 at which a lane changes its side: beyond the middle, so that a body near it does not change in
@@ -19,6 +19,10 @@ module spintop_lane_steps
     real(dp), parameter, public :: largest_turn = pi / 2
     !> A larger change of the other angle indicates a pole, rad.
     real(dp), parameter, public :: sharp = 2
+    !> A chord between two points z whose arguments differ by x, up to `sharp`, stays away from zero by cos(x/2) times the
+    !> smaller of both magnitudes, and the path over a time h leaves it by |z''| h^2/8 at most. So it passes zero on the
+    !> side of its chord while |z''| h^2 is at most this less x^2, times that magnitude.
+    real(dp), parameter, public :: straight = 8
 
     !> Reasons for which a lane takes no step: its size underflows or no more steps are allowed; a number is
     !> not finite.
@@ -187,20 +191,23 @@ contains
         real(dp), intent(out) :: rate(lanes) !! squares of the angular velocity, rad^2/s^2
         integer(int64), intent(out) :: doubt(lanes), most
             !! `changes_side`, `turns_far` or 0, and the largest of these
-        real(dp), dimension(lanes) :: change, part, first, second, between, circling
-        real(dp) :: middle(lanes, parts), longest
+        real(dp), dimension(lanes) :: change, part, first, second, between, circling, bend
+        real(dp) :: middle(lanes, parts), longest, nearest
         integer :: i
 
         call changes_to(state, other, change)
-        call find_circling(order, c, duration, circling)
+        call find_circling(order, c, duration, change, circling, bend)
         most = 0
-        !$omp simd reduction(max: most)
+        !$omp simd private(nearest) reduction(max: most)
         do i = 1, lanes
+            nearest = sqrt(min(c(i, 4, 0)**2 + c(i, 5, 0)**2, state(i, 4)**2 + state(i, 5)**2))
             rate(i) = max(c(i, 1, 0)**2 + c(i, 2, 0)**2 + c(i, 3, 0)**2, &
                           state(i, 1)**2 + state(i, 2)**2 + state(i, 3)**2, circling(i))
             doubt(i) = merge(no_reason, changes_side, side(i) * state(i, 6) >= border)
             doubt(i) = merge(doubt(i), turns_far, duration(i)**2 * rate(i) <= largest_turn**2 &
                              .and. abs(change(i)) <= sharp)
+            ! Positive where the path may pass zero on another side than its chord.
+            bend(i) = merge(duration(i)**2 * bend(i) - (straight - change(i)**2) * nearest, 0.0_dp, abs(change(i)) <= sharp)
             most = max(most, doubt(i))
         end do
         if (most >= turns_far) then
@@ -213,8 +220,7 @@ contains
             call changes_to(middle, other, first)
             between = other + first
             call changes_to(state, between, second)
-            most = 0
-            !$omp simd private(longest) reduction(max: most)
+            !$omp simd private(longest)
             do i = 1, lanes
                 longest = max(part(i), 1 - part(i)) * duration(i)
                 ! Where the whole step will do, both ways give the same.
@@ -222,11 +228,13 @@ contains
                 doubt(i) = merge(doubt(i), merge(no_reason, changes_side, side(i) * state(i, 6) >= border), &
                                  longest**2 * rate(i) > largest_turn**2 &
                                  .or. max(abs(first(i)), abs(second(i))) > sharp)
-                most = max(most, doubt(i))
             end do
         end if
-        !$omp simd
+        most = 0
+        !$omp simd reduction(max: most)
         do i = 1, lanes
+            doubt(i) = merge(doubt(i), turns_far, bend(i) <= 0)
+            most = max(most, doubt(i))
             other(i) = other(i) + merge(0.0_dp, change(i), doubt(i) >= turns_far)
         end do
     end subroutine follow
@@ -234,11 +242,11 @@ contains
     !> Next to a pole the axis may circle about it while the body hardly turns. With the derivatives z1, z2, z3 of
     !> z = (Gamma2 + i Gamma1) exp(-i xi/2), which turns as the other angle does, its way over the step h is about
     !> straight as long as (|z2| + h |z3|) h^2 is at most |z| + h |z1|. `circling` is the square of the angular velocity
-    !> that would limit the step alike.
-    pure subroutine find_circling(order, c, h, circling)
+    !> that would limit the step alike, and `bend` is the larger of |z2| and |z2 + h z3| where it matters.
+    pure subroutine find_circling(order, c, h, change, circling, bend)
         integer, intent(in) :: order
-        real(dp), intent(in) :: c(lanes, rows, 0:order), h(lanes)
-        real(dp), intent(out) :: circling(lanes)
+        real(dp), intent(in) :: c(lanes, rows, 0:order), h(lanes), change(lanes)
+        real(dp), intent(out) :: circling(lanes), bend(lanes)
         !> A step is divided into so many at most.
         real(dp), parameter :: share = largest_turn**2, most_parts = 16
         real(dp) :: k, x0, y0, x1, y1, x2, y2, x3, y3
@@ -254,11 +262,29 @@ contains
             y2 = 2 * c(i, 4, 2) - 2 * k * c(i, 5, 1) - k**2 * y0
             x3 = 6 * c(i, 5, 3) + 6 * k * c(i, 4, 2) - 3 * k**2 * c(i, 5, 1) - k**3 * y0
             y3 = 6 * c(i, 4, 3) - 6 * k * c(i, 5, 2) - 3 * k**2 * c(i, 4, 1) + k**3 * x0
+            bend(i) = sqrt(max(x2**2 + y2**2, (x2 + h(i) * x3)**2 + (y2 + h(i) * y3)**2))
+            ! A path that leaves zero, or that begins to turn the way that its ends suggest (z turns against the other
+            ! angle), has not turned round zero the other way.
+            bend(i) = merge(bend(i), 0.0_dp, x0 * x1 + y0 * y1 < 0 .and. change(i) * (x0 * y1 - y0 * x1) > 0)
             circling(i) = share * ((abs(x2) + abs(y2)) + h(i) * (abs(x3) + abs(y3))) &
                 / max((abs(x0) + abs(y0)) + h(i) * (abs(x1) + abs(y1)), tiny(k))
             circling(i) = min(circling(i), (most_parts * largest_turn / max(h(i), sqrt(tiny(k))))**2)
         end do
     end subroutine find_circling
+
+    !> The same bound of |z''| in one lane, over a time h.
+    pure real(dp) function pole_bend(c, h) result(bend)
+        real(dp), intent(in) :: c(rows, 0:3) !! Taylor coefficients of the lane
+        real(dp), intent(in) :: h !! s
+        real(dp) :: k
+        complex(dp) :: z(0:3), spin, second, third
+        k = c(7, 1) / 2
+        z = cmplx(c(5, :), c(4, :), dp)
+        spin = cmplx(0.0_dp, -k, dp)
+        second = 2 * z(2) + 2 * spin * z(1) + spin**2 * z(0)
+        third = 6 * z(3) + 6 * spin * z(2) + 3 * spin**2 * z(1) + spin**3 * z(0)
+        bend = max(abs(second), abs(second + h * third))
+    end function pole_bend
 
     !> Where a straight way from one (Gamma1, Gamma2) to another comes closest to the pole, as a share of the way,
     !> but not at an end.

@@ -12,7 +12,7 @@ module spintop_taylor_lanes
     use spintop_body, only: body_t
     use spintop_lane_series, only: expand, lanes, parts, rows
     use spintop_lane_steps, only: add_terms, border, choose_durations, closest_to_pole, follow, largest_turn, &
-        non_finite, sharp, turns_far
+        non_finite, pole_bend, sharp, straight, turns_far
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_motion_scales, only: motion_scales_t, motion_scales
     use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_step_too_small
@@ -225,7 +225,8 @@ contains
         integer, intent(in) :: lane
         real(dp), intent(in) :: goal, rate
         real(dp), intent(inout) :: t, gamma(2), other
-        real(dp) :: now(4), new, pace, part, middle
+        real(dp) :: now(4), new, pace, part, middle, bend
+        logical :: is_sure
         integer :: k
 
         pace = goal - t
@@ -237,8 +238,10 @@ contains
             end do
             new = other
             if (any(abs(now(1:2)) > 0)) new = nearest_turn(now(4) / 2 - atan2(now(1), now(2)), other)
-            if ((pace * rate <= largest_turn .and. abs(new - other) <= sharp) &
-                .or. pace <= max(shortest_pace * (self%now%t(lane) - t_last), 2 * spacing(goal))) then
+            bend = pole_bend(self%c(lane, :, :3), self%now%t(lane) - t_last)
+            is_sure = pace * rate <= largest_turn .and. abs(new - other) <= sharp &
+                      .and. pace**2 * bend <= (straight - (new - other)**2) * sqrt(min(sum(gamma**2), sum(now(1:2)**2)))
+            if (is_sure .or. pace <= max(shortest_pace * (self%now%t(lane) - t_last), 2 * spacing(goal))) then
                 t = goal
                 gamma = now(1:2)
                 other = new

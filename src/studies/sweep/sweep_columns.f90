@@ -85,8 +85,7 @@ contains
                            'end', fill_t_end, is_default=.true., always_exists=.true.), &
             sweep_column_t('momentum_period', 's', 'period of the angular momentum in a free body', &
                            'free', fill_momentum_period), &
-            sweep_column_t('momentum_turn', 'rad', 'rotation about the angular momentum in that period', &
-                           'free', fill_momentum_turn), &
+            sweep_column_t('momentum_turn', 'rad', 'turn about the momentum in that period', 'free', fill_momentum_turn), &
             sweep_column_t('momentum_axis', '', 'body axis about which the angular momentum circulates (1, 2, 3)', &
                            'free', fill_momentum_axis), &
             sweep_column_t('omega_max', 'rad/s', 'maximum angular velocity of a free body', 'free', fill_omega_max), &

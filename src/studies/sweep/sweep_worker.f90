@@ -6,7 +6,7 @@ module spintop_sweep_worker
     use spintop_body, only: body_t
     use spintop_case, only: attitude_parameters, case_t, kept_parts_t, make_case
     use spintop_certificate, only: proof_count
-    use spintop_compare, only: is_zero
+    use spintop_compare, only: is_finite, is_zero
     use spintop_exact_block, only: exact_block_t, block_size
     use spintop_job, only: job_t
     use spintop_plan, only: plan_t, make_plan
@@ -236,7 +236,8 @@ contains
             call make_worker_case(worker, job, k, keeps_attitude)
             plan => worker%plans(worker%kind(k))%plan
             worker%max_steps(k) = plan%max_steps
-            in_lanes = plan%exact .and. worker%kind(k) == symmetric_top
+            ! The lanes begin with angles and rates, which do not exist at a pole.
+            in_lanes = plan%exact .and. worker%kind(k) == symmetric_top .and. all(is_finite(case%start%rate))
             if (in_lanes .and. status == status_ok .and. size(job%events) > 0) then
                 call stop_exactly(case, job%events, job%stop_after, worker%max_steps(k), status, worker%came(k))
                 if (status /= status_ok) call note%explain(trim(status_meanings(status)))

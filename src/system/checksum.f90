@@ -49,7 +49,7 @@ contains
     !> Adds the bytes of numbers to the checksum.
     subroutine add_reals_to_checksum(self, values)
         type(checksum_t), intent(inout) :: self !! the checksum
-        real(c_double), intent(in), contiguous :: values(:) !! numbers
+        real(c_double), intent(in), contiguous :: values(:, :) !! numbers
         call c_add_reals(self, values, size(values, kind=c_long_long))
     end subroutine add_reals_to_checksum
 

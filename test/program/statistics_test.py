@@ -511,7 +511,7 @@ class ForecastTest(StatisticsCase):
     def test_bytes_of_the_tables(self) -> None:
         """At most, and no more than some times what is then written: map, histograms, indices."""
         bare = MAP.replace(COLUMNS, ROWS).replace("quantiles_of = 'bins'", "")
-        mapped = bare.replace("bins(2) = 3", "bins(2) = 3000")
+        mapped = bare.replace("bins(2) = 3", "bins(2) = 60")
         for name, text in (("bare", bare), ("mapped", mapped)):
             path = self.write_input(text, f"{name}.nml")
             said = self.run_well("--check", path)

@@ -73,19 +73,9 @@ contains
         class(netcdf_table_t), intent(inout) :: self
         type(row_block_t), intent(in) :: block !! rows in their order
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call add_rows(self%checksum, block%cells(:, :block%rows))
+        call add_reals_to_checksum(self%checksum, block%cells(:, :block%rows))
         call self%file%put(block%cells(:, :block%rows), error)
     end subroutine put_to_part
-
-    !> Adds rows to a checksum.
-    subroutine add_rows(checksum, cells)
-        type(checksum_t), intent(inout) :: checksum
-        real(dp), intent(in) :: cells(:, :)
-        integer :: k
-        do k = 1, size(cells, 2)
-            call add_reals_to_checksum(checksum, cells(:, k))
-        end do
-    end subroutine add_rows
 
     !> Passes all rows to the system; `entry` gets the bytes of their cells, and their checksum.
     subroutine flush_part(self, entry, error)
@@ -116,7 +106,7 @@ contains
             allocate (cells(size(self%description%columns), last - self%file%rows))
             call self%file%get(self%file%rows + 1, cells, error)
             if (allocated(error)) return
-            call add_rows(self%checksum, cells)
+            call add_reals_to_checksum(self%checksum, cells)
             deallocate (cells)
             self%file%rows = last
         end do

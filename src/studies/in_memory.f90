@@ -9,7 +9,7 @@ module spintop_in_memory
     use spintop_data_table, only: data_table_t, load_table
     use spintop_errors, only: error_t, exit_failed, exit_ok
     use spintop_execution, only: run_job
-    use spintop_files, only: file_exists, make_private_folder, remove_file, remove_folder
+    use spintop_files, only: file_exists, make_private_folder, remove_folder
     use spintop_job, only: job_t
     use spintop_memory_table, only: memory_table_t
     use spintop_options, only: options_t
@@ -120,10 +120,6 @@ contains
             if (job%event_output /= '') job%event_output = folder // job%event_output
             if (job%statistics_output /= '') job%statistics_output = folder // job%statistics_output
             call run_in_files(prepared, options, .false., run, error)
-            call remove_file(job%output, ignored)
-            call remove_file(job%log, ignored)
-            call remove_file(job%event_output, ignored)
-            call remove_file(job%statistics_output, ignored)
             call remove_folder(folder, ignored)
         end associate
         options%output = ''

@@ -135,17 +135,15 @@ contains
         type(string_t), allocatable :: lines(:)
         integer :: first
 
+        allocate (lines(0), run%table(0))
         call run_job(prepared%study, prepared%job, options, lines, run%code, error)
-        if (allocated(error)) return
-        if (allocated(lines)) then
-            first = 1
-            do while (.not. stay .and. first < size(lines))
-                if (scan(lines(first)%text, 'abcdefghijklmnopqrstuvwxyz') == 3 .and. lines(first)%text(:2) == '') exit
-                first = first + 1
-            end do
-            run%summary = join(lines(first:), new_line('a'))
-        end if
-        allocate (run%table(0))
+        if (allocated(error) .or. .not. allocated(lines)) return
+        first = 1
+        do while (.not. stay .and. first < size(lines))
+            if (scan(lines(first)%text, 'abcdefghijklmnopqrstuvwxyz') == 3 .and. lines(first)%text(:2) == '') exit
+            first = first + 1
+        end do
+        run%summary = join(lines(first:), new_line('a'))
         associate (job => prepared%job)
             call add_table(job%output, merge('rows      ', 'statistics', job%keeps_rows()), run, error)
             if (.not. allocated(error)) call add_table(job%event_output, 'events', run, error)

@@ -208,9 +208,8 @@ class RunTest(unittest.TestCase):
         import matplotlib as mpl
 
         mpl.use("agg")
-        found = TOP.events(
-            ["theta_max"], 3.0, ["t", "phi", "theta", "psi", "axis_x", "axis_y"]
-        ).plot()
+        columns = ["t", "phi", "theta", "psi", "axis_x", "axis_y"]
+        found = TOP.events(["lower_turning_points"], 3.0, columns).plot()
         self.assertIn("angles", found)
         self.assertTrue(all(hasattr(figure, "savefig") for figure in found.values()))
 
@@ -343,9 +342,9 @@ class ResourcesTest(unittest.TestCase):
                     spintop.run(TOP.input(span={"t_end": 1.0, "samples": 50}))
                     spintop.registry()
 
-        use(4000)
+        use(2000)
         before = peak()
-        use(40000)
+        use(16000)
         self.assertLess(peak() - before, 4000)
 
     def test_threads(self) -> None:

@@ -208,9 +208,10 @@ class RunTest(unittest.TestCase):
         import matplotlib as mpl
 
         mpl.use("agg")
-        columns = ["t", "phi", "theta", "psi", "axis_x", "axis_y"]
-        found = TOP.events(["lower_turning_points"], 3.0, columns).plot()
+        result = spintop.run(TOP.input(span={"t_end": 3.0, "samples": 50}))
+        found = result.plot()
         self.assertIn("angles", found)
+        self.assertEqual(list(result.plot("angles")), ["angles"])
         self.assertTrue(all(hasattr(figure, "savefig") for figure in found.values()))
 
     def test_registry(self) -> None:

@@ -68,7 +68,7 @@ int main(void) {
     if (show_motion(TOP "&span t_end = 2 / &integration method = 'rk4' steps = 100 / "
                         "&output columns = 'theta', 'orientation_error' /") != SPINTOP_OK)
         return 1;
-    if (show_events(TOP "&span nutations = 2 / &output events = 'theta_max' columns = 't', 'theta' /") != SPINTOP_OK)
+    if (show_events(TOP "&span nutations = 2 / &output events = 'lower_turning_points' columns = 't', 'theta' /") != SPINTOP_OK)
         return 1;
     return show_motion("&top mass = -1 /") == SPINTOP_BAD_INPUT ? 0 : 1;
 }

@@ -1,6 +1,7 @@
 """One top: its motion at any times, and its quantities. And many tops, from arrays to arrays."""
 
 import ctypes
+import threading
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -19,6 +20,9 @@ QUANTITIES = (
     *("precession_rate", "phi_rate_max", "motion_class"),
 )
 """The quantities of a nutation for which nothing else is asked."""
+
+MOST_HANDLES = 16
+"""Methods and columns with which a top was asked that it keeps."""
 
 
 class Motion(Mapping[str, np.ndarray]):
@@ -41,10 +45,9 @@ class Motion(Mapping[str, np.ndarray]):
 
     def __getattr__(self, name: str) -> np.ndarray:
         """A column by its name."""
-        try:
-            return self._columns[name]
-        except KeyError:
-            raise AttributeError(f"there is no column {name}") from None
+        if name.startswith("_") or name not in self._columns:
+            raise AttributeError(f"there is no column {name}")
+        return self._columns[name]
 
     def __iter__(self) -> Iterator[str]:
         """The names of the columns."""
@@ -118,6 +121,7 @@ class Top:
         self.body = body
         self.start = start
         self._handles: dict[tuple[Any, ...], Handle] = {}
+        self._lock = threading.Lock()
         self._handle({}, {"t_end": 1.0}, ANGLES)
 
     def __repr__(self) -> str:
@@ -139,9 +143,10 @@ class Top:
             output = {"columns": list(columns)}
             groups = self.input(integration=integration, span=span, output=output)
             known = Handle(namelist(groups))
-            while len(self._handles) >= 16:
-                self._handles.pop(next(iter(self._handles)), None)
-            self._handles[key] = known
+            with self._lock:
+                if len(self._handles) >= MOST_HANDLES:
+                    self._handles.pop(next(iter(self._handles)))
+                self._handles[key] = known
         return known
 
     def exact(self, t: ArrayLike, columns: Sequence[str] = ANGLES) -> Motion:
@@ -172,7 +177,7 @@ class Top:
     def events(
         self, events: Sequence[str], t_end: float, columns: Sequence[str] = ANGLES, **keys: Any
     ) -> Result:
-        """Run up to `t_end` s, and look for events: `["theta_max", "phi = 1.5 rising"]`.
+        """Run up to `t_end` s, and look for events: `["lower_turning_points", "phi = 1.5 rising"]`.
 
         The table `events` of the result has a row for each. `keys` are those of the group
         `integration`, or `stop_at="..."`, the event that ends the motion.

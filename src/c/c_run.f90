@@ -111,8 +111,8 @@ contains
         real(c_double), pointer :: array(:)
         integer :: i
 
+        allocate (texts(0), given(count))
         call take_texts(names, int(count), texts)
-        allocate (given(count))
         if (count == 0) return
         call c_f_pointer(values, arrays, [count])
         do i = 1, count

@@ -9,7 +9,7 @@ module spintop_in_memory
     use spintop_data_table, only: data_table_t, load_table
     use spintop_errors, only: error_t, exit_failed, exit_ok
     use spintop_execution, only: run_job
-    use spintop_files, only: file_exists, make_private_folder, remove_file, remove_folder
+    use spintop_files, only: file_exists, make_private_folder, remove_folder
     use spintop_job, only: job_t
     use spintop_memory_table, only: memory_table_t
     use spintop_options, only: options_t
@@ -120,10 +120,6 @@ contains
             if (job%event_output /= '') job%event_output = folder // job%event_output
             if (job%statistics_output /= '') job%statistics_output = folder // job%statistics_output
             call run_in_files(prepared, options, .false., run, error)
-            call remove_file(job%output, ignored)
-            call remove_file(job%log, ignored)
-            call remove_file(job%event_output, ignored)
-            call remove_file(job%statistics_output, ignored)
             call remove_folder(folder, ignored)
         end associate
         options%output = ''
@@ -139,17 +135,15 @@ contains
         type(string_t), allocatable :: lines(:)
         integer :: first
 
+        allocate (lines(0), run%table(0))
         call run_job(prepared%study, prepared%job, options, lines, run%code, error)
-        if (allocated(error)) return
-        if (allocated(lines)) then
-            first = 1
-            do while (.not. stay .and. first < size(lines))
-                if (scan(lines(first)%text, 'abcdefghijklmnopqrstuvwxyz') == 3 .and. lines(first)%text(:2) == '') exit
-                first = first + 1
-            end do
-            run%summary = join(lines(first:), new_line('a'))
-        end if
-        allocate (run%table(0))
+        if (allocated(error) .or. .not. allocated(lines)) return
+        first = 1
+        do while (.not. stay .and. first < size(lines))
+            if (scan(lines(first)%text, 'abcdefghijklmnopqrstuvwxyz') == 3 .and. lines(first)%text(:2) == '') exit
+            first = first + 1
+        end do
+        run%summary = join(lines(first:), new_line('a'))
         associate (job => prepared%job)
             call add_table(job%output, merge('rows      ', 'statistics', job%keeps_rows()), run, error)
             if (.not. allocated(error)) call add_table(job%event_output, 'events', run, error)

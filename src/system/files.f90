@@ -119,7 +119,7 @@ contains
         call check_call(c_remove(path // c_null_char), 'remove', path, error)
     end subroutine remove_file
 
-    !> Removes an empty folder.
+    !> Removes a folder and the files in it.
     subroutine remove_folder(path, error)
         character(*), intent(in) :: path !! path of the folder
         type(error_t), allocatable, intent(out) :: error !! not allocated on success

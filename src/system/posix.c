@@ -4,6 +4,7 @@
 #define _DEFAULT_SOURCE // flock
 #define _POSIX_C_SOURCE 200809L
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -135,7 +136,14 @@ int spintop_make_folder(const char *path) {
     return mkdir(path, 0777) < 0 ? errno : 0;
 }
 
+// Removes a folder and the files in it.
 int spintop_remove_folder(const char *path) {
+    DIR *folder = opendir(path);
+    if (folder == NULL) return errno;
+    for (struct dirent *entry = readdir(folder); entry != NULL; entry = readdir(folder)) {
+        unlinkat(dirfd(folder), entry->d_name, 0); // fails for . and ..
+    }
+    closedir(folder);
     return rmdir(path) < 0 ? errno : 0;
 }
 

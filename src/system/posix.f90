@@ -78,7 +78,7 @@ module spintop_posix
             character(c_char), intent(in) :: path(*) !! path, terminated by a null character
         end function c_remove
 
-        !> Removes an empty folder.
+        !> Removes a folder and the files in it.
         integer(c_int) function c_remove_folder(path) bind(C, name='spintop_remove_folder')
             import :: c_char, c_int
             character(c_char), intent(in) :: path(*) !! path, terminated by a null character

@@ -76,7 +76,7 @@ class CInterfaceTest(unittest.TestCase):
         error = re.search(r"^orientation_error +\[rad\] (\S+) (\S+) (\S+)$", text, re.M)
         self.assertEqual(float(error[1]), 0)
         self.assertTrue(0 < float(error[2]) < 1e-5, text)
-        self.assertIn("table events: 2 rows\ntheta_max 1 ", text)
+        self.assertIn("table events: 2 rows\nlower_turning_points 1 ", text)
         self.assertRegex(text, r"code 2, input:1:13\ninput:1:13: error: ")
 
     def test_cpp(self) -> None:
@@ -174,7 +174,7 @@ class CInterfaceTest(unittest.TestCase):
         """Those of a trajectory with events, with units, and no file is left."""
         text = (
             f"{TOP} {START} &span nutations = 2 samples = 5 /"
-            "&output columns = 't', 'theta' events = 'theta_max' /"
+            "&output columns = 't', 'theta' events = 'lower_turning_points' /"
         )
         temporary = self.folder / "temporary"
         temporary.mkdir()
@@ -191,7 +191,7 @@ class CInterfaceTest(unittest.TestCase):
         self.assertEqual(theta[:2], ["theta", "rad"])
         self.assertEqual(numbers(theta[3]), [float(cell) for cell in table["theta"]])
         self.assertEqual(lines[3], "events")
-        self.assertEqual(lines[4].split("|")[3], "theta_max theta_max ")
+        self.assertEqual(lines[4].split("|")[3], "lower_turning_points lower_turning_points ")
 
     def test_a_sweep_in_memory(self) -> None:
         """The cells of the program's table, words among them; failed cases give code 3."""

@@ -101,12 +101,12 @@ class MotionTest(unittest.TestCase):
 
     def test_events(self) -> None:
         """Their table is that of the program, and the motion may end at one."""
-        output = {"columns": ["t", "theta"], "events": ["theta_max"]}
+        output = {"columns": ["t", "theta"], "events": ["lower_turning_points"]}
         table = by_program(TOP.input(span={"t_end": 5.0}, output=output), "events")
-        found = TOP.events(["theta_max"], 5.0, ["t", "theta"])
+        found = TOP.events(["lower_turning_points"], 5.0, ["t", "theta"])
         self.assertEqual(found.events["t"].tolist(), [float(cell) for cell in table["t"]])
         self.assertEqual(found.events["event"].tolist(), table["event"])
-        stopped = TOP.events(["theta_max"], 5.0, stop_at="theta_max")
+        stopped = TOP.events(["lower_turning_points"], 5.0, stop_at="lower_turning_points")
         self.assertEqual(stopped["t"][-1], found.events["t"][0])
 
     def test_errors(self) -> None:
@@ -173,8 +173,20 @@ class RunTest(unittest.TestCase):
         table = by_program(groups)
         found = spintop.run(groups)
         self.assertEqual(found["theta_max"].tolist(), [float(cell) for cell in table["theta_max"]])
-        with_statistics = spintop.run({**groups, "statistics": {"columns": ["theta_max"]}})
-        self.assertIsNotNone(with_statistics.statistics)
+        statistics = {"columns": ["theta_max"]}
+        before = {**os.environ}
+        with tempfile.TemporaryDirectory() as folder:
+            os.environ["TMPDIR"] = folder
+            try:
+                described = spintop.run({**groups, "statistics": statistics})
+            finally:
+                os.environ.pop("TMPDIR")
+                os.environ.update(before)
+            self.assertEqual(list(Path(folder).iterdir()), [])
+        expected = by_program({**groups, "statistics": statistics}, "statistics")
+        self.assertEqual(list(described.statistics), list(expected))
+        mean = [float(cell) for cell in expected["theta_max_mean"]]
+        self.assertEqual(described.statistics["theta_max_mean"].tolist(), mean)
         with tempfile.TemporaryDirectory() as folder:
             kept = spintop.run(groups, folder=folder)
             self.assertEqual(
@@ -196,10 +208,10 @@ class RunTest(unittest.TestCase):
         import matplotlib as mpl
 
         mpl.use("agg")
-        found = TOP.events(
-            ["theta_max"], 3.0, ["t", "phi", "theta", "psi", "axis_x", "axis_y"]
-        ).plot()
+        result = spintop.run(TOP.input(span={"t_end": 3.0, "samples": 50}))
+        found = result.plot()
         self.assertIn("angles", found)
+        self.assertEqual(list(result.plot("angles")), ["angles"])
         self.assertTrue(all(hasattr(figure, "savefig") for figure in found.values()))
 
     def test_registry(self) -> None:
@@ -331,9 +343,9 @@ class ResourcesTest(unittest.TestCase):
                     spintop.run(TOP.input(span={"t_end": 1.0, "samples": 50}))
                     spintop.registry()
 
-        use(4000)
+        use(2000)
         before = peak()
-        use(40000)
+        use(16000)
         self.assertLess(peak() - before, 4000)
 
     def test_threads(self) -> None:
@@ -393,8 +405,9 @@ class PackageTest(unittest.TestCase):
         """`pip install` puts the library beside the modules."""
         try:
             import setuptools  # noqa: F401
+            import wheel  # noqa: F401
         except ImportError:
-            self.skipTest("no setuptools")
+            self.skipTest("no setuptools and wheel")
         with tempfile.TemporaryDirectory(prefix="spintop pip ") as folder:
             command = [sys.executable, "-m", "pip", "install", "--quiet", "--no-build-isolation"]
             command += [

@@ -232,13 +232,13 @@ contains
         string = string(:to)
     end function string
 
-    !> Whether a token is a name: a letter, then letters, digits and underscores.
+    !> Whether a token is a name: a letter, then letters, digits and underscores, and dots in keys such as `top.mass`.
     pure logical function is_name(self, token)
         class(scanner_t), intent(in) :: self
         type(token_t), intent(in) :: token !! the token
         is_name = token%kind == token_word
         if (is_name) is_name = verify(self%text(token%first:token%first), letters) == 0 .and. &
-            verify(self%text(token%first:token%last), name_characters) == 0
+            verify(self%text(token%first:token%last), name_characters // '.') == 0
     end function is_name
 
     !> Moves to the next byte that is neither blank nor in a comment.

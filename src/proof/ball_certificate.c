@@ -6,7 +6,7 @@
 
 /* The precisions that are tried one after the other, bits. */
 static const slong precisions[] = {128, 192, 288, 432, 648, 972, 1458, 2187, 3280, 4920, 7380, 11070, 16384};
-enum { LEVELS = sizeof precisions / sizeof *precisions };
+enum { LEVELS = sizeof precisions / sizeof *precisions, LEVELS_OF_RADII = 3 };
 
 /* A top, and its motion at the precisions that were needed so far. */
 typedef struct {
@@ -180,6 +180,7 @@ int spintop_proof_bounds(top_proof *proof, double t, const int wanted[QUANTITIES
             now_width = width(answer, wanted);
             is_last = now_width > 0.5 * last_width, last_width = now_width;
         }
+        if (proof->has_radii && level >= LEVELS_OF_RADII) is_last = 1;
         for (i = 0; i < QUANTITIES; i++) {
             int absent;
             if (reason[i] == PROVED || reason[i] == NO_ANGLES || reason[i] == NO_PERIOD) continue;

@@ -8,6 +8,7 @@ module spintop_column_choice
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: place_of, proof_group, study_column_t
     use spintop_text, only: did_you_mean, to_text
+    use spintop_uncertainties, only: check_uncertainties
     implicit none
     private
     public :: choose_columns
@@ -30,8 +31,11 @@ contains
 
         info = study%info()
         if (job%scene%certified) call check_certified(info, problems)
+        if (job%axes%varies('uncertainty')) call problems%add('sweep', 'radii are the same in all cases', &
+                                                              'give them in the group uncertainty')
         associate (named => job%scene%columns)
             if (.not. info%takes_columns) then
+                call check_uncertainties(job%scene, .false., problems)
                 if (any(named /= '')) then
                     call problems%add('output.columns', 'the columns of this study are fixed', 'omit it')
                 end if
@@ -54,6 +58,7 @@ contains
                 end do
             end if
         end associate
+        call check_uncertainties(job%scene, any(known(columns)%group == proof_group), problems)
         call move_alloc(columns, job%columns)
     end subroutine choose_columns
 

@@ -9,6 +9,7 @@ module spintop_event_recorder
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t
     use spintop_row_maker, only: row_maker_t
+    use spintop_scene, only: scene_t
     use spintop_stepper, only: looks_per_step
     use spintop_table_column, only: column_t
     use spintop_table_file, only: table_file_t
@@ -87,14 +88,14 @@ contains
     end subroutine set
 
     !> Starts the table of the listed events, with these columns of the trajectory.
-    subroutine open_table(self, path, head, columns, case, certified, error)
+    subroutine open_table(self, path, head, columns, case, scene, error)
         class(event_recorder_t), intent(inout) :: self
         character(*), intent(in) :: path, head !! path of the table, and its header
         type(trajectory_column_t), intent(in) :: columns(:) !! indices of the columns of the trajectory
         type(case_t), intent(in) :: case !! body, start and span
-        logical, intent(in) :: certified !! whether proved numbers replace the computed ones
+        type(scene_t), intent(in) :: scene !! contents of the input
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call self%row%set(columns, case, certified)
+        call self%row%set(columns, case, scene)
         call self%file%create(path, head, error)
     end subroutine open_table
 

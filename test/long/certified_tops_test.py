@@ -1,4 +1,4 @@
-"""Random symmetric tops of all classes, certified by the program itself: no number outside its claim."""
+"""Random symmetric tops of all classes, certified by the program: none outside its claim."""
 
 import csv
 import math
@@ -28,13 +28,14 @@ MISSING = "this build has no FLINT"
 
 INPUT = """\
 &study kind = 'trajectory' /
-&top mass = {mass!r}, gravity = {gravity!r}, inertia = {inertia1!r}, {inertia1!r}, {inertia3!r}, length = {length!r} /
-&initial phi = {phi!r}, theta = {theta!r}, psi = {psi!r}, phi_rate = {phi_rate!r}, theta_rate = {theta_rate!r}
-         {key} = {spin!r} /
+&top mass = {mass!r}, gravity = {gravity!r}, length = {length!r},
+     inertia = {inertia1!r}, {inertia1!r}, {inertia3!r} /
+&initial phi = {phi!r}, theta = {theta!r}, psi = {psi!r},
+         phi_rate = {phi_rate!r}, theta_rate = {theta_rate!r}, {key} = {spin!r} /
 &span t_end = {span!r}, samples = 3 /
 &integration method = 'exact' /
-&output columns = 't', 'theta', 'theta_bound', 'phi', 'phi_bound', 'psi', 'psi_bound', 'orientation_bound',
-                  'inherent_error' /
+&output columns = 't', 'theta', 'theta_bound', 'phi', 'phi_bound', 'psi', 'psi_bound',
+                  'orientation_bound', 'inherent_error' /
 """
 
 
@@ -74,8 +75,12 @@ class CertifiedTopsTest(unittest.TestCase):
         ]
         print("\n".join(listed))
         self.assertEqual({kind for kind, _ in worst}, set(CLASSES))
-        faults = [line for line, key in zip(listed, sorted(worst), strict=True) if worst[key][0] > 1]
-        self.assertEqual(faults, [], "numbers outside their claims, or unproved:\n" + "\n".join(faults))
+        faults = [
+            line for line, key in zip(listed, sorted(worst), strict=True) if worst[key][0] > 1
+        ]
+        self.assertEqual(
+            faults, [], "numbers outside their claims, or unproved:\n" + "\n".join(faults)
+        )
 
     def look_at(
         self, numbers: range, worst: dict[tuple[str, str], tuple[float, int, float]]

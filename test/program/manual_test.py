@@ -74,7 +74,7 @@ SKIPPED = {
         " --time=04:00:00",
         "scripts/setup --mpi",
         "SPINTOP_NETCDF=1 scripts/run --set output.format=netcdf input/random_tops.nml",
-        "SPINTOP_FLINT=1 scripts/run --set output.columns=t,theta,theta_bound,proof input/slow_top.nml",
+        "SPINTOP_FLINT=1 scripts/run --set output.columns=t,theta,theta_bound input/slow_top.nml",
         "import xarray",
     ],
 }

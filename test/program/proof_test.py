@@ -6,7 +6,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from program_test import ProgramCase  # noqa: E402
+from program_test import ProgramCase
 
 TOP = """\
 &study kind = 'trajectory' /
@@ -20,8 +20,9 @@ SWEEP = """\
 &top mass = 1.0, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387 /
 &initial theta_deg = 30 /
 &span t_end = 2.0 /
-&output columns = 'theta_end', 'theta_end_bound', 'phi_end', 'psi_end', 'nutation_period', 'nutation_period_bound',
-                  'precession_per_nutation', 'precession_per_nutation_bound', 'proof' /
+&output columns = 'theta_end', 'theta_end_bound', 'phi_end', 'psi_end', 'nutation_period',
+                  'nutation_period_bound', 'precession_per_nutation',
+                  'precession_per_nutation_bound', 'proof' /
 &sweep parameter(1) = 'initial.psi_rate', values(1,:) = 0, 0.5, 3, 40 /
 """
 BOUNDS = "t,theta,theta_bound,phi_bound,psi_bound,q0,q0_bound,orientation_bound,proof"
@@ -108,6 +109,34 @@ class ProofTest(ProgramCase):
         self.assertIn("certified = .true.", exact.resolved())
         self.assertIn("0 unproved, 0 wrong", self.verify("--strict"))
 
+    def test_uncertainty(self) -> None:
+        """Radii of the data widen the bounds, about in proportion while they are small."""
+        columns = "output.columns=t,theta,theta_bound,orientation_bound,proof"
+        narrow = self.compute(self.top, columns, "uncertainty.top.length=1e-12")
+        wide = self.compute(self.top, columns, "uncertainty.top.length=1e-10")
+        self.assertEqual(set(wide.texts("proof")), {"proved"})
+        ratio = wide.largest("orientation_bound") / narrow.largest("orientation_bound")
+        self.assertGreater(ratio, 30)
+        self.assertLess(ratio, 300)
+        self.assertIn("top.length = 1e-10", wide.resolved())
+        radii = "&uncertainty top.length = 1e-9 top.mass = 1e-9 /\n&span"
+        scene = self.write(TOP.replace("&span", radii), "b.nml")
+        both = self.compute(scene, columns)
+        self.assertGreater(both.largest("theta_bound"), narrow.largest("theta_bound"))
+
+    def test_wrong_uncertainty(self) -> None:
+        for settings, words in (
+            (("uncertainty.top.length=1e-9",), "the table has no bounds"),
+            (("uncertainty.top.length=1e-9", "output.certified=.true."), "no certified digits"),
+            (("uncertainty.initial.omega3=1", "output.columns=t,q0_bound"), "omega3 is not given"),
+            (("uncertainty.top.spin=1", "output.columns=t,q0_bound"), "unknown key"),
+            (("uncertainty.top.mass=-1", "output.columns=t,q0_bound"), "uncertainty.top.mass"),
+        ):
+            overrides = [part for setting in settings for part in ("--set", setting)]
+            run = self.run_program("--check", self.top, *overrides)
+            self.assertEqual(run.returncode, 2, words)
+            self.assertIn(words, run.stderr)
+
     def test_unproved_rows_say_why(self) -> None:
         run = self.run_program(
             self.top,
@@ -138,7 +167,7 @@ class ProofTest(ProgramCase):
         self.assertEqual(first.rows, self.table().rows)
 
     def test_verify(self) -> None:
-        """A digit that is wrong is found; the numbers of the exact solution need no bounds beside them."""
+        """A wrong digit is found; the exact solution needs no bounds beside its numbers."""
         self.compute(self.top)
         self.assertIn("49 numbers proved, 0 unproved, 0 wrong", self.verify("--strict"))
         theta = self.table().texts("theta")[4]

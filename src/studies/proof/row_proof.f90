@@ -47,15 +47,16 @@ contains
     end function wanted_proofs
 
     !> Takes a motion as it was given. Without wanted quantities nothing is done.
-    subroutine open(self, wanted, certified, body, start)
+    subroutine open(self, wanted, certified, body, start, radii)
         class(row_proof_t), intent(inout) :: self
         logical, intent(in) :: wanted(proof_count) !! which quantities are to be proved
         logical, intent(in) :: certified !! whether proved numbers replace the computed ones
         type(body_t), intent(in) :: body !! mass properties, as given
         type(motion_t), intent(in) :: start !! attitude and rates, as given
+        real(dp), intent(in) :: radii(:) !! of the data (spintop_uncertainties)
         self%wanted = wanted
         self%certified = certified
-        if (any(wanted)) call self%certificate%open(body, start)
+        if (any(wanted)) call self%certificate%open(body, start, radii)
     end subroutine open
 
     !> Proves the numbers of a row, and replaces them where they are to be certified.

@@ -22,6 +22,7 @@ module spintop_verification
     use spintop_scene, only: scene_t
     use spintop_sweep_axes, only: swept_scene_t
     use spintop_text, only: string_t, to_text
+    use spintop_uncertainties, only: data_radii, has_radii
     implicit none
     private
     public :: verify_table
@@ -119,7 +120,7 @@ contains
         call found%table%read_column('t', times, error)
         if (allocated(error)) return
         call proof%open([(any(is_finite(found%printed(k, :))), k=1, proof_count)], .false., job%case%given_body, &
-                        job%case%given_start)
+                        job%case%given_start, data_radii(job%scene))
         do row = 1, size(times)
             call verify_row(job, job%case, times(row), row, proof, found)
         end do
@@ -156,7 +157,8 @@ contains
             call make_again(swept%scene, case, error)
             if (allocated(error)) return
             if (.not. is_finite(ends(row))) ends(row) = case%t_end
-            call proof%open(is_finite(found%printed(:, row)), .false., case%given_body, case%given_start)
+            call proof%open(is_finite(found%printed(:, row)), .false., case%given_body, case%given_start, &
+                            data_radii(job%scene))
             call verify_row(job, case, ends(row), row, proof, found)
         end do
         call proof%close()
@@ -187,7 +189,7 @@ contains
         proof%wanted = is_finite(printed)
         call proof%prove(t, printed)
         floor = no_number
-        if (job%plan%exact) floor = inherent_error(case%body, case%start, t)
+        if (job%plan%exact .and. .not. has_radii(job%scene)) floor = inherent_error(case%body, case%start, t)
         do k = 1, proof_count
             if (.not. proof%wanted(k)) cycle
             if (proof%reasons(k) == proved) found%largest(k) = max(found%largest(k), proof%bounds(k))

@@ -6,9 +6,11 @@ module spintop_sweep_proof
     use spintop_compare, only: is_finite
     use spintop_kinds, only: dp
     use spintop_row_proof, only: row_proof_t
+    use spintop_scene, only: scene_t
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_notes, only: note_t
     use spintop_sweep_result, only: proof_words, sweep_result_t
+    use spintop_uncertainties, only: data_radii
     implicit none
     private
     public :: sweep_proofs, prove_case
@@ -38,10 +40,10 @@ contains
     end function sweep_proofs
 
     !> Bounds of the wanted numbers of a case, which has ended well. What the case does not have needs no proof.
-    subroutine prove_case(case, wanted, certified, values, note)
+    subroutine prove_case(case, wanted, scene, values, note)
         type(case_t), intent(in) :: case !! body, start and span
         logical, intent(in) :: wanted(proof_count) !! which quantities are to be proved
-        logical, intent(in) :: certified !! whether proved numbers replace the computed ones
+        type(scene_t), intent(in) :: scene !! contents of the input
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
         type(note_t), intent(inout) :: note !! notes on the case
         type(row_proof_t) :: proof
@@ -50,10 +52,11 @@ contains
         printed = 0
         printed(quantities) = [values%theta_end, values%phi_end, values%psi_end, values%nutation_period, &
                                values%precession_per_nutation]
-        call proof%open(wanted .and. is_finite(printed), certified, case%given_body, case%given_start)
+        call proof%open(wanted .and. is_finite(printed), scene%certified, case%given_body, case%given_start, &
+                        data_radii(scene))
         call proof%prove(merge(values%t_end, case%t_end, is_finite(values%t_end)), printed)
         call proof%close()
-        if (certified) then
+        if (scene%certified) then
             values%theta_end = printed(proof_of_theta)
             values%phi_end = printed(proof_of_phi)
             values%psi_end = printed(proof_of_psi)

@@ -294,7 +294,7 @@ contains
         integer :: k
         do k = 1, n
             if (worker%status(k) /= status_ok) cycle
-            call prove_case(worker%cases(k), worker%proofs, job%scene%certified, worker%values(k), worker%note(k))
+            call prove_case(worker%cases(k), worker%proofs, job%scene, worker%values(k), worker%note(k))
         end do
     end subroutine prove_cases
 

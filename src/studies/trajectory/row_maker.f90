@@ -6,8 +6,10 @@ module spintop_row_maker
     use spintop_motion, only: motion_t
     use spintop_motion_view, only: motion_view_t
     use spintop_row_proof, only: wanted_proofs
+    use spintop_scene, only: scene_t
     use spintop_text_buffer, only: text_buffer_t
     use spintop_trajectory_column, only: trajectory_column_t
+    use spintop_uncertainties, only: data_radii
     implicit none
     private
     public :: row_maker_t
@@ -30,19 +32,18 @@ module spintop_row_maker
 contains
 
     !> Takes the columns of the rows, and the case. Columns that need an exact motion are for bodies that
-    !> have one. With `certified` proved numbers replace the computed ones.
-    subroutine set(self, columns, case, certified)
+    !> have one. The scene says what is to be proved, and of which data.
+    subroutine set(self, columns, case, scene)
         class(row_maker_t), intent(inout) :: self
         type(trajectory_column_t), intent(in) :: columns(:) !! the columns
         type(case_t), intent(in) :: case !! body, start and span
-        logical, intent(in), optional :: certified !! whether proved numbers replace the computed ones
-        logical :: by_middles
-        by_middles = .false.
-        if (present(certified)) by_middles = certified
+        type(scene_t), intent(in), optional :: scene !! contents of the input, if numbers may be proved
         call self%close()
         self%columns = columns
         call self%view%set(case)
-        call self%view%proof%open(wanted_proofs(columns%name, by_middles), by_middles, case%given_body, case%given_start)
+        if (.not. present(scene)) return
+        call self%view%proof%open(wanted_proofs(columns%name, scene%certified), scene%certified, case%given_body, &
+                                  case%given_start, data_radii(scene))
     end subroutine set
 
     !> The row of a motion, which is in the axes of the computation; all but the errors are those of the

@@ -41,7 +41,6 @@ module spintop_trajectory
         !> Number of rows of the whole table.
         integer(int64) :: total = 0
         integer :: rows = 0
-        logical :: certified = .false.
         !> Whether a value of a motion overflowed or is NaN, and the time, s.
         logical :: is_undefined = .false.
         real(dp) :: t_undefined = 0
@@ -98,8 +97,7 @@ contains
         associate (columns => writer%chosen)
             writer%counts_turns = any(columns%name == 'phi' .or. columns%name == 'psi')
             call writer%progress%start(job%name, 'rows', writer%total, options%quiet, options%progress)
-            writer%certified = job%scene%certified
-            call writer%columns%set(columns, job%case, writer%certified)
+            call writer%columns%set(columns, job%case, job%scene)
             call writer%table%describe(job, columns)
             call writer%table%create(error)
             if (allocated(error)) return
@@ -109,7 +107,7 @@ contains
             end if
             if (job%event_output == '') return
             call watch%open_table(job%event_output, study_head(job, [event_columns, columns%column_t]), columns, &
-                                  job%case, writer%certified, error)
+                                  job%case, job%scene, error)
         end associate
         if (allocated(error)) call writer%table%discard()
     end subroutine begin_tables
@@ -232,7 +230,7 @@ contains
         call writer%table%create(writer%error)
         if (allocated(writer%error)) return
         writer%rows = 0
-        call writer%columns%set(writer%chosen, job%case, writer%certified)
+        call writer%columns%set(writer%chosen, job%case, job%scene)
         do i = 1, size(times)
             times(i) = sample_time(first%t, size(times), i)
         end do

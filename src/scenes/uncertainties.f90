@@ -1,0 +1,92 @@
+!> Radii of the data of a scene: proved bounds hold for every top within them.
+module spintop_uncertainties
+    use spintop_body_of_scene, only: is_set
+    use spintop_kinds, only: degree, dp
+    use spintop_problems, only: problems_t
+    use spintop_scene, only: scene_t
+    implicit none
+    private
+    public :: data_radii, has_radii, check_uncertainties
+
+contains
+
+    !> Radii of I1, I3, m, g, l, phi, theta, psi and their rates, or omega3 in place of psi': the order of the data in
+    !> spintop_certificate. 0 where none is given.
+    pure function data_radii(scene) result(radii)
+        type(scene_t), intent(in) :: scene !! contents of the input
+        real(dp) :: radii(11)
+        real(dp) :: angle(3)
+        angle = given(scene%radius_of_angle)
+        ! Rounded up, as the product may be rounded down.
+        where (is_set(scene%radius_of_angle_deg)) angle = scene%radius_of_angle_deg * degree * (1 + 4 * epsilon(degree))
+        radii = [maxval(given(scene%radius_of_inertia(1:2))), given(scene%radius_of_inertia(3)), &
+                 given(scene%radius_of_mass), given(scene%radius_of_gravity), given(scene%radius_of_length), angle, &
+                 given(scene%radius_of_rate(1:2)), max(given(scene%radius_of_rate(3)), given(scene%radius_of_omega3))]
+    end function data_radii
+
+    !> A radius, or 0 where none is given.
+    elemental real(dp) function given(radius)
+        real(dp), intent(in) :: radius
+        given = merge(radius, 0.0_dp, is_set(radius))
+    end function given
+
+    !> Whether the input gives radii.
+    pure logical function has_radii(scene)
+        type(scene_t), intent(in) :: scene !! contents of the input
+        has_radii = any(is_set([scene%radius_of_mass, scene%radius_of_gravity, scene%radius_of_length, &
+                                scene%radius_of_inertia, scene%radius_of_angle, scene%radius_of_angle_deg, &
+                                scene%radius_of_rate, scene%radius_of_omega3]))
+    end function has_radii
+
+    !> Reports radii of numbers that are not data of this input, and radii that nothing uses.
+    subroutine check_uncertainties(scene, has_bounds, problems)
+        type(scene_t), intent(in) :: scene !! contents of the input
+        logical, intent(in) :: has_bounds !! whether the table has bounds
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        character(*), parameter :: names(3) = [character(5) :: 'phi', 'theta', 'psi']
+        integer :: i
+
+        if (.not. has_radii(scene)) return
+        if (scene%certified) call problems%add('uncertainty', 'uncertain data have no certified digits', &
+                                               'omit the radii or output.certified')
+        if (.not. (has_bounds .or. scene%certified)) call problems%add('uncertainty', 'the table has no bounds that the &
+            &radii could widen', 'add columns such as theta_bound')
+        if (scene%shape /= 'inertia') then
+            if (any(is_set([scene%radius_of_mass, scene%radius_of_inertia, scene%radius_of_length]))) then
+                call problems%add('uncertainty', 'the radii of mass, inertia and length belong to shape = ''inertia''', &
+                                  'give the body by its mass properties')
+            end if
+        end if
+        call need(scene%radius_of_mass, scene%mass, 'top.mass')
+        call need(scene%radius_of_length, scene%length, 'top.length')
+        call need(scene%radius_of_omega3, scene%omega3, 'initial.omega3')
+        do i = 1, 3
+            ! An angle that is not given is 0.
+            if (is_set(scene%radius_of_angle(i)) .and. is_set(scene%radius_of_angle_deg(i))) then
+                call problems%add('uncertainty', 'the radius of ' // trim(names(i)) // ' is given twice', &
+                                  'give it either in radians or in degrees')
+            end if
+        end do
+        if (is_set(scene%radius_of_rate(3)) .and. (is_set(scene%omega3) .or. is_set(scene%spin_ratio))) then
+            call problems%add('uncertainty.initial.psi_rate', 'the spin is not given by psi_rate', &
+                              'give the radius of what is given')
+        end if
+        if (scene%inertia_about /= 'pivot' .and. any(is_set(scene%radius_of_inertia))) then
+            call problems%add('uncertainty.top.inertia', 'the moments of inertia are not those about the pivot', &
+                              'give them about the pivot')
+        end if
+
+    contains
+
+        !> A radius is that of a number that the input gives.
+        subroutine need(radius, number, name)
+            real(dp), intent(in) :: radius, number
+            character(*), intent(in) :: name
+            if (is_set(radius) .and. .not. is_set(number)) then
+                call problems%add('uncertainty.' // name, name // ' is not given', 'give the radius of what is given')
+            end if
+        end subroutine need
+
+    end subroutine check_uncertainties
+
+end module spintop_uncertainties

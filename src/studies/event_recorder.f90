@@ -89,6 +89,7 @@ contains
         type(case_t), intent(in) :: case !! body, start and span
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call self%row%set(columns, case)
+        if (allocated(case%given_body%effects)) call self%row%forget_work()
         call self%file%create(path, head, error)
     end subroutine open_table
 

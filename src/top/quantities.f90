@@ -26,7 +26,8 @@ contains
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         potential_energy = body%mass * body%gravity &
             * dot_product(body%centre_of_mass, vertical_from_quaternion(motion%quaternion))
-        if (allocated(body%effects)) potential_energy = potential_energy + frame_energy(body, motion%t, motion%quaternion)
+        if (.not. allocated(body%effects)) return
+        potential_energy = potential_energy + frame_energy(body, motion%t, motion%quaternion)
     end function potential_energy
 
     !> Scale of energy errors, J: kinetic energy at the start + m g |r|; positive also for a body at rest
@@ -62,8 +63,8 @@ contains
         axial_momentum = momentum(3)
     end function axial_momentum
 
-    !> Residual of Euler's equations, I omega' + omega x I omega - torque, N m; with effects, of those for P'. The first two components are
-    !> R1 and R2 of Eq 51.
+    !> Residual of Euler's equations, I omega' + omega x I omega - torque, N m; with effects, of those for P'. The first
+    !> two components are R1 and R2 of Eq 51.
     pure function euler_residuals(body, motion) result(residual)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! attitude, angular velocity and acceleration at an instant

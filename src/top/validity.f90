@@ -8,10 +8,10 @@ module spintop_validity
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite
     use spintop_motion, only: motion_t
-    use spintop_status, only: status_ok, status_non_finite, status_bad_body, status_bad_start
+    use spintop_status, only: status_ok, status_non_finite, status_bad_body, status_bad_start, status_unsuitable
     implicit none
     private
-    public :: body_status, motion_status, start_status
+    public :: body_status, plain_body_status, motion_status, start_status
 
     !> Rotation angle, rad, up to which quaternion and angles count as the same attitude, and relative
     !> difference up to which omega and rates count as the same velocity: data of six digits pass.
@@ -24,7 +24,7 @@ module spintop_validity
 contains
 
     !> `status_ok` for a body of finite numbers with a positive mass and without negative moments of inertia
-    !> or damping coefficients; else `status_non_finite` or `status_bad_body`. Single moments may be zero (a
+    !> or damping coefficients, and with valid effects; else `status_non_finite` or `status_bad_body`. Single moments may be zero (a
     !> thin rod): `can_run` decides which equations hold for such a body.
     pure integer function body_status(body) result(status)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
@@ -36,9 +36,17 @@ contains
                 status = status_bad_body
             else
                 status = status_ok
+                if (allocated(body%effects)) status = merge(status_ok, status_bad_body, body%effects%is_valid())
             end if
         end associate
     end function body_status
+
+    !> The same where the equations hold for bodies without effects only: `status_unsuitable` for others.
+    pure integer function plain_body_status(body) result(status)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        status = body_status(body)
+        if (status == status_ok .and. allocated(body%effects)) status = status_unsuitable
+    end function plain_body_status
 
     !> `status_ok` for a motion with finite time, angles, angular velocity and quaternion whose angles and
     !> quaternion describe one attitude; else `status_non_finite` or `status_bad_start`. The quaternion may

@@ -134,6 +134,8 @@ contains
             sweep_column_t('force_z_max', 'N', 'maximum vertical support force', 'details', fill_force_z_max), &
             sweep_column_t('t_end', 's', 'end of the span, or time of the event that ended the motion', &
                            'end', fill_t_end, is_default=.true., always_exists=.true.), &
+            sweep_column_t('t_stuck', 's', 'time at which dry friction stopped the body, to the end of the span', &
+                           'end', fill_t_stuck), &
             sweep_column_t('growth_rate', '1/s', 'growth rate of perturbations of a steady motion', &
                            'growth', fill_growth_rate), &
             sweep_column_t('lyapunov_exponent', '1/s', &
@@ -361,6 +363,12 @@ contains
         real(dp), intent(out) :: cells(:)
         cells = results%t_end
     end subroutine fill_t_end
+
+    pure subroutine fill_t_stuck(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%t_stuck
+    end subroutine fill_t_stuck
 
     pure subroutine fill_growth_rate(results, cells)
         type(sweep_result_t), intent(in) :: results(:)

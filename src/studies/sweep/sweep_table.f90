@@ -19,7 +19,7 @@ module spintop_sweep_table
     use spintop_shard, only: shard_t
     use spintop_statistics_result, only: result_columns
     use spintop_statistics_table, only: statistics_table_t
-    use spintop_status, only: status_names, status_non_finite, status_ok
+    use spintop_status, only: is_good_end, status_names, status_non_finite, status_ok
     use spintop_sweep_axes, only: axes_t
     use spintop_sweep_columns, only: sweep_column_t, sweep_columns
     use spintop_sweep_notes, only: note_names, note_t
@@ -227,7 +227,7 @@ contains
             end do
             do k = 1, size(results)
                 told = status(k)
-                if (told == status_ok) then
+                if (is_good_end(told)) then
                     call explain_missing(columns, cells(axes + 3:axes + 2 + size(columns), k), cases(k), note(k))
                     if (overflowed(columns, cells(axes + 3:axes + 2 + size(columns), k))) told = status_non_finite
                 end if

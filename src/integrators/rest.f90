@@ -92,9 +92,11 @@ contains
         class(rest_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: t, y(max_states)
+        logical :: was_resting
+        was_resting = self%is_resting
         self%is_resting = formulation%action%may_stick
         if (self%is_resting) self%is_resting = .not. formulation%action%excess(t, y) > 0
-        if (self%is_resting) self%t_stuck = t
+        if (self%is_resting .and. .not. was_resting) self%t_stuck = t
     end subroutine check_rest
 
     !> Takes a step, by the method or by another stepper.

@@ -516,7 +516,7 @@ def test_resolved_input(folder: Path) -> None:
     assert run(folder, base + "&effects earth_rate = 0 latitude_deg = 50 /\n").returncode == 0
     text = (folder / "scene.csv").read_text()
     assert "&effects" in text
-    assert "work" not in text
+    assert "work of all effects" not in text
 
 
 START = "theta = 1  psi_rate = 10"

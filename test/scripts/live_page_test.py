@@ -356,9 +356,13 @@ class LiveTest(LiveCase):
                 data.then((address) => done([this.download, address]));
             };
             liveTop.parts[name].click();
-            if (again) setTimeout(() => liveTop.parts[name].click(), 1500);
+            let frames = 60;
+            const wait = () => {
+                if (--frames) requestAnimationFrame(wait);
+                else liveTop.parts[name].click();
+            };
+            if (again) wait();
         """
-        self.browser.set_script_timeout(60)
         name, data = self.browser.execute_async_script(script, button, again)
         return name, base64.b64decode(data.partition(",")[2])
 

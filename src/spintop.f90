@@ -14,9 +14,10 @@ module spintop
         status_turning_point, status_outside, status_unsuitable, status_integrator, status_bad_input, &
         status_bad_body, status_bad_start, status_bad_controls, status_bad_span, status_bad_samples, &
         status_bad_events, status_bad_projection, status_no_steps, status_no_structure, &
-        status_stuck_at_turn, status_unknown_name, status_too_many_events
+        status_stuck_at_turn, status_unknown_name, status_too_many_events, status_at_rest
     use spintop_validity, only: body_status, start_status
     use spintop_body, only: body_t
+    use spintop_effects, only: effects_t
     use spintop_motion, only: motion_t, motion_from_angles, motion_from_quaternion
     use spintop_checked_functions, only: kinetic_energy, potential_energy, vertical_momentum, &
         axial_momentum, euler_residuals, support_force, axis_tip, axis_height_rate, &

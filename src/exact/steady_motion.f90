@@ -5,7 +5,7 @@ module spintop_steady_motion
     use spintop_compare, only: is_finite, is_zero
     use spintop_body, only: body_t
     use spintop_status, only: status_ok, status_non_finite, status_unsuitable
-    use spintop_validity, only: body_status
+    use spintop_validity, only: plain_body_status
     implicit none
     private
     public :: steady_rates, steady_rates_at_spin, critical_omega3
@@ -48,7 +48,7 @@ contains
         integer, intent(inout) :: count
         integer, intent(out), optional :: status
         integer :: found
-        found = body_status(body)
+        found = plain_body_status(body)
         if (found == status_ok .and. .not. body%is_lagrange()) found = status_unsuitable
         if (found == status_ok .and. .not. all(is_finite([data, rates]))) found = status_non_finite
         if (found /= status_ok) then

@@ -267,6 +267,7 @@ contains
         if (allocated(body%effects)) self%effects = body%effects
         self%may_stick = self%effects%is_dry()
         self%may_slip = self%may_stick .and. self%effects%depends_on_time()
+        self%may_turn = self%effects%has_cusps()
     end subroutine set_action
 
     !> Power of each part of the work.
@@ -288,16 +289,23 @@ contains
     end function next_knot
 
     !> |w| and -|w|'.
-    pure subroutine find_speed(self, t, y, speed, slowing)
+    pure subroutine find_speed(self, t, y, speed, slowing, is_plane)
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states)
         real(dp), intent(out) :: speed, slowing
+        logical, intent(out) :: is_plane
+        real(dp), parameter :: parallel = 1.0e-9_dp
+        real(dp) :: rate(3)
         type(loads_t) :: loads
         call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
+        ! O x w does not change the magnitude.
+        rate = (loads%rate - self%effects%rotor_torque) / self%body%inertia
         speed = norm2(loads%omega)
         slowing = 0
-        ! O x w does not change the magnitude.
-        if (speed > 0) slowing = -dot_product(loads%omega / speed, (loads%rate - self%effects%rotor_torque) / self%body%inertia)
+        is_plane = .false.
+        if (.not. speed > 0) return
+        slowing = -dot_product(loads%omega / speed, rate)
+        is_plane = norm2(cross(loads%omega / speed, rate - cross(loads%frame, loads%omega))) <= parallel * norm2(rate)
     end subroutine find_speed
 
     !> The state at rest.

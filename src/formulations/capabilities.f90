@@ -82,8 +82,9 @@ module spintop_capabilities
 
     !> What effects do beside changing y' = f(t, y): their work, breaks of f, and rest under dry friction.
     type, abstract, extends(capability_t) :: action_t
-        !> Whether dry friction may hold the body, and whether it may let it go again by itself.
-        logical :: may_stick = .false., may_slip = .false.
+        !> Whether dry friction may hold the body, and whether it may let it go again by itself; whether the
+        !> series of a plane motion ends where it turns.
+        logical :: may_stick = .false., may_slip = .false., may_turn = .false.
     contains
         procedure(find_power), deferred :: power
         procedure(next_knot), deferred :: next_knot
@@ -109,12 +110,14 @@ module spintop_capabilities
             real(dp), intent(in) :: t !! s
         end function next_knot
 
-        !> Magnitude of the angular velocity, and how fast it decreases.
-        pure subroutine find_speed(self, t, y, speed, slowing)
+        !> Magnitude of the angular velocity, and how fast it decreases; `is_plane` reports whether its direction is
+        !> constant.
+        pure subroutine find_speed(self, t, y, speed, slowing, is_plane)
             import :: action_t, dp, max_states
             class(action_t), intent(in) :: self
             real(dp), intent(in) :: t, y(max_states) !! time, s, and state
             real(dp), intent(out) :: speed, slowing !! rad/s, rad/s^2
+            logical, intent(out) :: is_plane !! whether the angular acceleration is along the angular velocity
         end subroutine find_speed
 
         !> The state at rest at a time, with the attitude that the motion in a state reaches after `left` seconds of

@@ -30,18 +30,22 @@ module spintop_rest
         logical :: is_other = .false.
         class(stepper_t), allocatable :: stepper
         class(workspace_t), allocatable :: work
-        !> Largest angular velocity so far, rad/s.
-        real(dp), private :: largest = 0
+        !> Largest angular velocity so far, rad/s, and deceleration, rad/s^2.
+        real(dp), private :: largest = 0, steepest = 0
     contains
         procedure :: begin
         procedure :: advance
         procedure :: settle
         procedure, private :: advance_by_other
         procedure, private :: check_rest
+        procedure, private :: find_slowing
     end type rest_t
 
     !> A body whose angular velocity is below this share of its largest value comes to rest.
     real(dp), parameter :: nearly_still = 1.0e-8_dp
+    !> A plane motion under drag turns where it slows down at least with this share of its largest deceleration: a
+    !> motion that dies away does not.
+    real(dp), parameter :: turning = 1.0e-6_dp
     !> Steps to rest are limited to this share of the time left.
     real(dp), parameter :: share = 0.5_dp
     !> Tolerance of the steps where there is no series, if that of the method is not smaller.
@@ -55,19 +59,44 @@ contains
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         class(workspace_t), intent(in) :: work !! at the start
         real(dp) :: speed, slowing
-        call formulation%action%find_speed(work%t, work%y, speed, slowing)
+        logical :: is_plane
+        call formulation%action%find_speed(work%t, work%y, speed, slowing, is_plane)
         self%largest = speed
         if (.not. speed > 0) call self%check_rest(formulation, work%t, work%y)
     end subroutine begin
+
+    !> The angular velocity and how fast it decreases; zero where it need not come to rest: without dry friction
+    !> but for plane motions whose series end where they turn.
+    subroutine find_slowing(self, formulation, stepper, work, speed, slowing)
+        class(rest_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(stepper_t), intent(in) :: stepper
+        class(workspace_t), intent(in) :: work
+        real(dp), intent(out) :: speed, slowing
+        logical :: is_plane
+        call formulation%action%find_speed(work%t, work%y, speed, slowing, is_plane)
+        self%largest = max(self%largest, speed)
+        self%steepest = max(self%steepest, slowing)
+        if (formulation%action%may_stick) return
+        if (.not. (is_plane .and. needs_series(stepper) .and. slowing > turning * self%steepest)) slowing = 0
+    end subroutine find_slowing
+
+    !> Whether a method steps by series.
+    pure logical function needs_series(stepper)
+        class(stepper_t), intent(in) :: stepper
+        needs_series = stepper%info%needs /= structure_none .and. stepper%controls%steps == 0
+    end function needs_series
 
     !> Notes whether friction holds a body that is at rest.
     subroutine check_rest(self, formulation, t, y)
         class(rest_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: t, y(max_states)
+        logical :: was_resting
+        was_resting = self%is_resting
         self%is_resting = formulation%action%may_stick
         if (self%is_resting) self%is_resting = .not. formulation%action%excess(t, y) > 0
-        if (self%is_resting) self%t_stuck = t
+        if (self%is_resting .and. .not. was_resting) self%t_stuck = t
     end subroutine check_rest
 
     !> Takes a step, by the method or by another stepper.
@@ -90,14 +119,13 @@ contains
         t_end = work%t_end
         if (stepper%controls%steps == 0) then
             work%t_end = min(t_end, formulation%action%next_knot(work%t))
-            if (formulation%action%may_stick) then
-                call formulation%action%find_speed(work%t, work%y, speed, slowing)
+            if (formulation%action%may_stick .or. formulation%action%may_turn) then
+                call self%find_slowing(formulation, stepper, work, speed, slowing)
                 if (slowing > 0 .and. speed > 0) work%t_end = min(work%t_end, work%t + share * speed / slowing)
             end if
         end if
         call stepper%advance(formulation, work, status)
-        if (stepper%info%needs /= structure_none .and. stepper%controls%steps == 0 &
-            .and. (status == status_non_finite .or. status == status_step_too_small)) then
+        if (needs_series(stepper) .and. (status == status_non_finite .or. status == status_step_too_small)) then
             self%is_other = .true.
             if (allocated(self%stepper)) deallocate (self%stepper)
             allocate (self%stepper, source=dop853_t(table=dop853_table(), info=method_info_t('dop853')))
@@ -145,9 +173,8 @@ contains
             work%rest = 0
             self%is_other = .false.
         end if
-        if (formulation%action%may_stick) then
-            call formulation%action%find_speed(work%t, work%y, speed, slowing)
-            self%largest = max(self%largest, speed)
+        if (formulation%action%may_stick .or. formulation%action%may_turn) then
+            call self%find_slowing(formulation, stepper, work, speed, slowing)
             if (speed > 0) then
                 self%is_resting = .false.
                 allowed = nearly_still * self%largest

@@ -84,7 +84,24 @@ contains
             end if
         end if
         call make_span(scene, case, problems)
+        if (allocated(case%given_body%effects) .and. .not. problems%any()) call check_table_end(case, problems)
     end subroutine make_case
+
+    !> Reports a table of torques that ends before the motion.
+    subroutine check_table_end(case, problems)
+        type(case_t), intent(in) :: case
+        type(problems_t), intent(inout) :: problems
+        associate (effects => case%given_body%effects)
+            if (.not. allocated(effects%table)) return
+            associate (knots => effects%table%knots)
+                if (knots(size(knots)) >= case%t_end) return
+                !$omp critical (texts)
+                call problems%add('effects.torque_table', 'the table ends at t = ' // to_text(knots(size(knots))) // &
+                                  ', before the end of the span, ' // to_text(case%t_end), 'add rows, or shorten the span')
+                !$omp end critical (texts)
+            end associate
+        end associate
+    end subroutine check_table_end
 
     !> The start of a scene; problems of its description are reported. If the body is not known, only what
     !> does not depend on it is checked.
@@ -318,6 +335,11 @@ contains
         real(dp), intent(in) :: precessions
         type(case_t), intent(inout) :: case
         type(problems_t), intent(inout) :: problems
+        if (allocated(case%body%effects)) then
+            call problems%add('span.precessions', 'the period 2 pi I3 omega3/(m g l) is not that of a body with effects', &
+                              'give t_end')
+            return
+        end if
         associate (momentum => case%body%inertia(3) * case%start%omega(3), mgl => case%body%mgl())
             if (is_zero(momentum) .or. is_zero(mgl)) then
                 call problems%add('span.precessions', 'the period 2 pi I3 omega3/(m g l) needs a spin and &

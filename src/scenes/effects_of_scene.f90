@@ -7,10 +7,11 @@ module spintop_effects_of_scene
     use spintop_parameters, only: unset
     use spintop_problems, only: problems_t
     use spintop_scene_effects, only: axes_names, effects_scene_t
+    use spintop_text, only: to_text
     use spintop_torque_table, only: interpolation_names, make_torque_table
     implicit none
     private
-    public :: make_effects
+    public :: make_effects, warn_of_effects
 
 contains
 
@@ -44,6 +45,34 @@ contains
         end if
         body%effects = effects
     end subroutine make_effects
+
+    !> Warnings of a computation: smoothed friction that makes the equations stiff, and steps of fixed size across the
+    !> knots of a table.
+    subroutine warn_of_effects(body, t_end, has_fixed_steps, problems)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point, with effects or not
+        real(dp), intent(in) :: t_end !! length of the span, s
+        logical, intent(in) :: has_fixed_steps !! whether the step size is fixed
+        type(problems_t), intent(inout) :: problems !! warnings are added
+        real(dp), parameter :: stiff = 1.0e6_dp
+        real(dp) :: dry
+        integer :: order
+        if (.not. allocated(body%effects)) return
+        associate (effects => body%effects)
+            dry = effects%friction_torque + effects%friction_arm * body%mass * body%gravity
+            if (effects%friction_smoothing > 0) then
+                if (t_end * dry > stiff * effects%friction_smoothing * minval(body%inertia)) then
+                    call problems%warn('effects.friction_smoothing', 'the smoothed friction makes the equations stiff', &
+                                       'use an implicit method such as arkode_dirk, a larger value, or 0, the exact law')
+                end if
+            end if
+            if (.not. allocated(effects%table) .or. .not. has_fixed_steps) return
+            order = effects%table%interpolation + 1
+            if (count(effects%table%knots > 0 .and. effects%table%knots < t_end) > 0) then
+                call problems%warn('effects.torque_table', 'steps of fixed size do not end at the rows of the table: the order &
+                                   &of the method is ' // to_text(order) // ' at most', 'use a method with step control')
+            end if
+        end associate
+    end subroutine warn_of_effects
 
     !> Whether a number of the group was given.
     elemental logical function is_set(x)

@@ -4,6 +4,7 @@ module spintop_plan
     use spintop_body, only: body_t
     use spintop_body_of_scene, only: is_set
     use spintop_case, only: case_t
+    use spintop_effects_of_scene, only: warn_of_effects
     use spintop_formulation, only: formulation_info_t, formulation_t, structure_names
     use spintop_formulations, only: create_formulation, formulation_infos
     use spintop_methods, only: create_stepper, exact_info
@@ -25,6 +26,8 @@ module spintop_plan
     !> Description of the bodies for which `body_t%is_lagrange` is true, and of those that have a closed form.
     character(*), parameter :: known_for = 'an undamped symmetric top with its centre of mass on &
         &body z, at or above the pivot', free_body = 'an undamped body without gravitational torque', &
+        solvable_effects = 'a rotor with constant momentum on the axis of an undamped symmetric top, and the rotation of &
+        &the Earth at a pole', &
         solved_for = known_for // ', and ' // free_body
     !> The default formulations.
     character(*), parameter :: of_symmetric_tops = 'space_frame', of_any_body = 'rigid_body '
@@ -62,6 +65,7 @@ contains
         call take_controls(scene, plan, problems)
         call take_projection(scene, case%body, plan, problems)
         if (problems%any()) return
+        call warn_of_effects(case%body, case%t_end, plan%stepper%controls%steps > 0 .or. plan%step > 0, problems)
         call take_samples(scene, case, plan, problems)
         if (problems%any()) return
         status = can_run(plan%stepper, plan%formulation, case%body)
@@ -81,7 +85,10 @@ contains
         case (exact_info%name)
             plan%exact = .true.
             plan%reason = 'The input names the exact solution.'
-            if (.not. body%has_closed_form()) then
+            if (allocated(body%effects)) then
+                call problems%add('integration.method', 'with effects the exact solution exists only for ' // solvable_effects, &
+                                  "use method = 'auto'")
+            else if (.not. body%has_closed_form()) then
                 call problems%add('integration.method', 'the exact solution exists only for ' // solved_for, &
                                   "use method = 'auto'")
             end if
@@ -97,6 +104,10 @@ contains
                 if (body%has_closed_form()) then
                     plan%reason = 'The input names a formulation, a table or steps, so the motion is integrated &
                         &numerically, although a closed form exists.'
+                else if (allocated(body%effects)) then
+                    plan%reason = 'The body has effects (&effects), so there is no closed form and the motion is integrated &
+                        &numerically; a closed form exists only with ' // solvable_effects // '. Splitting methods, &
+                        &projection onto invariants and quantities of the undisturbed top are excluded.'
                 else
                     plan%reason = 'The body is neither ' // known_for // ' nor ' // free_body // ', so there is no &
                         &closed form and the motion is integrated numerically.'
@@ -208,22 +219,30 @@ contains
         end if
         info = plan%formulation%info()
         plan%model = trim(info%name) // ': ' // trim(info%what)
-        if (.not. holds_for(info, body)) then
+        if (allocated(body%effects) .and. .not. info%takes_effects) then
+            call problems%add('integration.formulation', 'formulation ' // trim(info%name) // ' does not hold for a body &
+                              &with effects, but for ' // solvable_effects, "use formulation = 'rigid_body'")
+        else if (.not. holds_for(info, body)) then
             call problems%add('integration.formulation', 'formulation ' // trim(info%name) // ' holds for ' &
                               // known_for, 'I1 = I2, no damping, no centre of mass off body z')
         end if
-        call check_method(plan%stepper%info, info, problems)
+        call check_method(plan%stepper%info, info, allocated(body%effects), problems)
     end subroutine choose_formulation
 
     !> A method may need more of the equations than y' = f(t, y), or be caught by them.
-    subroutine check_method(method, form, problems)
+    subroutine check_method(method, form, has_effects, problems)
         type(method_info_t), intent(in) :: method
         type(formulation_info_t), intent(in) :: form
+        logical, intent(in) :: has_effects
         type(problems_t), intent(inout) :: problems
         type(formulation_info_t), allocatable :: forms(:)
         integer :: i
 
-        if (.not. has_structure(form, method)) then
+        if (has_effects .and. .not. has_structure(form, method)) then
+            call problems%add('integration.method', 'method ' // trim(method%name) // ' needs equations with ' &
+                              // trim(structure_names(method%needs)) // ', and those with effects have none', &
+                              "use method = 'auto'")
+        else if (.not. has_structure(form, method)) then
             allocate (forms, source=formulation_infos())
             call problems%add('integration.formulation', 'method ' // trim(method%name) // ' needs a formulation &
                 &with ' // trim(structure_names(method%needs)) // ', and ' // trim(form%name) // ' has none', &

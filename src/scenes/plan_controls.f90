@@ -170,6 +170,8 @@ contains
             if (kind == project_unit) then
                 call problems%add(key, 'formulation ' // trim(info%name) // ' has no quaternion', &
                                   "omit it, or use formulation = 'rigid_body'")
+            else if (allocated(body%effects)) then
+                call problems%add(key, 'a body with effects conserves neither energy nor momentum', "use project = 'unit'")
             else if (info%invariants == 0) then
                 call problems%add(key, 'formulation ' // trim(info%name) // ' conserves its invariants by construction', 'omit it')
             else

@@ -9,7 +9,7 @@ module spintop_floquet
     use spintop_spectrum, only: find_spectrum
     use spintop_status, only: status_ok, status_bad_input, status_unsuitable
     use spintop_tangent_flow, only: carry_tangents
-    use spintop_validity, only: body_status, motion_status
+    use spintop_validity, only: plain_body_status, motion_status
     use spintop_vectors, only: cross
     implicit none
     private
@@ -61,7 +61,7 @@ contains
 
         monodromy = no_number
         turn = no_number
-        status = body_status(body)
+        status = plain_body_status(body)
         if (status == status_ok) status = motion_status(start, body)
         if (status == status_ok .and. .not. (period > 0 .and. is_finite(period))) status = status_bad_input
         if (status /= status_ok) return

@@ -12,7 +12,7 @@ module spintop_lyapunov
     use spintop_motion, only: motion_t
     use spintop_status, only: status_ok, status_step_limit, status_bad_input, status_non_finite
     use spintop_tangent_flow, only: step_limit, take_tangent_step
-    use spintop_validity, only: body_status, motion_status
+    use spintop_validity, only: plain_body_status, motion_status
     use spintop_vectors, only: cross
     implicit none
     private
@@ -66,7 +66,7 @@ contains
             if (size(directions, 1) /= 6 .or. size(directions, 2) < size(exponents)) return
             if (.not. all(is_finite(directions))) return
         end if
-        status = body_status(body)
+        status = plain_body_status(body)
         if (status == status_ok) status = motion_status(start, body)
         if (status /= status_ok) return
         columns(:, 1) = euler_poisson_state(body, start)
@@ -106,7 +106,7 @@ contains
         if (present(steps)) steps = 0
         status = status_bad_input
         if (.not. (t_end > 0 .and. is_finite(t_end))) return
-        status = body_status(body)
+        status = plain_body_status(body)
         if (status == status_ok) status = motion_status(start, body)
         if (status /= status_ok) return
         columns(:, 1) = euler_poisson_state(body, start)

@@ -12,7 +12,7 @@ module spintop_relative_equilibrium
     use spintop_motion, only: motion_t
     use spintop_spectrum, only: find_spectrum
     use spintop_status, only: status_ok, status_unsuitable, status_non_finite
-    use spintop_validity, only: body_status, motion_status
+    use spintop_validity, only: plain_body_status, motion_status
     use spintop_vectors, only: skew
     implicit none
     private
@@ -35,7 +35,7 @@ contains
         real(dp) :: x(6), unit(6), axis(3), spin, matrix(6, 6), forms(6, 4), directions(6, 1)
 
         eigenvalues = 0
-        status = body_status(body)
+        status = plain_body_status(body)
         if (status == status_ok) status = motion_status(motion, body)
         if (status /= status_ok) return
         x = euler_poisson_state(body, motion)

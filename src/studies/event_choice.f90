@@ -75,8 +75,20 @@ contains
                     hint = 'use another column'
                 end if
             end if
+            if (problem == '' .and. .not. problems%any()) call check_work(problem, hint)
             if (problem /= '') call problems%add(name, problem, hint)
         end subroutine read_text
+
+        !> The work of effects is known in the rows of a motion, not where events are sought.
+        subroutine check_work(problem, hint)
+            character(:), allocatable, intent(inout) :: problem, hint
+            if (any(some%column%needs_effects) .and. .not. allocated(case%given_body%effects)) then
+                problem = 'this event needs effects, and the body has none'
+            else if (any(some%column%needs_work) .and. allocated(case%given_body%effects)) then
+                problem = 'this event needs the work of effects, which is computed for the rows of a motion only'
+            end if
+            if (problem /= '') hint = 'use another column'
+        end subroutine check_work
 
     end subroutine choose_events
 

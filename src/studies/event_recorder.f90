@@ -96,6 +96,7 @@ contains
         type(scene_t), intent(in) :: scene !! contents of the input
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call self%row%set(columns, case, scene)
+        if (allocated(case%given_body%effects)) call self%row%forget_work()
         call self%file%create(path, head, error)
     end subroutine open_table
 

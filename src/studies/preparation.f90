@@ -18,6 +18,7 @@ module spintop_preparation
     use spintop_study, only: study_info_t, study_t
     use spintop_terminal, only: message_width
     use spintop_text, only: string_t, to_text
+    use spintop_torques_of_scene, only: read_torques
     implicit none
     private
     public :: prepared_t, prepare_jobs, prepare_job, protect_interrupted
@@ -96,6 +97,7 @@ contains
         if (allocated(error)) return
         call read_namelist(input, options%overrides, job%table, diagnostics, error, text, options%verifies)
         if (allocated(error)) return
+        call read_torques(input, job%scene%effects, problems)
         call create_study(trim(job%scene%kind), study)
         info = study%info()
         call check_job(study, job, problems, diagnostics)

@@ -14,7 +14,7 @@ module spintop_reference_motion
     use spintop_motion, only: motion_t
     use spintop_plan, only: sample_times
     use spintop_scene_words, only: reference_auto, reference_exact
-    use spintop_status, only: status_ok
+    use spintop_status, only: is_good_end, status_ok
     use spintop_stepper, only: stepper_t
     implicit none
     private
@@ -162,6 +162,7 @@ contains
         allocate (keeper%motions(size(times)))
         call integrate(formulation, stepper, case%body, start, case%t_end, times, keeper, outcome)
         status = outcome%status
+        if (is_good_end(status)) status = status_ok
         call move_alloc(keeper%motions, motions)
     end subroutine compute
 

@@ -14,7 +14,7 @@ module spintop_trial
     use spintop_quantities, only: axial_momentum, axis_tip, energy_scale, kinetic_energy, potential_energy, &
         vertical_momentum
     use spintop_reference_motion, only: reference_t
-    use spintop_status, only: status_ok
+    use spintop_status, only: is_good_end, status_ok
     use spintop_stepper, only: counts_t
     implicit none
     private
@@ -84,6 +84,7 @@ contains
         end if
         trial%time = seconds() - began - judge%comparing
         trial%status = outcome%status
+        if (is_good_end(outcome%status)) trial%status = status_ok
         trial%t = outcome%t
         trial%counts = outcome%counts
         trial%errors = judge%errors

@@ -1,7 +1,7 @@
 !> Effects on a body beside gravity and viscous damping: dry friction of the pivot, drag of the air, a moving pivot,
 !> the rotation of the Earth, a rotor, given torques. Their values only; `spintop_loads` has their moments.
 module spintop_effects
-    use spintop_compare, only: is_zero
+    use spintop_compare, only: is_finite, is_zero
     use spintop_kinds, only: dp, pi
     use spintop_torque_table, only: torque_table_t
     implicit none
@@ -33,7 +33,9 @@ module spintop_effects
         logical :: table_in_space = .false.
     contains
         procedure :: is_any
+        procedure :: is_valid
         procedure :: is_dry
+        procedure :: has_cusps
         procedure :: has_friction
         procedure :: depends_on_time
         procedure :: shifts_angles
@@ -49,6 +51,16 @@ contains
                                     self%torque_space]))
     end function is_any
 
+    !> Whether the numbers are finite, and those that must not be negative are not.
+    pure logical function is_valid(self)
+        class(effects_t), intent(in) :: self
+        real(dp) :: amounts(7)
+        amounts = [self%friction_torque, self%friction_arm, self%friction_smoothing, self%drag_moment, self%drag_force]
+        is_valid = all(amounts >= 0 .and. is_finite(amounts)) .and. self%drag_exponent >= 1 .and. self%drag_exponent <= 3 &
+            .and. all(is_finite([self%vibration_amplitude, self%vibration_rate, self%vibration_phase, self%frame_rate, &
+                                 self%rotor_momentum, self%rotor_torque, self%torque_body, self%torque_space]))
+    end function is_valid
+
     !> Whether there is dry friction.
     pure logical function has_friction(self)
         class(effects_t), intent(in) :: self
@@ -60,6 +72,14 @@ contains
         class(effects_t), intent(in) :: self
         is_dry = self%has_friction() .and. is_zero(self%friction_smoothing)
     end function is_dry
+
+    !> Whether the air acts with a power of a speed that is not smooth where the speed is zero.
+    pure logical function has_cusps(self)
+        class(effects_t), intent(in) :: self
+        has_cusps = self%drag_force > 0
+        if (any(self%drag_moment > 0)) has_cusps = has_cusps .or. &
+            .not. (is_zero(self%drag_exponent - 1) .or. is_zero(self%drag_exponent - 3))
+    end function has_cusps
 
     !> Whether an effect depends on the time.
     pure logical function depends_on_time(self)

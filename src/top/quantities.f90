@@ -28,7 +28,8 @@ contains
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         potential_energy = body%mass * body%gravity &
             * dot_product(body%centre_of_mass, vertical_from_quaternion(motion%quaternion))
-        if (allocated(body%effects)) potential_energy = potential_energy + frame_energy(body, motion%t, motion%quaternion)
+        if (.not. allocated(body%effects)) return
+        potential_energy = potential_energy + frame_energy(body, motion%t, motion%quaternion)
     end function potential_energy
 
     !> Scale of energy errors, J: kinetic energy at the start + m g |r|; positive also for a body at rest

@@ -8,10 +8,10 @@ module spintop_validity
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite
     use spintop_motion, only: motion_t
-    use spintop_status, only: status_ok, status_non_finite, status_bad_body, status_bad_start
+    use spintop_status, only: status_ok, status_non_finite, status_bad_body, status_bad_start, status_unsuitable
     implicit none
     private
-    public :: body_status, motion_status, start_status, loses_weight, loses_energy
+    public :: body_status, plain_body_status, motion_status, start_status, loses_weight, loses_energy
 
     !> Rotation angle, rad, up to which quaternion and angles count as the same attitude, and relative
     !> difference up to which omega and rates count as the same velocity: data of six digits pass.
@@ -26,9 +26,9 @@ module spintop_validity
 contains
 
     !> `status_ok` for a body of finite numbers in its principal axes with a positive mass, without negative moments of
-    !> inertia or damping coefficients, and with a weight that is not lost to underflow; else `status_non_finite` or
-    !> `status_bad_body`. Single moments may be zero (a thin rod): `can_run` decides which equations hold for such a
-    !> body.
+    !> inertia or damping coefficients, with valid effects, and with a weight that is not lost to underflow; else
+    !> `status_non_finite` or `status_bad_body`. Single moments may be zero (a thin rod): `can_run` decides which
+    !> equations hold for such a body.
     pure integer function body_status(body) result(status)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         associate (a => body%inertia, r => body%centre_of_mass, d => body%damping)
@@ -40,6 +40,9 @@ contains
                 status = status_bad_body
             else
                 status = merge(status_bad_body, status_ok, loses_weight(body))
+                if (allocated(body%effects)) then
+                    if (.not. body%effects%is_valid()) status = status_bad_body
+                end if
             end if
         end associate
     end function body_status
@@ -61,6 +64,13 @@ contains
         if (any(abs(body%weight_moment()) > 0)) return
         loses_energy = any(abs(omega) > 0 .and. body%inertia > 0) .and. all(body%inertia * omega**2 < least_product)
     end function loses_energy
+
+    !> `body_status` where the equations hold for bodies without effects only: `status_unsuitable` for others.
+    pure integer function plain_body_status(body) result(status)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        status = body_status(body)
+        if (status == status_ok .and. allocated(body%effects)) status = status_unsuitable
+    end function plain_body_status
 
     !> `status_ok` for a motion with finite time, angles, angular velocity and quaternion whose angles and
     !> quaternion describe one attitude, and whose energy is not lost to underflow; else `status_non_finite` or

@@ -14,7 +14,7 @@ module spintop_many_bodies
     use spintop_stepper, only: controls_t, method_info_t
     use spintop_suitability, only: controls_status
     use spintop_taylor_lanes, only: taylor_lanes_t, lanes
-    use spintop_validity, only: body_status, motion_status
+    use spintop_validity, only: plain_body_status, motion_status
     implicit none
     private
     public :: integrate_many
@@ -88,7 +88,7 @@ contains
         subroutine skip_refused()
             do while (next <= size(bodies))
                 associate (status => outcomes(next)%status)
-                    status = body_status(bodies(next))
+                    status = plain_body_status(bodies(next))
                     if (status == status_ok) status = motion_status(starts(next), bodies(next))
                     if (status == status_ok) then
                         if (t_end(next) >= 0 .and. is_finite(t_end(next))) return

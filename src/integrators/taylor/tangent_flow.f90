@@ -12,7 +12,7 @@ module spintop_tangent_flow
     use spintop_euler_poisson, only: state_units
     use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_step_too_small, &
         status_bad_input
-    use spintop_validity, only: body_status
+    use spintop_validity, only: plain_body_status
     use spintop_vectors, only: cross
     implicit none
     private
@@ -46,7 +46,7 @@ contains
         status = status_bad_input
         if (.not. is_finite(duration) .or. size(columns, 1) /= 6 .or. size(columns, 2) < 1) return
         if (.not. all(is_finite(columns))) return
-        status = body_status(body)
+        status = plain_body_status(body)
         if (status /= status_ok) return
         left = duration
         do step = 1, most_steps

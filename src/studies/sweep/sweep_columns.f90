@@ -83,6 +83,8 @@ contains
             sweep_column_t('force_z_max', 'N', 'maximum vertical support force', 'details', fill_force_z_max), &
             sweep_column_t('t_end', 's', 'end of the span, or time of the event that ended the motion', &
                            'end', fill_t_end, is_default=.true., always_exists=.true.), &
+            sweep_column_t('t_stuck', 's', 'time at which dry friction stopped the body, to the end of the span', &
+                           'end', fill_t_stuck), &
             sweep_column_t('momentum_period', 's', 'period of the angular momentum in a free body', &
                            'free', fill_momentum_period), &
             sweep_column_t('momentum_turn', 'rad', 'turn about the momentum in that period', 'free', fill_momentum_turn), &
@@ -355,6 +357,12 @@ contains
         real(dp), intent(out) :: cells(:)
         cells = results%omega_max
     end subroutine fill_omega_max
+
+    pure subroutine fill_t_stuck(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%t_stuck
+    end subroutine fill_t_stuck
 
     pure subroutine fill_growth_rate(results, cells)
         type(sweep_result_t), intent(in) :: results(:)

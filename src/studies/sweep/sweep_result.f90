@@ -60,7 +60,7 @@ module spintop_sweep_result
         real(dp) :: evaluations = nan
         real(dp) :: spin_per_nutation = nan, theta_rate_max = nan, force_max = nan
         real(dp) :: force_z_min = nan, force_z_max = nan
-        real(dp) :: t_end = nan
+        real(dp) :: t_end = nan, t_stuck = nan
         real(dp) :: momentum_period = nan, momentum_turn = nan, momentum_axis = nan, omega_max = nan
         real(dp) :: growth_rate = nan
         real(dp) :: lyapunov_exponent = nan

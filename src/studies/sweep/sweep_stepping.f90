@@ -17,7 +17,7 @@ module spintop_sweep_stepping
     use spintop_nutation_watch, only: nutation_watch_t
     use spintop_plan, only: plan_t, sample_times
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
-    use spintop_status, only: status_ok, status_step_limit, status_too_many_events, status_meanings
+    use spintop_status, only: is_good_end, status_at_rest, status_ok, status_step_limit, status_too_many_events, status_meanings
     use spintop_stepper, only: looks_per_step
     use spintop_sweep_notes, only: note_t, note_no_inherent, note_no_stop
     use spintop_sweep_quantities, only: find_free_constants, put_nutation, put_measured, put_fast_top, put_azimuth, put_end, &
@@ -91,8 +91,8 @@ contains
             end if
         end if
         call follow(case, plan, max_steps, wanted, watch, values, status, note)
-        if (status /= status_ok) return
-        status = stability
+        if (.not. is_good_end(status)) return
+        if (stability /= status_ok) status = stability
         if (measures) then
             call watch%take_end()
             call put_measured(case, watch, wanted%turning, values, note)
@@ -121,6 +121,7 @@ contains
         if (.not. plan%exact) call plan%fit_steps(case%t_end)
         call begin_witness(case, witness)
         witness%counts_turns = wanted%turns
+        witness%wants_work = wanted%energy .and. allocated(case%body%effects)
         times = [case%t_end]
         if (wanted%energy) times = sample_times(case%t_end, rows(plan))
         if (wanted%period) times = with_time(times, witness%period)
@@ -138,10 +139,11 @@ contains
         if (wanted%period) then
             call put_azimuth(witness%saw_period, witness%azimuth_at_period, values, note)
         end if
-        if (status /= status_ok) then
+        if (.not. is_good_end(status)) then
             call note%explain(trim(status_meanings(status)))
             return
         end if
+        if (status == status_at_rest) values%t_stuck = outcome%t_stuck
         call put_end(case, witness%last, witness%energy_error, values)
         if (case%body%has_closed_form()) then
             call compare_with_exact(case, wanted, witness%last, values)
@@ -274,7 +276,7 @@ contains
         real(dp) :: energy
         self%last = motion
         energy = kinetic_energy(self%case%body, motion) + potential_energy(self%case%body, motion)
-        energy = abs(energy - self%energy) / self%energy_scale
+        energy = abs(energy - self%energy - sum(self%work)) / self%energy_scale
         ! A value that is not finite is kept.
         if (is_finite(self%energy_error) .and. .not. energy <= self%energy_error) self%energy_error = energy
         if (self%period > 0 .and. matches(motion%t, self%period)) then

@@ -20,7 +20,7 @@ module spintop_sweep_study
     use spintop_scene_words, only: kind_sweep, study_kinds
     use spintop_shard, only: shard_t
     use spintop_statistics_choice, only: choose_statistics
-    use spintop_status, only: last_status, status_meaning, status_name, status_ok
+    use spintop_status, only: status_at_rest, last_status, status_meaning, status_name, status_ok
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: study_column_t
     use spintop_summary, only: rounded, summary_t
@@ -137,7 +137,7 @@ contains
         if (.not. team%ranks%is_writer()) return
         call finish_table(table, team, error)
         if (allocated(error)) return
-        code = merge(exit_failed, exit_ok, any(table%counts(status_ok + 1:) > 0))
+        code = merge(exit_failed, exit_ok, sum(table%counts(status_ok + 1:)) > table%counts(status_at_rest))
         call describe_sweep(job, options%shard, table, team, seconds() - began, summary)
         ! The table itself contains nothing that varies from run to run.
         call replace_file(job%log, join(summary%lines, new_line('a')) // new_line('a'), error)

@@ -20,7 +20,7 @@ module spintop_sweep_table
     use spintop_shard, only: shard_t
     use spintop_statistics_result, only: result_columns
     use spintop_statistics_table, only: statistics_table_t
-    use spintop_status, only: status_names, status_non_finite, status_ok
+    use spintop_status, only: is_good_end, status_names, status_non_finite, status_ok
     use spintop_sweep_axes, only: axes_t
     use spintop_study_column, only: proof_group
     use spintop_sweep_column, only: sweep_column_t
@@ -249,7 +249,7 @@ contains
             end do
             do k = 1, size(results)
                 told = status(k)
-                if (told == status_ok .and. .not. is_whole(k)) then
+                if (is_good_end(told) .and. .not. is_whole(k)) then
                     call explain_missing(columns, cells(axes + 3:axes + 2 + size(columns), k), cases(k), note(k))
                     if (overflowed(columns, cells(axes + 3:axes + 2 + size(columns), k))) told = status_non_finite
                 end if

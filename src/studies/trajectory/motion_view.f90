@@ -9,6 +9,7 @@ module spintop_motion_view
     use spintop_conditioning, only: conditioning_t, prepare_conditioning
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_kinds, only: dp
+    use spintop_loads, only: works
     use spintop_motion, only: motion_t
     use spintop_quantities, only: energy_scale, euler_residuals, kinetic_energy, potential_energy, &
         support_force, vertical_momentum
@@ -25,6 +26,8 @@ module spintop_motion_view
         type(motion_t) :: motion, computed
         !> Energies, J.
         real(dp) :: kinetic = 0, potential = 0
+        !> Work of effects since the start by its parts, J.
+        real(dp) :: work(works) = 0
         !> Energy and vertical momentum at the start, and the scale of the energy error.
         real(dp), private :: energy_of_start = 0, momentum_of_start = 0, energy_scale = 1
         type(case_t), private :: case
@@ -115,10 +118,10 @@ contains
         energy_change = self%kinetic + self%potential - self%energy_of_start
     end function energy_change
 
-    !> The same, relative to the scale of the energies.
+    !> The same without the work of effects, relative to the scale of the energies.
     pure real(dp) function energy_error(self)
         class(motion_view_t), intent(in) :: self
-        energy_error = self%energy_change() / self%energy_scale
+        energy_error = (self%energy_change() - sum(self%work)) / self%energy_scale
     end function energy_error
 
     !> Change of the vertical momentum since the start, J s.

@@ -2,7 +2,8 @@
 module spintop_row_maker
     use spintop_case, only: case_t
     use spintop_compare, only: is_finite
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, no_number
+    use spintop_loads, only: works
     use spintop_motion, only: motion_t
     use spintop_motion_view, only: motion_view_t
     use spintop_row_proof, only: wanted_proofs
@@ -27,6 +28,7 @@ module spintop_row_maker
         procedure :: put
         procedure :: proof_summary
         procedure :: close
+        procedure :: forget_work
     end type row_maker_t
 
 contains
@@ -48,15 +50,17 @@ contains
 
     !> The row of a motion, which is in the axes of the computation; all but the errors are those of the
     !> body as it was given. That of the start (`is_start`) is told as it was given.
-    function row(self, computed, is_start) result(values)
+    function row(self, computed, is_start, work) result(values)
         class(row_maker_t), intent(inout) :: self
         type(motion_t), intent(in) :: computed !! the motion in the axes of the computation
         logical, intent(in), optional :: is_start !! whether it is the start
+        real(dp), intent(in), optional :: work(works) !! of effects, J; that of the last motion if it is not given
         real(dp) :: values(size(self%columns))
         logical :: at_start
         integer :: i
         at_start = .false.
         if (present(is_start)) at_start = is_start
+        if (present(work)) self%view%work = work
         call self%view%look(computed, at_start)
         do i = 1, size(self%columns)
             values(i) = self%columns(i)%value(self%view)
@@ -110,5 +114,11 @@ contains
         class(row_maker_t), intent(inout) :: self
         call self%view%proof%close()
     end subroutine close
+
+    !> Rows without the work of effects: their columns of work are not a number.
+    subroutine forget_work(self)
+        class(row_maker_t), intent(inout) :: self
+        self%view%work = no_number
+    end subroutine forget_work
 
 end module spintop_row_maker

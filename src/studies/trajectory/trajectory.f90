@@ -17,8 +17,8 @@ module spintop_trajectory
     use spintop_plain_text, only: escaped
     use spintop_progress, only: progress_t
     use spintop_row_maker, only: row_maker_t
-    use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_too_many_events, &
-        status_name, status_meaning
+    use spintop_status, only: is_good_end, status_at_rest, status_ok, status_non_finite, status_step_limit, &
+        status_too_many_events, status_name, status_meaning
     use spintop_stepper, only: looks_per_step
     use spintop_study_head, only: study_head
     use spintop_summary, only: summary_t, decimal, rounded
@@ -96,6 +96,7 @@ contains
         call chosen_columns(job, writer%chosen)
         associate (columns => writer%chosen)
             writer%counts_turns = any(columns%name == 'phi' .or. columns%name == 'psi')
+            writer%wants_work = any(columns%needs_work)
             call writer%progress%start(job%name, 'rows', writer%total, options%quiet, options%progress)
             call writer%columns%set(columns, job%case, job%scene)
             call writer%table%describe(job, columns)
@@ -190,9 +191,9 @@ contains
         end if
         call summary%add('time', rounded(elapsed) // ' s for ' // decimal(outcome%t) // ' s of motion')
         associate (status => outcome%status)
-            call summary%add('status', status_name(status) // ' at t = ' // to_text(outcome%t) // ': ' &
+            call summary%add('status', status_name(status) // ' at t = ' // to_text(end_time(outcome)) // ': ' &
                              // status_meaning(status))
-            if (job%scene%stop_at /= '' .and. status == status_ok) call summary%add('end', what_ended(job, watch))
+            if (job%scene%stop_at /= '' .and. is_good_end(status)) call summary%add('end', what_ended(job, watch))
         end associate
     end subroutine describe_run
 
@@ -319,8 +320,15 @@ contains
         type(outcome_t), intent(in) :: outcome
         character(:), allocatable :: text
         text = status_name(outcome%status)
-        if (outcome%status /= status_ok) text = text // ' at t = ' // to_text(outcome%t)
+        if (outcome%status /= status_ok) text = text // ' at t = ' // to_text(end_time(outcome))
     end function ending_of
+
+    !> The time of the end of a motion: that at which it came to rest, s.
+    pure real(dp) function end_time(outcome)
+        type(outcome_t), intent(in) :: outcome
+        end_time = outcome%t
+        if (outcome%status == status_at_rest) end_time = outcome%t_stuck
+    end function end_time
 
     !> Writes the row of a state of a formulation.
     subroutine observe(self, formulation, t, y, near)
@@ -335,7 +343,7 @@ contains
         class(writer_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion
         if (self%has_enough) return
-        associate (values => self%columns%row(motion, is_start=self%rows == 0))
+        associate (values => self%columns%row(motion, self%rows == 0, self%work))
             self%is_undefined = .not. self%columns%is_defined(values)
             self%t_undefined = motion%t
             self%has_enough = self%is_undefined

@@ -15,6 +15,10 @@ module spintop_trajectory_column
         logical :: is_default = .false.
         !> It compares with the exact motion.
         logical :: needs_exact_motion = .false.
+        !> It is for bodies with effects.
+        logical :: needs_effects = .false.
+        !> It contains the work of effects, which is known in the rows of a motion only.
+        logical :: needs_work = .false.
         !> Near a pole it may vary much faster than the attitude turns: it depends on phi or psi.
         logical :: varies_near_poles = .false.
         !> At a pole it does not exist.

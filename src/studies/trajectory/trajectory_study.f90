@@ -9,7 +9,7 @@ module spintop_trajectory_study
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
     use spintop_scene_words, only: kind_trajectory, study_kinds
-    use spintop_status, only: status_ok
+    use spintop_status, only: is_good_end
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: study_column_t
     use spintop_summary, only: summary_t
@@ -87,7 +87,7 @@ contains
         associate (unused => self)
         end associate
         call run_trajectory(job, options, summary, status, error)
-        code = merge(exit_ok, exit_failed, status == status_ok)
+        code = merge(exit_ok, exit_failed, is_good_end(status))
     end subroutine run
 
     !> Those of the default columns that the case can have.
@@ -102,7 +102,7 @@ contains
         places = pack(places, [(self%has_column(case, places(i)), i=1, size(places))])
     end function default_columns
 
-    !> Columns that compare with the exact solution require that it exists.
+    !> Columns that compare with the exact solution require that it exists, those of work that there are effects.
     logical function has_column(self, case, place)
         class(trajectory_study_t), intent(in) :: self
         type(case_t), intent(in) :: case !! body, start and span
@@ -110,10 +110,9 @@ contains
         type(trajectory_column_t), allocatable :: known(:)
         associate (unused => self)
         end associate
-        has_column = case%body%has_closed_form()
-        if (has_column) return
         allocate (known, source=trajectory_columns())
-        has_column = .not. known(place)%needs_exact_motion
+        has_column = case%body%has_closed_form() .or. .not. known(place)%needs_exact_motion
+        if (known(place)%needs_effects) has_column = allocated(case%given_body%effects)
     end function has_column
 
 end module spintop_trajectory_study

@@ -1,0 +1,81 @@
+!> Reads the table of torques that the effects of a scene name.
+module spintop_torques_of_scene
+    use spintop_compare, only: is_finite
+    use spintop_errors, only: error_t
+    use spintop_kinds, only: dp
+    use spintop_loaded_table, only: read_table, table_t
+    use spintop_problems, only: problems_t
+    use spintop_scene_effects, only: effects_scene_t
+    use spintop_text, only: to_text
+    use spintop_torque_table, only: fewest_rows, interpolation_names
+    implicit none
+    private
+    public :: read_torques
+
+    character(*), parameter :: key = 'effects.torque_table'
+
+contains
+
+    !> Reads and checks the table; problems are reported, and then the scene has none.
+    subroutine read_torques(input, scene, problems)
+        character(*), intent(in) :: input !! path of the input: the table's is relative to it
+        type(effects_scene_t), intent(inout) :: scene !! times and torques are set
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        type(table_t) :: table
+        type(error_t), allocatable :: error
+        character(:), allocatable :: path
+        real(dp), allocatable :: t(:), torque(:, :), column(:)
+        character(*), parameter :: names(3) = ['m1', 'm2', 'm3']
+        integer :: axis
+
+        if (scene%torque_table == '') return
+        path = trim(scene%torque_table)
+        if (index(path, '/') /= 1) path = input(:index(input, '/', back=.true.)) // path
+        call read_table(path, table, error)
+        if (.not. allocated(error)) call table%read_column('t', t, error)
+        if (.not. allocated(error)) allocate (torque(3, size(t)))
+        do axis = 1, 3
+            if (allocated(error)) exit
+            call table%read_column(names(axis), column, error)
+            if (.not. allocated(error)) torque(axis, :) = column
+        end do
+        if (allocated(error)) then
+            call problems%add(key, error%message, 'its columns are t, m1, m2 and m3; its path is relative to the folder &
+                &of the input')
+            return
+        end if
+        call check_rows(scene, t, torque, problems)
+        if (problems%any()) return
+        call move_alloc(t, scene%table_times)
+        call move_alloc(torque, scene%table_torques)
+    end subroutine read_torques
+
+    !> Checks that the rows are finite, in increasing order of time from the start or before, and enough.
+    subroutine check_rows(scene, t, torque, problems)
+        type(effects_scene_t), intent(in) :: scene
+        real(dp), intent(in) :: t(:), torque(:, :)
+        type(problems_t), intent(inout) :: problems
+        integer :: i, fewest
+
+        fewest = fewest_rows(max(1, findloc(interpolation_names, scene%torque_interpolation, dim=1)))
+        if (size(t) < fewest) then
+            call problems%add(key, 'the table has ' // to_text(size(t)) // ' rows, too few for this interpolation', &
+                              'it needs ' // to_text(fewest) // ' at least')
+            return
+        end if
+        do i = 1, size(t)
+            if (.not. (is_finite(t(i)) .and. all(is_finite(torque(:, i))))) then
+                call problems%add(key, 'row ' // to_text(i) // ' has a value that is not finite', 'give finite numbers')
+                return
+            end if
+            if (i == 1) cycle
+            if (t(i) > t(i - 1)) cycle
+            call problems%add(key, 'the times of the table do not increase: t = ' // to_text(t(i)) // ' in row ' // to_text(i), &
+                              'sort the rows by t, each time once')
+            return
+        end do
+        if (t(1) > 0) call problems%add(key, 'the table begins at t = ' // to_text(t(1)) // ', after the start', &
+                                        'its first row is at t = 0 or before')
+    end subroutine check_rows
+
+end module spintop_torques_of_scene

@@ -48,6 +48,8 @@ def lay_out(figure: Figure) -> None:
     FigureCanvasAgg(figure)
     for axes in figure.axes:
         axes.apply_aspect()
+        for spine in axes.spines.values():
+            spine.set_in_layout(False)  # it would measure all ticks once more
     engine.execute(figure)
     figure.set_layout_engine("none")
     if isinstance(figure, Page):

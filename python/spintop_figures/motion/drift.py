@@ -94,7 +94,7 @@ def draw_drift(tables: Sequence[Table]) -> Figure:
     for axes in figure.axes[-across:]:
         axes.set_xlabel(TIME)
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper left", ncols=4, handlelength=3)
+    figure.legend(handles, labels, loc="outside right upper", handlelength=3)
     return figure
 
 

@@ -99,9 +99,13 @@ def save_as(
 
 
 def reduce_colours(png: Path | BinaryIO) -> Image.Image:
-    """A PNG picture with few colours, a third as large when it is saved."""
+    """A PNG picture with few colours, a third as large when it is saved.
+
+    The palette covers the colours of small marks, too, which a median cut would mix with others.
+    """
+    look = {"method": Image.Quantize.MAXCOVERAGE, "dither": Image.Dither.NONE}
     with Image.open(png) as picture:
-        return picture.convert("RGB").quantize(PALETTE, dither=Image.Dither.NONE)
+        return picture.convert("RGB").quantize(PALETTE, **look)
 
 
 def save_small(figure: Figure, path: Path) -> None:

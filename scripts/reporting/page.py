@@ -25,9 +25,17 @@ from reporting.packages import PAGE, PackageError
 from reporting.pictures import Picture, fit
 from reporting.study import Section
 
-ALL_PICTURES, ALL_DATA = 4_000_000, 4_000_000
-"""Bytes of all pictures of a page, and of the data of all tables: with more, pictures become
-coarser and rows fewer."""
+LARGEST = 3_000_000
+"""Bytes of a page. Where there would be more, rows become fewer and then pictures coarser."""
+
+PICTURES = 0.75
+"""The part of the room for pictures and data that pictures may take."""
+
+ALL_CELLS = 20_000
+"""Cells of all tables that are shown."""
+
+BYTES_PER_CELL, BYTES_PER_TABLE = 24, 6_000
+"""About what a shown cell takes in the page, and what stands around the tables."""
 
 CODE = re.compile(r"`([^`]+)`")
 
@@ -78,13 +86,25 @@ def anchored(sections: list[Section], errata: list[Erratum]) -> dict[str, Erratu
     return {f"erratum-{i}": erratum for i, erratum in enumerate(concerned, start=1)}
 
 
-def take_in(sections: list[Section]) -> tuple[Markup, list[Picture]]:
-    """Make the pictures elements of the page; the letters they share, and those that are coarse."""
+def take_in(sections: list[Section], rest: int) -> tuple[Markup, list[Picture]]:
+    """Put pictures and data into a page in which the rest takes so many bytes.
+
+    The pictures become elements of the page. Returns the letters that they share, and those that
+    are coarse.
+    """
     glyphs = Glyphs()
+    pictures = [picture for section in sections for picture in section.pictures]
     for section in sections:
+        section.cells = min(section.cells, ALL_CELLS // len(sections))
+        rest += BYTES_PER_TABLE + BYTES_PER_CELL * min(section.table.rows.size, section.cells)
         for picture in section.pictures:
             picture.take_in(glyphs, f"{section.title}: {picture.what}")
-    coarse = fit([picture for section in sections for picture in section.pictures], ALL_PICTURES)
+    room = max(0, LARGEST - rest - len(glyphs.definitions()))
+    coarse = fit(pictures, round(PICTURES * room))
+    left = max(0, room - sum(picture.size for picture in pictures))
+    packed = pack_all([section.table for section in sections], left)
+    for section, data in zip(sections, packed, strict=True):
+        section.data = data
     return glyphs.definitions(), coarse
 
 
@@ -138,11 +158,8 @@ def make_page(
 ) -> tuple[str, list[str]]:
     """The page of a study, and what is lacking in it, in sentences."""
     script, lack = load_script(sections)
-    glyphs, coarse = take_in(sections)
-    for section, data in zip(
-        sections, pack_all([s.table for s in sections], ALL_DATA), strict=True
-    ):
-        section.data = data
+    style = styles()
+    glyphs, coarse = take_in(sections, len(script) + len(style))
     reduced = reductions(sections, coarse)
     motions = {
         section.anchor: as_json(motion_facts(section.table, section.data, f"{section.anchor}-data"))
@@ -150,7 +167,6 @@ def make_page(
         if script and section.moves
     }
     lives = {s.anchor: live_link(s.table) for s in sections if s.anchor in motions}
-    style = styles()
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(PAGE),
         autoescape=True,

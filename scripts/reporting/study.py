@@ -32,6 +32,8 @@ class Section:
     errata: list[Erratum]
     data: Data | None = None
     """The rows as they can be saved from the page."""
+    cells: int = MOST_CELLS
+    """How many cells of the table are shown at most."""
 
     @property
     def name(self) -> str:
@@ -109,7 +111,7 @@ class Section:
     def shown_rows(self) -> tuple[list[list[str]], str]:
         """The rows to show as texts, and which those are; empty if they are all."""
         rows = self.table.rows
-        total, most = len(rows), max(1, MOST_CELLS // len(rows.columns))
+        total, most = len(rows), max(1, self.cells // len(rows.columns))
         stride = -(-total // most) if self.table.kind == "trajectory" else 1
         keep = rows_kept(total, stride) if stride > 1 else np.arange(min(total, most))
         which = f"the first {len(keep)} of {total} rows" if len(keep) < total else ""

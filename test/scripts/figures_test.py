@@ -99,6 +99,15 @@ class PackageTest(FigureCase):
         self.assertEqual(before, dict(mpl.rcParams))
         self.assertFalse(figure.axes[0].spines["top"].get_visible())
 
+    def test_few_colours(self) -> None:
+        """A picture of few colours has those of small marks, too."""
+        figure = spintop_figures.draw(self.read(a_trajectory()), "trace")
+        save_small(figure, small := self.folder / "c.png")
+        (png,) = save_as(figure, self.folder / "b", ("png",))
+        with Image.open(png) as one, Image.open(small) as other:
+            pixels = [np.asarray(picture.convert("RGB")).astype(int) for picture in (one, other)]
+        self.assertLess(np.abs(pixels[0] - pixels[1]).max(), 20)
+
     def test_provenance(self) -> None:
         """One line below a picture; the run and the program are in the metadata of the files."""
         table = replace(self.read(a_trajectory()), status="pole at t = 1.25000000001")

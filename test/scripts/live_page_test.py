@@ -111,6 +111,10 @@ class LiveCase(BrowserCase):
         selector = f".control[data-name={name}] input[type={kind}]"
         return self.section.find_element("css selector", selector)
 
+    def wait_for_text(self, name: str, words: str) -> None:
+        """Wait until a part says this."""
+        wait_for(lambda: words in self.text(name), f"{words} instead of {self.text(name)}")
+
     def wait_for_class(self, name: str) -> None:
         """Wait until the motion is of this class."""
         wait_for(lambda: self.text("class") == name, f"{name} instead of {self.text('class')}")
@@ -372,6 +376,17 @@ class LiveTest(LiveCase):
         self.assertEqual((name, data[:8]), ("spintop.png", b"\x89PNG\r\n\x1a\n"))
         size = [int.from_bytes(data[i : i + 4], "big") for i in (16, 20)]
         self.assertEqual(size, [1920, 1080])
+
+    def test_sleep(self) -> None:
+        """Almost upright, the panel says whether the top sleeps; at the threshold that changes."""
+        self.choose("falling")
+        self.wait_for_text("meaning", "it falls")
+        slider = self.control("omega3", "range")
+        self.run_script("arguments[0].value = arguments[0].max;"
+                        "arguments[0].dispatchEvent(new Event('input'))", slider)  # fmt: skip
+        self.wait_for_text("meaning", "it sleeps")
+        self.choose("example1")
+        wait_for(lambda: "Almost upright" not in self.text("meaning"), "a tilted top")
 
     def test_film(self) -> None:
         """A film is a WebM with something in it; the button stops it before its end."""

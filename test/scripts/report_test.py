@@ -701,10 +701,21 @@ class CommandTest(ReportCase):
         self.assertIn("<h1>My &lt;title&gt;</h1>", page)
         self.assertIn("<title>My &lt;title&gt; \N{EN DASH} spintop report</title>", page)
 
+    def test_size_of_a_page(self) -> None:
+        """Many long tables leave a page below its limit, and take nearly all that there is."""
+        for i in range(8):
+            self.put(f"{i}.csv", BODY + a_trajectory(count=2000))
+        limit = 800_000
+        self.assertGreater(len(self.page().encode()), 1.2 * limit)
+        with unittest.mock.patch.object(page_module, "LARGEST", limit):
+            size = len(self.page().encode())
+        self.assertLess(size, limit)
+        self.assertGreater(size, 0.6 * limit)
+
     def test_what_is_shown_in_part_is_told(self) -> None:
         """On the terminal and in the page."""
         self.put("a.csv", BODY + a_trajectory(count=2000))
-        with unittest.mock.patch.object(page_module, "ALL_DATA", 30_000):
+        with unittest.mock.patch.object(page_module, "LARGEST", 150_000):
             code, message = self.report(self.folder)
         self.assertEqual(code, 0)
         told = re.search(r"a\.csv: the page has (one row in \d+ of 2000, and the last)", message)

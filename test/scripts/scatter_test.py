@@ -177,7 +177,8 @@ class PointTest(ScatterCase):
         """Four parameters of five, and the title says so."""
         table = self.read(a_cloud(5))
         self.assertEqual(panels_of(table).shape[1], 4)
-        self.assertIn("4 of 5 parameters", draw_scatter(table).get_suptitle())
+        title = draw_scatter(table).get_suptitle().replace("\n", " ")
+        self.assertIn("4 of 5 parameters", title)
 
 
 class ManyTest(ScatterCase):
@@ -205,7 +206,7 @@ class ManyTest(ScatterCase):
     def test_few(self) -> None:
         """All are drawn, and the title has nothing to say."""
         table = self.read(a_cloud())
-        expected = "Cases over spin_ratio, theta_deg, damping(3)"
+        expected = "Cases over spin ratio, initial inclination, damping(3)"
         self.assertEqual(draw_scatter(table).get_suptitle(), expected)
 
 

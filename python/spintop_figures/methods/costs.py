@@ -5,6 +5,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullLocator
 
 from spintop_figures.methods.known import families
@@ -109,7 +110,7 @@ def add_legend(axes: Axes, rows: pd.DataFrame) -> None:
     grey = Look("o", GREY)
     for verdict, fullness in FACES.items():
         handles.append(Line2D([], [], label=NAMES[verdict], **marker(grey, fullness)))
-    handles.append(Line2D([], [], color=FAINT, linewidth=6, label="inherent error"))
+    handles.append(Patch(color=FAINT, linewidth=0, label="inherent error"))
     axes.axis("off")
     legend = axes.legend(
         handles=handles,

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, NullLocator
 
 from spintop_figures.methods.best import best_of_families, name_at_the_side
@@ -69,9 +70,10 @@ def draw_floor(axes: Axes, rows: pd.DataFrame) -> None:
     if "inherent_error" in rows and np.isfinite(floor := rows["inherent_error"].max()):
         top = max(floor, LEAST_ERROR)
         axes.axhspan(1e-30, top, color=FAINT, linewidth=0, zorder=0)
-        style = {"fontsize": 8.5, "color": GREY, "va": "top", "ha": "left"}
-        place = (0.35, top)
-        axes.annotate("inherent error", place, xycoords=axes.get_yaxis_transform(), **style)
+        style = {"fontsize": 8.5, "color": GREY, "va": "bottom", "ha": "right", "zorder": 5}
+        outline = [withStroke(linewidth=3, foreground=FAINT)]
+        place = {"xy": (0.99, 0.015), "xycoords": "axes fraction", "path_effects": outline}
+        axes.annotate("inherent error", **place, **style)
 
 
 def set_limits(axes: Axes, rows: pd.DataFrame, x: str, y: str) -> None:

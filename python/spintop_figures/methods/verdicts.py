@@ -223,6 +223,8 @@ def legend_lines(
             lines.append(
                 (verdict, letter, f"{len(chosen)} by {status.replace('_', ' ')}: {reason}")
             )
+    if empty := rows["case"].nunique() * rows["entry"].nunique() - len(rows):
+        lines.append((None, "", f"empty ({empty}): not tried"))
     lines.append((None, "", "n: digits, for a largest error of the attitude of 10\u207b\u207f rad"))
     return lines
 

@@ -29,7 +29,7 @@ def in_space(table: Table) -> np.ndarray:
 def draw_cones(table: Table) -> Figure:
     """The tip of the angular velocity in the body (polhode) and in space (herpolhode)."""
     figure = new_figure(
-        table, "Angular velocity in the body (polhode) and in space (herpolhode)", 4.6
+        table, "Angular velocity in the body (polhode) and in space (herpolhode)", 4.2
     )
     figure.get_layout_engine().set(wspace=0.02)
     body = np.array([numbers(table, f"omega{i}") for i in (1, 2, 3)])
@@ -39,7 +39,8 @@ def draw_cones(table: Table) -> Figure:
         axes = figure.add_subplot(1, 2, place + 1, projection="3d")
         draw_cone(axes, omega)
         labels = [rf"$\omega_{name}$ (rad/s)" for name in names]
-        axes.set(xlabel=labels[0], ylabel=labels[1], zlabel=labels[2], title=title)
+        axes.set(xlabel=labels[0], ylabel=labels[1], zlabel=labels[2])
+        axes.set_title(title, y=0.97)
     axes.legend(loc="upper right", bbox_to_anchor=(1.12, 1.02), handletextpad=0.1)
     return figure
 

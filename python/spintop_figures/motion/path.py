@@ -13,6 +13,9 @@ from spintop_figures.style.look import DOTS, FAINT, GREY, HIDDEN, LINES
 from spintop_figures.style.page import new_figure
 from spintop_figures.tables.table import Table
 
+CAP_ZOOM = 1.12
+"""The size of a cap in its panel."""
+
 
 def draw_path(table: Table) -> Figure:
     """Path of the centre of mass, in space and from above (Figure 11)."""
@@ -76,7 +79,9 @@ def label_space(space: Axes3D, table: Table, is_cap: bool) -> None:
             else extremes_of_rows(numbers(table, "com_z"))
         )
         note = (low if low.of_rows else high).note()
-        space.set_title(f"in space, z from {low.value:.4g} to {high.value:.4g} m{note}")
+        sides = [np.ptp(ends) for ends in (space.get_xlim(), space.get_ylim(), space.get_zlim())]
+        space.set_box_aspect(sides, zoom=CAP_ZOOM)
+        space.set_title(f"in space, z from {low.value:.4g} to {high.value:.4g} m{note}", y=0.8)
     else:
         space.set(zlabel="z (m)", title="in space")
 

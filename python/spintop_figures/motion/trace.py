@@ -21,6 +21,9 @@ ELEVATION = np.radians(28)
 GRID = np.radians(30)
 """Distance of the circles of the graticule."""
 
+LEAST_NUTATION = np.radians(0.5)
+"""A smaller range of the inclination is about the width of the line of the path."""
+
 CIRCLE = np.linspace(0, 2 * np.pi, 241)
 
 MOST_ACROSS = 3
@@ -90,12 +93,18 @@ def object_to_trace(table: Table) -> str:
     return "" if path_of(table).size else "has no row with both angles"
 
 
+def nutates(table: Table) -> bool:
+    """Whether the circles of the extreme inclinations differ from each other and from the path."""
+    low, high = inclination_extremes(table)
+    return high.value - low.value > LEAST_NUTATION
+
+
 def draw_path_on(axes: Axes, table: Table) -> None:
     """The path of a motion, between the circles of its minimum and its maximum inclination."""
     draw_globe(axes)
     theta, phi = path_of(table)
     edge = {"color": GREY, "linewidth": 0.9, "linestyle": (0, (4, 2))}
-    for extreme in inclination_extremes(table):
+    for extreme in inclination_extremes(table) if nutates(table) else ():
         circle = on_sphere(np.full_like(CIRCLE, extreme.value), CIRCLE)
         draw_seen(axes, circle, edge, edge | {"color": "0.82"})
     tip = on_sphere(theta, phi)
@@ -112,8 +121,8 @@ def turns_of(table: Table) -> list[str]:
     theta, phi = path_of(table)
     low, high = inclination_extremes(table)
     note = (low if low.of_rows else high).note()
-    turned = f"{np.degrees(phi[-1] - phi[0]):.4g}".replace("-", "\N{MINUS SIGN}")
-    words = f"θ {np.degrees(low.value):.4g}° to {np.degrees(high.value):.4g}°{note}, φ by {turned}°"
+    turned = f"{np.degrees(phi[-1] - phi[0]):+.4g}".replace("-", "\N{MINUS SIGN}")
+    words = f"θ {np.degrees(low.value):.4g}° to {np.degrees(high.value):.4g}°{note}, φ {turned}°"
     sparse = sparseness(*on_sphere(theta, phi))
     return [words, sparse] if sparse else [words]
 
@@ -138,7 +147,8 @@ def draw_traces(tables: Sequence[Table]) -> Figure:
         axes.set_title("\n".join(lines), fontsize=9, pad=2, parse_math=False)
     key = figure.add_subplot(grid[down, :])
     key.axis("off")
-    key.legend(handles=legend_handles(), loc="center left", ncols=4, columnspacing=1.4)
+    handles = legend_handles()[: 4 if any(map(nutates, tables)) else 3]
+    key.legend(handles=handles, loc="center left", ncols=4, columnspacing=1.4)
     return figure
 
 

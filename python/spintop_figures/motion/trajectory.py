@@ -45,7 +45,7 @@ def draw_angles(table: Table) -> Figure:
     for (name, symbol), axes in zip(symbols.items(), panels, strict=False):
         degrees = np.degrees(numbers(table, name))
         draw_line(axes, t, degrees)
-        set_degree_ticks(axes, degrees)
+        set_degree_ticks(axes.yaxis, degrees)
         axes.set_ylabel(f"{symbol} (degrees)")
         if name == "theta":
             ends = inclination_extremes(table)

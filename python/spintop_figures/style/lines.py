@@ -2,6 +2,7 @@
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.ticker import LogLocator, MultipleLocator
 
 from spintop_figures.style.look import GREY, LINES
@@ -16,9 +17,13 @@ MANY_POINTS = 20_000
 RIGHT_ANGLES = (1, 2, 5, 10, 15, 30, 45, 90, 180, 360, 720)
 
 
+UNIT_WORDS = {"deg": "degrees"}
+"""Units that are written otherwise than in a table."""
+
+
 def with_unit(name: str, unit: str) -> str:
     """The label of an axis."""
-    return f"{name} ({unit})" if unit else name
+    return f"{name} ({UNIT_WORDS.get(unit, unit)})" if unit else name
 
 
 def draw_line(axes: Axes, x: np.ndarray, y: np.ndarray, line: int = 0, **options: object) -> None:
@@ -70,9 +75,9 @@ def mark_zeros(axes: Axes, x: np.ndarray) -> None:
     axes.legend(loc="upper right", borderpad=0.1, handletextpad=0.2)
 
 
-def set_degree_ticks(axes: Axes, degrees: np.ndarray) -> None:
-    """Ticks at round parts or multiples of a turn, six at most."""
+def set_degree_ticks(axis: Axis, degrees: np.ndarray, most: int = 5) -> None:
+    """Ticks at round parts or multiples of a turn, with so many steps between them at most."""
     span = np.ptp(degrees[np.isfinite(degrees)])
-    step = next((step for step in RIGHT_ANGLES if span <= 5 * step), None)
+    step = next((step for step in RIGHT_ANGLES if span <= most * step), None)
     if step is not None and span > 2 * RIGHT_ANGLES[0]:
-        axes.yaxis.set_major_locator(MultipleLocator(step))
+        axis.set_major_locator(MultipleLocator(step))

@@ -48,6 +48,8 @@ def lay_out(figure: Figure) -> None:
     FigureCanvasAgg(figure)
     for axes in figure.axes:
         axes.apply_aspect()
+        for spine in axes.spines.values():
+            spine.set_in_layout(False)  # it would measure all ticks once more
     engine.execute(figure)
     figure.set_layout_engine("none")
     if isinstance(figure, Page):
@@ -97,9 +99,13 @@ def save_as(
 
 
 def reduce_colours(png: Path | BinaryIO) -> Image.Image:
-    """A PNG picture with few colours, a third as large when it is saved."""
+    """A PNG picture with few colours, a third as large when it is saved.
+
+    The palette covers the colours of small marks, too, which a median cut would mix with others.
+    """
+    look = {"method": Image.Quantize.MAXCOVERAGE, "dither": Image.Dither.NONE}
     with Image.open(png) as picture:
-        return picture.convert("RGB").quantize(PALETTE, dither=Image.Dither.NONE)
+        return picture.convert("RGB").quantize(PALETTE, **look)
 
 
 def save_small(figure: Figure, path: Path) -> None:

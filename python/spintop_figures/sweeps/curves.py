@@ -15,6 +15,7 @@ from spintop_figures.sweeps.quantities import (
     is_words,
     label_parameter,
     order_classes,
+    parameter_words,
     quantities_of,
     tell_failed,
     tell_noise,
@@ -45,7 +46,7 @@ def draw_curves(table: Table) -> Figure:
     x = rows[name].to_numpy(float)
     failed = (rows["status"] != "ok").to_numpy()
     height = 1.3 + max(PANEL_HEIGHT * ((len(quantities) + 1) // 2), LEAST_HEIGHT)
-    title = f"Curves over {name.partition('.')[2]}{tell_failed(table)}{tell_noise(table)}"
+    title = f"Curves over {parameter_words(name)}{tell_failed(table)}{tell_noise(table)}"
     figure = new_figure(table, title, height)
     panels = add_panels(figure, len(quantities), sharey=False)
     for quantity, axes in zip(quantities, panels, strict=True):

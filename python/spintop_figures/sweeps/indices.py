@@ -11,7 +11,7 @@ from spintop_figures.style.look import FAULT, HIDDEN, LINES
 from spintop_figures.style.page import add_panels, new_figure
 from spintop_figures.sweeps.maps import PANEL_HEIGHT
 from spintop_figures.sweeps.quantities import PARAMETERS
-from spintop_figures.sweeps.statistics import beside, tell_cases
+from spintop_figures.sweeps.statistics import beside, describe, tell_cases
 from spintop_figures.tables.netcdf import read_netcdf
 from spintop_figures.tables.table import Table, TableError, read_table
 
@@ -77,12 +77,13 @@ def draw_indices(table: Table) -> Figure:
     panels = add_panels(figure, len(groups), sharey=True)
     low, high = 0.0, LEAST_RANGE
     for axes, (name, rows) in zip(panels, groups, strict=True):
-        draw_bars(axes, str(name), rows)
+        draw_bars(axes, describe(table, str(name))[0], rows)
         ends = rows[[f"{index}_{end}" for index in INDICES for end in ("low", "high")]]
         ends = ends.to_numpy(float)
         if np.isfinite(ends).any():
             low, high = min(low, np.nanmin(ends)), max(high, np.nanmax(ends))
-    panels[0].set_ylim(max(low, -FURTHEST), min(1.02 * high, 1 + FURTHEST))
+    room = 0.03 * (high - low)
+    panels[0].set_ylim(max(low - room, -FURTHEST), min(high + room, 1 + FURTHEST))
     panels[0].legend(loc="best", fontsize=8)
     for axes in panels:
         spot = axes.get_subplotspec()

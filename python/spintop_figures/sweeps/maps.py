@@ -24,6 +24,7 @@ from spintop_figures.sweeps.quantities import (
     is_words,
     label_parameter,
     order_classes,
+    parameter_words,
     quantities_of,
     tell_failed,
     tell_noise,
@@ -99,7 +100,7 @@ def draw_maps(table: Table) -> Figure:
     grid = make_grid(table)
     quantities = quantities_of(table)
     down = (len(quantities) + 1) // 2
-    names = " and ".join(name.partition(".")[2] for name in table.axes())
+    names = " and ".join(map(parameter_words, table.axes()))
     title = f"Maps over {names}{tell_failed(table)}{tell_noise(table)}"
     figure = new_figure(table, title, 1.2 + max(PANEL_HEIGHT * down, LEAST_HEIGHT))
     failed = (table.rows["status"] != "ok").to_numpy()
@@ -239,7 +240,7 @@ def label_axes(table: Table, grid: Grid, panels: list[Axes]) -> None:
         if spot.is_first_col():
             label_parameter(table, 1, axes.yaxis)
         if table.units.get(table.axes()[1]) == "deg":
-            set_degree_ticks(axes, grid.y)
+            set_degree_ticks(axes.yaxis, grid.y)
         if spot.is_last_row():
             label_parameter(table, 0, axes.xaxis)
 

@@ -12,14 +12,14 @@ from spintop_figures.tables.table import Table
 
 PARAMETERS = {
     "initial.spin_ratio": r"spin ratio $\lambda=\omega_3\,/\sqrt{4mgl/I_3}$",
-    "initial.omega3": r"$\omega_3$",
+    "initial.omega3": r"initial angular velocity $\omega_3$",
     "initial.theta": r"initial inclination $\theta_0$",
     "initial.theta_deg": r"initial inclination $\theta_0$",
     "initial.theta_rate": r"initial nutation rate $\dot\theta_0$",
     "initial.phi_rate": r"initial precession rate $\dot\phi_0$",
     "initial.psi_rate": r"initial spin rate $\dot\psi_0$",
 }
-"""How parameters are written; the others stand by their keys."""
+"""How parameters are written, in words and then a symbol; the others stand by their keys."""
 
 WIDE_AXIS = 12
 """Listed values of a parameter over a larger ratio stand on a log axis."""
@@ -90,6 +90,23 @@ def the_column(name: str) -> Callable[[pd.DataFrame], pd.Series]:
     return lambda rows: rows[name]
 
 
+def unit_shown(column: str, unit: str) -> tuple[str, float]:
+    """The unit in which a column is drawn, and the factor to it.
+
+    Angles are in degrees. Errors stay in radians, in which tolerances and verdicts are given.
+    """
+    if unit == "rad" and "error" not in column:
+        return "degrees", float(np.degrees(1))
+    return unit, 1.0
+
+
+def column_shown(table: Table, name: str) -> Quantity:
+    """A column as a quantity, named by its meaning."""
+    unit, factor = unit_shown(name, table.units.get(name, ""))
+    values = the_column(name) if factor == 1 else in_degrees(name)
+    return Quantity((name,), table.meanings.get(name) or name, unit, values)
+
+
 def in_degrees(name: str) -> Callable[[pd.DataFrame], pd.Series]:
     """The values of a column in degrees."""
     return lambda rows: np.degrees(rows[name])
@@ -145,8 +162,7 @@ def quantities_of(table: Table) -> list[Quantity]:
     shown = {name for quantity in known for name in quantity.columns}
     for name in table.settings.get("output.columns", []):
         if name not in shown and name in table.rows:
-            meaning = table.meanings.get(name) or name
-            known.append(Quantity((name,), meaning, table.units.get(name, ""), the_column(name)))
+            known.append(column_shown(table, name))
     there = [quantity for quantity in known if has_values(table, quantity)]
     return [quantity for quantity in there if not is_noise(table, quantity)] or there
 
@@ -223,6 +239,11 @@ def name_parameter(table: Table, place: int) -> str:
     """Parameter number `place` from 0 as it is written, with its unit."""
     name = table.axes()[place]
     return with_unit(PARAMETERS.get(name, name), table.units.get(name, ""))
+
+
+def parameter_words(name: str) -> str:
+    """A parameter without its symbol, as a title names it."""
+    return PARAMETERS.get(name, name.partition(".")[2]).partition(" $")[0]
 
 
 def label_parameter(table: Table, place: int, axis: Axis) -> None:

@@ -33,6 +33,7 @@ from spintop_figures.sweeps.quantities import (
     is_words,
     name_parameter,
     order_classes,
+    parameter_words,
     quantities_of,
     succeeded,
     tell_noise,
@@ -116,7 +117,7 @@ def draw_scatter(table: Table) -> Figure:
     across = len(shown) + has_plane
     cloud = make_cloud(table, len(told) * across)
     counts = ((table.rows, cloud.count, "random cases"), (places, len(shown), "parameters"))
-    title = "Cases over " + ", ".join(table.axes()[place].partition(".")[2] for place in shown)
+    title = "Cases over " + ", ".join(parameter_words(table.axes()[place]) for place in shown)
     title += tell_left_out((*counts, (quantities, len(told), "quantities"))) + tell_noise(table)
     figure = new_figure(table, title, 1.9 + max(ROW_HEIGHT * len(told), LEAST_HEIGHT))
     key, field = figure.add_gridspec(2, 1, height_ratios=[KEY_HEIGHT, len(told)])

@@ -10,11 +10,17 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from spintop_figures.style.lines import with_unit
-from spintop_figures.style.look import FAINT, HIDDEN, LINES
+from spintop_figures.style.lines import set_degree_ticks, with_unit
+from spintop_figures.style.look import FAINT, GREY, HIDDEN, LINES
 from spintop_figures.style.page import add_panels, new_figure
 from spintop_figures.sweeps.maps import LEAST_HEIGHT, PANEL_HEIGHT, scale_name
-from spintop_figures.sweeps.quantities import PARAMETERS, Quantity, the_column
+from spintop_figures.sweeps.quantities import (
+    PARAMETERS,
+    Quantity,
+    parameter_words,
+    the_column,
+    unit_shown,
+)
 from spintop_figures.sweeps.scales import COLOURS, colours_of, scale_of
 from spintop_figures.tables.netcdf import read_netcdf
 from spintop_figures.tables.table import Table, TableError, read_table
@@ -24,6 +30,10 @@ EQUAL = 1e-6
 """Relative difference below which steps or ratios are equal."""
 MOST_QUANTILES = 7
 """Quantiles that a distribution shows at most."""
+SLIT = 0.05
+"""A gap between two intervals that is narrower than this part of them is not drawn."""
+NAME_ROOM = 0.14
+"""Distance of the names of two lines, in inches."""
 
 
 class Bins(NamedTuple):
@@ -117,8 +127,15 @@ def tell_cases(table: Table) -> str:
 
 
 def label(table: Table, column: str) -> str:
-    """A column with its unit, as an axis names it."""
-    return with_unit(PARAMETERS.get(column, column), table.units.get(column, ""))
+    """A parameter or a column with its unit, as an axis names it."""
+    words = table.meanings.get(column, "").removeprefix("middle of the bin: ") or column
+    return with_unit(PARAMETERS.get(column, words), table.units.get(column, ""))
+
+
+def describe(table: Table, column: str) -> tuple[str, str, float]:
+    """What a column of the cases is called, the unit in which it is drawn, the factor to that."""
+    meaning = table.meanings.get(f"{column}_mean", "").removeprefix("mean: ")
+    return meaning or column, *unit_shown(column, table.units.get(f"{column}_mean", ""))
 
 
 def draw_statistics(table: Table) -> Figure:
@@ -126,7 +143,7 @@ def draw_statistics(table: Table) -> Figure:
     bins = bins_of(table)
     names = gathered(table)
     count = len(names) + 1
-    over = " and ".join(each.column.rpartition(".")[2] for each in bins)
+    over = " and ".join(parameter_words(each.column) for each in bins)
     title = f"Means over {over}: {tell_cases(table)}"
     figure = new_figure(table, title, 1.2 + max(PANEL_HEIGHT * ((count + 1) // 2), LEAST_HEIGHT))
     panels = add_panels(figure, count, sharey=len(bins) == 2)
@@ -146,10 +163,10 @@ def draw_map(axes: Axes, table: Table, bins: list[Bins], rows: pd.DataFrame, nam
     axes.patch.set(facecolor="white", edgecolor="0.7", hatch="////")
     shape = bins[1].edges.size - 1, bins[0].edges.size - 1
     if name:
-        values = rows[f"{name}_mean"].to_numpy(float)
-        unit = table.units.get(f"{name}_mean", "")
+        words, unit, factor = describe(table, name)
+        values = factor * rows[f"{name}_mean"].to_numpy(float)
         norm, extend = scale_of(Quantity((name,), name, unit, the_column(f"{name}_mean")), values)
-        colours, heading = colours_of(norm), with_unit(f"mean of {name}", unit)
+        colours, heading = colours_of(norm), with_unit(words, unit)
         values = np.clip(values, norm.vmin, norm.vmax)
     else:
         values = rows["cases"].to_numpy(float)
@@ -174,8 +191,10 @@ def draw_curve(axes: Axes, table: Table, bins: Bins, rows: pd.DataFrame, name: s
         axes.set_ylim(bottom=0)
         return
     middle = rows[bins.column].to_numpy(float)
+    words, unit, factor = describe(table, name)
     mean, deviation, low, high = (
-        rows[f"{name}_{key}"].to_numpy(float) for key in ("mean", "deviation", "min", "max")
+        factor * rows[f"{name}_{key}"].to_numpy(float)
+        for key in ("mean", "deviation", "min", "max")
     )
     axes.fill_between(middle, low, high, color=FAINT, linewidth=0, label="minimum to maximum")
     axes.fill_between(
@@ -187,8 +206,7 @@ def draw_curve(axes: Axes, table: Table, bins: Bins, rows: pd.DataFrame, name: s
         label="standard deviation",
     )
     axes.plot(middle, mean, **LINES[0], label="mean")
-    unit = table.units.get(f"{name}_mean", "")
-    axes.set_title(with_unit(name, unit), loc="left", fontsize=9.5, pad=4)
+    axes.set_title(with_unit(words, unit), loc="left", fontsize=9.5, pad=4)
     if not axes.get_subplotspec().is_first_row() or not axes.get_subplotspec().is_first_col():
         return
     axes.legend(loc="best", fontsize=8)
@@ -211,6 +229,8 @@ def label_bins(axes: Axes, table: Table, bins: list[Bins]) -> None:
     axes.set_ylim(bins[1].edges[0], bins[1].edges[-1])
     if bins[1].is_log:
         axes.yaxis.set_major_formatter(plain)
+    if table.units.get(bins[1].column) == "deg":
+        set_degree_ticks(axes.yaxis, bins[1].edges)
     axes.tick_params(labelleft=spot.is_first_col())
     if spot.is_first_col():
         axes.set_ylabel(label(table, bins[1].column))
@@ -235,37 +255,54 @@ def draw_distributions(table: Table) -> Figure:
 def draw_distribution(axes: Axes, table: Table, name: str, found: Distribution) -> None:
     """The density of the cases over a column, whose intervals differ in width."""
     row = table.rows.iloc[0]
-    unit = table.units.get(f"{name}_mean", "")
-    width = found.high - found.low
+    words, unit, factor = describe(table, name)
+    low, width = factor * found.low, factor * (found.high - found.low)
     if not width.any():
-        axes.axvline(found.low[0], **LINES[0])
+        axes.axvline(low[0], **LINES[0])
         axes.set_yticks([])
     else:
         share = found.cases / found.cases.sum()
         density = np.divide(share, width, out=np.zeros_like(share), where=width > 0)
-        axes.bar(found.low, density, width, align="edge", color=HIDDEN, linewidth=0)
-        quantiles = [key for key in table.rows if key.startswith(f"{name}_q")]
+        axes.bar(low, density, without_slits(low, width), align="edge", color=HIDDEN, linewidth=0)
         if density.max() > 300 * density[density > 0].min():
             axes.set_yscale("log")
-        if len(quantiles) <= MOST_QUANTILES:
-            for key in quantiles:
-                axes.axvline(row[key], color="0.25", linewidth=0.8, linestyle=":")
-                axes.annotate(
-                    f"{float(key.rpartition('_q')[2]):.3g}",
-                    (row[key], 1),
-                    xycoords=("data", "axes fraction"),
-                    xytext=(1, -2),
-                    textcoords="offset points",
-                    fontsize=7,
-                    rotation=90,
-                    va="top",
-                )
-        axes.axvline(row[f"{name}_mean"], **LINES[1], label="mean")
-        axes.set_ylabel(
-            with_unit("density", f"1/({unit})" if "/" in unit else f"1/{unit}" if unit else "")
-        )
-        axes.legend(loc="best", fontsize=8)
-    axes.set_xlabel(with_unit(name, unit))
+        if unit == "degrees":
+            set_degree_ticks(axes.xaxis, np.append(low, low[-1] + width[-1]), most=7)
+        quantiles = [key for key in table.rows if key.startswith(f"{name}_q")]
+        marks = {f"{100 * float(key.rpartition('_q')[2]):.4g} %": row[key] for key in quantiles}
+        shown = marks if len(marks) <= MOST_QUANTILES else {}
+        mark_values(axes, {"mean": row[f"{name}_mean"], **shown}, factor)
+        per = {"": "", "degrees": "per degree"}.get(unit, f"per {unit}")
+        axes.set_ylabel(with_unit("density", per))
+    axes.set_xlabel(with_unit(words, unit))
     none = int(row["cases"] - row["failed"] - row[f"{name}_count"])
     if none:
         axes.set_title(f"{none:,} cases have no value", loc="left", fontsize=8.5)
+
+
+def without_slits(low: np.ndarray, width: np.ndarray) -> np.ndarray:
+    """The widths of bars as they are drawn: they reach to the next one if that is near."""
+    to_next = np.append(np.diff(low), width[-1])
+    return np.where(to_next < (1 + SLIT) * width, to_next, width)
+
+
+def mark_values(axes: Axes, marks: dict[str, float], factor: float) -> None:
+    """Lines at the mean and at quantiles, named above the panel where no bar is in the way."""
+    left, right = axes.get_xlim()
+    axes.set_xlim(left, right)
+    last = -np.inf
+    for words, value in sorted(marks.items(), key=lambda mark: mark[1]):
+        if not np.isfinite(value):
+            continue
+        place = (factor * value - left) / (right - left)
+        last = max(place, last + NAME_ROOM / width_of(axes))
+        look = LINES[1] if words == "mean" else {"color": GREY, "linestyle": ":"}
+        axes.axvline(factor * value, **look | {"linewidth": 1.0})
+        style = {"fontsize": 8, "color": look["color"], "rotation": 90, "ha": "center"}
+        axes.annotate(words, (last, 1.02), xycoords="axes fraction", va="bottom", **style)
+
+
+def width_of(axes: Axes) -> float:
+    """About how wide a panel is, in inches, before it is laid out."""
+    spot = axes.get_subplotspec()
+    return 0.85 * axes.figure.get_size_inches()[0] * len(spot.colspan) / 2

@@ -8,15 +8,27 @@ const NAMES = {
   separatrix: "Separatrix", libration: "Plane pendulum", circulation: "Plane pendulum",
 };
 
-/** Name and meaning of the class of a motion. */
-export function classOf({ nutation }) {
-  return { name: NAMES[nutation.motionClass], meaning: CLASS_MEANINGS[nutation.motionClass] };
+const UPRIGHT = (5 * Math.PI) / 180; // a top whose tilt becomes less is almost upright
+
+/** Name and meaning of the class of a motion; of a top that is almost upright, whether it sleeps. */
+export function classOf(track) {
+  const { motionClass, thetaMin } = track.nutation;
+  const [name, meaning] = [NAMES[motionClass], CLASS_MEANINGS[motionClass]];
+  if (!(track.threshold > 0) || thetaMin > UPRIGHT || ["sleeping", "separatrix"].includes(motionClass)) return { name, meaning };
+  const sleeps = sleepRatio(track) > 1 ? "it sleeps: the spin is above the threshold" : "it falls: the spin is below the threshold";
+  return { name, meaning: `${meaning}. Almost upright, ${sleeps}` };
+}
+
+/** The spin over the threshold of the sleeping top. */
+function sleepRatio({ threshold, start }) {
+  return Math.abs(start.omega[2]) / threshold;
 }
 
 /** What of the sleeping top: threshold, and where the spin is to it. */
-export function sleepOf({ threshold, start }) {
+export function sleepOf(track) {
+  const { threshold } = track;
   if (!(threshold > 0)) return "Without weight a top sleeps at any spin.";
-  const ratio = Math.abs(start.omega[2]) / threshold;
+  const ratio = sleepRatio(track);
   const verdict = ratio > 1 ? "upright it sleeps" : "upright it falls";
   return `Spin ${inShort(ratio)} × the threshold ${inShort(threshold)} rad/s: ${verdict}.`;
 }

@@ -51,9 +51,12 @@ module spintop_accumulators
         logical :: by_bin = .false.
         !> For Sobol' indices of the columns of numbers over all cases; without factors if none are wanted.
         type(case_groups_t) :: groups
+        !> Of no meaning: what `fetch` reads would not be read otherwise.
+        integer(int64), private :: fetched = 0
     contains
         procedure :: start
         procedure :: bin_of
+        procedure :: fetch
         procedure :: add
         procedure :: merge_with
         procedure :: over_all
@@ -101,6 +104,26 @@ contains
         end if
         if (bin == 0) bin = self%bin_count + 1
     end function bin_of
+
+    !> Reads what was gathered in bins to which cases are to be added. Where these lie far apart in memory, reading them
+    !> beforehand, none waiting for another, takes a part of the time of one after the other.
+    subroutine fetch(self, bins)
+        class(accumulators_t), intent(inout) :: self
+        integer(int64), intent(in) :: bins(:) !! as `bin_of` gives them
+        integer(int64) :: total
+        integer :: i, k
+        total = 0
+        do k = 1, size(bins)
+            total = total + self%cases(bins(k))
+            do i = 1, size(self%moments, 1)
+                ! The first and the last number, and one between them.
+                associate (moments => self%moments(i, bins(k)))
+                    total = total + moments%count + moments%case_of_maximum + merge(1, 0, moments%minimum > 0)
+                end associate
+            end do
+        end do
+        self%fetched = ieor(self%fetched, total)
+    end subroutine fetch
 
     !> Adds consecutive cases of one bin.
     subroutine add(self, numbers, is_ok, bin, values, words)

@@ -207,11 +207,15 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         integer(int64) :: bin
         integer :: first, last, n
+        logical :: is_scattered
 
         n = cells_before + size(self%plan%numbers)
         first = 1
         associate (digest => block%digest)
             call self%convert(digest(:, :block%digested), n)
+            is_scattered = count(abs(digest(bin_cell, 2:block%digested) - digest(bin_cell, :block%digested - 1)) > 0) &
+                           > block%digested / 2
+            if (is_scattered) call self%accumulators%fetch(int(digest(bin_cell, :block%digested), int64))
             do while (first <= block%digested)
                 bin = int(digest(bin_cell, first), int64)
                 last = first

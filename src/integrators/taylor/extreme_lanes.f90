@@ -6,7 +6,7 @@ module spintop_extreme_lanes
     use spintop_formulation, only: max_series_order
     use spintop_lane_series, only: numerator, parts
     use spintop_motion, only: motion_t
-    use spintop_lane_products, only: multiply, multiply_slopes, square
+    use spintop_lane_products, only: add_squares, multiply, multiply_slopes
     use spintop_root_watch, only: of_interval, root_watch_t, rounding, states_at
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
@@ -180,7 +180,7 @@ contains
         end do
         call find_sine2(run, degree, d)
         call multiply(degree, w_rate, d, a)
-        call square(degree, w, w2)
+        call multiply(degree, w, w, w2)
         call multiply(degree, height, w2, product)
         noise = 0
         do k = 0, degree
@@ -239,11 +239,7 @@ contains
         end do
         call of_interval(degree, run%now%t - run%now%t_last, first, rounded)
         call of_interval(degree, run%now%t - run%now%t_last, second, rounded)
-        call square(degree, first, d)
-        call square(degree, second, first)
-        do k = 0, degree
-            d(:, k) = d(:, k) + first(:, k)
-        end do
+        call add_squares(degree, first, second, d)
     end subroutine find_sine2
 
     !> Makes room for so many cases.

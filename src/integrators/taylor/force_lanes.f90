@@ -9,7 +9,7 @@ module spintop_force_lanes
     use spintop_body, only: body_t
     use spintop_formulation, only: max_series_order
     use spintop_kinds, only: dp
-    use spintop_lane_products, only: multiply, square
+    use spintop_lane_products, only: add_squares, multiply
     use spintop_lane_series, only: parts
     use spintop_motion, only: motion_t
     use spintop_root_watch, only: of_interval, root_watch_t, rounding, states_at
@@ -171,8 +171,8 @@ contains
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
             !! coefficients, and a bound of their rounding errors
-        real(dp), dimension(lanes, 0:max_series_order) :: along, square_of_rate, f, total
-        real(dp) :: w(lanes, 0:max_series_order, 3), slope(lanes, 0:max_series_order, 3)
+        real(dp), dimension(lanes, 0:max_series_order) :: along, rate2, total
+        real(dp), dimension(lanes, 0:max_series_order, 3) :: w, slope, f
         integer :: k, m, next, last
 
         degree = run%order - 2
@@ -185,35 +185,30 @@ contains
             call of_interval(run%order - 1, run%now%t - run%now%t_last, w(:, :run%order - 1, m), noise)
             call of_interval(run%order - 1, run%now%t - run%now%t_last, slope(:, :run%order - 1, m), noise)
         end do
-        square_of_rate = 0
-        along = 0
-        do m = 1, 3
-            call square(degree + 1, w(:, :, m), f)
-            do k = 0, degree + 1
-                square_of_rate(:, k) = square_of_rate(:, k) + f(:, k)
-                along(:, k) = along(:, k) + self%centre(:, m) * w(:, k, m)
-            end do
+        call add_squares(degree + 1, w(:, :, 1), w(:, :, 2), rate2)
+        call multiply(degree + 1, w(:, :, 3), w(:, :, 3), total)
+        do k = 0, degree + 1
+            rate2(:, k) = rate2(:, k) + total(:, k)
+            along(:, k) = self%centre(:, 1) * w(:, k, 1) + self%centre(:, 2) * w(:, k, 2) + self%centre(:, 3) * w(:, k, 3)
         end do
-        total = 0
         do m = 1, 3
             next = mod(m, 3) + 1
             last = mod(m + 1, 3) + 1
-            call multiply(degree + 1, w(:, :, m), along, f)
+            call multiply(degree + 1, w(:, :, m), along, f(:, :, m))
             a(:, :degree + 1) = run%c(:, 3 + m, :degree + 1)
             call of_interval(degree + 1, run%now%t - run%now%t_last, a, noise)
             do k = 0, degree + 1
-                f(:, k) = f(:, k) + slope(:, k, next) * self%centre(:, last) - slope(:, k, last) * self%centre(:, next) &
-                    - self%centre(:, m) * square_of_rate(:, k) + self%gravity * a(:, k)
-            end do
-            call square(degree + 1, f, a)
-            do k = 0, degree + 1
-                total(:, k) = total(:, k) + a(:, k)
+                f(:, k, m) = f(:, k, m) + slope(:, k, next) * self%centre(:, last) &
+                    - slope(:, k, last) * self%centre(:, next) - self%centre(:, m) * rate2(:, k) + self%gravity * a(:, k)
             end do
         end do
+        call add_squares(degree + 1, f(:, :, 1), f(:, :, 2), total)
+        call multiply(degree + 1, f(:, :, 3), f(:, :, 3), along)
+        total(:, :degree + 1) = total(:, :degree + 1) + along(:, :degree + 1)
         noise = 0
         do k = 0, degree
             a(:, k) = (k + 1) * total(:, k + 1)
-            noise = noise + rounding * (k + 1) * abs(total(:, k + 1))
+            noise = noise + rounding * abs(a(:, k))
         end do
         ! The square of the force itself is known to rounding.
         noise = noise + rounding * abs(total(:, 0))

@@ -33,6 +33,7 @@ contains
         integer, intent(in) :: n !! degree
         real(dp), intent(in) :: a(lanes, 0:n) !! coefficients of the powers of u
         real(dp), intent(out) :: b(lanes, 0:n) !! Bernstein coefficients
+        real(dp) :: next(lanes), total(lanes), lower, pair
         integer :: i, j, k
 
         do k = 0, n
@@ -41,14 +42,23 @@ contains
                 b(i, k) = share(k, n) * a(i, k)
             end do
         end do
-        do k = 1, n
-            do j = n, k, -1
-                !$omp simd
+        ! In round k each coefficient from b_n down to b_k gets the one below it added; two rounds at once.
+        do k = 1, n - 1, 2
+            next = b(:, n - 1)
+            total = b(:, n) + next
+            do j = n, k + 1, -1
+                !$omp simd private(lower, pair)
                 do i = 1, lanes
-                    b(i, j) = b(i, j) + b(i, j - 1)
+                    lower = b(i, j - 2)
+                    pair = next(i) + lower
+                    b(i, j) = total(i) + pair
+                    total(i) = pair
+                    next(i) = lower
                 end do
             end do
+            b(:, k) = total
         end do
+        if (mod(n, 2) == 1) b(:, n) = b(:, n) + b(:, n - 1)
     end subroutine to_bernstein
 
     !> Changes of sign among the coefficients. Those up to `noise` have no sign. The first is preceded by

@@ -5,7 +5,7 @@ module spintop_lane_products
     use spintop_lane_series, only: lanes
     implicit none
     private
-    public :: multiply, square, multiply_slopes
+    public :: multiply, add_squares, multiply_slopes
 
     !> Index in the table below.
     integer :: i
@@ -14,63 +14,81 @@ module spintop_lane_products
 
 contains
 
-    !> The product of two series.
+    !> The product of two series. Here and below two terms are computed at once, which have most operands in common; the
+    !> last may be left over. No loop becomes vectors that may have no trip.
     pure subroutine multiply(degree, x, y, product)
         integer, intent(in) :: degree !! last term of the product
         real(dp), intent(in) :: x(lanes, 0:degree), y(lanes, 0:degree) !! coefficients of the series
         real(dp), intent(out) :: product(lanes, 0:degree) !! those of the product
-        real(dp) :: total
-        integer :: i, j, k
-        do k = 0, degree
-            !$omp simd private(total, j)
+        real(dp) :: even, odd
+        integer :: i, j, half
+        do half = 0, (degree - 1) / 2
+            !$omp simd private(even, odd, j)
             do i = 1, lanes
-                total = 0
-                ! No loop becomes vectors that may have no trip.
-                do j = 0, max(k, 0)
-                    total = total + x(i, j) * y(i, k - j)
+                even = 0
+                odd = x(i, 2 * half + 1) * y(i, 0)
+                do j = 0, max(2 * half, 0)
+                    even = even + x(i, j) * y(i, 2 * half - j)
+                    odd = odd + x(i, j) * y(i, 2 * half + 1 - j)
                 end do
-                product(i, k) = total
+                product(i, 2 * half) = even
+                product(i, 2 * half + 1) = odd
             end do
         end do
+        if (mod(degree, 2) == 0) product(:, degree) = sum(x * y(:, degree:0:-1), dim=2)
     end subroutine multiply
 
-    !> The square of a series.
-    pure subroutine square(degree, x, product)
-        integer, intent(in) :: degree !! last term of the square
-        real(dp), intent(in) :: x(lanes, 0:degree) !! coefficients of the series
-        real(dp), intent(out) :: product(lanes, 0:degree) !! those of the square
-        real(dp) :: total
-        integer :: i, j, k
-        product(:, 0) = x(:, 0)**2
-        do k = 1, degree
-            !$omp simd private(total, j)
+    !> The sum of the squares of two series.
+    pure subroutine add_squares(degree, x, y, product)
+        integer, intent(in) :: degree !! last term of the sum
+        real(dp), intent(in) :: x(lanes, 0:degree), y(lanes, 0:degree) !! coefficients of the series
+        real(dp), intent(out) :: product(lanes, 0:degree) !! those of the sum
+        real(dp) :: even, odd
+        integer :: i, j, half
+        product(:, 0) = x(:, 0)**2 + y(:, 0)**2
+        do half = 1, degree / 2
+            !$omp simd private(even, odd, j)
             do i = 1, lanes
-                total = 0
-                do j = 0, max((k - 1) / 2, 0)
-                    total = total + x(i, j) * x(i, k - j)
+                even = 0
+                odd = 0
+                do j = 0, max(half - 1, 0)
+                    odd = odd + (x(i, j) * x(i, 2 * half - 1 - j) + y(i, j) * y(i, 2 * half - 1 - j))
+                    even = even + (x(i, j) * x(i, 2 * half - j) + y(i, j) * y(i, 2 * half - j))
                 end do
-                product(i, k) = 2 * total
+                product(i, 2 * half - 1) = 2 * odd
+                product(i, 2 * half) = 2 * even + (x(i, half)**2 + y(i, half)**2)
             end do
-            if (mod(k, 2) == 0) product(:, k) = product(:, k) + x(:, k / 2)**2
         end do
-    end subroutine square
+        if (mod(degree, 2) == 1) product(:, degree) = sum(x * x(:, degree:0:-1) + y * y(:, degree:0:-1), dim=2)
+    end subroutine add_squares
 
     !> The series of x' y - x y': its term k is the sum over i + j = k + 1 of (i - j) x_i y_j.
     pure subroutine multiply_slopes(degree, x, y, product)
         integer, intent(in) :: degree !! last term of the product
         real(dp), intent(in) :: x(lanes, 0:degree + 1), y(lanes, 0:degree + 1) !! coefficients of the series
         real(dp), intent(out) :: product(lanes, 0:degree) !! those of the product
-        real(dp) :: total
-        integer :: i, j, k
-        do k = 0, degree
-            !$omp simd private(total, j)
+        real(dp) :: even, odd
+        integer :: i, j, half, next
+        do half = 0, (degree - 1) / 2
+            !$omp simd private(even, odd, j)
             do i = 1, lanes
-                total = 0
-                do j = 0, max(k / 2, 0)
-                    total = total + whole(k + 1 - 2 * j) * (x(i, k + 1 - j) * y(i, j) - x(i, j) * y(i, k + 1 - j))
+                even = 0
+                odd = 0
+                do j = 0, max(half, 0)
+                    even = even + whole(2 * (half - j) + 1) &
+                        * (x(i, 2 * half + 1 - j) * y(i, j) - x(i, j) * y(i, 2 * half + 1 - j))
+                    odd = odd + whole(2 * (half - j) + 2) &
+                        * (x(i, 2 * half + 2 - j) * y(i, j) - x(i, j) * y(i, 2 * half + 2 - j))
                 end do
-                product(i, k) = total
+                product(i, 2 * half) = even
+                product(i, 2 * half + 1) = odd
             end do
+        end do
+        if (mod(degree, 2) == 1) return
+        product(:, degree) = 0
+        do j = 0, degree / 2
+            next = degree + 1 - j
+            product(:, degree) = product(:, degree) + (next - j) * (x(:, next) * y(:, j) - x(:, j) * y(:, next))
         end do
     end subroutine multiply_slopes
 

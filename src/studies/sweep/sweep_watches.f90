@@ -215,13 +215,7 @@ contains
         end do
         if (.not. wanted%turning) return
         if (seen) then
-            call put_nutation(case, nutation, values, note)
-            values%com_z_min = height
-            values%spin_per_nutation = nutation%spin
-            values%motion_class = nutation%class
-            if (wanted%fastest .and. nutation%class == no_class) then
-                call note%add(note_no_class, 'it changes from nutation to nutation')
-            end if
+            call put_whole_nutation(case, wanted, nutation, height, values, note)
         else
             call note%add(note_no_nutation)
         end if
@@ -242,5 +236,22 @@ contains
         end subroutine take
 
     end subroutine put
+
+    !> The quantities of a case that has a whole nutation, and the minimum height of its centre of mass.
+    subroutine put_whole_nutation(case, wanted, nutation, height, values, note)
+        type(case_t), intent(in) :: case
+        type(sweep_work_t), intent(in) :: wanted
+        type(nutation_t), intent(in) :: nutation
+        real(dp), intent(in) :: height
+        type(sweep_result_t), intent(inout) :: values
+        type(note_t), intent(inout) :: note
+        call put_nutation(case, nutation, values, note)
+        values%com_z_min = height
+        values%spin_per_nutation = nutation%spin
+        values%motion_class = nutation%class
+        if (wanted%fastest .and. nutation%class == no_class) then
+            call note%add(note_no_class, 'it changes from nutation to nutation')
+        end if
+    end subroutine put_whole_nutation
 
 end module spintop_sweep_watches

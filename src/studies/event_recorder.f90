@@ -158,6 +158,7 @@ contains
         integer(int64), intent(in) :: most_looks !! bound of the work
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         call prepare_exact_motion(case%body, case%start, self%exact, status)
+        self%greatest_rate = 0
         if (allocated(self%exact%free)) self%greatest_rate = self%exact%free%greatest_rate
         call self%restart(case, most_looks)
     end subroutine begin

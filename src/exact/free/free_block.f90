@@ -30,6 +30,9 @@ module spintop_free_block
     !> rounding errors.
     real(dp), parameter :: free_block_accuracy = 1.0e-13_dp
 
+    !> More chords are not followed in lanes.
+    real(dp), parameter :: most_chords = 1.0e6_dp
+
     !> Cases to be computed together, one per row of each array, SI units and radians.
     type :: free_block_t
         !> Number of cases, up to `block_size`.
@@ -66,7 +69,7 @@ contains
         logical, intent(in) :: counts_turns !! whether phi and psi have all their turns
         type(free_strip_t), allocatable :: strip
         type(free_attitude_t), allocatable :: attitude
-        integer :: place(lanes), first, i
+        integer :: place(lanes), first, n, i
 
         self%fallbacks = 0
         if (self%n < 0 .or. self%n > block_size) then
@@ -77,19 +80,20 @@ contains
         do first = 1, self%n, lanes
             ! The last strip is filled with copies of the last case.
             place = min([(first + i, i=0, lanes - 1)], self%n)
+            n = min(lanes, self%n - first + 1)
             strip%inertia = self%inertia(place, :)
             strip%omega = self%omega(place, :)
             call find_axes(strip)
             call find_constants(strip)
             call find_series(strip)
             call find_argument(strip)
-            call describe_motion(self, place, strip)
+            call describe_motion(self, place(:n), strip)
             if (wants_end) then
                 attitude%start = self%quaternion(place, :)
-                call describe_end(self, place, counts_turns, strip, attitude)
+                call describe_end(self, place, n, counts_turns, strip, attitude)
             end if
-            self%status(place) = status_ok
-            do i = 1, min(lanes, self%n - first + 1)
+            self%status(place(:n)) = status_ok
+            do i = 1, n
                 if (strip%doubt(i) > 0) call compute_alone(self, place(i), wants_end, counts_turns)
             end do
         end do
@@ -98,12 +102,12 @@ contains
     !> The quantities without time.
     subroutine describe_motion(block, place, strip)
         type(free_block_t), intent(inout) :: block
-        integer, intent(in) :: place(lanes)
+        integer, intent(in) :: place(:)  !! of the cases in the first lanes
         type(free_strip_t), intent(inout) :: strip
         real(dp), dimension(lanes) :: period, turn, least, greatest, low, high
         real(dp), dimension(lanes, 2) :: sine, cosine
         real(dp) :: q3, q10, q21, g, small, above, dn
-        logical :: x_is_3, z_is_3
+        logical :: x_is_3, z_is_3, against(lanes)
         integer :: k
 
         !$omp simd private(q3, q10, q21, g, small, above, dn, x_is_3, z_is_3)
@@ -134,21 +138,22 @@ contains
         end do
         call find_inclinations(lanes, sine(:, 1), cosine(:, 1), low)
         call find_inclinations(lanes, sine(:, 2), cosine(:, 2), high)
-        block%period(place) = period
-        block%turn(place) = turn
-        block%least_rate(place) = least
-        block%greatest_rate(place) = greatest
-        block%about(place) = nint(strip%axis(:, 3))
-        associate (against => nint(strip%axis(:, 3)) == 3 .and. strip%signs(:, 3) < 0)
-            block%axis_angle(place, 1) = merge(pi - high, low, against)
-            block%axis_angle(place, 2) = merge(pi - low, high, against)
+        against = nint(strip%axis(:, 3)) == 3 .and. strip%signs(:, 3) < 0
+        associate (n => size(place))
+            block%period(place) = period(:n)
+            block%turn(place) = turn(:n)
+            block%least_rate(place) = least(:n)
+            block%greatest_rate(place) = greatest(:n)
+            block%about(place) = nint(strip%axis(:n, 3))
+            block%axis_angle(place, 1) = merge(pi - high(:n), low(:n), against(:n))
+            block%axis_angle(place, 2) = merge(pi - low(:n), high(:n), against(:n))
         end associate
     end subroutine describe_motion
 
     !> The motion at the end of the span.
-    subroutine describe_end(block, place, counts_turns, strip, attitude)
+    subroutine describe_end(block, place, n, counts_turns, strip, attitude)
         type(free_block_t), intent(inout) :: block
-        integer, intent(in) :: place(lanes)
+        integer, intent(in) :: place(lanes), n  !! of the cases in the lanes, and how many of them are not copies
         logical, intent(in) :: counts_turns
         type(free_strip_t), intent(inout) :: strip
         type(free_attitude_t), intent(inout) :: attitude
@@ -190,17 +195,17 @@ contains
             end associate
         end do
         call find_inclinations(lanes, sine, cosine, theta)
-        block%quaternion_end(place, :) = attitude%now
-        block%omega_end(place, :) = omega
-        block%theta_rate_end(place) = theta_rate
+        block%quaternion_end(place(:n), :) = attitude%now(:n, :)
+        block%omega_end(place(:n), :) = omega(:n, :)
+        block%theta_rate_end(place(:n)) = theta_rate(:n)
         chords = max(1.0_dp, aint(block%greatest_rate(place) * duration / chord_angle) + 1)
-        if (counts_turns) strip%doubt = merge(strip%doubt, 1.0_dp, chords <= real(block%most_steps(place), dp))
+        if (counts_turns) strip%doubt = merge(strip%doubt, 1.0_dp, chords <= min(most_chords, real(block%most_steps(place), dp)))
         call count_turns(strip, attitude, duration, chords, counts_turns)
-        block%angle_end(place, 1) = block%angle(place, 1) + (attitude%angle(:, 1) + attitude%angle(:, 2))
-        block%angle_end(place, 2) = theta
-        block%angle_end(place, 3) = block%angle(place, 3) + (attitude%angle(:, 1) - attitude%angle(:, 2))
-        strip%doubt = merge(strip%doubt, 1.0_dp, duration >= 0 .and. abs(theta_rate + sum(block%angle_end(place, :), 2)) &
-                            <= huge(u))
+        along(:, 1) = block%angle(place, 1) + (attitude%angle(:, 1) + attitude%angle(:, 2))
+        along(:, 2) = theta
+        along(:, 3) = block%angle(place, 3) + (attitude%angle(:, 1) - attitude%angle(:, 2))
+        block%angle_end(place(:n), :) = along(:n, :)
+        strip%doubt = merge(strip%doubt, 1.0_dp, duration >= 0 .and. abs(theta_rate + sum(along, 2)) <= huge(u))
     end subroutine describe_end
 
     !> Computes a case by the scalar routine.

@@ -231,15 +231,23 @@ contains
         real(dp), intent(inout) :: values(:)
         integer, intent(inout) :: status
         real(dp), allocatable :: coordinate(:)
-        integer(int64) :: stride
+        integer(int64) :: stride, length, lowest, highest
         integer :: along, k
 
         along = size(self%extent) - self%description%columns(column)%axis + 1
-        allocate (coordinate(self%extent(along)))
-        status = nf90_get_var(self%id, self%variables(column), coordinate)
+        length = self%extent(along)
         stride = product(int(self%extent(:along - 1), int64))
+        lowest = mod((first - 1) / stride, length)
+        highest = lowest + (first + size(values) - 2) / stride - (first - 1) / stride
+        if (highest >= length) then
+            ! The rows go on with the first value.
+            lowest = 0
+            highest = length - 1
+        end if
+        allocate (coordinate(lowest:highest))
+        status = nf90_get_var(self%id, self%variables(column), coordinate, [int(lowest) + 1], [int(highest - lowest) + 1])
         do k = 1, size(values)
-            values(k) = coordinate(mod((first + k - 2) / stride, size(coordinate, kind=int64)) + 1)
+            values(k) = coordinate(mod((first + k - 2) / stride, length))
         end do
     end subroutine get_coordinate
 

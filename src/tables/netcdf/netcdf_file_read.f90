@@ -94,6 +94,8 @@ contains
             select case (name)
             case ('Conventions', 'grid_lengths')
             case ('input')
+                if (allocated(description%input)) deallocate (description%input)
+                allocate (description%input(count_parts(text, new_line('a'))))
                 call split(text, new_line('a'), description%input)
             case ('part')
                 description%part = text
@@ -118,6 +120,7 @@ contains
         integer, allocatable :: lengths(:)
         integer :: i, n
 
+        allocate (words(count_parts(names, ' ')))
         call split(names, ' ', words)
         n = 0
         if (status == nf90_noerr) status = nf90_inquire_attribute(id, nf90_global, 'grid_lengths', len=n)
@@ -150,6 +153,7 @@ contains
         if (kind == nf90_byte) column%kind = column_of_words
         if (text == '') return
         if (column%kind == column_of_integers) column%kind = column_of_notes
+        allocate (column%words(count_parts(text, ' ')))
         call split(text, ' ', column%words)
     end subroutine read_column
 
@@ -227,15 +231,23 @@ contains
         real(dp), intent(inout) :: values(:)
         integer, intent(inout) :: status
         real(dp), allocatable :: coordinate(:)
-        integer(int64) :: stride
+        integer(int64) :: stride, length, lowest, highest
         integer :: along, k
 
         along = size(self%extent) - self%description%columns(column)%axis + 1
-        allocate (coordinate(self%extent(along)))
-        status = nf90_get_var(self%id, self%variables(column), coordinate)
+        length = self%extent(along)
         stride = product(int(self%extent(:along - 1), int64))
+        lowest = mod((first - 1) / stride, length)
+        highest = lowest + (first + size(values) - 2) / stride - (first - 1) / stride
+        if (highest >= length) then
+            ! The rows go on with the first value.
+            lowest = 0
+            highest = length - 1
+        end if
+        allocate (coordinate(lowest:highest))
+        status = nf90_get_var(self%id, self%variables(column), coordinate, [int(lowest) + 1], [int(highest - lowest) + 1])
         do k = 1, size(values)
-            values(k) = coordinate(mod((first + k - 2) / stride, size(coordinate, kind=int64)) + 1)
+            values(k) = coordinate(mod((first + k - 2) / stride, length))
         end do
     end subroutine get_coordinate
 
@@ -258,14 +270,24 @@ contains
         status = nf90_get_att(id, variable, name, text)
     end subroutine read_text
 
+    !> Number of parts of a text between separators.
+    pure integer function count_parts(text, separator)
+        character(*), intent(in) :: text
+        character, intent(in) :: separator
+        integer :: i
+        count_parts = 1
+        do i = 1, len(text)
+            if (text(i:i) == separator) count_parts = count_parts + 1
+        end do
+    end function count_parts
+
     !> The parts of a text between separators.
     subroutine split(text, separator, parts)
         character(*), intent(in) :: text
         character, intent(in) :: separator
-        type(string_t), allocatable, intent(out) :: parts(:)
+        type(string_t), intent(inout) :: parts(:)
         integer :: first, last, i
 
-        allocate (parts(count([(text(i:i) == separator, i=1, len(text))]) + 1))
         first = 1
         do i = 1, size(parts)
             last = first + index(text(first:) // separator, separator) - 2

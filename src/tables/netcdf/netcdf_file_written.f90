@@ -36,7 +36,7 @@ contains
 
     module procedure create
         integer, allocatable :: dimensions(:)
-        integer :: i, status, chunk, old_mode
+        integer :: status, chunk, old_mode
 
         self%path = path
         self%description = description

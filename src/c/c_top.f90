@@ -42,6 +42,8 @@ module spintop_c_top
     type, extends(observer_t) :: sampler_t
         type(row_maker_t) :: maker
         real(dp), pointer :: samples(:) => null(), cells(:, :) => null()
+        !> The row.
+        real(dp), allocatable :: values(:)
         !> Index of the next sample, how far a sample of a fixed-step method may be from its step, and whether one was
         !> between steps.
         integer :: next = 1
@@ -147,6 +149,7 @@ contains
         call c_f_pointer(cells, sampler%cells, [n, size(top%columns, kind=c_size_t)])
         sampler%cells = no_number
         sampler%maker = top%maker
+        allocate (sampler%values(size(top%columns)))
         if (.not. all(is_finite(sampler%samples))) then
             status = status_bad_samples
             t_reached = 0
@@ -235,10 +238,11 @@ contains
     subroutine put(self, motion)
         class(sampler_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion !! the motion
-        self%cells(self%next, :) = self%maker%row(motion, is_start=is_zero(motion%t))
-        if (.not. self%maker%is_defined(self%cells(self%next, :))) then
+        self%values(:) = self%maker%row(motion, is_start=is_zero(motion%t))
+        if (self%maker%is_defined(self%values)) then
+            self%cells(self%next, :) = self%values
+        else
             self%t_undefined = motion%t
-            self%cells(self%next, :) = no_number
             self%has_enough = .true.
         end if
         self%next = self%next + 1

@@ -71,12 +71,16 @@ contains
     pure logical function is_defined(self, values)
         class(row_maker_t), intent(in) :: self
         real(dp), intent(in) :: values(:) !! the values
-        logical :: lost(size(values))
-        lost = .not. is_finite(values) .and. self%columns%bounds == 0
-        if (any(lost) .and. abs(sin(self%view%near(2))) <= 4 * epsilon(1.0_dp)) then
-            lost = lost .and. .not. self%columns%ends_at_poles
-        end if
-        is_defined = .not. any(lost)
+        logical :: at_pole
+        integer :: i
+        is_defined = all(is_finite(values))
+        if (is_defined) return
+        at_pole = abs(sin(self%view%near(2))) <= 4 * epsilon(1.0_dp)
+        do i = 1, size(values)
+            if (is_finite(values(i)) .or. self%columns(i)%bounds > 0) cycle
+            if (.not. (at_pole .and. self%columns(i)%ends_at_poles)) return
+        end do
+        is_defined = .true.
     end function is_defined
 
     !> The angles of the next row are continuous with those of another maker's last one.

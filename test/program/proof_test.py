@@ -4,9 +4,11 @@ import math
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+TESTS = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TESTS), str(TESTS.parent / "python")]
 
-from program_test import ProgramCase
+from program_test import ProgramCase  # noqa: E402
+from spintop_figures.tables.table import read_table  # noqa: E402
 
 TOP = """\
 &study kind = 'trajectory' /
@@ -80,6 +82,8 @@ class ProofTest(ProgramCase):
         self.assertEqual(set(table.texts("proof")), {"proved"})
         for name in ("theta_bound", "phi_bound", "psi_bound", "q0_bound", "orientation_bound"):
             self.assertLess(table.largest(name), 1e-14)
+        rows = read_table(self.folder / "output/scene.csv").rows  # as figures see it
+        self.assertEqual(set(rows["proof"]), {"proved"})
 
     def test_bounds_of_a_method(self) -> None:
         """The bound of the attitude is the error that the exact solution finds."""

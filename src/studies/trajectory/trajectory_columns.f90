@@ -7,38 +7,11 @@ module spintop_trajectory_columns
     use spintop_motion_view, only: motion_view_t
     use spintop_quantities, only: axial_momentum, axis_height_rate, axis_tip, vertical_momentum
     use spintop_study_column, only: place_of, study_column_t
-    use spintop_work_values, only: value_of_work, value_of_work_damping, value_of_work_drag, value_of_work_friction, &
-        value_of_work_rotor, value_of_work_torque, value_of_work_vibration
+    use spintop_trajectory_column, only: trajectory_column_t
+    use spintop_work_columns, only: work_columns
     implicit none
     private
     public :: trajectory_column_t, trajectory_columns, find_trajectory_column
-
-    !> A column of a trajectory.
-    type, extends(study_column_t) :: trajectory_column_t
-        !> Gives the value of the column.
-        procedure(value_i), pointer, nopass :: value => null()
-        !> It is in the table when the input names no columns.
-        logical :: is_default = .false.
-        !> It compares with the exact motion.
-        logical :: needs_exact_motion = .false.
-        !> It is for bodies with effects.
-        logical :: needs_effects = .false.
-        !> It contains the work of effects, which is known in the rows of a motion only.
-        logical :: needs_work = .false.
-        !> Near a pole it may vary much faster than the attitude turns: it depends on phi or psi.
-        logical :: varies_near_poles = .false.
-        !> At a pole it does not exist.
-        logical :: ends_at_poles = .false.
-    end type trajectory_column_t
-
-    abstract interface
-        !> The value of a column for the motion that is looked at.
-        real(dp) function value_i(now)
-            import :: dp, motion_view_t
-            implicit none
-            type(motion_view_t), intent(inout) :: now
-        end function value_i
-    end interface
 
 contains
 
@@ -86,20 +59,6 @@ contains
             trajectory_column_t('energy_error', '', &
                                 'change of energy since the start over (kinetic at start + m g |r|)', &
                                 'energy', value_of_energy_error, needs_work=.true.), &
-            trajectory_column_t('work', 'J', 'work of all effects since the start', 'energy', value_of_work, &
-                                is_default=.true., needs_effects=.true., needs_work=.true.), &
-            trajectory_column_t('work_damping', 'J', 'work of viscous damping', 'energy', value_of_work_damping, &
-                                needs_effects=.true., needs_work=.true.), &
-            trajectory_column_t('work_friction', 'J', 'work of dry friction', 'energy', value_of_work_friction, &
-                                needs_effects=.true., needs_work=.true.), &
-            trajectory_column_t('work_drag', 'J', 'work of the air', 'energy', value_of_work_drag, &
-                                needs_effects=.true., needs_work=.true.), &
-            trajectory_column_t('work_vibration', 'J', 'work of the moving pivot', 'energy', value_of_work_vibration, &
-                                needs_effects=.true., needs_work=.true.), &
-            trajectory_column_t('work_torque', 'J', 'work of given torques', 'energy', value_of_work_torque, &
-                                needs_effects=.true., needs_work=.true.), &
-            trajectory_column_t('work_rotor', 'J', 'work of the drive of the rotor', 'energy', value_of_work_rotor, &
-                                needs_effects=.true., needs_work=.true.), &
             trajectory_column_t('lz', 'J s', 'angular momentum about the vertical', 'momenta', value_of_lz), &
             trajectory_column_t('l3', 'J s', 'angular momentum about body z', 'momenta', value_of_l3), &
             trajectory_column_t('R1', 'N m', "residual of Euler's first equation (Eq 51)", &
@@ -130,6 +89,7 @@ contains
                                 'errors', value_of_norm_error), &
             trajectory_column_t('axis_z_rate', '1/s', 'rate of axis_z, zero at the turning points of theta', &
                                 'attitude', value_of_axis_z_rate)]
+        columns = [columns, work_columns()]
     end function trajectory_columns
 
     !> The column of that name; `found` tells whether there is one.

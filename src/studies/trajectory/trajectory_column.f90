@@ -1,0 +1,37 @@
+!> A column of a trajectory: a line of the registry, with the procedure that gives its value.
+module spintop_trajectory_column
+    use spintop_kinds, only: dp
+    use spintop_motion_view, only: motion_view_t
+    use spintop_study_column, only: study_column_t
+    implicit none
+    private
+    public :: trajectory_column_t
+
+    !> A column of a trajectory.
+    type, extends(study_column_t) :: trajectory_column_t
+        !> Gives the value of the column.
+        procedure(value_i), pointer, nopass :: value => null()
+        !> It is in the table when the input names no columns.
+        logical :: is_default = .false.
+        !> It compares with the exact motion.
+        logical :: needs_exact_motion = .false.
+        !> It is for bodies with effects.
+        logical :: needs_effects = .false.
+        !> It contains the work of effects, which is known in the rows of a motion only.
+        logical :: needs_work = .false.
+        !> Near a pole it may vary much faster than the attitude turns: it depends on phi or psi.
+        logical :: varies_near_poles = .false.
+        !> At a pole it does not exist.
+        logical :: ends_at_poles = .false.
+    end type trajectory_column_t
+
+    abstract interface
+        !> The value of a column for the motion that is looked at.
+        real(dp) function value_i(now)
+            import :: dp, motion_view_t
+            implicit none
+            type(motion_view_t), intent(inout) :: now
+        end function value_i
+    end interface
+
+end module spintop_trajectory_column

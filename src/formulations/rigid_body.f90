@@ -235,8 +235,8 @@ contains
     !> Constants of the group action.
     pure subroutine set_turns(self, body, start)
         class(body_turns_t), intent(inout) :: self
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         associate (unused => start)
         end associate
         self%inertia = body%inertia
@@ -245,8 +245,8 @@ contains
     !> The angular velocity in body axes and the rate of the momentum: xi = (omega, Pi').
     pure subroutine velocity(self, y, dy, xi)
         class(body_turns_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states), dy(max_states)
-        real(dp), intent(out) :: xi(max_states)
+        real(dp), intent(in) :: y(max_states), dy(max_states) !! state and slope
+        real(dp), intent(out) :: xi(max_states) !! element of the algebra
         xi(1:3) = y(5:7) / self%inertia
         xi(4:6) = dy(5:7)
         xi(7:8) = 0
@@ -254,7 +254,7 @@ contains
 
     !> Rotations about body axes are composed from left to right; momenta add up.
     pure function bracket(a, b)
-        real(dp), intent(in) :: a(max_states), b(max_states)
+        real(dp), intent(in) :: a(max_states), b(max_states) !! elements, in the order of time
         real(dp) :: bracket(max_states)
         bracket = 0
         bracket(1:3) = cross(a(1:3), b(1:3))
@@ -262,8 +262,8 @@ contains
 
     !> Rotates the attitude about a vector in body axes, and adds to the momentum.
     pure subroutine move(y, xi, change)
-        real(dp), intent(in) :: y(max_states), xi(max_states)
-        real(dp), intent(out) :: change(max_states)
+        real(dp), intent(in) :: y(max_states), xi(max_states) !! state, and element of the algebra
+        real(dp), intent(out) :: change(max_states) !! of the state
         change(1:4) = quaternion_product(y(1:4), rotation_minus_one(xi(1:3)))
         change(5:7) = xi(4:6)
         change(8) = 0

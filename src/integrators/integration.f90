@@ -109,7 +109,7 @@ contains
         type(outcome_t), intent(out) :: outcome !! status, time reached and cost
         class(event_watch_t), intent(inout), optional :: watch !! search for events
         class(workspace_t), allocatable, target :: work
-        type(run_t) :: run
+        type(run_t), target :: run
         type(step_path_t) :: path
         integer :: status
         logical :: ends

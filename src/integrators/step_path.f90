@@ -39,8 +39,8 @@ contains
     !> The motion at a time within the last step.
     subroutine motion_in_step(self, t, motion)
         class(step_path_t), intent(inout) :: self
-        real(dp), intent(in) :: t
-        type(motion_t), intent(out) :: motion
+        real(dp), intent(in) :: t !! s
+        type(motion_t), intent(out) :: motion !! at that time
         type(follower_t) :: follower
         follower = self%seen(max(1, count(self%seen%t <= t)))
         self%work%counts%looks = self%work%counts%looks + 1
@@ -59,8 +59,8 @@ contains
     !> Moves to a later time and state.
     subroutine go_to(self, formulation, t, y)
         class(follower_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
-        real(dp), intent(in) :: t, y(max_states)
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         logical :: sure
         if (.not. self%is_idle) call formulation%follow(self%t, self%y, t, y, self%angle, sure)
         self%t = t
@@ -71,10 +71,10 @@ contains
     !> in between are known.
     recursive subroutine walk_to(self, formulation, stepper, work, t, y)
         class(follower_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
-        class(stepper_t), intent(in) :: stepper
-        class(workspace_t), intent(inout) :: work
-        real(dp), intent(in) :: t, y(max_states)
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(stepper_t), intent(in) :: stepper !! the method that took the step
+        class(workspace_t), intent(inout) :: work !! its workspace
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         real(dp) :: angle(3), middle
         logical :: sure
 

@@ -101,17 +101,7 @@ contains
                 plan%reason = plan%reason // ', so the motion is computed in closed form: &
                     &accurate to rounding at any time, at a cost that does not depend on the time span, without steps.'
             else
-                if (body%has_closed_form()) then
-                    plan%reason = 'The input names a formulation, a table or steps, so the motion is integrated &
-                        &numerically, although a closed form exists.'
-                else if (allocated(body%effects)) then
-                    plan%reason = 'The body has effects (&effects), so there is no closed form and the motion is integrated &
-                        &numerically; a closed form exists only with ' // solvable_effects // '. Splitting methods, &
-                        &projection onto invariants and quantities of the undisturbed top are excluded.'
-                else
-                    plan%reason = 'The body is neither ' // known_for // ' nor ' // free_body // ', so there is no &
-                        &closed form and the motion is integrated numerically.'
-                end if
+                plan%reason = why_integrated(body)
                 if (scene%table == '') then
                     call choose_default(scene, body, plan)
                 else
@@ -158,6 +148,23 @@ contains
         end subroutine refuse
 
     end subroutine choose_method
+
+    !> Why a motion is integrated numerically, without a method that the input names.
+    function why_integrated(body) result(reason)
+        type(body_t), intent(in) :: body
+        character(:), allocatable :: reason
+        if (body%has_closed_form()) then
+            reason = 'The input names a formulation, a table or steps, so the motion is integrated numerically, although a &
+                &closed form exists.'
+        else if (allocated(body%effects)) then
+            reason = 'The body has effects (&effects), so there is no closed form and the motion is integrated numerically; &
+                &a closed form exists only with ' // solvable_effects // '. Splitting methods, projection onto invariants &
+                &and quantities of the undisturbed top are excluded.'
+        else
+            reason = 'The body is neither ' // known_for // ' nor ' // free_body // ', so there is no closed form and the &
+                &motion is integrated numerically.'
+        end if
+    end function why_integrated
 
     !> The cheapest adaptive stepper or, on request, the cheapest one with a fixed step size.
     subroutine choose_default(scene, body, plan)

@@ -10,8 +10,7 @@ module spintop_trajectory_columns
     use spintop_proof_columns, only: proof_columns
     use spintop_study_column, only: place_of, proof_group
     use spintop_trajectory_column, only: trajectory_column_t
-    use spintop_work_values, only: value_of_work, value_of_work_damping, value_of_work_drag, value_of_work_friction, &
-        value_of_work_rotor, value_of_work_torque, value_of_work_vibration
+    use spintop_work_columns, only: work_columns
     implicit none
     private
     public :: trajectory_column_t, trajectory_columns, find_trajectory_column
@@ -62,20 +61,6 @@ contains
             trajectory_column_t('energy_error', '', &
                                 'change of energy since the start over (kinetic at start + m g |r|)', &
                                 'energy', value_of_energy_error, needs_work=.true.), &
-            trajectory_column_t('work', 'J', 'work of all effects since the start', 'energy', value_of_work, &
-                                is_default=.true., needs_effects=.true., needs_work=.true.), &
-            trajectory_column_t('work_damping', 'J', 'work of viscous damping', 'energy', value_of_work_damping, &
-                                needs_effects=.true., needs_work=.true.), &
-            trajectory_column_t('work_friction', 'J', 'work of dry friction', 'energy', value_of_work_friction, &
-                                needs_effects=.true., needs_work=.true.), &
-            trajectory_column_t('work_drag', 'J', 'work of the air', 'energy', value_of_work_drag, &
-                                needs_effects=.true., needs_work=.true.), &
-            trajectory_column_t('work_vibration', 'J', 'work of the moving pivot', 'energy', value_of_work_vibration, &
-                                needs_effects=.true., needs_work=.true.), &
-            trajectory_column_t('work_torque', 'J', 'work of given torques', 'energy', value_of_work_torque, &
-                                needs_effects=.true., needs_work=.true.), &
-            trajectory_column_t('work_rotor', 'J', 'work of the drive of the rotor', 'energy', value_of_work_rotor, &
-                                needs_effects=.true., needs_work=.true.), &
             trajectory_column_t('lz', 'J s', 'angular momentum about the vertical', 'momenta', value_of_lz), &
             trajectory_column_t('l3', 'J s', 'angular momentum about body z', 'momenta', value_of_l3), &
             trajectory_column_t('R1', 'N m', "residual of Euler's first equation (Eq 51)", &
@@ -110,7 +95,7 @@ contains
                                 'centre of mass in body x y', 'momenta', value_of_kovalevskaya), &
             trajectory_column_t('goryachev', '1/s^3', 'integral of Goryachev and Chaplygin; constant for I1 = I2 = 4 I3, ' // &
                                 'lz = 0 and centre of mass in body x y', 'momenta', value_of_goryachev), &
-            proof_columns()]
+            work_columns(), proof_columns()]
     end function trajectory_columns
 
     !> The column of that name that is a quantity of the motion; `found` tells whether there is one.

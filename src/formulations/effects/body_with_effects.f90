@@ -335,15 +335,15 @@ contains
 
     !> A part of the period of the vibration, or of the interval of the table up to the next knot; for a driven rotor, in which
     !> the torque grows steadily, all the time there is.
-    pure real(dp) function pause(self, t)
+    pure real(dp) function pause(self, t) result(time)
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t
-        pause = huge(t)
+        time = huge(t)
         if (.not. all(is_zero(self%effects%vibration_amplitude))) then
-            pause = 2 * pi / self%effects%vibration_rate / looks_per_period
+            time = 2 * pi / self%effects%vibration_rate / looks_per_period
         end if
         if (.not. self%next_knot(t) < huge(t)) return
-        pause = min(pause, self%next_knot(t) - t, self%effects%table%pace(t))
+        time = min(time, self%next_knot(t) - t, self%effects%table%pace(t))
     end function pause
 
 end module spintop_body_with_effects

@@ -5,6 +5,10 @@ module spintop_effects_series
     use spintop_effects, only: effects_t
     use spintop_kinds, only: dp, no_number, wp => dp
     use spintop_torque_table, only: max_degree
+    implicit none
+    private
+    public :: find_series
+
     include 'effects_series.inc'
 
 end module spintop_effects_series

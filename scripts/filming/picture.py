@@ -99,7 +99,8 @@ class Camera:
         for circle in ((c, s, o), (c, o, s), (o, c, s)):
             points = project(self.tip * np.stack(circle, axis=-1))
             for side, alpha in ((points[:, 2] >= 0, 1.0), (points[:, 2] <= 0, 0.5)):
-                x, y = np.where(side, points[:, 0], np.nan), np.where(side, points[:, 1], np.nan)
+                shown = side | np.roll(side, 1)  # no gaps where it passes the edge
+                x, y = (np.where(shown, points[:, i], np.nan) for i in (0, 1))
                 width = 1.1 * self.scale
                 space.plot(x, y, color=colours["faint"], lw=width, alpha=alpha, zorder=ORDER["far"])
         for axis, letter in zip(np.eye(3), "xyz", strict=True):
@@ -145,8 +146,8 @@ class Camera:
             spine.set_color(colours["faint"])
         chart.tick_params(colors=colours["quiet"], labelsize=9 * self.scale, length=3 * self.scale)
         chart.yaxis.set_major_locator(MaxNLocator(3))
-        chart.set_ylabel("θ, deg", color=colours["quiet"], size=9 * self.scale)
-        chart.set_xlabel("t, s", color=colours["quiet"], size=9 * self.scale, labelpad=1)
+        chart.set_ylabel("θ, degrees", color=colours["quiet"], size=9 * self.scale)
+        chart.set_xlabel("time, s", color=colours["quiet"], size=9 * self.scale, labelpad=1)
         self.chart = chart
 
     def add_moving(self) -> dict[str, object]:

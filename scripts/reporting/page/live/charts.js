@@ -100,9 +100,19 @@ export class Charts {
 
   /** theta' = +- sqrt(2 (E - V)/I1) over the inclination. */
   #orbit(theta, values, energy, inertia, colour, width) {
-    const rates = values.map((value) => (value <= energy ? DEGREE * Math.sqrt((2 * (energy - value)) / inertia) : NaN));
-    this.plots.portrait.line(theta, rates, colour, width);
-    this.plots.portrait.line(theta, rates.map((rate) => -rate), colour, width);
+    const [angles, rates] = [[], []];
+    values.forEach((value, i) => {
+      const [before, above] = [values[i - 1] - energy, value - energy];
+      const part = before / (before - above);
+      if (before > 0 !== above > 0 && Number.isFinite(part)) { // it turns between two samples
+        angles.push(theta[i - 1] + part * (theta[i] - theta[i - 1]));
+        rates.push(0);
+      }
+      angles.push(theta[i]);
+      rates.push(above <= 0 ? DEGREE * Math.sqrt((-2 * above) / inertia) : NaN);
+    });
+    this.plots.portrait.line(angles, rates, colour, width);
+    this.plots.portrait.line(angles, rates.map((rate) => -rate), colour, width);
   }
 
   /** Move the marks to a moment. */

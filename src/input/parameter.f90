@@ -181,8 +181,7 @@ contains
     !> How often its group may occur.
     pure integer function most_groups(self) result(most)
         class(parameter_t), intent(in) :: self
-        most = 1
-        if (self%elements == one_per_group) most = self%extents(merge(2, 1, self%rank == 1))
+        most = merge(self%extents(merge(2, 1, self%rank == 1)), 1, self%elements == one_per_group)
     end function most_groups
 
     !> The other key that takes the value in another unit, as the end of a sentence; '' if there is none.
@@ -281,7 +280,6 @@ contains
         case (kind_text)
             is_set = any(self%letters(:, column) /= ' ')
         case default
-            ! A flag that is off by default has a value when it is given.
             is_set = self%flag .or. self%is_given()
         end select
     end function is_set

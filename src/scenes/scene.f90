@@ -15,6 +15,7 @@ module spintop_scene
     use spintop_method_aliases, only: method_aliases
     use spintop_methods, only: method_infos
     use spintop_scene_effects, only: describe_effects, effects_scene_t
+    use spintop_scene_uncertainty, only: describe_uncertainty, uncertainty_scene_t
     use spintop_scene_words, only: combination_names, combine_grid, kind_trajectory, reference_auto, reference_names, &
         study_kinds
     use spintop_shapes, only: shape_infos, shape_by_inertia
@@ -91,15 +92,8 @@ module spintop_scene
         character(event_length) :: events(32) = ''
         character(word) :: rows = ''
         logical :: certified = .false.
-        ! &uncertainty: radii of other keys
-        real(dp) :: radius_of_mass = unset
-        real(dp) :: radius_of_gravity = unset
-        real(dp) :: radius_of_length = unset
-        real(dp) :: radius_of_inertia(3) = unset
-        real(dp) :: radius_of_angle(3) = unset
-        real(dp) :: radius_of_angle_deg(3) = unset
-        real(dp) :: radius_of_rate(3) = unset
-        real(dp) :: radius_of_omega3 = unset
+        ! &uncertainty
+        type(uncertainty_scene_t) :: uncertainty
         ! &sweep
         character(word) :: parameter(max_axes) = ''
         real(dp) :: values(max_grid_axes, max_axis_values) = unset
@@ -156,7 +150,7 @@ contains
         call describe_span(scene, table)
         call describe_integration(scene, table)
         call describe_output(scene, table)
-        call describe_uncertainty(scene, table)
+        call describe_uncertainty(scene%uncertainty, table)
         call describe_sweep(scene, table)
         call describe_statistics(scene, table)
         call describe_precision(scene, table)
@@ -282,25 +276,6 @@ contains
         call table%add('output.certified', scene%certified, 'whether proved numbers are printed, correct to the last digit, &
                        &in builds with FLINT')
     end subroutine describe_output
-
-    !> Radii of the data: bounds hold for all data within.
-    subroutine describe_uncertainty(scene, table)
-        type(scene_t), target, intent(inout) :: scene
-        type(parameter_table_t), intent(inout) :: table
-        character(*), parameter :: group = 'uncertainty.initial.', what(3) = 'radius of that angle', &
-            what_rate(3) = 'radius of that rate', angles(3) = ['phi  ', 'theta', 'psi  ']
-        character(*), parameter :: range(3) = '>= 0'
-
-        call table%add('uncertainty.top.mass', scene%radius_of_mass, 'kg', range(1), 'radius of the mass')
-        call table%add('uncertainty.top.gravity', scene%radius_of_gravity, 'm/s^2', range(1), 'radius of gravity')
-        call table%add('uncertainty.top.length', scene%radius_of_length, 'm', range(1), 'radius of the length')
-        call table%add('uncertainty.top.inertia', scene%radius_of_inertia, 'kg m^2', range(1), &
-                       'radii of the moments of inertia, the first two equal')
-        call add_each(table, group, angles, '', scene%radius_of_angle, 'rad', range, what)
-        call add_each(table, group, angles, '_deg', scene%radius_of_angle_deg, 'deg', range, what)
-        call add_each(table, group, angles, '_rate', scene%radius_of_rate, 'rad/s', range, what_rate)
-        call table%add('uncertainty.initial.omega3', scene%radius_of_omega3, 'rad/s', range(1), 'radius of omega3')
-    end subroutine describe_uncertainty
 
     !> The axes of a sweep, or the table of its cases.
     subroutine describe_sweep(scene, table)

@@ -16,12 +16,12 @@ contains
         type(scene_t), intent(in) :: scene !! contents of the input
         real(dp) :: radii(11)
         real(dp) :: angle(3)
-        angle = given(scene%radius_of_angle)
+        angle = given(scene%uncertainty%angle)
         ! Rounded up, as the product may be rounded down.
-        where (is_set(scene%radius_of_angle_deg)) angle = scene%radius_of_angle_deg * degree * (1 + 4 * epsilon(degree))
-        radii = [maxval(given(scene%radius_of_inertia(1:2))), given(scene%radius_of_inertia(3)), &
-                 given(scene%radius_of_mass), given(scene%radius_of_gravity), given(scene%radius_of_length), angle, &
-                 given(scene%radius_of_rate(1:2)), max(given(scene%radius_of_rate(3)), given(scene%radius_of_omega3))]
+        where (is_set(scene%uncertainty%angle_deg)) angle = scene%uncertainty%angle_deg * degree * (1 + 4 * epsilon(degree))
+        radii = [maxval(given(scene%uncertainty%inertia(1:2))), given(scene%uncertainty%inertia(3)), &
+                 given(scene%uncertainty%mass), given(scene%uncertainty%gravity), given(scene%uncertainty%length), angle, &
+                 given(scene%uncertainty%rate(1:2)), max(given(scene%uncertainty%rate(3)), given(scene%uncertainty%omega3))]
     end function data_radii
 
     !> A radius, or 0 where none is given.
@@ -33,9 +33,9 @@ contains
     !> Whether the input gives radii.
     pure logical function has_radii(scene)
         type(scene_t), intent(in) :: scene !! contents of the input
-        has_radii = any(is_set([scene%radius_of_mass, scene%radius_of_gravity, scene%radius_of_length, &
-                                scene%radius_of_inertia, scene%radius_of_angle, scene%radius_of_angle_deg, &
-                                scene%radius_of_rate, scene%radius_of_omega3]))
+        has_radii = any(is_set([scene%uncertainty%mass, scene%uncertainty%gravity, scene%uncertainty%length, &
+                                scene%uncertainty%inertia, scene%uncertainty%angle, scene%uncertainty%angle_deg, &
+                                scene%uncertainty%rate, scene%uncertainty%omega3]))
     end function has_radii
 
     !> Reports radii of numbers that are not data of this input, and radii that nothing uses.
@@ -52,26 +52,26 @@ contains
         if (.not. (has_bounds .or. scene%certified)) call problems%add('uncertainty', 'the table has no bounds that the &
             &radii could widen', 'add columns such as theta_bound')
         if (scene%shape /= 'inertia') then
-            if (any(is_set([scene%radius_of_mass, scene%radius_of_inertia, scene%radius_of_length]))) then
+            if (any(is_set([scene%uncertainty%mass, scene%uncertainty%inertia, scene%uncertainty%length]))) then
                 call problems%add('uncertainty', 'the radii of mass, inertia and length belong to shape = ''inertia''', &
                                   'give the body by its mass properties')
             end if
         end if
-        call need(scene%radius_of_mass, scene%mass, 'top.mass')
-        call need(scene%radius_of_length, scene%length, 'top.length')
-        call need(scene%radius_of_omega3, scene%omega3, 'initial.omega3')
+        call need(scene%uncertainty%mass, scene%mass, 'top.mass')
+        call need(scene%uncertainty%length, scene%length, 'top.length')
+        call need(scene%uncertainty%omega3, scene%omega3, 'initial.omega3')
         do i = 1, 3
             ! An angle that is not given is 0.
-            if (is_set(scene%radius_of_angle(i)) .and. is_set(scene%radius_of_angle_deg(i))) then
+            if (is_set(scene%uncertainty%angle(i)) .and. is_set(scene%uncertainty%angle_deg(i))) then
                 call problems%add('uncertainty', 'the radius of ' // trim(names(i)) // ' is given twice', &
                                   'give it either in radians or in degrees')
             end if
         end do
-        if (is_set(scene%radius_of_rate(3)) .and. (is_set(scene%omega3) .or. is_set(scene%spin_ratio))) then
+        if (is_set(scene%uncertainty%rate(3)) .and. (is_set(scene%omega3) .or. is_set(scene%spin_ratio))) then
             call problems%add('uncertainty.initial.psi_rate', 'the spin is not given by psi_rate', &
                               'give the radius of what is given')
         end if
-        if (scene%inertia_about /= 'pivot' .and. any(is_set(scene%radius_of_inertia))) then
+        if (scene%inertia_about /= 'pivot' .and. any(is_set(scene%uncertainty%inertia))) then
             call problems%add('uncertainty.top.inertia', 'the moments of inertia are not those about the pivot', &
                               'give them about the pivot')
         end if

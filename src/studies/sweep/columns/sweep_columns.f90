@@ -7,6 +7,7 @@ module spintop_sweep_columns
     use spintop_kinds, only: dp
     use spintop_study_column, only: proof_group
     use spintop_sweep_column, only: sweep_column_t
+    use spintop_sweep_free_columns, only: sweep_free_columns
     use spintop_sweep_proof_columns, only: sweep_proof_columns
     use spintop_sweep_quantities, only: explain_no_exact_motion, explain_no_inherent_error, explain_no_period
     use spintop_sweep_result, only: sweep_result_t, sweep_work_t
@@ -85,12 +86,6 @@ contains
                            'end', fill_t_end, is_default=.true., always_exists=.true.), &
             sweep_column_t('t_stuck', 's', 'time at which dry friction stopped the body, to the end of the span', &
                            'end', fill_t_stuck), &
-            sweep_column_t('momentum_period', 's', 'period of the angular momentum in a free body', &
-                           'free', fill_momentum_period), &
-            sweep_column_t('momentum_turn', 'rad', 'turn about the momentum in that period', 'free', fill_momentum_turn), &
-            sweep_column_t('momentum_axis', '', 'body axis about which the angular momentum circulates (1, 2, 3)', &
-                           'free', fill_momentum_axis), &
-            sweep_column_t('omega_max', 'rad/s', 'maximum angular velocity of a free body', 'free', fill_omega_max), &
             sweep_column_t('growth_rate', '1/s', 'growth rate of perturbations of a steady motion', &
                            'growth', fill_growth_rate), &
             sweep_column_t('lyapunov_exponent', '1/s', &
@@ -99,7 +94,7 @@ contains
             sweep_column_t('largest_singular_value', '', &
                            'largest singular value of the tangent map over the span, in the scales of the motion', &
                            'singular', fill_largest_singular_value), &
-            sweep_proof_columns()]
+            sweep_free_columns(), sweep_proof_columns()]
     end function sweep_columns
 
     !> What columns need.
@@ -333,30 +328,6 @@ contains
         real(dp), intent(out) :: cells(:)
         cells = results%t_end
     end subroutine fill_t_end
-
-    pure subroutine fill_momentum_period(results, cells)
-        type(sweep_result_t), intent(in) :: results(:)
-        real(dp), intent(out) :: cells(:)
-        cells = results%momentum_period
-    end subroutine fill_momentum_period
-
-    pure subroutine fill_momentum_turn(results, cells)
-        type(sweep_result_t), intent(in) :: results(:)
-        real(dp), intent(out) :: cells(:)
-        cells = results%momentum_turn
-    end subroutine fill_momentum_turn
-
-    pure subroutine fill_momentum_axis(results, cells)
-        type(sweep_result_t), intent(in) :: results(:)
-        real(dp), intent(out) :: cells(:)
-        cells = results%momentum_axis
-    end subroutine fill_momentum_axis
-
-    pure subroutine fill_omega_max(results, cells)
-        type(sweep_result_t), intent(in) :: results(:)
-        real(dp), intent(out) :: cells(:)
-        cells = results%omega_max
-    end subroutine fill_omega_max
 
     pure subroutine fill_t_stuck(results, cells)
         type(sweep_result_t), intent(in) :: results(:)

@@ -3,10 +3,13 @@
 import json
 import os
 import re
+import shutil
 import subprocess
+import tempfile
 import tomllib
 import unittest
 from pathlib import Path
+from typing import ClassVar
 
 import pytest
 
@@ -29,12 +32,21 @@ class CInterfaceTest(unittest.TestCase):
     """Each program is compiled without warnings, and linked with the static library."""
 
     folder: Path
+    programs: ClassVar[Path]
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        """A folder for the programs, each of which is built once."""
+        cls.programs = Path(tempfile.mkdtemp(prefix="spintop test "))
+        cls.addClassCleanup(shutil.rmtree, cls.programs)
 
     def build(self, source: Path, compiler: str) -> Path:
-        """Compile a program and link it."""
+        """Compile a program and link it, unless that was done."""
+        program = self.programs / source.stem
+        if program.exists():
+            return program
         manifest = tomllib.loads((ROOT / "fpm.toml").read_text(encoding="utf-8"))
         libraries = " ".join("-l" + library for library in manifest["build"]["link"])
-        program = self.folder / source.stem
         command = (
             f". '{ROOT}/.venv/bin/activate' && {compiler} {WARNINGS} {EXTRA} -I'{ROOT}/include'"
             f" -c '{source}' -o object.o && gfortran -fopenmp {EXTRA} object.o"

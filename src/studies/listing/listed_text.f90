@@ -217,7 +217,7 @@ contains
     subroutine add(text, name, second, what)
         type(line_list_t), intent(inout) :: text
         character(*), intent(in) :: name, second, what
-        character(28) :: first_column
+        character(30) :: first_column
         character(24) :: second_column
         first_column = name
         second_column = second

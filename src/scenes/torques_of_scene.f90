@@ -68,7 +68,8 @@ contains
                 call problems%add(key, 'row ' // to_text(i) // ' has a value that is not finite', 'give finite numbers')
                 return
             end if
-            if (i == 1) cycle
+        end do
+        do i = 2, size(t)
             if (t(i) > t(i - 1)) cycle
             call problems%add(key, 'the times of the table do not increase: t = ' // to_text(t(i)) // ' in row ' // to_text(i), &
                               'sort the rows by t, each time once')

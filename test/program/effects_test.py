@@ -108,13 +108,12 @@ def refused(folder: Path, text: str, *words: str) -> None:
 
 
 NAMES = sorted(path.stem for path in REFERENCES.glob("l_*.json"))
-SAMPLES = {"l_friction_3": ("1000", "4001"), "l_vibration_1": ("5", "51")}
 METHODS = {
     "taylor": ("method = 'taylor'  relative_tolerance = 1e-14", 1e-11),
     "dop853": ("method = 'dop853'  relative_tolerance = 1e-12", 1e-9),
     "ode45": ("method = 'ode45'  relative_tolerance = 1e-9", 1e-6),
-    "gauss": ("method = 'gauss_8'  steps = 4000", 1e-9),
-    "lie": ("method = 'rkmk_4'  steps = 20000", 1e-7),
+    "gauss": ("method = 'gauss_8'  steps = 1000", 1e-8),
+    "lie": ("method = 'rkmk_4'  steps = 4000", 1e-5),
     "arkode": ("method = 'arkode_erk'  relative_tolerance = 1e-11", 1e-8),
 }
 
@@ -130,7 +129,7 @@ def test_references(folder: Path, name: str, method: str) -> None:
             (REFERENCES / "l_torque_3_table.csv").read_text()
         )
         tolerance = max(
-            tolerance, {"gauss": 1e-5, "lie": 1e-5}.get(method, 0)
+            tolerance, {"gauss": 1e-4, "lie": 1e-4}.get(method, 0)
         )  # steps do not end at knots
     text = reference["namelist"].replace("t_end = 1000", "t_end = 8")
     stuck = reference.get("status") == "stuck"
@@ -138,8 +137,6 @@ def test_references(folder: Path, name: str, method: str) -> None:
         pytest.skip("rest is found to a step")
     end = 8.0 if stuck else float(reference["rows"][-1][0])
     samples = round(end * (4 if stuck else 10)) + 1
-    if "steps" in settings and name == "l_rotor_1":
-        settings = settings.replace("4000", "8000")
     text = (
         text.replace("&span t_end", f"&span samples = {samples}  t_end")
         + f"&integration {settings} /\n"
@@ -229,7 +226,7 @@ def test_swings_with_friction(folder: Path, method: str) -> None:
         scene(
             TOP,
             f"theta = {math.pi - 2!r}  omega = 0, 0, 0",
-            "t_end = 40  samples = 40001",
+            "t_end = 12  samples = 12001",
             "friction_torque = 0.5",
             f"method = '{method}'  relative_tolerance = 1e-12",
         ),
@@ -275,7 +272,7 @@ def test_swings_in_air(folder: Path, method: str) -> None:
         scene(
             TOP,
             f"theta = {math.pi - 2!r}  omega = 0, 0, 0",
-            "t_end = 5  samples = 50001",
+            "t_end = 5  samples = 10001",
             "drag_force = 0.5",
             f"method = '{method}'  relative_tolerance = 1e-12",
         ),
@@ -286,8 +283,8 @@ def test_swings_in_air(folder: Path, method: str) -> None:
         for i in range(1, len(height) - 1)
         if height[i - 1] < height[i] >= height[i + 1]
     ]
-    assert turns[0] == pytest.approx(1.607630028664216, abs=2e-8)
-    assert turns[1] == pytest.approx(1.365912156777692, abs=2e-8)
+    assert turns[0] == pytest.approx(1.607630028664216, abs=4e-7)
+    assert turns[1] == pytest.approx(1.365912156777692, abs=4e-7)
 
 
 SHIFTS = [

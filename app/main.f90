@@ -10,6 +10,7 @@ program spintop_main
     use spintop_execution, only: explain_job, run_job
     use spintop_listing, only: list_as_json, list_topic
     use spintop_preparation, only: prepare_jobs, prepared_t, protect_interrupted
+    use spintop_processor, only: check_level
     use spintop_process, only: begin_process, check_stacks, complain_of, end_output, end_process, show_text
     use spintop_provenance, only: program_version, program_revision
     use spintop_ranks, only: ranks_t, start_ranks, end_ranks
@@ -28,6 +29,7 @@ program spintop_main
     call begin_process()
     call start_ranks(ranks, error)
     if (.not. allocated(error)) call check_stacks(error)
+    if (.not. allocated(error)) call check_level(error)
     call ranks%agree(error)
     call end_on(error)
     call read_command_line(request, error)

@@ -48,7 +48,7 @@ FLAGS = (
 SOFTWARE_WEBGL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 NO_WEBGL = ("--disable-3d-apis",)
 DESKTOP = (1000, 640)
-PATIENCE = 20.0
+PATIENCE = 300.0
 """Seconds until something that should happen has not."""
 
 READY = "return document.documentElement.dataset.ready"
@@ -96,7 +96,9 @@ def open_browser(profile: Path, *flags: str) -> object:
     for flag in (*FLAGS, *flags, f"--user-data-dir={profile}"):
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    return webdriver.Chrome(options=options, service=Service(shutil.which("chromedriver")))
+    browser = webdriver.Chrome(options=options, service=Service(shutil.which("chromedriver")))
+    browser.set_script_timeout(PATIENCE)
+    return browser
 
 
 def wait_for(condition: Callable[[], object], what: str) -> object:

@@ -2,7 +2,7 @@
 // vectors, as no Fortran compiler makes vectors of the products of one body: each term of the series is kept in
 // six arrangements, so that all products of two terms are three products of vectors.
 //
-// The file includes itself once for each level of the processor (processor.c), with LEVEL set.
+// Each level of the processor has its build: levels.h includes this file once for each, with LEVEL set.
 
 #ifndef LEVEL
 
@@ -25,32 +25,10 @@ int spintop_processor_level(void);
 // Vectors wider than those of the processor are no arguments of functions that are called.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#pragma GCC push_options
-#pragma GCC target("arch=x86-64-v4")
-#define LEVEL(name) name##_v4
-#include "body_series.c"
-#undef LEVEL
-#pragma GCC pop_options
-#pragma GCC push_options
-#pragma GCC target("arch=x86-64-v3")
-#define LEVEL(name) name##_v3
-#include "body_series.c"
-#undef LEVEL
-#pragma GCC pop_options
-#pragma GCC push_options
-#pragma GCC target("arch=x86-64-v2")
-#define LEVEL(name) name##_v2
-#include "body_series.c"
-#undef LEVEL
-#pragma GCC pop_options
-static expand_body_t *const built[] = {0, 0, expand_v2, expand_v3, expand_v4};
-#else
-#define LEVEL(name) name##_as_built
-#include "body_series.c"
-#undef LEVEL
-static expand_body_t *const built[] = {expand_as_built};
-#endif
+#define LEVELS_OF "body_series.c"
+#include "levels.h"
+
+static expand_body_t *const built[] = BUILDS(expand);
 
 static expand_body_t *chosen;
 
@@ -63,7 +41,7 @@ void spintop_expand_body(int order, const struct body *body, const double *state
 // The same at a level, for tests; returns whether there is a build for it.
 int spintop_expand_body_at(int level, int order, const struct body *body, const double *state, const double *share,
                            double *c) {
-    if (level < 0 || level >= (int)(sizeof built / sizeof *built) || !built[level]) return 0;
+    if (!HAS_BUILD(built, level)) return 0;
     built[level](order, body, state, share, c);
     return 1;
 }
@@ -85,13 +63,6 @@ int spintop_expand_body_at(int level, int order, const struct body *body, const 
 #define expand LEVEL(expand)
 
 // A row of numbers lies in one vector, or in more where the processor has no room for it in one.
-#if defined(__AVX512F__)
-enum { width = 8 };
-#elif defined(__AVX__)
-enum { width = 4 };
-#else
-enum { width = 2 };
-#endif
 enum { parts = numbers / width };
 typedef double vector __attribute__((vector_size(8 * width)));
 typedef double half_vector __attribute__((vector_size(8 * half)));

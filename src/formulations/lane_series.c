@@ -3,7 +3,7 @@
 // there only with flags that would hold for all files: the loop over the terms needs its sums in registers,
 // and every operand read once.
 //
-// The file includes itself once for each level of the processor (processor.c), with LEVEL set.
+// Each level of the processor has its build: levels.h includes this file once for each, with LEVEL set.
 
 #ifndef LEVEL
 
@@ -48,34 +48,11 @@ typedef void carry_tangents_t(int order, const double *coupling, const double *d
 carry_tangents_t spintop_carry_tangents;
 int spintop_processor_level(void);
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#pragma GCC push_options
-#pragma GCC target("arch=x86-64-v4")
-#define LEVEL(name) name##_v4
-#include "lane_series.c"
-#undef LEVEL
-#pragma GCC pop_options
-#pragma GCC push_options
-#pragma GCC target("arch=x86-64-v3")
-#define LEVEL(name) name##_v3
-#include "lane_series.c"
-#undef LEVEL
-#pragma GCC pop_options
-#pragma GCC push_options
-#pragma GCC target("arch=x86-64-v2")
-#define LEVEL(name) name##_v2
-#include "lane_series.c"
-#undef LEVEL
-#pragma GCC pop_options
-static expand_lanes_t *const built[] = {0, 0, expand_v2, expand_v3, expand_v4};
-static carry_tangents_t *const built_to_carry[] = {0, 0, carry_v2, carry_v3, carry_v4};
-#else
-#define LEVEL(name) name##_as_built
-#include "lane_series.c"
-#undef LEVEL
-static expand_lanes_t *const built[] = {expand_as_built};
-static carry_tangents_t *const built_to_carry[] = {carry_as_built};
-#endif
+#define LEVELS_OF "lane_series.c"
+#include "levels.h"
+
+static expand_lanes_t *const built[] = BUILDS(expand);
+static carry_tangents_t *const built_to_carry[] = BUILDS(carry);
 
 static expand_lanes_t *chosen;
 static carry_tangents_t *chosen_to_carry;
@@ -103,7 +80,7 @@ void spintop_carry_tangents(int order, const double *coupling, const double *dec
 int spintop_expand_lanes_at(int level, int order, const double *coupling, const double *decay, const double *pull,
                             const double *swing, const double *side, const double *state, const double *share,
                             const double *share_rest, double *c) {
-    if (level < 0 || level >= (int)(sizeof built / sizeof *built) || !built[level]) return 0;
+    if (!HAS_BUILD(built, level)) return 0;
     built[level](order, coupling, decay, pull, swing, side, state, share, share_rest, c);
     return 1;
 }
@@ -124,13 +101,6 @@ int spintop_expand_lanes_at(int level, int order, const double *coupling, const 
 #define carry LEVEL(carry)
 
 // As many lanes at once as the processor has room for in a vector.
-#if defined(__AVX512F__)
-enum { width = 8 };
-#elif defined(__AVX__)
-enum { width = 4 };
-#else
-enum { width = 2 };
-#endif
 typedef double vector __attribute__((vector_size(8 * width)));
 typedef long long bits __attribute__((vector_size(8 * width)));
 

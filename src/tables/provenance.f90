@@ -4,6 +4,7 @@ module spintop_provenance
     use, intrinsic :: iso_fortran_env, only: compiler_options, compiler_version
     use spintop_clock, only: utc_now
     use spintop_line_list, only: line_list_t
+    use spintop_processor, only: processor_level_name
     use spintop_table_column, only: column_t
     use spintop_table_head, only: format_key, table_format
     use spintop_text, only: string_t
@@ -12,7 +13,7 @@ module spintop_provenance
     public :: fact_t, fact_count, program_version, program_revision, gather_facts, describe_provenance
 
     !> Number of items of the metadata of a table.
-    integer, parameter :: fact_count = 10
+    integer, parameter :: fact_count = 11
 
     !> A key and its value.
     type :: fact_t
@@ -84,6 +85,7 @@ contains
         call add('revision', program_revision())
         call add('compiler', compiler_version())
         call add('options', options_that_matter(compiler_options()))
+        call add('processor', processor_level_name())
         call add('date', '')
         if (dated) facts(n)%value = utc_now()
         call add('model', model)

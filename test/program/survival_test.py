@@ -101,6 +101,12 @@ class SurvivalCase(ProgramCase):
         self.assertEqual(left, [path.name, f"{path.stem}.log"])
 
 
+def begin_patiently(number: signal.Signals) -> None:
+    """Heed a signal, which a shell has its background jobs ignore, and let its sender go first."""
+    signal.signal(number, signal.SIG_DFL)
+    os.nice(19)
+
+
 class InterruptionTest(SurvivalCase):
     """Runs that are killed, and go on."""
 
@@ -257,8 +263,7 @@ class InterruptionTest(SurvivalCase):
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.PIPE,
                 text=True,
-                # A shell has its background jobs ignore SIGINT.
-                preexec_fn=lambda: signal.signal(number, signal.SIG_DFL),
+                preexec_fn=lambda: begin_patiently(number),
             )
             self.wait_for_rows(run, before + 1, "it's here/slow.csv")
             run.send_signal(number)

@@ -21,7 +21,10 @@ class TerminalTest(ProgramCase):
 
     def show(self, *arguments: str | Path, columns: int = COLUMNS, **environment: str) -> str:
         """Run the program on a terminal; what it shows."""
-        ours, its = pty.openpty()
+        try:
+            ours, its = pty.openpty()
+        except OSError as error:
+            self.skipTest(f"no terminal can be opened: {error}")
         fcntl.ioctl(its, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
         known = {key: value for key, value in os.environ.items() if key != "NO_COLOR"}
         process = subprocess.Popen(

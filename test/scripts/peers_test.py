@@ -209,7 +209,7 @@ class ScriptTest(PeersCase):
 
     def test_comparison(self) -> None:
         """The table has all rows, can be read and drawn, and has a summary."""
-        result = self.compare("--quick", "--budget", 20, "--peers", "sundials,scipy", self.put())
+        result = self.compare("--quick", "--budget", 200, "--peers", "sundials,scipy", self.put())
         self.assertEqual(result.returncode, 0, result.stderr)
         table = read_table(self.folder / "peers.csv")
         self.assertEqual(table.kind, "work_precision")

@@ -104,8 +104,6 @@ class PageTest(BrowserCase):
 
     def test_accessibility(self) -> None:
         """axe finds nothing: names, contrasts, landmarks; light and dark, wide and narrow."""
-        self.browser.set_script_timeout(300)
-        self.addCleanup(self.browser.set_script_timeout, 30)
         axe = (need("axe-core") / "axe.min.js").read_text(encoding="utf-8")
         screens = [(*DESKTOP, "light"), (*DESKTOP, "dark"), (390, 844, "dark")]
         for width, height, scheme in screens:

@@ -17,7 +17,7 @@ module study_tables
     type :: study_result_t
         !> The error message of the input, the run or the table, or ''.
         character(:), allocatable :: message
-        !> The exit code of the run.
+        !> The exit code of the run, or that of the error.
         integer :: code = -1
         type(table_t) :: table
         !> The lines of the summary, and the bytes of the table, each as one text.
@@ -50,7 +50,10 @@ contains
         call prepared(1)%study%run(prepared(1)%job, options, summary, result%code, error)
         if (.not. allocated(error)) call read_table(prepared(1)%job%output, result%table, error)
         if (.not. allocated(error)) call read_file(prepared(1)%job%output, 2**30, result%text, error)
-        if (allocated(error)) result%message = error%message
+        if (allocated(error)) then
+            result%message = error%message
+            result%code = error%code
+        end if
         if (.not. allocated(summary%lines)) return
         do i = 1, size(summary%lines)
             result%summary = result%summary // summary%lines(i)%text // new_line('a')

@@ -25,8 +25,9 @@ from reporting.packages import PAGE, PackageError
 from reporting.pictures import Picture, fit
 from reporting.study import Section
 
-LARGEST = 3_000_000
-"""Bytes of a page. Where there would be more, rows become fewer and then pictures coarser."""
+LARGEST, PER_TABLE = 3_000_000, 300_000
+"""Bytes of a page, and what each of many tables has at least. Where there would be more, rows
+become fewer and then pictures coarser."""
 
 PICTURES = 0.75
 """The part of the room for pictures and data that pictures may take."""
@@ -99,7 +100,8 @@ def take_in(sections: list[Section], rest: int) -> tuple[Markup, list[Picture]]:
         rest += BYTES_PER_TABLE + BYTES_PER_CELL * min(section.table.rows.size, section.cells)
         for picture in section.pictures:
             picture.take_in(glyphs, f"{section.title}: {picture.what}")
-    room = max(0, LARGEST - rest - len(glyphs.definitions()))
+    limit = max(LARGEST, PER_TABLE * len(sections))
+    room = max(0, limit - rest - len(glyphs.definitions()))
     coarse = fit(pictures, round(PICTURES * room))
     left = max(0, room - sum(picture.size for picture in pictures))
     packed = pack_all([section.table for section in sections], left)

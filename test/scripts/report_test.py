@@ -707,7 +707,7 @@ class CommandTest(ReportCase):
             self.put(f"{i}.csv", BODY + a_trajectory(count=2000))
         limit = 800_000
         self.assertGreater(len(self.page().encode()), 1.2 * limit)
-        with unittest.mock.patch.object(page_module, "LARGEST", limit):
+        with unittest.mock.patch.multiple(page_module, LARGEST=limit, PER_TABLE=0):
             size = len(self.page().encode())
         self.assertLess(size, limit)
         self.assertGreater(size, 0.6 * limit)
@@ -715,7 +715,7 @@ class CommandTest(ReportCase):
     def test_what_is_shown_in_part_is_told(self) -> None:
         """On the terminal and in the page."""
         self.put("a.csv", BODY + a_trajectory(count=2000))
-        with unittest.mock.patch.object(page_module, "LARGEST", 150_000):
+        with unittest.mock.patch.multiple(page_module, LARGEST=150_000, PER_TABLE=0):
             code, message = self.report(self.folder)
         self.assertEqual(code, 0)
         told = re.search(r"a\.csv: the page has (one row in \d+ of 2000, and the last)", message)

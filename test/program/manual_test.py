@@ -63,13 +63,10 @@ SKIPPED = {
         "scripts/film --dark --arrow momentum --seconds 20 -o top.webm input/slow_top.nml",
         "scripts/film -o top.gif input/damped_top.nml",
     ],
-<<<<<<< HEAD
     "python.md": ["pip install ./python", "pip install './python[figures]'"],
-=======
     "proof.md": [
         "SPINTOP_FLINT=1 scripts/run --set output.columns=t,theta,theta_bound input/slow_top.nml",
     ],
->>>>>>> proof
     "report.md": [
         "scripts/report results input/slow_top.nml input/slow_top_scenario2_rk4.nml"
         " --title 'The slow top'"

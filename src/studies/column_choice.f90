@@ -31,8 +31,10 @@ contains
 
         info = study%info()
         if (job%scene%certified) call check_certified(info, problems)
-        if (job%axes%varies('uncertainty')) call problems%add('sweep', 'radii are the same in all cases', &
-                                                              'give them in the group uncertainty')
+        if (allocated(job%axes)) then
+            if (job%axes%varies('uncertainty')) call problems%add('sweep', 'radii are the same in all cases', &
+                                                                  'give them in the group uncertainty')
+        end if
         associate (named => job%scene%columns)
             if (.not. info%takes_columns) then
                 call check_uncertainties(job%scene, .false., problems)
@@ -142,15 +144,25 @@ contains
         character(:), allocatable :: owners
         type(study_entry_t), allocatable :: known(:)
         type(study_info_t) :: info
+        logical, allocatable :: has_it(:)
         integer :: i
 
         call list_studies(known)
+        allocate (has_it(size(known)))
+        do i = 1, size(known)
+            has_it(i) = place_of(known(i)%study%columns(), name) > 0
+        end do
         owners = ''
         do i = 1, size(known)
-            if (place_of(known(i)%study%columns(), name) == 0) cycle
+            if (.not. has_it(i)) cycle
             info = known(i)%study%info()
-            if (owners /= '') owners = owners // ' and '
-            owners = owners // info%plural
+            if (owners == '') then
+                owners = info%plural
+            else if (any(has_it(i + 1:))) then
+                owners = owners // ', ' // info%plural
+            else
+                owners = owners // ' and ' // info%plural
+            end if
         end do
     end function owners_of
 

@@ -361,8 +361,8 @@ class FigureTest(IndicesCase):
         panels = [axes for axes in figure.axes if axes.patches]
         self.assertEqual(len(panels), 3)
         expected = indices_of(table)
-        for axes in panels:
-            rows = expected[expected["column"] == axes.get_title(loc="left")]
+        for column, axes in zip(expected["column"].unique(), panels, strict=True):
+            rows = expected[expected["column"] == column]
             heights = [bar.get_height() for bar in axes.patches]
             self.assertEqual(heights, rows["first_order"].tolist() + rows["total"].tolist())
             self.assertIn("groups left out", axes.get_title(loc="right"))

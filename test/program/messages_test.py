@@ -111,7 +111,8 @@ class HintTest(ProgramCase):
         said = self.hint(sweep, "output.columns=theta_min,gamma1")
         self.assertIn("a sweep has no column 'gamma1': trajectories have it", said)
         said = self.hint(GOOD, "output.columns=t,time_s")
-        self.assertIn("work-precision studies have it", said)
+        owners = "stability studies, work-precision studies and studies of benchmarks have it"
+        self.assertIn(f"a trajectory has no column 'time_s': {owners}", said)
 
     def test_the_length_of_a_quaternion(self) -> None:
         """The message names it."""

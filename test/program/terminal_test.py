@@ -99,7 +99,7 @@ class TerminalTest(ProgramCase):
         alone = self.run_program("list")
         self.assertEqual((alone.returncode, alone.stderr), (0, ""))
         topics = re.findall(r"^  (\w+) {2,}\w", alone.stdout, re.MULTILINE)
-        self.assertEqual(len(topics), 10)
+        self.assertEqual(len(topics), 12)
         for topic in topics:
             self.assertEqual(self.run_program("list", topic).returncode, 0, topic)
         self.assertLessEqual(max(map(len, self.show("list").splitlines())), COLUMNS)

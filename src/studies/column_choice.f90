@@ -31,7 +31,7 @@ contains
 
         info = study%info()
         if (job%scene%certified) call check_certified(info, problems)
-        if (allocated(job%axes)) then
+        if (allocated(job%axes%axis)) then
             if (job%axes%varies('uncertainty')) call problems%add('sweep', 'radii are the same in all cases', &
                                                                   'give them in the group uncertainty')
         end if

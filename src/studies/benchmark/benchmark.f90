@@ -185,7 +185,6 @@ contains
         allocate (known, source=method_infos())
         allocate (attempts(0))
         do i = 1, size(tried_methods)
-            attempt = attempt_t()
             attempt%choice%method = known(findloc(known%name == tried_methods(i), .true., dim=1))
             settings = merge(-least_power - 2, most_doublings + 1, attempt%choice%method%adaptive)
             do k = 1, settings

@@ -105,7 +105,7 @@ contains
     !> parameters. `first` is the scene of that case.
     subroutine make_first_case(self, first, problems)
         class(job_t), target, intent(inout) :: self
-        type(scene_t), allocatable, intent(out) :: first !! the scene of the first case
+        type(scene_t), allocatable, intent(out) :: first !! the scene of the first case; not allocated after a problem
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(swept_scene_t), allocatable, target :: swept
 

@@ -61,6 +61,7 @@ contains
             if (job%axes%cases == 0) return
         end if
         call job%make_first_case(first, problems)
+        if (.not. allocated(first)) return
         call make_precision_plan(first, self%plan, problems)
         if (problems%any()) return
         call read_reference(job%input, job%scene, job%case, self%plan, problems, diagnostics)

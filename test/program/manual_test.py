@@ -403,9 +403,7 @@ class CommandsTest(ManualCase):
         result = self.shell(f"cd my_top && {fpm} run 2>/dev/null")
         self.assertEqual(result.returncode, 0, result.stderr)
         expected = parts["text", "output"].splitlines()
-        # fpm shows there, too, what it compiles.
-        shown = [line for line in result.stdout.splitlines() if not re.match(r"\[ *\d+%\]", line)]
-        for line, found in zip_longest(expected, shown, fillvalue=""):
+        for line, found in zip_longest(expected, result.stdout.splitlines(), fillvalue=""):
             self.assertTrue(agree(line, found), f"- {line}\n+ {found}")
 
 

@@ -35,7 +35,7 @@ contains
     !>
     !> With a rotor the body is a gyrostat, a carrier with a symmetric rotor whose momentum relative to the carrier is
     !> constant; the inertia is that of both. There is a closed form for a Lagrange top with the rotor on its
-    !> axis: only (I3 omega3 + h)/I1 takes the place of I3 omega3/I1 in all of its equations.
+    !> axis: all of its equations hold with (I3 omega3 + h)/I1 instead of I3 omega3/I1.
     pure subroutine prepare_exact_motion(body, start, exact, status, rotor)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start

@@ -1,1 +1,0 @@
-#define SPINTOP_REVISION "12beec9e9e9e"

@@ -70,16 +70,17 @@ contains
         c5 = cos(y(5))
         mgl = self%body%mgl()
         psi_rate = self%top%omega3 - y(2) * c3
+        ! Divided by I1 and by I2: products of moments of inertia might underflow.
         associate (i1 => self%body%inertia(1), i2 => self%body%inertia(2), &
                    i3 => self%body%inertia(3), w3 => self%top%omega3)
-            a(1, :) = [i1 * s5 * s3, i1 * c5]
-            a(2, :) = [i2 * c5 * s3, -i2 * s5]
-            b(1) = mgl * s3 * c5 &
-                   - i1 * (c5 * s3 * y(2) * psi_rate + s5 * c3 * y(2) * y(4) - s5 * y(4) * psi_rate) &
-                   - w3 * (i3 - i2) * (c5 * s3 * y(2) - s5 * y(4))
-            b(2) = -mgl * s3 * s5 &
-                   - i2 * (c5 * c3 * y(2) * y(4) - s5 * s3 * y(2) * psi_rate - c5 * y(4) * psi_rate) &
-                   + w3 * (i3 - i1) * (s5 * s3 * y(2) + c5 * y(4))
+            a(1, :) = [s5 * s3, c5]
+            a(2, :) = [c5 * s3, -s5]
+            b(1) = mgl / i1 * s3 * c5 &
+                   - (c5 * s3 * y(2) * psi_rate + s5 * c3 * y(2) * y(4) - s5 * y(4) * psi_rate) &
+                   - w3 * ((i3 - i2) / i1) * (c5 * s3 * y(2) - s5 * y(4))
+            b(2) = -mgl / i2 * s3 * s5 &
+                   - (c5 * c3 * y(2) * y(4) - s5 * s3 * y(2) * psi_rate - c5 * y(4) * psi_rate) &
+                   + w3 * ((i3 - i1) / i2) * (s5 * s3 * y(2) + c5 * y(4))
         end associate
         determinant = a(1, 1) * a(2, 2) - a(1, 2) * a(2, 1)
         dy(1) = y(2)

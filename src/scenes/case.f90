@@ -17,7 +17,7 @@ module spintop_case
     use spintop_status, only: status_ok
     use spintop_steady_motion, only: steady_rates, steady_rates_at_spin
     use spintop_text, only: to_text
-    use spintop_validity, only: loses_energy, loses_weight
+    use spintop_validity, only: loses_energy, loses_spin, loses_swing, loses_weight
     implicit none
     private
     public :: case_t, kept_parts_t, make_case, attitude_parameters
@@ -276,6 +276,9 @@ contains
         else if (loses_weight(body)) then
             call problems%add('top', 'the weight times its distance is below 1e-290 N m', &
                               'use moderate units, or gravity = 0')
+        else if (loses_swing(body)) then
+            call problems%add('top', 'the weight times its distance times the inertia is below 1e-290 kg^2 m^4/s^2', &
+                              'use moderate units')
         end if
     end subroutine check_body
 
@@ -285,6 +288,8 @@ contains
         type(problems_t), intent(inout) :: problems
         if (loses_energy(case%given_body, case%given_start%omega)) then
             call problems%add('initial', 'the kinetic energy is below 1e-290 J', 'use moderate units')
+        else if (loses_spin(case%given_body, case%given_start%omega)) then
+            call problems%add('initial', 'the square of the angular momentum is below 1e-290 kg^2 m^4/s^2', 'use moderate units')
         else if (.not. is_finite(kinetic_energy(case%given_body, case%given_start))) then
             call problems%add('initial', 'the kinetic energy is outside the range of numbers', 'use moderate units')
         end if

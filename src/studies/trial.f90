@@ -120,7 +120,7 @@ contains
         self%energy_scale = energy_scale(case%body, case%start)
         ! A body at rest without weight has no momentum.
         self%momentum_scale = max(norm2(case%body%inertia * case%start%omega) &
-                                  + sqrt(weight * maxval(case%body%inertia)), tiny(weight))
+                                  + sqrt(weight) * sqrt(maxval(case%body%inertia)), tiny(weight))
     end subroutine begin
 
     !> Compares a state with the reference at its time.

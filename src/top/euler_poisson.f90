@@ -93,7 +93,7 @@ contains
         real(dp), intent(in) :: x(6) !! state (Gamma, Pi): vertical, and angular momentum in kg m^2/s
         real(dp) :: unit(6)
         unit(1:3) = 1
-        unit(4:6) = max(norm2(x(4:6)), sqrt(norm2(body%weight_moment()) * maxval(body%inertia)))
+        unit(4:6) = max(norm2(x(4:6)), sqrt(norm2(body%weight_moment())) * sqrt(maxval(body%inertia)))
         if (.not. unit(4) > 0) unit = 1
     end function state_units
 

@@ -11,7 +11,7 @@ module spintop_validity
     use spintop_status, only: status_ok, status_non_finite, status_bad_body, status_bad_start, status_unsuitable
     implicit none
     private
-    public :: body_status, plain_body_status, motion_status, start_status, loses_weight, loses_energy
+    public :: body_status, plain_body_status, motion_status, start_status, loses_weight, loses_swing, loses_energy, loses_spin
 
     !> Rotation angle, rad, up to which quaternion and angles count as the same attitude, and relative
     !> difference up to which omega and rates count as the same velocity: data of six digits pass.
@@ -26,7 +26,7 @@ module spintop_validity
 contains
 
     !> `status_ok` for a body of finite numbers in its principal axes with a positive mass, without negative moments of
-    !> inertia or damping coefficients, with valid effects, and with a weight that is not lost to underflow; else
+    !> inertia or damping coefficients, with valid effects, and with a weight and its swing not lost to underflow; else
     !> `status_non_finite` or `status_bad_body`. Single moments may be zero (a thin rod): `can_run` decides which
     !> equations hold for such a body.
     pure integer function body_status(body) result(status)
@@ -39,7 +39,7 @@ contains
                      body%has_products()) then
                 status = status_bad_body
             else
-                status = merge(status_bad_body, status_ok, loses_weight(body))
+                status = merge(status_bad_body, status_ok, loses_weight(body) .or. loses_swing(body))
                 if (allocated(body%effects)) then
                     if (.not. body%effects%is_valid()) status = status_bad_body
                 end if
@@ -56,6 +56,14 @@ contains
         loses_weight = abs(body%gravity) > 0 .and. distance > 0 .and. min(weight, weight * distance) < least_product
     end function loses_weight
 
+    !> Whether the square of the momentum of a body that swings under its weight, m g l I, underflows.
+    pure logical function loses_swing(body)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        real(dp) :: torque
+        torque = maxval(abs(body%weight_moment()))
+        loses_swing = torque > 0 .and. torque * maxval(body%inertia) < least_product
+    end function loses_swing
+
     !> Whether a body without gravitational torque rotates so slowly that its kinetic energy underflows.
     pure logical function loses_energy(body, omega)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
@@ -64,6 +72,15 @@ contains
         if (any(abs(body%weight_moment()) > 0)) return
         loses_energy = any(abs(omega) > 0 .and. body%inertia > 0) .and. all(body%inertia * omega**2 < least_product)
     end function loses_energy
+
+    !> Whether a body without gravitational torque rotates so slowly that the square of its momentum underflows.
+    pure logical function loses_spin(body, omega)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        real(dp), intent(in) :: omega(3) !! angular velocity in body axes, rad/s
+        loses_spin = .false.
+        if (any(abs(body%weight_moment()) > 0)) return
+        loses_spin = any(abs(omega) > 0 .and. body%inertia > 0) .and. all((body%inertia * omega)**2 < least_product)
+    end function loses_spin
 
     !> `body_status` where the equations hold for bodies without effects only: `status_unsuitable` for others.
     pure integer function plain_body_status(body) result(status)
@@ -94,7 +111,7 @@ contains
             if (1 - abs(along) > allowed**2 / 8 + 8 * epsilon_dp) return
         end associate
         if (present(body)) then
-            if (loses_energy(body, motion%omega)) return
+            if (loses_energy(body, motion%omega) .or. loses_spin(body, motion%omega)) return
         end if
         status = status_ok
     end function motion_status

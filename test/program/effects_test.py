@@ -495,6 +495,23 @@ def test_monotone_table(folder: Path) -> None:
     assert 0.3 * (spin[200] - 0.3) == pytest.approx(0.5, rel=1e-12)
 
 
+def test_energy_that_effects_brought(folder: Path) -> None:
+    """At rest without weight there is no energy at the start to compare an error with."""
+    top = "mass = 1  gravity = 0  inertia = 0.9, 0.9, 0.3"
+    span = "t_end = 2.5  samples = 20"
+    motion = move(folder, scene(top, "theta = 3.1", span, "torque_body = -0.7742, 0, 0"))
+    assert max(row["work"] for row in motion.rows) > 1
+    assert max(abs(row["energy_error"]) for row in motion.rows) < 1e-14
+    text = scene(top, "theta = 3.1", span, "torque_body = -0.7742, 0, 0")
+    text = text.replace("samples = 20 ", "")
+    sweep = "&sweep parameter = 'top.mass'  values(1, :) = 1, 2 /\n"
+    output = "&output columns = 'energy_error_max' /\n"
+    assert run(folder, "&study kind = 'sweep' /\n" + text + sweep + output).returncode == 0
+    table = (folder / "scene.csv").read_text().splitlines()
+    rows = csv.DictReader(line for line in table if not line.startswith("#"))
+    assert max(float(row["energy_error_max"]) for row in rows) < 1e-14
+
+
 def test_start_from_rest(folder: Path) -> None:
     """From rest the body starts along the u of lambda u_i = (T_i - M u_i)/I_i."""
     for method in ("taylor", "dop853"):

@@ -276,7 +276,7 @@ contains
         real(dp) :: energy
         self%last = motion
         energy = kinetic_energy(self%case%body, motion) + potential_energy(self%case%body, motion)
-        energy = abs(energy - self%energy - sum(self%work)) / self%energy_scale
+        energy = abs(energy - self%energy - sum(self%work)) / max(self%energy_scale, sum(abs(self%work)))
         ! A value that is not finite is kept.
         if (is_finite(self%energy_error) .and. .not. energy <= self%energy_error) self%energy_error = energy
         if (self%period > 0 .and. matches(motion%t, self%period)) then

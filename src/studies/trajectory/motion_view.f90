@@ -118,10 +118,10 @@ contains
         energy_change = self%kinetic + self%potential - self%energy_of_start
     end function energy_change
 
-    !> The same without the work of effects, relative to the scale of the energies.
+    !> The same without the work of effects, relative to the scale of the energies, which work may exceed.
     pure real(dp) function energy_error(self)
         class(motion_view_t), intent(in) :: self
-        energy_error = (self%energy_change() - sum(self%work)) / self%energy_scale
+        energy_error = (self%energy_change() - sum(self%work)) / max(self%energy_scale, sum(abs(self%work)))
     end function energy_error
 
     !> Change of the vertical momentum since the start, J s.

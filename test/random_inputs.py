@@ -44,6 +44,7 @@ EVENTS = (
     "theta = 0.6", "phi_rate = 1.0 rising", "omega3 = 0", "psi_deg = 45 every turn",
     "axis_z_rate = 0",
 )  # fmt: skip
+EFFECTS = ("friction", "drag", "vibration", "earth", "rotor", "torques")
 CASES = ("slow_top", "pole_upright", "through_hanging", "sleeping_below", "near_steady")
 WORDS = (
     "", "''", "'x'", "1", "-1", "0", "1e308", "-1e-320", "nan", "inf", "1d0", "1.5.2", "2*3", ",",
@@ -146,6 +147,8 @@ class Writer:
         self.scale = 10.0 ** self.random.choice((0, 0, 0, 0, -9, 9))
         self.body()
         self.start()
+        if kind in ("trajectory", "sweep") and self.chance(0.2):
+            self.effects()
         getattr(self, kind)()
         return self.text()
 
@@ -193,6 +196,59 @@ class Writer:
         if key != "none" and not (key == "spin_ratio" and not self.symmetric):
             put("initial", **{key: number(-3, 3) * self.random.choice([1, 1, 10])})
 
+    def effects(self) -> None:
+        """One to three effects; the body then has no closed form."""
+        self.general = True
+        for effect in self.random.sample(EFFECTS, self.random.choice((1, 1, 2, 3))):
+            self.put("effects", **getattr(self, effect)())
+
+    def vector(self, size: float) -> list[float]:
+        """A vector of components up to a size, some of them zero."""
+        return [size * self.number(-1, 1) if self.chance(0.7) else 0.0 for _ in range(3)]
+
+    def friction(self) -> dict[str, object]:
+        """Dry friction of the pivot."""
+        chosen: dict[str, object] = {"friction_torque": self.power(-4, -1) * self.scale}
+        if self.chance(0.4):
+            chosen |= {"friction_coefficient": self.number(0, 0.5), "friction_radius": 0.002}
+        if self.chance(0.3):
+            chosen["friction_smoothing"] = self.power(-3, 0)
+        return chosen
+
+    def drag(self) -> dict[str, object]:
+        """Drag of the air."""
+        chosen: dict[str, object] = {"drag_force": self.power(-5, -1) * self.scale}
+        if self.chance(0.6):
+            chosen["drag_moment"] = [self.power(-6, -2) * self.scale for _ in range(3)]
+            chosen["drag_exponent"] = self.random.choice([1.0, 1.5, 1.8, 2.0, 3.0])
+        return chosen
+
+    def vibration(self) -> dict[str, object]:
+        """A pivot that vibrates."""
+        chosen: dict[str, object] = {
+            "vibration_amplitude": self.vector(0.05),
+            "vibration_rate": self.number(0.5, 60),
+        }
+        if self.chance(0.5):
+            chosen["vibration_phase"] = self.vector(3)
+        return chosen
+
+    def earth(self) -> dict[str, object]:
+        """The rotation of the Earth, or of a turntable."""
+        return {"earth_rate": self.power(-5, 0), "latitude_deg": self.random.choice([-90, 0, 48.5])}
+
+    def rotor(self) -> dict[str, object]:
+        """An internal rotor, and its motor."""
+        chosen: dict[str, object] = {"rotor_momentum": self.vector(3 * self.scale)}
+        if self.chance(0.5):
+            chosen["rotor_torque"] = self.vector(self.scale)
+        return chosen
+
+    def torques(self) -> dict[str, object]:
+        """Constant torques."""
+        axes = self.pick(("body", "space"))
+        return {f"torque_{axes}": self.vector(self.scale)}
+
     def span(self) -> None:
         """The time span, and what ends it."""
         if not self.general and self.chance(0.3):
@@ -210,6 +266,8 @@ class Writer:
             allowed = ("rigid_body",)
         if self.general and method == "exact":
             method = "auto"
+        if "effects" in self.groups and method.startswith("splitting"):
+            method = "taylor"
         formulation = self.pick((*allowed, "auto"))
         if method in ("auto", "exact"):
             formulation = "auto"
@@ -281,8 +339,8 @@ class Writer:
             key for key in dict.fromkeys(keys) if key != "top.mass" or "mass" in self.groups["top"]
         ]
         chosen = self.random.sample(keys, min(len(keys), self.random.randint(1, 3)))
-        combine = self.pick(("grid", "zip", "random", "latin_hypercube"))
-        drawn = combine in ("random", "latin_hypercube")
+        combine = self.pick(("grid", "zip", "random", "latin_hypercube", "sobol"))
+        drawn = combine not in ("grid", "zip")
         count = self.random.randint(1, 3)
         for place, key in enumerate(chosen, start=1):
             low, high = self.range_of(key)
@@ -294,13 +352,25 @@ class Writer:
         self.put("sweep", combine=combine)
         if drawn:
             self.put("sweep", cases=count, seed=self.random.randint(1, 99))
+            if self.chance(0.2):
+                low, high = self.range_of(chosen[0])
+                self.put("sweep", **{"distribution(1)": "normal", "mean(1)": (low + high) / 2})
+                self.put("sweep", **{"deviation(1)": (high - low) / 20 or 1e-9})
+                del self.groups["sweep"]["from(1)"], self.groups["sweep"]["to(1)"]
         quantities = [
             name for name in self.words.quantities if name not in LONG or self.chance(0.3)
         ]
         if self.chance(0.7):
             chosen = self.random.sample(quantities, min(len(quantities), self.random.randint(1, 6)))
-            extra = ["theta_end", "orientation_error", "inherent_error"]
+            extra = ["theta_end"]
+            if "effects" not in self.groups:
+                extra += ["orientation_error", "inherent_error"]
             self.put("output", columns=list(dict.fromkeys([*chosen, *extra])))
+            if self.chance(0.3):
+                self.put("statistics", columns=list(dict.fromkeys(["theta_end", *chosen])))
+                if self.chance(0.5):
+                    self.put("statistics", over="theta_end", bins=3)
+                    self.put("statistics", **{"from": 0.0, "to": 3.2})
 
     def range_of(self, key: str) -> tuple[float, float]:
         """Values that a key may have, around that of the input."""

@@ -82,7 +82,7 @@ SKIPPED = {
 }
 """Blocks that are not run, so that a new one is noticed; for a program its first line."""
 
-SYSTEM_COMMANDS = ("mpirun", "head", "sed", "pip", "cc")
+SYSTEM_COMMANDS = ("mpirun", "head", "sed", "pip", "cc", "spintop")
 VARYING = re.compile(r"^!? {2,3}(ended|time|parts|memory|cost .* us for the set-up)\b")
 """Lines of summaries that differ from run to run: of these only the first word is compared."""
 

@@ -26,6 +26,7 @@ LESS = {
     "million_spins": ("count(1) = 1000000", "count(1) = 10000"),
     "spin_tilt_statistics": ("cases = 100000", "cases = 2000"),
 }
+LARGEST = "million_spins"  # a table of half a gigabyte, too much to be read here in any build
 WITHOUT_ROWS = {"nutation_indices", "spin_tilt_statistics"}
 FAILING = {"slow_top_scenario1"}  # ends at its turning point, with exit code 3
 
@@ -183,7 +184,7 @@ class GoodInputTest(ProgramCase):
 
     def with_less(self, scene: Path) -> Path:
         """The input, or a copy that is computed sooner."""
-        if scene.stem not in LESS:
+        if scene.stem not in LESS or (IS_OPTIMISED and scene.stem != LARGEST):
             return scene
         text = scene.read_text(encoding="utf-8")
         self.assertIn(LESS[scene.stem][0], text)
@@ -191,7 +192,7 @@ class GoodInputTest(ProgramCase):
 
     def test_every_input_runs(self) -> None:
         """All inputs at once; the largest exit code counts, and each table is whole."""
-        inputs = [path if IS_OPTIMISED else self.with_less(path) for path in INPUTS]
+        inputs = [self.with_less(path) for path in INPUTS]
         result = self.run_program(*inputs, "-o", "deep/er/folder")
         self.assertEqual(result.returncode, 3, result.stderr)
         tables = [path.name for path in (self.folder / "deep/er/folder").glob("*.csv")]

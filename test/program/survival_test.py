@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 from program_test import GOOD, PROGRAM, ROOT, ProgramCase, Table
@@ -25,6 +26,9 @@ SLOW = f"""\
 """
 # The same in closed form: over in no time.
 FAST = SLOW.replace(STEPPING, "method = 'exact'")
+LONG = "output/long.csv"  # the table of a sweep whose last cases would take hours
+PATIENCE = 600
+"""Seconds for what ends at once, on a machine that has much else to do."""
 
 
 class SurvivalCase(ProgramCase):
@@ -267,7 +271,7 @@ class InterruptionTest(SurvivalCase):
             )
             self.wait_for_rows(run, before + 1, "it's here/slow.csv")
             run.send_signal(number)
-            said = run.communicate(timeout=30)[1]
+            said = run.communicate(timeout=PATIENCE)[1]
             if run.returncode != 0:
                 break
             # The disk took so long for the entry that the run was over: once more, from the start.
@@ -284,32 +288,47 @@ class InterruptionTest(SurvivalCase):
         text += "&integration method = 'rk4', max_steps = 2000000000 /\n"
         text += f"&sweep parameter = 'integration.steps', values(1,:) = {quick}, {slow} /\n"
         scene = self.write(text, "long.nml")
-        for number in (signal.SIGTERM, signal.SIGINT):
-            for threads in ("1", "2"):
-                shutil.rmtree(self.folder / "output", ignore_errors=True)
-                run = subprocess.Popen(
-                    [PROGRAM, scene, "--threads", threads],
-                    cwd=self.folder,
-                    stdout=subprocess.DEVNULL,
-                    stderr=subprocess.PIPE,
-                    text=True,
-                    preexec_fn=lambda number=number: signal.signal(number, signal.SIG_DFL),
+        for threads in ("1", "2"):
+            # Without a signal the journal has them, too, after a while.
+            said = self.interrupt_long_cases(
+                scene, threads, signal.SIGTERM, lambda run: self.wait_for_rows(run, 16, LONG)
+            )
+            self.assertIn(f"interrupted: 16 of 32 rows of {LONG} are kept", said)
+            for _ in range(25):
+                said = self.interrupt_long_cases(
+                    scene, threads, signal.SIGINT, lambda run: time.sleep(0.04)
                 )
-                part = self.folder / "output/long.csv.part"
-                if number == signal.SIGTERM:
-                    # Without a signal the journal has them, too, after a while.
-                    self.wait_for_rows(run, 16, "output/long.csv")
-                else:
-                    while not part.exists():
-                        time.sleep(0.01)
-                    time.sleep(0.04)
-                run.send_signal(number)
-                said = run.communicate(timeout=60)[1]
-                self.assertEqual(run.returncode, -number)
-                if number == signal.SIGTERM:
-                    self.assertIn("interrupted: 16 of 32 rows of output/long.csv are kept", said)
-                rows = self.journalled_rows("output/long.csv")
-                self.assertIn(f"interrupted: {rows} of 32 rows", said)
+                if said:
+                    break  # else it came before the run waited for signals
+            rows = self.journalled_rows(LONG)
+            expected = f"{rows} of 32 rows" if rows >= 0 else "nothing is kept"
+            self.assertIn(f"interrupted: {expected}", said)
+
+    def interrupt_long_cases(
+        self,
+        scene: Path,
+        threads: str,
+        number: signal.Signals,
+        wait: Callable[[subprocess.Popen], None],
+    ) -> str:
+        """Start a run, wait once it has begun its table, send a signal; returns what it said."""
+        shutil.rmtree(self.folder / "output", ignore_errors=True)
+        run = subprocess.Popen(
+            [PROGRAM, scene, "--threads", threads],
+            cwd=self.folder,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+            preexec_fn=lambda: signal.signal(number, signal.SIG_DFL),
+        )
+        part = self.folder / f"{LONG}.part"
+        while not part.exists() and run.poll() is None:
+            time.sleep(0.01)
+        wait(run)
+        run.send_signal(number)
+        said = run.communicate(timeout=PATIENCE)[1]
+        self.assertEqual(run.returncode, -number)
+        return said
 
     def test_a_signal_that_is_ignored_stays_so(self) -> None:
         """nohup has SIGHUP ignored."""
@@ -322,7 +341,7 @@ class InterruptionTest(SurvivalCase):
         )
         self.wait_for_rows(run, 1)
         run.send_signal(signal.SIGHUP)
-        self.assertEqual(run.wait(timeout=60), 0)
+        self.assertEqual(run.wait(timeout=PATIENCE), 0)
         self.check_complete()
 
     def test_damage_and_strangers_are_refused(self) -> None:
@@ -425,7 +444,7 @@ class DiskTest(SurvivalCase):
         )
         self.wait_for_rows(run, 0)
         shutil.rmtree(self.folder / "output")
-        said = run.communicate(timeout=1200)[1]
+        said = run.communicate(timeout=PATIENCE)[1]
         self.assertEqual(run.returncode, 4, said)
         self.assertIn("output/slow.csv", said)
         self.assertNotIn("is kept", said)

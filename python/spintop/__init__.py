@@ -10,12 +10,14 @@ All quantities are in SI units and radians, unless a name ends with `_deg`. Call
 global interpreter lock, and any thread may call anything.
 """
 
+from spintop.animation import Animation, animate
 from spintop.library import InputError, MotionError, OutputError, SpintopError, library
 from spintop.results import Result, Table
 from spintop.runs import plot, read, registry, run, sweep
 from spintop.tops import Body, Motion, Top, tops
 
 __all__ = [
+    "Animation",
     "Body",
     "InputError",
     "Motion",
@@ -25,6 +27,7 @@ __all__ = [
     "SpintopError",
     "Table",
     "Top",
+    "animate",
     "plot",
     "read",
     "registry",

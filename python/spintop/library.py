@@ -8,6 +8,8 @@ from ctypes import POINTER, Structure, c_char_p, c_double, c_int, c_longlong, c_
 from functools import cache
 from pathlib import Path
 
+from spintop.levels import chosen_folder
+
 INTERFACE = 1
 """The interface of the library for which this package is written."""
 NAME = f"libspintop.so.{INTERFACE}"
@@ -123,7 +125,7 @@ def places() -> Iterator[Path]:
         yield Path(named)
         return
     here = Path(__file__).resolve().parent
-    yield here / NAME
+    yield chosen_folder(here) / NAME
     yield Path(sys.prefix) / "lib" / NAME
     yield here.parents[1] / "build" / "shared" / "lib" / NAME
 

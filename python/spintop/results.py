@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
+    from spintop.animation import Animation
+
 
 class Owner:
     """Deletes a result of the library when nothing needs it any longer."""
@@ -101,9 +103,12 @@ class Result:
     """What a run gives: its tables, and how it ended."""
 
     def __init__(
-        self, place: "ctypes._Pointer[CResult]", draw: "Callable[..., dict[str, Any]] | None" = None
+        self,
+        place: "ctypes._Pointer[CResult]",
+        draw: "Callable[..., dict[str, Any]] | None" = None,
+        show: "Callable[[], Animation] | None" = None,
     ) -> None:
-        """Take over a result of the library; `draw` draws its figures."""
+        """Take over a result of the library; `draw` draws its figures, `show` its motion."""
         result = place.contents
         owner = Owner(place)
         self.ok = result.code == 0
@@ -115,7 +120,7 @@ class Result:
         found = [Table(result.tables[i], owner) for i in range(result.table_count)]
         self.tables = {table.name: table for table in found}
         """The tables by name."""
-        self._draw = draw
+        self._draw, self._show = draw, show
 
     @cached_property
     def rows(self) -> Table:
@@ -149,3 +154,13 @@ class Result:
         if self._draw is None:
             raise TypeError("the figures of a sweep over arrays cannot be drawn")
         return self._draw(*figures)
+
+    def animate(self) -> "Animation":
+        """Show the top in motion, in a notebook or a file: the viewer of a report.
+
+        The run is a trajectory with the columns `phi theta psi` or `q0` to `q3`. The table of a run
+        without a folder is in no file: it is repeated into one.
+        """
+        if self._show is None:
+            raise TypeError("a sweep over arrays has no motion")
+        return self._show()

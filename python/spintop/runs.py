@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from spintop.animation import Animation, animate
 from spintop.inputs import Input, read_input
 from spintop.library import CResult, InputError, bytes_of, library, new_place, raise_error
 from spintop.results import Result
@@ -28,7 +29,7 @@ def run(given: Input, *, folder: str | Path | None = None, threads: int = 0) -> 
     """
     read = read_input(given)
     result = call_run(*read, None if folder is None else str(folder), threads)
-    return Result(result, partial(figures_of, read, threads))
+    return Result(result, partial(figures_of, read, threads), partial(animation_of, read, threads))
 
 
 def call_run(text: str, name: str, folder: str | None, threads: int) -> "ctypes._Pointer[CResult]":
@@ -114,3 +115,11 @@ def figures_of(given: tuple[str, str], threads: int, *names: str) -> dict[str, A
             if is_main or not names:
                 found |= plot(path, *names)
         return found
+
+
+def animation_of(given: tuple[str, str], threads: int) -> Animation:
+    """Show the motion of a run, which is repeated into a folder."""
+    with tempfile.TemporaryDirectory() as folder:
+        call_run(*given, folder, threads)
+        (path,) = (path for path in Path(folder).glob("*.csv") if "." not in path.stem)
+        return animate(path)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from spintop.animation import Animation
 from spintop.inputs import namelist
 from spintop.library import MotionError, bytes_of, library, new_place, raise_error, text_of
 from spintop.results import Result
@@ -20,6 +21,12 @@ QUANTITIES = (
     *("precession_rate", "phi_rate_max", "motion_class"),
 )
 """The quantities of a nutation for which nothing else is asked."""
+MOVING = (
+    *ANGLES,
+    *("omega1", "omega2", "omega3", "q0", "q1", "q2", "q3", "force_x", "force_y", "force_z"),
+    *("kinetic", "potential", "energy"),
+)
+"""The columns that the viewer of a motion shows."""
 
 MOST_HANDLES = 16
 """Methods and columns with which a top was asked that it keeps."""
@@ -185,6 +192,16 @@ class Top:
         span = {"t_end": t_end, "stop_at": keys.pop("stop_at", None)}
         output = {"columns": list(columns), "events": list(events)}
         return run(self.input(integration=keys, span=span, output=output))
+
+    def animate(self, t_end: float, samples: int = 1001, **integration: Any) -> Animation:
+        """Show the motion up to `t_end` s in a notebook or a file: the viewer of a report.
+
+        `integration` are keys of that group of an input; without any the program chooses.
+        """
+        span = {"t_end": t_end, "samples": samples}
+        output = {"columns": MOVING}
+        groups = self.input(integration=integration, span=span, output=output)
+        return run({"study": {"title": "The top in motion"}, **groups}).animate()
 
     def quantities(
         self, columns: Sequence[str] = QUANTITIES, t_end: float = 1.0, **keys: Any

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from reporting.body import Body, draw_body, read_body
+from spintop_figures.moving.body import Body, draw_body, read_body
 from spintop_figures.tables.table import Table, TableError, read_table
 
 PROGRAM = os.environ.get("SPINTOP_EXE", "build/release/spintop")

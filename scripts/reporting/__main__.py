@@ -32,6 +32,11 @@ def parse_arguments() -> argparse.Namespace:
         help="make the page of the live top instead: --live [-o FILE]; sliders, and the exact\n"
         "solution computed in the page",
     )
+    parser.add_argument(
+        "--viewer",
+        action="store_true",
+        help="make the page in which the Python package shows a motion: --viewer [-o FILE]",
+    )
     parser.add_argument("study", metavar="STUDY_DIR", type=Path, help="folder with tables")
     parser.add_argument(
         "inputs",
@@ -69,7 +74,7 @@ def run_inputs(folder: Path, inputs: list[Path]) -> int:
 def main() -> int:
     """Run the inputs, if any, and make the page."""
     sys.stdout.reconfigure(errors="surrogateescape")
-    if "--live" in sys.argv[1:]:
+    if any(option in sys.argv[1:] for option in live.PAGES):
         return live.main(sys.argv[1:])
     arguments = parse_arguments()
     before = list_tables(arguments.study) if arguments.inputs else None

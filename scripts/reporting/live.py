@@ -1,8 +1,9 @@
-"""The page with the live top alone: its script, style and template in one file."""
+"""Pages without a study: the live top, and the viewer in which Python puts a motion."""
 
 import argparse
 import sys
 from pathlib import Path
+from typing import NamedTuple
 
 import jinja2
 from markupsafe import Markup
@@ -16,43 +17,73 @@ from spintop_figures.tables.characters import printable
 EXIT_INPUT, EXIT_OUTPUT = 2, 4
 
 
-def make_live_page() -> str:
-    """The page; raises a PackageError if what it is made with is not to be had."""
-    script, style = bundle(PAGE / "live_main.js"), styles()
+class Alone(NamedTuple):
+    """A page with its script and style in one file."""
+
+    template: str
+    script: str
+    output: Path
+    """Where it is written if no file is named."""
+    description: str
+
+
+PAGES = {
+    "--live": Alone(
+        "live.html",
+        "live_main.js",
+        Path("output/live.html"),
+        "Make one HTML page in which a symmetric top answers to sliders at once. The\n"
+        "exact solution is computed in the page; it needs no other file and no network.",
+    ),
+    "--viewer": Alone(
+        "viewer.html",
+        "main.js",
+        Path("output/viewer.html"),
+        "Make the page in which the Python package shows a motion: the viewer of a report,\n"
+        "with places for the data.",
+    ),
+}
+
+
+def make_alone(option: str) -> str:
+    """A page; raises a PackageError if what it is made with is not to be had."""
+    page = PAGES[option]
+    script, style = bundle(PAGE / page.script), styles()
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(PAGE), autoescape=True, undefined=jinja2.StrictUndefined
     )
-    return environment.get_template("live.html").render(
+    return environment.get_template(page.template).render(
         policy=policy(style, script), style=Markup(style), script=Markup(script)
     )
 
 
-def parse_arguments(words: list[str]) -> argparse.Namespace:
-    """Read the command line of `scripts/report --live`."""
+def parse_arguments(option: str, words: list[str]) -> argparse.Namespace:
+    """Read the command line of `scripts/report OPTION`."""
+    page = PAGES[option]
     parser = argparse.ArgumentParser(
-        prog="scripts/report --live",
-        description="Make one HTML page in which a symmetric top answers to sliders at once. The\n"
-        "exact solution is computed in the page; it needs no other file and no network.",
+        prog=f"scripts/report {option}",
+        description=page.description,
         epilog="exit codes: 0 all is well; 2 wrong usage; 4 the page could not be made or written",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--live", action="store_true", help=argparse.SUPPRESS)
+    parser.add_argument(option, action="store_true", help=argparse.SUPPRESS)
     parser.add_argument(
         "-o",
         "--output",
         metavar="FILE",
         type=Path,
-        default=Path("output/live.html"),
-        help="the page (default: output/live.html)",
+        default=page.output,
+        help=f"the page (default: {page.output})",
     )
     return parser.parse_args(words)
 
 
 def main(words: list[str]) -> int:
-    """Make the page and say where it is."""
-    output = parse_arguments(words).output
+    """Make the page that the arguments name, and say where it is."""
+    option = next(option for option in PAGES if option in words)
+    output = parse_arguments(option, words).output
     try:
-        page = make_live_page()
+        page = make_alone(option)
         output.parent.mkdir(parents=True, exist_ok=True)
         write_page(page, output)
     except (PackageError, OSError) as error:

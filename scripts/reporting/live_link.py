@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from reporting.body import SHAPES, Body, read_body
-from reporting.motion import ANGLES, attitude_at_start, find_omega
+from spintop_figures.moving.body import SHAPES, Body, read_body
+from spintop_figures.moving.motion import ANGLES, attitude_at_start, find_omega
 from spintop_figures.tables.table import Table, is_word
 
 KEYS = {

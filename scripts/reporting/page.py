@@ -7,7 +7,6 @@ script that stand in it, known by their hashes, and pictures that are part of it
 import base64
 import datetime
 import hashlib
-import json
 import re
 from collections import Counter
 from pathlib import Path
@@ -16,14 +15,14 @@ import jinja2
 from markupsafe import Markup, escape
 
 from reporting.bundle import bundle, styles
-from reporting.data import pack_all
 from reporting.drawing import Glyphs
 from reporting.errata import Erratum
 from reporting.live_link import live_link
-from reporting.motion import motion_facts
 from reporting.packages import PAGE, PackageError
 from reporting.pictures import Picture, fit
 from reporting.study import Section
+from spintop_figures.moving.data import pack_all
+from spintop_figures.moving.motion import facts_text
 
 LARGEST, PER_TABLE = 3_000_000, 300_000
 """Bytes of a page, and what each of many tables has at least. Where there would be more, rows
@@ -57,12 +56,6 @@ def policy(style: str, script: str) -> str:
         "form-action": "'none'",
     }
     return "; ".join(f"{name} {value}" for name, value in sources.items())
-
-
-def as_json(data: object) -> Markup:
-    """Data for a script element: no text in it can end the element."""
-    text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    return Markup(text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e"))
 
 
 def prose(text: str) -> Markup:
@@ -164,7 +157,7 @@ def make_page(
     glyphs, coarse = take_in(sections, len(script) + len(style))
     reduced = reductions(sections, coarse)
     motions = {
-        section.anchor: as_json(motion_facts(section.table, section.data, f"{section.anchor}-data"))
+        section.anchor: Markup(facts_text(section.table, section.data, f"{section.anchor}-data"))
         for section in sections
         if script and section.moves
     }

@@ -4,7 +4,7 @@ import math
 import re
 from collections.abc import Iterable
 
-from reporting.body import Body, read_body
+from spintop_figures.moving.body import Body, read_body
 from spintop_figures.registry import FigureKind
 from spintop_figures.tables.table import Table, is_word
 

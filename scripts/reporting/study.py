@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from reporting.cells import texts_of
-from reporting.data import Data, rows_kept
 from reporting.errata import Erratum, errata_for
 from reporting.key_numbers import key_numbers
-from reporting.motion import refusal
 from reporting.pictures import Picture, pictures_of
+from spintop_figures.moving.data import Data, rows_kept
+from spintop_figures.moving.motion import refusal
 from spintop_figures.tables.characters import printable
 from spintop_figures.tables.netcdf import FormatError
 from spintop_figures.tables.table import Table, TableError, read_table

@@ -19,9 +19,9 @@ from plot_case import (  # noqa: E402
     a_trajectory,
     some_events,
 )
-from reporting.body import read_body  # noqa: E402
 from reporting.pictures import pictures_of  # noqa: E402
 from reporting.study import read_study  # noqa: E402
+from spintop_figures.moving.body import read_body  # noqa: E402
 from spintop_figures.tables.characters import printable  # noqa: E402
 from spintop_figures.tables.table import TableError, read_table  # noqa: E402
 

@@ -26,7 +26,7 @@ from mpi_test import ENVIRONMENT  # noqa: E402
 from program_test import PROGRAM, ROOT  # noqa: E402
 
 MPI_PROGRAM = os.environ.get("SPINTOP_MPI_EXE", str(ROOT / "build/mpi/spintop"))
-FOLDERS = "app|doc|input|python|scripts|src|test"
+FOLDERS = "app|doc|input|packaging|python|scripts|src|test"
 """Folders of the project that pages name."""
 PAGES = manual_pages()
 BLOCKS = [block for page in PAGES for block in blocks_of(page)]
@@ -63,7 +63,20 @@ SKIPPED = {
         "scripts/film --dark --arrow momentum --seconds 20 -o top.webm input/slow_top.nml",
         "scripts/film -o top.gif input/damped_top.nml",
     ],
-    "python.md": ["pip install ./python", "pip install './python[figures]'"],
+    "packaging.md": [
+        "scripts/wheel",
+        "pip install spintop-0.1.0-py3-none-manylinux_2_35_x86_64.whl",
+        "docker build -f packaging/container/Dockerfile -t spintop .",
+        'docker run --rm -v "$PWD:/work" spintop input/slow_top.nml',
+        "apptainer build spintop.sif packaging/container/spintop.def",
+        "mpirun -np 4 apptainer exec spintop.sif spintop-mpi input/spinning_wheel_sweep.nml",
+        "packaging/make_deb",
+    ],
+    "python.md": [
+        "pip install ./python",
+        "pip install './python[figures]'",
+        'animation = top.animate(t_end=5.0, method="dop853")',
+    ],
     "proof.md": [
         "SPINTOP_FLINT=1 scripts/run --set output.columns=t,theta,theta_bound input/slow_top.nml",
     ],
@@ -82,7 +95,7 @@ SKIPPED = {
 }
 """Blocks that are not run, so that a new one is noticed; for a program its first line."""
 
-SYSTEM_COMMANDS = ("mpirun", "head", "sed", "pip", "cc", "spintop")
+SYSTEM_COMMANDS = ("mpirun", "head", "sed", "pip", "cc", "docker", "apptainer", "spintop")
 VARYING = re.compile(r"^!? {2,3}(ended|time|parts|memory|cost .* us for the set-up)\b")
 """Lines of summaries that differ from run to run: of these only the first word is compared."""
 

@@ -72,6 +72,35 @@ class InstallTest(unittest.TestCase):
             expected = f"theta = {float(theta):.15g}, phi = {float(phi):.15g}"
             self.assertTrue(line.endswith(expected), line)
 
+    def test_manual_page(self) -> None:
+        """It has the text of --help, and troff finds no mistake in it."""
+        page = self.prefix / "share/man/man1/spintop.1"
+        text = page.read_text(encoding="utf-8").replace("\\-", "-")
+        help_text = self.call(self.prefix / "bin/spintop", "--help")
+        for words in re.findall(r"\S+", help_text.partition("usage:")[2]):
+            if words not in {"exit", "codes", "topics:", "options"}:
+                self.assertIn(words, text)
+        if not shutil.which("groff"):
+            self.skipTest("no groff")
+        done = subprocess.run(
+            ["groff", "-man", "-Tutf8", "-ww", page], capture_output=True, text=True, check=True
+        )
+        self.assertEqual(done.stderr, "")
+        for heading in ("NAME", "SYNOPSIS", "OPTIONS", "EXIT STATUS"):
+            self.assertIn(heading, done.stdout)
+
+    def test_destination(self) -> None:
+        """Below DESTDIR everything stands as below the prefix, and only that is named."""
+        staged = self.folder / "staged"
+        self.call(ROOT / "scripts/install", "/opt/top", DESTDIR=str(staged))
+
+        def files(folder: Path) -> list[Path]:
+            return sorted(path.relative_to(folder) for path in folder.rglob("*"))
+
+        self.assertEqual(files(staged / "opt/top"), files(self.prefix))
+        text = (staged / "opt/top/lib/pkgconfig/spintop.pc").read_text(encoding="utf-8")
+        self.assertIn("prefix=/opt/top\n", text)
+
     def test_what_is_exported(self) -> None:
         """The functions of the header, and nothing else; the stack is not executable."""
         library = self.prefix / "lib/libspintop.so"

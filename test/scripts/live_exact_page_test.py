@@ -18,10 +18,10 @@ sys.path[:0] = [str(TESTS)]
 
 from browser_case import BROWSER, PROGRAM, SOFTWARE_WEBGL, open_browser  # noqa: E402
 from random_tops import CLASSES, draw_top  # noqa: E402
-from reporting.body import read_body  # noqa: E402
 from reporting.bundle import bundle  # noqa: E402
 from reporting.packages import PackageError, esbuild_package, need  # noqa: E402
 from spintop_figures import read_table  # noqa: E402
+from spintop_figures.moving.body import read_body  # noqa: E402
 
 ROOT = TESTS.parent
 TOPS, SEED = 1000, 77

@@ -31,7 +31,14 @@ from reporting import packages  # noqa: E402
 from reporting import page as page_module  # noqa: E402
 from reporting import pictures as pictures_module  # noqa: E402
 from reporting import study as study_module  # noqa: E402
-from reporting.body import (  # noqa: E402
+from reporting.drawing import Glyphs  # noqa: E402
+from reporting.errata import errata_for, numbers_named, read_errata, topics_of  # noqa: E402
+from reporting.packages import PAGE, PackageError  # noqa: E402
+from reporting.page import make_page  # noqa: E402
+from reporting.paper import SLOW_TOP_END, caption_of, runs_of  # noqa: E402
+from reporting.pictures import COARSE, FEW_COLOURS, INLINE, Picture, fit, pictures_of  # noqa: E402
+from reporting.study import find_tables, read_study  # noqa: E402
+from spintop_figures.moving.body import (  # noqa: E402
     NO_SUCH_BODY,
     SHAPES,
     Body,
@@ -39,15 +46,8 @@ from reporting.body import (  # noqa: E402
     draw_body,
     read_body,
 )
-from reporting.data import pack  # noqa: E402
-from reporting.drawing import Glyphs  # noqa: E402
-from reporting.errata import errata_for, numbers_named, read_errata, topics_of  # noqa: E402
-from reporting.motion import GROUPS, find_omega, motion_facts, refusal  # noqa: E402
-from reporting.packages import PAGE, PackageError  # noqa: E402
-from reporting.page import make_page  # noqa: E402
-from reporting.paper import SLOW_TOP_END, caption_of, runs_of  # noqa: E402
-from reporting.pictures import COARSE, FEW_COLOURS, INLINE, Picture, fit, pictures_of  # noqa: E402
-from reporting.study import find_tables, read_study  # noqa: E402
+from spintop_figures.moving.data import pack  # noqa: E402
+from spintop_figures.moving.motion import GROUPS, find_omega, motion_facts, refusal  # noqa: E402
 from spintop_figures.registry import FIGURES  # noqa: E402
 from spintop_figures.tables.table import Table, read_table  # noqa: E402
 

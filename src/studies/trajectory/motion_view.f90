@@ -24,8 +24,6 @@ module spintop_motion_view
         type(body_t) :: body, turned_body
         !> The motion of the body as it was given, and as it was computed.
         type(motion_t) :: motion, computed
-        !> Energies, J.
-        real(dp) :: kinetic = 0, potential = 0
         !> Work of effects since the start by its parts, J.
         real(dp) :: work(works) = 0
         !> Energy and vertical momentum at the start, and the scale of the energy error.
@@ -38,12 +36,13 @@ module spintop_motion_view
         type(exact_motion_t), allocatable, private :: oracle
         type(conditioning_t), allocatable, private :: conditioning
         !> What was computed of this motion when a column asked for it.
-        logical, private :: has_force = .false., has_residuals = .false., has_exact = .false.
-        real(dp), private :: known_force(3) = 0, known_residuals(3) = 0
+        logical, private :: has_energies = .false., has_force = .false., has_residuals = .false., has_exact = .false.
+        real(dp), private :: known_energies(2) = 0, known_force(3) = 0, known_residuals(3) = 0
         type(motion_t), private :: known_exact
     contains
         procedure :: set
         procedure :: look
+        procedure :: energies
         procedure :: energy_change
         procedure :: energy_error
         procedure :: momentum_change
@@ -81,8 +80,7 @@ contains
         if (is_start) call take_start(self%case%given_start, self%motion)
         if (any(self%proof%wanted)) call prove(self%proof, self%motion)
         self%near = self%motion%angle
-        self%kinetic = kinetic_energy(self%body, self%motion)
-        self%potential = potential_energy(self%body, self%motion)
+        self%has_energies = .false.
         self%has_force = .false.
         self%has_residuals = .false.
         self%has_exact = .false.
@@ -112,15 +110,25 @@ contains
         motion%angle = printed([proof_of_phi, proof_of_theta, proof_of_psi])
     end subroutine prove
 
+    !> Kinetic and potential energy, J.
+    function energies(self)
+        class(motion_view_t), intent(inout) :: self
+        real(dp) :: energies(2)
+        if (.not. self%has_energies) self%known_energies = [kinetic_energy(self%body, self%motion), &
+                                                            potential_energy(self%body, self%motion)]
+        self%has_energies = .true.
+        energies = self%known_energies
+    end function energies
+
     !> Change of the energy since the start, J.
-    pure real(dp) function energy_change(self)
-        class(motion_view_t), intent(in) :: self
-        energy_change = self%kinetic + self%potential - self%energy_of_start
+    real(dp) function energy_change(self)
+        class(motion_view_t), intent(inout) :: self
+        energy_change = sum(self%energies()) - self%energy_of_start
     end function energy_change
 
     !> The same without the work of effects, relative to the scale of the energies, which work may exceed.
-    pure real(dp) function energy_error(self)
-        class(motion_view_t), intent(in) :: self
+    real(dp) function energy_error(self)
+        class(motion_view_t), intent(inout) :: self
         energy_error = (self%energy_change() - sum(self%work)) / max(self%energy_scale, sum(abs(self%work)))
     end function energy_error
 

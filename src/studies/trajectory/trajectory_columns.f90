@@ -247,17 +247,21 @@ contains
 
     real(dp) function value_of_kinetic(now) result(value)
         type(motion_view_t), intent(inout) :: now
-        value = now%kinetic
+        real(dp) :: energies(2)
+        energies = now%energies()
+        value = energies(1)
     end function value_of_kinetic
 
     real(dp) function value_of_potential(now) result(value)
         type(motion_view_t), intent(inout) :: now
-        value = now%potential
+        real(dp) :: energies(2)
+        energies = now%energies()
+        value = energies(2)
     end function value_of_potential
 
     real(dp) function value_of_energy(now) result(value)
         type(motion_view_t), intent(inout) :: now
-        value = now%kinetic + now%potential
+        value = sum(now%energies())
     end function value_of_energy
 
     real(dp) function value_of_energy_error(now) result(value)

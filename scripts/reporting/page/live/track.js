@@ -98,7 +98,7 @@ const NO_SUCH_BODY = "No mass distribution has this inertia about the pivot with
 
 /**
  * The body of a state as the stage draws it, and what to say of it: the shape, or for mass properties the
- * homogeneous cylinder that has them, as in reporting/body.py.
+ * homogeneous cylinder that has them, as in spintop_figures/moving/body.py.
  */
 export function drawingOf(state, body) {
   const place = [0, 0, body.length];

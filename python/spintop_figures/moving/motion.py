@@ -1,11 +1,12 @@
 """What the page needs of a trajectory to show the top move."""
 
 import hashlib
+import json
 
 import numpy as np
 
-from reporting.body import Body, draw_body, read_body
-from reporting.data import Data
+from spintop_figures.moving.body import Body, draw_body, read_body
+from spintop_figures.moving.data import Data
 from spintop_figures.tables.table import Table
 
 ANGLES = ("phi", "theta", "psi")
@@ -157,3 +158,10 @@ def motion_facts(table: Table, data: Data, anchor: str) -> dict[str, object]:
             "solids": draw_body(table, body).solids,
         }
     return facts
+
+
+def facts_text(table: Table, data: Data, anchor: str) -> str:
+    """The same as JSON for a script element: no text in it can end the element."""
+    facts = motion_facts(table, data, anchor)
+    text = json.dumps(facts, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")

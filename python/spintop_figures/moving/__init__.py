@@ -1,0 +1,1 @@
+"""What a page needs of a trajectory to show the top move."""

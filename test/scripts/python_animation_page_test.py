@@ -1,0 +1,108 @@
+"""The top in motion from Python: the page, and a notebook's frame in a browser."""
+
+import json
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+sys.path[:0] = [str(ROOT / "test"), str(ROOT / "python")]
+
+subprocess.run([ROOT / "scripts/install", "--library"], check=True, capture_output=True)
+
+import spintop  # noqa: E402
+from browser_case import (  # noqa: E402
+    BROWSER,
+    HOSTILE,
+    READY,
+    SOFTWARE_WEBGL,
+    open_browser,
+    wait_for,
+)
+from reporting.packages import PackageError, esbuild_package, need  # noqa: E402
+
+BODY = spintop.Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.75**0.5)
+TOP = spintop.Top(BODY, theta=0.2, psi_rate=1.0)
+SPAN = {"t_end": 3.0, "samples": 31}
+SHOWN = """
+    return Object.fromEntries([...document.querySelectorAll("[data-part]")].map(
+        (part) => [part.dataset.part, part.textContent]));
+"""
+
+
+class AnimationTest(unittest.TestCase):
+    """Pages with a moving top."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        """See that the viewer can be made."""
+        try:
+            for name in ("three", esbuild_package()):
+                need(name)
+        except PackageError as error:
+            raise unittest.SkipTest(str(error)) from error
+
+    def test_page(self) -> None:
+        """It has the facts of the motion and all rows; a title does no harm."""
+        groups = {"study": {"title": HOSTILE}, **TOP.input(span=SPAN)}
+        page = spintop.run(groups).animate().page
+        self.assertNotIn("<img", page)
+        self.assertEqual(re.findall("@[A-Z]{4,6}@", page), [])
+        facts = json.loads(re.search(r'<script type="application/json">(.*?)</script>', page)[1])
+        self.assertEqual((facts["title"], facts["total"], facts["exact"]), (HOSTILE, 31, True))
+        self.assertEqual(facts["body"]["inertia"], [0.875, 0.875, 0.25])
+        self.assertIn("(all 31 rows, all digits)", page)
+
+    def test_a_table_in_a_file(self) -> None:
+        """It is shown as the run that wrote it; the page is saved whole."""
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            result = spintop.run(TOP.input(span=SPAN), folder=folder)
+            animation = spintop.animate(folder / "input.csv")
+            self.assertEqual(len(animation.page), len(result.animate().page))
+            saved = animation.save(folder / "page.html")
+            self.assertEqual(saved.read_text(encoding="utf-8"), animation.page)
+
+    def test_what_cannot_be_shown(self) -> None:
+        """A sweep has no motion; a motion without an attitude has none that can be shown."""
+        sweep = {"study": {"kind": "sweep"}, **TOP.input(span={"t_end": 1.0})}
+        with self.assertRaisesRegex(TypeError, "a sweep over arrays has no motion"):
+            spintop.sweep(sweep, {"initial.theta": [0.1, 0.2]}).animate()
+        axis = {"parameter": ["initial.theta"], "values": [[0.1, 0.2]]}
+        with self.assertRaisesRegex(TypeError, "the table is no trajectory"):
+            spintop.run({**sweep, "sweep": axis}).animate()
+        bare = TOP.input(span=SPAN, output={"columns": ["t", "theta"]})
+        with self.assertRaisesRegex(TypeError, "needs the columns phi, theta, psi or q0 to q3"):
+            spintop.run(bare).animate()
+
+    def test_in_a_notebook(self) -> None:
+        """The frame draws the top, with the digits of the first row, arrows and energies."""
+        if not BROWSER:
+            self.skipTest("no browser: scripts/test installs one, where it may")
+        animation = TOP.animate(3.0, 31, method="dop853")
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+            page = Path(folder) / "notebook.html"
+            page.write_text(f"<!doctype html><body>{animation._repr_html_()}", encoding="utf-8")
+            browser = open_browser(Path(folder) / "profile", *SOFTWARE_WEBGL)
+            try:
+                browser.get(page.as_uri())
+                browser.switch_to.frame(browser.find_element("css selector", "iframe"))
+                wait_for(lambda: browser.execute_script(READY), "the data")
+                wait_for(lambda: browser.find_elements("css selector", "canvas"), "the drawing")
+                shown = browser.execute_script(SHOWN)
+                for name in ("force", "momentum", "omega"):
+                    box = browser.find_element("css selector", f"[data-part={name}]")
+                    self.assertTrue(box.is_enabled(), name)
+            finally:
+                browser.quit()
+        self.assertEqual(shown["theta"], "0.2")
+        self.assertEqual(shown["row"], "row 1 of 31")
+        energy = TOP.exact(0.0, ["energy"]).energy
+        self.assertAlmostEqual(float(shown["energy"]), float(energy), places=3)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -9,7 +9,9 @@ A peer is a module with
 * SETTING, what these are, `tolerance` or `steps`;
 * absence(), why it cannot be had here, empty if it can, and versions(), what is used,
   made ready;
-* solve(problem, method, formulation, setting), an Answer.
+* solve(problem, method, formulation, setting), an Answer;
+* where it integrates many bodies at once, BATCHES, the names of the ways it does so, and
+  solve_batch(t_end, every, method, setting), a BatchAnswer.
 
 `worker` runs one in a process of its own, so that it may crash or hang; `crew` starts and stops
 these.

@@ -12,6 +12,9 @@ ENOUGH, LONG = 0.05, 2.0
 DECADES = tuple(float(f"1e-{digits}") for digits in range(3, 16))
 """Tolerances of peers that are cheap to run."""
 
+HALF_DECADES = (1e-10, 3e-11, 1e-11, 3e-12, 1e-12, 3e-13, 1e-13)
+"""Tolerances of many bodies at once, where rates at an error are compared."""
+
 
 @dataclass(frozen=True)
 class Answer:
@@ -24,17 +27,25 @@ class Answer:
     evaluations: float = math.nan
 
 
+@dataclass(frozen=True)
+class BatchAnswer:
+    """Attitudes at the end of every so many of the bodies, and the least time of all, seconds."""
+
+    ends: list[list[float]]
+    time_s: float
+
+
 def least_time(run: Callable[[], None], before: Callable[[], None] = lambda: None) -> float:
-    """The least time of several runs after a first, each after what is to be done before it.
+    """The least processor time of several runs after a first, each after what is to be done before.
 
     peers/least_time.h does the same for those in C.
     """
     spent, least, repeats = 0.0, math.inf, -1
     while repeats < LEAST_REPEATS or (spent < ENOUGH and repeats < MOST_REPEATS):
         before()
-        start = time.perf_counter()
+        start = time.process_time()
         run()
-        taken = time.perf_counter() - start
+        taken = time.process_time() - start
         repeats += 1
         if repeats > 0 or taken > LONG:
             spent, least = spent + taken, min(least, taken)

@@ -1,5 +1,6 @@
 """Peers in C and C++: their program is made when it is wanted, and answers in one line."""
 
+import array
 import json
 import os
 import subprocess
@@ -7,8 +8,9 @@ import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
-from peers.answer import Answer
-from peers.equations import EQUATIONS, c_header
+from peers.answer import Answer, BatchAnswer
+from peers.bodies import CASES, problems
+from peers.equations import EQUATIONS, RIGID_BODY, c_header
 from peers.problem import Problem
 
 HERE = Path(__file__).resolve().parent
@@ -62,15 +64,34 @@ def ask(program: Path, problem: Problem, method: str, formulation: str, setting:
     form = EQUATIONS[formulation]
     constants, start = form.start(problem)
     numbers = map(repr, (setting, problem.t_end, *constants, *start))
+    found = json.loads(answer_of([program, formulation, method, *numbers]))
+    q = form.attitude(problem, found.pop("state"))
+    return Answer(q, **found)
+
+
+def ask_batch(program: Path, t_end: float, every: int, method: str, setting: float) -> BatchAnswer:
+    """Run a program for many bodies; its line has the states at the end of some, and the time."""
+    numbers = array.array("d")
+    for problem in problems(t_end):
+        for part in RIGID_BODY.start(problem):
+            numbers.extend(part)
+    found = json.loads(
+        answer_of([program, method, setting, t_end, CASES, every], numbers.tobytes())
+    )
+    ends = [RIGID_BODY.attitude(problem, state) for state in found.pop("ends")]
+    return BatchAnswer(ends, **found)
+
+
+def answer_of(command: list[object], numbers: bytes = b"") -> str:
+    """The line that a program prints, on one thread."""
     result = subprocess.run(
-        [str(program), formulation, method, *numbers],
+        list(map(str, command)),
+        input=numbers,
         capture_output=True,
-        text=True,
         check=False,
         env=os.environ | {"LC_ALL": "C", "OMP_NUM_THREADS": "1"},
     )
     if result.returncode:
-        raise ArithmeticError(result.stderr.strip() or f"ended with {result.returncode}")
-    found = json.loads(result.stdout)
-    q = form.attitude(problem, found.pop("state"))
-    return Answer(q, **found)
+        reason = result.stderr.decode(errors="replace").strip()
+        raise ArithmeticError(reason or f"ended with {result.returncode}")
+    return result.stdout.decode()

@@ -73,11 +73,14 @@ def start_cayley_klein(problem: Problem) -> tuple[Vector, Vector]:
 
 
 def start_rigid_body(problem: Problem) -> tuple[Vector, Vector]:
-    """1/I, m g r and damping over inertia; the momentum in body axes and the quaternion."""
+    """1/I and its differences, m g r, damping over inertia; the momentum in body axes and the
+    quaternion."""
     inverse = [1 / i for i in problem.inertia]
+    differences = [inverse[(i + 2) % 3] - inverse[(i + 1) % 3] for i in range(3)]
     damping = [d / i for d, i in zip(problem.damping, problem.inertia, strict=True)]
     momentum = [i * w for i, w in zip(problem.inertia, problem.omega, strict=True)]
-    return [*inverse, *problem.weight, *damping], [*momentum, *problem.quaternion]
+    constants = [*inverse, *differences, *problem.weight, *damping]
+    return constants, [*momentum, *problem.quaternion]
 
 
 SPACE_FRAME = Equations(
@@ -113,7 +116,7 @@ CAYLEY_KLEIN = Equations(
 
 RIGID_BODY = Equations(
     "rigid_body",
-    ("n1", "n2", "n3", "g1", "g2", "g3", "d1", "d2", "d3"),
+    ("n1", "n2", "n3", "e1", "e2", "e3", "g1", "g2", "g3", "d1", "d2", "d3"),
     ("m1", "m2", "m3", "q0", "q1", "q2", "q3"),
     {
         "w1": "n1*m1",
@@ -124,9 +127,9 @@ RIGID_BODY = Equations(
         "u3": "(q0*q0 + q3*q3) - (q1*q1 + q2*q2)",
     },
     (
-        "m2*w3 - m3*w2 + (u2*g3 - u3*g2) - d1*m1",
-        "m3*w1 - m1*w3 + (u3*g1 - u1*g3) - d2*m2",
-        "m1*w2 - m2*w1 + (u1*g2 - u2*g1) - d3*m3",
+        "e1*(m2*m3) + (u2*g3 - u3*g2) - d1*m1",
+        "e2*(m3*m1) + (u3*g1 - u1*g3) - d2*m2",
+        "e3*(m1*m2) + (u1*g2 - u2*g1) - d3*m3",
         "-0.5*(q1*w1 + q2*w2 + q3*w3)",
         "0.5*(q0*w1 + q2*w3 - q3*w2)",
         "0.5*(q0*w2 + q3*w1 - q1*w3)",
@@ -141,16 +144,15 @@ RIGID_BODY = Equations(
 EQUATIONS = {form.name: form for form in (SPACE_FRAME, CAYLEY_KLEIN, RIGID_BODY)}
 
 
-def python_rates(form: Equations, constants: Vector, values: str = "y") -> Callable:
+def python_rates(form: Equations, constants: Sequence, values: str = "y") -> Callable:
     """f(t, y) as a list, of whatever can be added and multiplied; `values` unpacks the state."""
-    numbers = zip(form.constants, map(repr, constants), strict=True)
     lines = [
         "def rates(t, y):",
         f"    {', '.join(form.states)} = {values}",
-        *(f"    {name} = {text}" for name, text in (*numbers, *form.terms.items())),
+        *(f"    {name} = {text}" for name, text in form.terms.items()),
         f"    return [{', '.join(form.rates)}]",
     ]
-    space: dict[str, Callable] = {}
+    space = dict(zip(form.constants, constants, strict=True))
     exec("\n".join(lines), space)
     return space["rates"]
 

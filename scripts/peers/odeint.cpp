@@ -2,7 +2,6 @@
 //
 // usage: odeint FORMULATION METHOD TOLERANCE T_END CONSTANTS... STATE...
 #include <array>
-#include <boost/numeric/odeint.hpp>
 #include <cstdlib>
 #include <cstring>
 #include <string>
@@ -10,12 +9,11 @@
 #include "answer_line.h"
 #include "equations.h"
 #include "least_time.h"
+#include "odeint_methods.h"
 
 namespace odeint = boost::numeric::odeint;
 
 namespace {
-
-constexpr double first_step = 1e-3; // of the span; the control takes it from there
 
 using rates_t = void (*)(const double *, const double *, double *);
 
@@ -60,22 +58,6 @@ template <int states, int constants, rates_t rates, template <class> class metho
         const double time_s = least_time(run, this);
         return print_answer(y.data(), states, static_cast<long>(steps), -1, evaluations, time_s);
     }
-};
-
-template <class state_t> struct dopri5 {
-    static auto make(double e)
-    {
-        return odeint::make_controlled<odeint::runge_kutta_dopri5<state_t>>(e, e);
-    }
-};
-template <class state_t> struct fehlberg78 {
-    static auto make(double e)
-    {
-        return odeint::make_controlled<odeint::runge_kutta_fehlberg78<state_t>>(e, e);
-    }
-};
-template <class state_t> struct bulirsch_stoer {
-    static auto make(double e) { return odeint::bulirsch_stoer<state_t>(e, e); }
 };
 
 template <int states, int constants, rates_t rates>

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from peers import compiled
-from peers.answer import DECADES, Answer
+from peers.answer import DECADES, Answer, BatchAnswer
 from peers.problem import Problem
 
 NAME = "Boost.odeint"
@@ -12,6 +12,8 @@ FORMULATIONS = ("space_frame", "cayley_klein", "rigid_body")
 DEBIAN = ("g++", "libboost-dev")
 SETTING = "tolerance"
 SETTINGS = DECADES
+BATCHES = ("odeint_fehlberg78_16",)
+"""Sixteen bodies as one system."""
 
 
 def absence() -> str:
@@ -26,6 +28,11 @@ def program() -> Path:
     return compiled.make("g++", "odeint.cpp", ["-std=c++17"])
 
 
+def batch_program() -> Path:
+    """Its program for many bodies."""
+    return compiled.make("g++", "odeint_batch.cpp", ["-std=c++17", "-fopenmp-simd"])
+
+
 def versions() -> str:
     """What is used; it is compiled here, so that no trial has to wait for that."""
     program()
@@ -36,3 +43,8 @@ def versions() -> str:
 def solve(problem: Problem, method: str, formulation: str, setting: float) -> Answer:
     """Solve to a tolerance, absolute and relative."""
     return compiled.ask(program(), problem, method, formulation, setting)
+
+
+def solve_batch(t_end: float, every: int, method: str, setting: float) -> BatchAnswer:
+    """Solve the many bodies to a tolerance, absolute and relative."""
+    return compiled.ask_batch(batch_program(), t_end, every, method, setting)

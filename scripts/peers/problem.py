@@ -27,12 +27,15 @@ class Problem:
     t_end: float
     reference: tuple[float, ...]
     """The attitude at the end."""
+    general: bool = False
+    """Whether no use is to be made of a symmetry."""
 
     @property
     def is_symmetric(self) -> bool:
         """Whether it is an undamped symmetric top about body z."""
         return (
-            math.isclose(self.inertia[0], self.inertia[1], rel_tol=ALIKE)
+            not self.general
+            and math.isclose(self.inertia[0], self.inertia[1], rel_tol=ALIKE)
             and not any(self.weight[:2])
             and not any(self.damping)
         )

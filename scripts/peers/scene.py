@@ -64,6 +64,8 @@ class Scene:
     initial: str
     span: str
     damping: list[float]
+    general: bool = False
+    """Whether a symmetric top is computed as any other body."""
 
     @property
     def groups(self) -> list[str]:
@@ -71,7 +73,7 @@ class Scene:
         return [self.top, self.initial, self.span]
 
 
-def read_scene(name: str, path: Path, overrides: list[str]) -> Scene:
+def read_scene(name: str, path: Path, overrides: list[str], general: bool = False) -> Scene:
     """Read an input as spintop resolves it."""
     resolved = call("--check", *(part for text in overrides for part in ("--set", text)), path)
     groups = {match[1]: match[0] for match in GROUP.finditer(resolved)}
@@ -82,7 +84,7 @@ def read_scene(name: str, path: Path, overrides: list[str]) -> Scene:
         raise SceneError("has no top of its own")
     damping = [float(text) for text in settings["top.damping"]]
     span = re.sub(r"(?m)^ *samples *=.*\n", "", groups["span"])
-    return Scene(name, groups["top"], groups["initial"], span, damping)
+    return Scene(name, groups["top"], groups["initial"], span, damping, general)
 
 
 def pose(scene: Scene, folder: Path) -> Problem:
@@ -107,6 +109,7 @@ def pose(scene: Scene, folder: Path) -> Problem:
         omega=tuple(start[4 + i] for i in order),
         t_end=t_end,
         reference=tuple(product(end, turn)),
+        general=scene.general,
     )
 
 

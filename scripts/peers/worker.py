@@ -27,9 +27,12 @@ def main(name: str) -> None:
     print(json.dumps(about), file=answers, flush=True)
     for line in sys.stdin:
         question = json.loads(line)
-        problem = Problem(**question.pop("problem"))
         try:
-            answer = asdict(peer.solve(problem, **question))
+            if "batch" in question:
+                answer = asdict(peer.solve_batch(**question["batch"]))
+            else:
+                problem = Problem(**question.pop("problem"))
+                answer = asdict(peer.solve(problem, **question))
         except Exception as error:
             answer = {"failure": f"{type(error).__name__}: {error}"}
         print(json.dumps(answer), file=answers, flush=True)

@@ -1,10 +1,10 @@
-!> The clock: elapsed time and the date.
+!> The clock: elapsed time, processor time and the date.
 module spintop_clock
     use spintop_kinds, only: dp
-    use spintop_posix, only: c_pause, c_seconds, c_utc, up_to_null
+    use spintop_posix, only: c_pause, c_processor_seconds, c_seconds, c_utc, up_to_null
     implicit none
     private
-    public :: seconds, pause_for, utc_now
+    public :: seconds, processor_seconds, pause_for, utc_now
 
 contains
 
@@ -12,6 +12,11 @@ contains
     real(dp) function seconds()
         seconds = c_seconds()
     end function seconds
+
+    !> Processor time of the calling thread, s: what it computes, without the time that other programs take.
+    real(dp) function processor_seconds()
+        processor_seconds = c_processor_seconds()
+    end function processor_seconds
 
     !> Suspends the calling thread, so that others can use the processor.
     subroutine pause_for(seconds)

@@ -177,6 +177,12 @@ double spintop_seconds(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+double spintop_processor_seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
 // YYYY-MM-DDThh:mm:ssZ
 void spintop_utc(char *text, int room) {
     const time_t now = time(NULL);

@@ -6,8 +6,8 @@ module spintop_posix
     implicit none
     private
     public :: c_open, c_open_locked, c_write, c_read, c_sync, c_sync_folder, c_truncate, c_close, c_rename, &
-        c_remove, c_remove_folder, c_make_folder, c_make_private_folder, c_inspect, c_is_terminal, c_seconds, c_pause, c_utc, &
-        c_host, c_peak_memory, c_physical_memory, check_call, up_to_null
+        c_remove, c_remove_folder, c_make_folder, c_make_private_folder, c_inspect, c_is_terminal, c_seconds, c_processor_seconds, &
+        c_pause, c_utc, c_host, c_peak_memory, c_physical_memory, check_call, up_to_null
 
     interface
         !> Opens a file for reading.
@@ -114,6 +114,11 @@ module spintop_posix
         real(c_double) function c_seconds() bind(C, name='spintop_seconds')
             import :: c_double
         end function c_seconds
+
+        !> Processor time of the calling thread, s.
+        real(c_double) function c_processor_seconds() bind(C, name='spintop_processor_seconds')
+            import :: c_double
+        end function c_processor_seconds
 
         !> Suspends the calling thread.
         subroutine c_pause(seconds) bind(C, name='spintop_pause')

@@ -1,5 +1,6 @@
 """scripts/compare_peers: the equations that peers get, how they are run, table and figures."""
 
+import dataclasses
 import os
 import subprocess
 import sys
@@ -13,7 +14,9 @@ sys.dont_write_bytecode = True
 ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python")]
 
-from peers import PEERS, crew  # noqa: E402
+import pandas as pd  # noqa: E402
+
+from peers import PEERS, batch, bodies, crew  # noqa: E402
 from peers.equations import EQUATIONS, python_rates  # noqa: E402
 from peers.problem import Problem  # noqa: E402
 from peers.scene import SceneError, pose, read_scene  # noqa: E402
@@ -129,6 +132,13 @@ class EquationsTest(PeersCase):
         self.assertFalse(problem.is_symmetric)
         self.check(problem, 1, 16)
 
+    def test_symmetry_is_not_used(self) -> None:
+        """A symmetric top as any other body has one form of equations, with the same end."""
+        problem = self.pose(self.put())
+        general = dataclasses.replace(problem, general=True)
+        self.assertFalse(general.is_symmetric)
+        self.check(general, 1, 16)
+
     def test_sweep(self) -> None:
         """A sweep is no problem."""
         with self.assertRaisesRegex(SceneError, "sweep"):
@@ -204,6 +214,61 @@ class CrewTest(PeersCase):
         self.assertEqual((trial.status, trial.remark, trial.answer), ("failed", "a pole", {}))
 
 
+class BatchTest(PeersCase):
+    """Many bodies at once."""
+
+    def work(self, name: str) -> None:
+        """A peer's ends of a few bodies are those of spintop in quadruple precision."""
+        worker = crew.Worker(name)
+        self.addCleanup(worker.stop)
+        if absence := worker.absence():
+            self.skipTest(absence)
+        right = bodies.run_reference(self.folder, "1", 2500)
+        self.assertEqual(len(right), 4)
+        for method in worker.peer.BATCHES:
+            question = {"t_end": 1.0, "every": 2500, "method": method, "setting": 1e-12}
+            answer = worker.ask({"batch": question}, 300)
+            self.assertNotIn("failure", answer)
+            self.assertLess(bodies.judge(answer["ends"], right).largest, 1e-9)
+            self.assertGreater(answer["time_s"], 0)
+
+    def test_odeint(self) -> None:
+        """Boost.odeint, sixteen bodies as one system, where it is there."""
+        self.work("odeint")
+
+    def test_heyoka(self) -> None:
+        """heyoka, a vector of bodies at once, where it is there."""
+        self.work("heyoka")
+
+    def test_own_lanes(self) -> None:
+        """The lanes of spintop, judged in the same way."""
+        right = bodies.run_reference(self.folder, "1", 2500)
+        scene = bodies.write_scene(self.folder, "few_bodies", 2500)
+        angles, seconds = bodies.run(scene, 1, "1", "1e-12")
+        errors = bodies.judge(list(map(bodies.quaternion_of, angles)), right)
+        self.assertLess(errors.largest, 1e-9)
+        self.assertLessEqual(errors.median, errors.most)
+        self.assertGreater(seconds, 0)
+
+    def test_summary(self) -> None:
+        """At an error a program has the rate of its fastest setting that is good enough."""
+        columns = ["problem", "program", "method", "tolerance", "median", "most", "largest"]
+        rows = pd.DataFrame(
+            [
+                ["bodies", "spintop", "lanes", 1e-11, 1e-12, 9e-9, 1e-7, 0.1, 1e5],
+                ["bodies", "spintop", "lanes", 1e-12, 1e-13, 9e-11, 1e-8, 0.2, 5e4],
+                ["bodies", "heyoka", "heyoka_8", 1e-11, 1e-12, 8e-11, 1e-8, 0.25, 4e4],
+                ["bodies_short", "heyoka", "heyoka_8", 1e-11, 1e-12, 1e-9, 1e-8, 0.25, 4e4],
+            ],
+            columns=[*columns, "time_s", "cases_per_s"],
+        )
+        lines = batch.summarise_batches(rows).splitlines()[2:]
+        none = batch.NONE
+        expected = [["100,000", "40,000", "2.50 |"], ["50,000", "40,000", "1.25 |"]]
+        expected += [[none, none, f"{none} |"]]
+        self.assertEqual([line.split(" | ")[1:] for line in lines], expected)
+
+
 class ScriptTest(PeersCase):
     """Runs the script."""
 
@@ -250,7 +315,8 @@ class ScriptTest(PeersCase):
         """An error has a message of one line, and nothing is written."""
         for arguments, message in (
             (["--peers", "scipi"], "there is no peer scipi; there are scipy, heyoka"),
-            (["--set", "span.t_end=1"], "--set needs an input"),
+            (["--set", "span.t_end=1"], "--set and --general need an input"),
+            (["--batch", self.put()], "--batch takes no input"),
             ([ROOT / "input/map_spin_tilt.nml"], "has a sweep"),
             ([self.folder / "missing.nml"], "missing.nml"),
         ):

@@ -8,7 +8,7 @@
 !>     call team%compute(job, table)               ! in all ranks; in the writer the table is then written
 module spintop_sweep_team
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_clock, only: pause_for, seconds
+    use spintop_clock, only: pause_for, processor_seconds, seconds
     use spintop_errors, only: error_t
     use spintop_job, only: job_t
     use spintop_journal, only: journal_entry_t
@@ -158,9 +158,9 @@ contains
             end if
             start = self%cases(1) + (number - 1) * cases_of_block
             call worker%compute_rows(job, start, min(start + cases_of_block - 1, self%cases(2)), rows)
-            moment = seconds()
+            moment = processor_seconds()
             call table%format(rows)
-            formatting = formatting + (seconds() - moment)
+            formatting = formatting + (processor_seconds() - moment)
         end do
         !$omp critical (queue)
         self%active = self%active - 1

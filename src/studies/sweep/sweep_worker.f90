@@ -1,7 +1,7 @@
 !> The work of one thread in a sweep: makes cases, computes them, and fills their rows.
 module spintop_sweep_worker
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_clock, only: seconds
+    use spintop_clock, only: seconds => processor_seconds
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_case, only: attitude_parameters, case_t, kept_parts_t, make_case

@@ -102,6 +102,10 @@ contains
             error = input_error(name_of_text // ': the input of a top is that of a trajectory without events')
             return
         end if
+        if (prepared%job%sensitivities%count > 0) then
+            error = input_error(name_of_text // ': output.columns: a top has no derivatives; run the input')
+            return
+        end if
         top%case = prepared%job%case
         top%plan = prepared%job%plan
         allocate (known, source=trajectory_columns())

@@ -28,6 +28,8 @@ module spintop_scene
     !> lists would make scenes too large for small stacks.)
     integer, parameter :: max_axes = 16, max_grid_axes = 4, max_axis_values = 1000
     integer, parameter :: word = 32, line = 256
+    !> Maximum length of the name of a column, such as a derivative `COLUMN__KEY`.
+    integer, parameter :: column_length = 56
     !> Maximum number of quantities over which statistics have bins.
     integer, parameter :: max_over = 2
     !> Maximum length of the text of an event.
@@ -86,7 +88,7 @@ module spintop_scene
         character(word) :: project = projection_names(project_nothing)
         ! &output
         character(line) :: file = ''
-        character(word) :: columns(64) = ''
+        character(column_length) :: columns(64) = ''
         character(word) :: format = 'csv'
         integer :: compression = unset_integer
         character(event_length) :: events(32) = ''
@@ -111,7 +113,7 @@ module spintop_scene
         character(line) :: sweep_table = ''
         character(checksum_width) :: sweep_table_checksum = ''
         ! &statistics
-        character(word) :: statistics_columns(64) = ''
+        character(column_length) :: statistics_columns(64) = ''
         character(word) :: over(max_over) = ''
         integer :: bins(max_over) = unset_integer
         real(dp) :: bins_from(max_over) = unset
@@ -264,7 +266,7 @@ contains
         type(parameter_table_t), intent(inout) :: table
 
         call table%add('output.file', scene%file, what='name of the table (default: that of the input)')
-        call table%add('output.columns', scene%columns, what='columns of the table, or all')
+        call table%add('output.columns', scene%columns, what='columns of the table, or all; also derivatives COLUMN__KEY')
         call table%add('output.format', scene%format, 'csv|netcdf', &
                        'format of the table; netcdf: sweeps and trajectories, in builds with NetCDF')
         call table%add('output.compression', scene%compression, '', '[0, 9]', &

@@ -4,6 +4,7 @@ module spintop_column_choice
     use spintop_job, only: job_t
     use spintop_kinds, only: degree
     use spintop_problems, only: problems_t
+    use spintop_sensitivity, only: is_sensitivity, split_name
     use spintop_studies, only: list_studies, study_entry_t
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: place_of, proof_group, study_column_t
@@ -22,7 +23,7 @@ contains
     !> columns of the study; problems are reported.
     subroutine choose_columns(study, job, problems)
         class(study_t), intent(in) :: study !! the kind of study
-        type(job_t), intent(inout) :: job !! with a plan
+        type(job_t), target, intent(inout) :: job !! with a plan
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(study_info_t) :: info
         type(study_column_t), allocatable :: known(:)
@@ -56,7 +57,11 @@ contains
             else
                 columns = [integer ::]
                 do i = 1, size(named)
-                    if (named(i) /= '') call take_column(study, job, known, i, columns, problems)
+                    if (is_sensitivity(named(i))) then
+                        call take_sensitivity(study, job, known, i, problems)
+                    else if (named(i) /= '') then
+                        call take_column(study, job, known, i, columns, problems)
+                    end if
                 end do
             end if
         end associate
@@ -105,6 +110,38 @@ contains
             columns = [columns, place]
         end if
     end subroutine take_column
+
+    !> Adds the derivative of a column that element `i` of the list in the scene names.
+    subroutine take_sensitivity(study, job, known, i, problems)
+        class(study_t), intent(in) :: study
+        type(job_t), target, intent(inout) :: job
+        type(study_column_t), intent(in) :: known(:) !! all columns of the study
+        integer, intent(in) :: i
+        type(problems_t), intent(inout) :: problems
+        character(:), allocatable :: column, name_of_key, key, problem, hint
+        integer :: place, place_of_key
+        logical :: is_new
+
+        key = 'output.columns(' // to_text(i) // ')'
+        call split_name(trim(job%scene%columns(i)), column, name_of_key)
+        place = place_of(known, column)
+        if (place == 0) then
+            call refuse_unknown(study, known, key, column, problems)
+        else if (.not. study%has_sensitivity(place)) then
+            call problems%add(key, "column '" // column // "' has no derivatives", 'name a column of numbers')
+            place = 0
+        else if (.not. problems%any()) then
+            if (.not. study%has_column(job%case, place)) then
+                call problems%add(key, "column '" // column // "' needs the exact solution, which this body does not have", &
+                                  'omit its derivative')
+            end if
+        end if
+        call job%sensitivities%find_key(name_of_key, job%scene, job%table, job%axes, place_of_key, problem, hint)
+        if (problem /= '') call problems%add(key, problem, hint)
+        if (place == 0 .or. place_of_key == 0) return
+        call job%sensitivities%add(place, known(place), place_of_key, is_new)
+        if (.not. is_new) call problems%add(key, "column '" // trim(job%scene%columns(i)) // "' is named twice", 'name it once')
+    end subroutine take_sensitivity
 
     !> Reports an unknown column: the study that has it, its unit, or a similar name.
     subroutine refuse_unknown(study, known, key, name, problems)

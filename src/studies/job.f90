@@ -15,6 +15,7 @@ module spintop_job
     use spintop_plan, only: plan_t
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
+    use spintop_sensitivity, only: sensitivities_t
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_sweep_axes, only: axes_t, swept_scene_t
     use spintop_table_column, only: column_t
@@ -46,6 +47,8 @@ module spintop_job
         type(given_axis_t), allocatable :: given(:)
         !> Indices of the selected columns in the list of all columns of the study.
         integer, allocatable :: columns(:)
+        !> Derivatives of columns, which follow those columns in the table.
+        type(sensitivities_t) :: sensitivities
         !> Events to search for.
         type(column_event_t), allocatable :: events(:)
         !> Number of the event that ends the motion, among those that may end it.

@@ -50,6 +50,7 @@ module spintop_study
         procedure(run_i), deferred :: run
         procedure :: default_columns
         procedure :: has_column
+        procedure :: has_sensitivity
         procedure :: complete
         procedure :: remark
         procedure :: forecast
@@ -123,6 +124,15 @@ contains
         end associate
         has_column = .true.
     end function has_column
+
+    !> Whether a column has derivatives with respect to numbers of the input; none unless the kind overrides this.
+    logical function has_sensitivity(self, place)
+        class(study_t), intent(in) :: self
+        integer, intent(in) :: place !! index of the column in the list of all columns
+        associate (unused => self, also_unused => place)
+        end associate
+        has_sensitivity = .false.
+    end function has_sensitivity
 
     !> Completes a job whose columns are chosen; nothing is left to do unless the kind overrides this.
     subroutine complete(self, job, problems)

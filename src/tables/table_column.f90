@@ -13,7 +13,7 @@ module spintop_table_column
     !> A column: its name, unit and meaning.
     type :: column_t
         character(64) :: name = ''
-        character(16) :: unit = ''
+        character(32) :: unit = ''
         character(160) :: what = ''
     end type column_t
 

@@ -12,6 +12,7 @@ module spintop_sweep_forecast
     use spintop_summary, only: rounded, summary_t
     use spintop_sweep_table, only: cells_of_row, describe_table
     use spintop_sweep_team, only: blocks_ahead
+    use spintop_sweep_sensitivities, only: sweep_sensitivities_t
     use spintop_sweep_worker, only: size_of_block, sweep_worker_t
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words
     use spintop_text, only: to_text
@@ -79,13 +80,15 @@ contains
         class(row_table_t), intent(in) :: table
         type(sample_t), intent(out) :: sample
         type(sweep_worker_t), allocatable, target :: worker
+        type(sweep_sensitivities_t), allocatable, target :: sensitivities
         type(row_block_t) :: rows
         integer(int64) :: begin
         integer :: place, last_place, width
         real(dp) :: began
 
-        allocate (worker)
+        allocate (worker, sensitivities)
         call worker%prepare(job)
+        call sensitivities%prepare(job)
         width = int(min(cases, int(min(cases_at_place, size_of_block(job)), int64)))
         last_place = int(min(int(places, int64), (cases - 1) / width + 1))
         ! The first time also pays for what later ones find done.
@@ -93,6 +96,7 @@ contains
             begin = first + nint(real(cases - width, dp) * max(place - 1, 0) / max(last_place - 1, 1), int64)
             began = seconds()
             call worker%compute_rows(job, begin, begin + width - 1, rows)
+            call sensitivities%fill(job, rows)
             if (place == 0 .and. seconds() - began < long_enough / places) cycle
             sample%bytes = sample%bytes + bytes_of(rows, table)
             sample%time = sample%time + (seconds() - began)

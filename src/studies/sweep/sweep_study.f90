@@ -22,7 +22,7 @@ module spintop_sweep_study
     use spintop_statistics_choice, only: choose_statistics
     use spintop_status, only: status_at_rest, last_status, status_meaning, status_name, status_ok
     use spintop_study, only: study_info_t, study_t
-    use spintop_study_column, only: study_column_t
+    use spintop_study_column, only: proof_group, study_column_t
     use spintop_summary, only: rounded, summary_t
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_columns, only: sweep_columns, sweep_work_t, work_for
@@ -47,6 +47,7 @@ module spintop_sweep_study
         procedure :: explain
         procedure :: run
         procedure :: default_columns
+        procedure :: has_sensitivity
         procedure :: complete
         procedure :: remark
         procedure :: forecast
@@ -88,6 +89,17 @@ contains
         if (.not. problems%any()) call make_plan(first, job%case, job%plan, problems)
         call job%warn_of_bodies(problems)
     end subroutine check
+
+    !> Numbers have derivatives, words do not.
+    logical function has_sensitivity(self, place)
+        class(sweep_study_t), intent(in) :: self
+        integer, intent(in) :: place !! index of the column in the list of all columns
+        type(sweep_column_t), allocatable :: known(:)
+        associate (unused => self)
+        end associate
+        allocate (known, source=sweep_columns())
+        has_sensitivity = .not. known(place)%is_class .and. known(place)%group /= proof_group
+    end function has_sensitivity
 
     !> Number of cases.
     function explain(self, job) result(phrase)

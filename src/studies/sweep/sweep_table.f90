@@ -206,6 +206,7 @@ contains
                 if (quantity%is_proof) call take_words(proof_words, column)
             end associate
         end do
+        columns(size(columns) - 2 * job%sensitivities%count:size(columns) - 1)%column_t = job%sensitivities%table_columns()
         columns(size(columns)) = table_column_t('notes', '', 'reasons why quantities do not exist', column_of_notes)
         call take_words(note_names, columns(size(columns)))
     end subroutine describe_columns
@@ -220,10 +221,10 @@ contains
         end do
     end subroutine take_words
 
-    !> Cells of a row: number of the case, swept parameters, status, quantities, notes.
+    !> Cells of a row: number of the case, swept parameters, status, quantities, sensitivities, notes.
     pure integer function cells_of_row(job) result(cells)
         type(job_t), intent(in) :: job !! the job
-        cells = size(job%axes%axis) + size(job%columns) + 3
+        cells = size(job%axes%axis) + size(job%columns) + 2 * job%sensitivities%count + 3
     end function cells_of_row
 
     !> Adds the rows of cases to a block. What a case does not have is a NaN with a note; what overflowed is a

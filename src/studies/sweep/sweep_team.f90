@@ -19,6 +19,7 @@ module spintop_sweep_team
     use spintop_row_block, only: row_block_t
     use spintop_row_queue, only: none_left, retry_later, row_queue_t
     use spintop_row_table, only: row_table_t
+    use spintop_sweep_sensitivities, only: sweep_sensitivities_t
     use spintop_sweep_worker, only: size_of_block, sweep_worker_t
     use spintop_text, only: to_text
     !$ use omp_lib, only: omp_get_max_threads, omp_get_num_threads, omp_get_thread_num
@@ -131,17 +132,19 @@ contains
         type(job_t), target, intent(in) :: job
         class(row_table_t), intent(inout) :: table
         type(sweep_worker_t), allocatable, target :: worker
+        type(sweep_sensitivities_t), allocatable, target :: sensitivities
         type(row_block_t) :: rows
         integer(int64) :: number, start
         integer :: cases_of_block
         real(dp) :: moment, formatting
 
         cases_of_block = size_of_block(job)
-        allocate (worker)
+        allocate (worker, sensitivities)
         ! Only one thread at a time: gfortran keeps the length of the result of a text function in static
         ! memory at the call (seen in 12 and 14), and this creates many texts.
         !$omp critical (texts)
         call worker%prepare(job)
+        call sensitivities%prepare(job)
         !$omp end critical (texts)
         formatting = 0
         number = retry_later
@@ -158,6 +161,9 @@ contains
             end if
             start = self%cases(1) + (number - 1) * cases_of_block
             call worker%compute_rows(job, start, min(start + cases_of_block - 1, self%cases(2)), rows)
+            moment = processor_seconds()
+            call sensitivities%fill(job, rows)
+            worker%computing = worker%computing + (processor_seconds() - moment)
             moment = processor_seconds()
             call table%format(rows)
             formatting = formatting + (processor_seconds() - moment)

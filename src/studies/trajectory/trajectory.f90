@@ -5,50 +5,24 @@ module spintop_trajectory
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
     use spintop_errors, only: error_t, exit_internal
-    use spintop_event_recorder, only: event_recorder_t, event_columns, exact_path_t
+    use spintop_event_recorder, only: event_recorder_t, event_columns
     use spintop_exact_cost, only: measure_exact_cost
-    use spintop_formulation, only: formulation_t, max_states
-    use spintop_integration, only: integrate, observer_t, outcome_t
+    use spintop_integration, only: outcome_t
     use spintop_job, only: job_t
-    use spintop_motion_table, only: motion_table_t
-    use spintop_motion, only: motion_t
+    use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_options, only: options_t
-    use spintop_plan, only: plan_t, sample_time
+    use spintop_plan, only: sample_time
     use spintop_plain_text, only: escaped
-    use spintop_progress, only: progress_t
-    use spintop_row_maker, only: row_maker_t
-    use spintop_status, only: is_good_end, status_at_rest, status_ok, status_non_finite, status_step_limit, &
-        status_too_many_events, status_name, status_meaning
-    use spintop_stepper, only: looks_per_step
+    use spintop_status, only: is_good_end, status_at_rest, status_ok, status_name, status_meaning
     use spintop_study_head, only: study_head
     use spintop_summary, only: summary_t, decimal, rounded
     use spintop_text, only: to_text, string_t
     use spintop_trajectory_column, only: trajectory_column_t
     use spintop_trajectory_columns, only: trajectory_columns
+    use spintop_trajectory_sensitivities, only: find_sensitivities
     implicit none
     private
     public :: run_trajectory
-
-    !> Writes a row for each motion.
-    type, extends(observer_t) :: writer_t
-        type(row_maker_t) :: columns
-        type(trajectory_column_t), allocatable :: chosen(:)
-        type(motion_table_t) :: table
-        type(progress_t) :: progress
-        real(dp) :: t_end = 0
-        !> Time after which no row is written, s.
-        real(dp) :: t_stop = huge(1.0_dp)
-        !> Number of rows of the whole table.
-        integer(int64) :: total = 0
-        integer :: rows = 0
-        !> Whether a value of a motion overflowed or is NaN, and the time, s.
-        logical :: is_undefined = .false.
-        real(dp) :: t_undefined = 0
-        type(error_t), allocatable :: error
-    contains
-        procedure :: observe
-        procedure :: write_row
-    end type writer_t
 
 contains
 
@@ -65,19 +39,23 @@ contains
         type(outcome_t) :: outcome
         real(dp), allocatable :: times(:)
         real(dp) :: began, elapsed
+        integer :: missing
 
         status = status_ok
+        missing = 0
         call take_times(job, times, error)
         if (allocated(error)) return
         call begin_tables(job, options, writer, watch, error)
         if (allocated(error)) return
         began = seconds()
-        call compute_motion(job, times, writer, outcome, watch)
+        call compute_motion(job%scene, job%case, job%plan, times, writer, outcome, watch)
+        if (allocated(writer%kept)) call add_sensitivities(job, writer, missing)
         elapsed = seconds() - began
         status = outcome%status
         call finish_tables(job, outcome, writer, watch, error)
         if (allocated(error)) return
         call describe_run(job, writer%rows, outcome, elapsed, watch, summary)
+        if (missing > 0) call summary%add('note', to_text(missing) // ' derivatives do not converge: they are nan')
         if (writer%columns%proof_summary() /= '') call summary%add('proof', writer%columns%proof_summary())
         call writer%columns%close()
     end subroutine run_trajectory
@@ -91,59 +69,83 @@ contains
         type(event_recorder_t), allocatable, intent(out) :: watch
         type(error_t), allocatable, intent(out) :: error
 
-        writer%t_end = job%case%t_end
+        type(trajectory_column_t), allocatable :: columns(:), derivatives(:), all_columns(:)
+
         writer%total = job%plan%samples
-        call chosen_columns(job, writer%chosen)
-        associate (columns => writer%chosen)
-            writer%counts_turns = any(columns%name == 'phi' .or. columns%name == 'psi')
-            writer%wants_work = any(columns%needs_work)
-            call writer%progress%start(job%name, 'rows', writer%total, options%quiet, options%progress)
-            call writer%columns%set(columns, job%case, job%scene)
-            call writer%table%describe(job, columns)
-            call writer%table%create(error)
+        call chosen_columns(job%columns, columns)
+        call sensitivity_columns(job, derivatives)
+        all_columns = [columns, derivatives]
+        if (job%sensitivities%count == 0) then
+            call writer%take_columns(columns, job%case, job%scene)
+        else
+            call keep_rows(job, columns, writer, error)
             if (allocated(error)) return
-            if (size(job%events) > 0) then
-                allocate (watch)
-                call watch%set(job%events, job%stop_after, job%case)
-            end if
-            if (job%event_output == '') return
-            call watch%open_table(job%event_output, study_head(job, [event_columns, columns%column_t]), columns, &
-                                  job%case, job%scene, error)
-        end associate
+        end if
+        call writer%progress%start(job%name, 'rows', writer%total, options%quiet, options%progress)
+        call writer%table%describe(job, all_columns)
+        call writer%table%create(error)
+        if (allocated(error)) return
+        if (size(job%events) > 0) then
+            allocate (watch)
+            call watch%set(job%events, job%stop_after, job%case)
+        end if
+        if (job%event_output == '') return
+        call watch%open_table(job%event_output, study_head(job, [event_columns, columns%column_t]), columns, &
+                              job%case, job%scene, error)
         if (allocated(error)) call writer%table%discard()
     end subroutine begin_tables
 
-    !> The columns of the table.
-    subroutine chosen_columns(job, chosen)
-        type(job_t), intent(in) :: job
+    !> Columns by their indices in the list of all columns.
+    subroutine chosen_columns(places, chosen)
+        integer, intent(in) :: places(:)
         type(trajectory_column_t), allocatable, intent(out) :: chosen(:)
         type(trajectory_column_t), allocatable :: known(:)
         allocate (known, source=trajectory_columns())
-        allocate (chosen, source=known(job%columns))
+        allocate (chosen, source=known(places))
     end subroutine chosen_columns
 
-    !> Computes the motion, in closed form or step by step, up to the event that ends it.
-    subroutine compute_motion(job, times, writer, outcome, watch)
-        type(job_t), intent(inout) :: job
-        real(dp), intent(inout) :: times(:) !! times of the rows
-        type(writer_t), intent(inout) :: writer
-        type(outcome_t), intent(out) :: outcome
-        type(event_recorder_t), allocatable, intent(inout) :: watch
+    !> The columns of derivatives and their errors, which are described only: their values are not those of a motion.
+    subroutine sensitivity_columns(job, columns)
+        type(job_t), intent(in) :: job
+        type(trajectory_column_t), allocatable, intent(out) :: columns(:)
+        allocate (columns(2 * job%sensitivities%count))
+        columns%column_t = job%sensitivities%table_columns()
+    end subroutine sensitivity_columns
 
-        associate (case => job%case, plan => job%plan)
-            if (plan%exact) then
-                call sample_exactly(case, plan, writer, outcome, watch)
-            else
-                call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, &
-                               times, writer, outcome, watch)
-                if (allocated(watch)) then
-                    if (watch%ended_by > 0 .and. plan%is_adaptive()) call compute_again(job, times, writer, outcome)
-                end if
-            end if
-        end associate
-        call check_values(writer, outcome)
-        call writer%progress%finish()
-    end subroutine compute_motion
+    !> Has the rows kept: the columns of the table, then those of which there are derivatives.
+    subroutine keep_rows(job, columns, writer, error)
+        type(job_t), intent(in) :: job
+        type(trajectory_column_t), intent(in) :: columns(:)
+        type(writer_t), intent(inout) :: writer
+        type(error_t), allocatable, intent(out) :: error
+        type(trajectory_column_t), allocatable :: more(:), needed(:)
+        integer :: status
+
+        call chosen_columns(job%sensitivities%columns(), more)
+        needed = [columns, more]
+        call writer%take_columns(needed, job%case, job%scene)
+        allocate (writer%kept(size(needed), job%plan%samples), stat=status)
+        if (status /= 0) error = error_t(exit_internal, escaped(job%input) // ': not enough memory for ' &
+                                         // to_text(job%plan%samples) // ' rows; use fewer span.samples')
+    end subroutine keep_rows
+
+    !> Computes the sensitivities in the kept rows, and writes these; `missing` is the number of those that do not exist.
+    subroutine add_sensitivities(job, writer, missing)
+        type(job_t), target, intent(in) :: job
+        type(writer_t), intent(inout) :: writer
+        integer, intent(out) :: missing
+        real(dp), allocatable :: cells(:, :)
+        integer :: n, i
+
+        n = size(job%columns)
+        allocate (cells(2 * job%sensitivities%count, writer%rows))
+        call find_sensitivities(job, writer%chosen(n + 1:), writer%kept(n + 1:, :writer%rows), cells, writer%error)
+        missing = count(.not. abs(cells(1::2, :)) <= huge(1.0_dp))
+        do i = 1, writer%rows
+            if (allocated(writer%error)) return
+            call writer%table%add_row([writer%kept(:n, i), cells(:, i)], writer%error)
+        end do
+    end subroutine add_sensitivities
 
     !> Finishes the tables with a line on how the motion ended; after an error they are discarded.
     subroutine finish_tables(job, outcome, writer, watch, error)
@@ -215,46 +217,6 @@ contains
         end do
     end subroutine take_times
 
-    !> Computes a motion that an event ended once more, in the same steps, up to there: its rows are spread
-    !> over what was run, and the last is the motion at the event. Both computations share the work of the case.
-    subroutine compute_again(job, times, writer, outcome)
-        type(job_t), intent(inout) :: job
-        real(dp), intent(inout) :: times(:) !! instants of the rows
-        type(writer_t), intent(inout) :: writer
-        type(outcome_t), intent(inout) :: outcome
-        type(outcome_t) :: first
-        integer :: i
-
-        if (writer%has_enough) return
-        first = outcome
-        call writer%table%discard()
-        call writer%table%create(writer%error)
-        if (allocated(writer%error)) return
-        writer%rows = 0
-        call writer%columns%set(writer%chosen, job%case, job%scene)
-        do i = 1, size(times)
-            times(i) = sample_time(first%t, size(times), i)
-        end do
-        associate (case => job%case, plan => job%plan, max_steps => job%plan%stepper%controls%max_steps)
-            writer%t_stop = first%t
-            max_steps = max_steps - first%counts%work()
-            call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, &
-                           times, writer, outcome)
-            max_steps = max_steps + first%counts%work()
-        end associate
-        if (outcome%status == status_ok) outcome%t = first%t
-        call outcome%counts%add(first%counts)
-    end subroutine compute_again
-
-    !> Sets the status of a motion with undefined values.
-    subroutine check_values(writer, outcome)
-        type(writer_t), intent(in) :: writer
-        type(outcome_t), intent(inout) :: outcome
-        if (.not. writer%is_undefined) return
-        outcome%status = status_non_finite
-        outcome%t = writer%t_undefined
-    end subroutine check_values
-
     !> Description of the event that ended the motion.
     function what_ended(job, watch) result(text)
         type(job_t), intent(in) :: job
@@ -270,51 +232,6 @@ contains
         end if
     end function what_ended
 
-    !> The exact solution at equally spaced times, up to the event that ends the motion.
-    subroutine sample_exactly(case, plan, writer, outcome, watch)
-        type(case_t), intent(in) :: case
-        type(plan_t), intent(in) :: plan
-        type(writer_t), intent(inout) :: writer
-        type(outcome_t), intent(out) :: outcome
-        type(event_recorder_t), intent(inout), optional :: watch
-        type(exact_path_t) :: path
-        type(motion_t) :: motion
-        real(dp) :: t_end, t_known, t
-        integer :: i
-
-        call path%begin(case, looks_per_step * plan%max_steps, outcome%status)
-        if (outcome%status /= status_ok) return
-        t_end = case%t_end
-        t_known = t_end
-        if (present(watch)) then
-            call watch%begin(case%body, path%exact%at(0.0_dp))
-            call watch%look(path, t_end)
-            t_known = watch%t
-            if (watch%has_enough) then
-                t_end = watch%t
-            else if (watch%t < t_end) then
-                outcome%status = merge(status_too_many_events, status_step_limit, watch%is_full)
-            end if
-        end if
-        ! The rows have a budget of their own.
-        call path%restart(case, looks_per_step * plan%max_steps + plan%samples)
-        path%counts_turns = writer%counts_turns
-        do i = 1, plan%samples
-            t = sample_time(t_end, plan%samples, i)
-            if (outcome%status /= status_ok .and. t > t_known) exit
-            call path%at(t, motion)
-            if (path%is_spent()) then
-                outcome%status = status_step_limit
-                t_known = outcome%t
-                exit
-            end if
-            call writer%write_row(motion)
-            if (writer%has_enough) exit
-            outcome%t = t
-        end do
-        if (outcome%status /= status_ok) outcome%t = t_known
-    end subroutine sample_exactly
-
     !> How a motion ended, and when if it is not complete.
     function ending_of(outcome) result(text)
         type(outcome_t), intent(in) :: outcome
@@ -329,30 +246,5 @@ contains
         end_time = outcome%t
         if (outcome%status == status_at_rest) end_time = outcome%t_stuck
     end function end_time
-
-    !> Writes the row of a state of a formulation.
-    subroutine observe(self, formulation, t, y, near)
-        class(writer_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
-        real(dp), intent(in) :: t, y(max_states), near(3)
-        call self%write_row(formulation%motion(t, y, near))
-    end subroutine observe
-
-    !> Writes the row of a motion.
-    subroutine write_row(self, motion)
-        class(writer_t), intent(inout) :: self
-        type(motion_t), intent(in) :: motion
-        if (self%has_enough) return
-        associate (values => self%columns%row(motion, self%rows == 0, self%work))
-            self%is_undefined = .not. self%columns%is_defined(values)
-            self%t_undefined = motion%t
-            self%has_enough = self%is_undefined
-            if (self%is_undefined) return
-            self%rows = self%rows + 1
-            call self%table%add_row(values, self%error)
-        end associate
-        self%has_enough = allocated(self%error) .or. motion%t >= self%t_stop
-        call self%progress%update(int(motion%t / self%t_end * self%total, int64))
-    end subroutine write_row
 
 end module spintop_trajectory

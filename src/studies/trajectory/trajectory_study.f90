@@ -11,7 +11,7 @@ module spintop_trajectory_study
     use spintop_scene_words, only: kind_trajectory, study_kinds
     use spintop_status, only: is_good_end
     use spintop_study, only: study_info_t, study_t
-    use spintop_study_column, only: study_column_t
+    use spintop_study_column, only: proof_group, study_column_t
     use spintop_summary, only: summary_t
     use spintop_text, only: to_text
     use spintop_trajectory, only: run_trajectory
@@ -31,6 +31,7 @@ module spintop_trajectory_study
         procedure :: run
         procedure :: default_columns
         procedure :: has_column
+        procedure :: has_sensitivity
     end type trajectory_study_t
 
 contains
@@ -101,6 +102,17 @@ contains
         places = pack([(i, i=1, size(known))], known%is_default)
         places = pack(places, [(self%has_column(case, places(i)), i=1, size(places))])
     end function default_columns
+
+    !> Bounds and what is proved have no derivatives.
+    logical function has_sensitivity(self, place)
+        class(trajectory_study_t), intent(in) :: self
+        integer, intent(in) :: place !! index of the column in the list of all columns
+        type(trajectory_column_t), allocatable :: known(:)
+        associate (unused => self)
+        end associate
+        allocate (known, source=trajectory_columns())
+        has_sensitivity = known(place)%group /= proof_group
+    end function has_sensitivity
 
     !> Columns that compare with the exact solution require that it exists, those of work that there are effects.
     logical function has_column(self, case, place)

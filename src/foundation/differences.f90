@@ -1,0 +1,155 @@
+!> Derivatives of computed quantities by central differences of many step sizes, extrapolated to none (Richardson,
+!> Ridders 1982), with an estimate of their error. A quantity need not be known as a formula: it is computed at the
+!> nodes of a number, and may fail at some of them.
+!>
+!>     nodes = nodes_around(x, ...)                          ! once per number
+!>     values(i) = f(nodes%x(i))                             ! for each node that is valid
+!>     call nodes%differentiate(values, derivative, error)   ! both NaN where there is no derivative
+module spintop_differences
+    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, nan => no_number
+    implicit none
+    private
+    public :: nodes_t, node_count, nodes_around
+
+    !> Number of step sizes, each a quarter of the one before, and the first, in units of the scale of the number.
+    integer, parameter :: rows = 12
+    real(dp), parameter :: ratio = 4, first_step = 0.02_dp
+    !> Nodes of a number: itself, those above, those below.
+    integer, parameter :: node_count = 1 + 2 * rows
+    integer, parameter :: centre = 1, first_above = 2, first_below = 2 + rows
+    !> Largest relative error of a derivative, and the largest in units of the rounding error of its difference: what
+    !> has not converged to either is no derivative.
+    real(dp), parameter :: largest_error = 1.0e-3_dp, largest_noise = 1.0e6_dp
+    !> Factor of the estimates, which see the rounding errors of few values.
+    real(dp), parameter :: safety = 4
+
+    !> The nodes of a number.
+    type :: nodes_t
+        !> The number, and the values around it. Those that are not valid are the number itself.
+        real(dp) :: x(node_count) = 0
+        logical :: is_valid(node_count) = .false.
+    contains
+        procedure :: differentiate
+    end type nodes_t
+
+    abstract interface
+        !> Whether a number is in the domain.
+        logical function accepts_i(x)
+            import :: dp
+            implicit none
+            real(dp), intent(in) :: x
+        end function accepts_i
+    end interface
+
+contains
+
+    !> The nodes around a number. The steps are in proportion to a number whose sign cannot change; to others, if they
+    !> are small, in proportion to 1.
+    type(nodes_t) function nodes_around(x, accepts) result(nodes)
+        real(dp), intent(in) :: x !! the number
+        procedure(accepts_i) :: accepts !! whether a number is in the domain
+        real(dp) :: step
+        integer :: i
+
+        nodes%x = x
+        nodes%is_valid(centre) = .true.
+        step = abs(x)
+        if (.not. step > 0 .or. accepts(-x)) step = max(step, 1.0_dp)
+        step = first_step * step
+        do i = 0, rows - 1
+            call add(first_above + i, x + step)
+            call add(first_below + i, x - step)
+            step = step / ratio
+        end do
+
+    contains
+
+        !> Adds a node, if it is in the domain and different.
+        subroutine add(place, value)
+            integer, intent(in) :: place
+            real(dp), intent(in) :: value
+            nodes%is_valid(place) = accepts(value) .and. abs(value - x) > 0
+            if (nodes%is_valid(place)) nodes%x(place) = value
+        end subroutine add
+
+    end function nodes_around
+
+    !> The derivative at the number, and the estimate of its error. Both are NaN where the differences do not converge, as
+    !> at a jump, a kink or an end of what the quantity is defined for. At an end of the domain it is that of the one side.
+    pure subroutine differentiate(self, values, derivative, error)
+        class(nodes_t), intent(in) :: self
+        real(dp), intent(in) :: values(node_count) !! of the quantity at the nodes; NaN where it has none
+        real(dp), intent(out) :: derivative !! per unit of the number
+        real(dp), intent(out) :: error !! the estimate of its error
+        real(dp) :: table(rows, 0:rows - 1), noise(rows), bend(rows), factor, estimate
+        logical :: is_known(node_count)
+        integer :: above, below, first, best, i, k
+
+        derivative = nan
+        error = nan
+        is_known = self%is_valid .and. is_finite(values)
+        call find_sides(self%is_valid, above, below)
+        factor = ratio**2
+        if (above == centre .or. below == centre) factor = ratio
+        first = rows + 1
+        best = 0
+        do i = rows, 1, -1
+            if (.not. all(is_known([node(above, i), node(below, i), centre]))) exit
+            first = i
+        end do
+        do i = first, rows
+            associate (up => node(above, i), down => node(below, i))
+                associate (width => self%x(up) - self%x(down))
+                    table(i, 0) = (values(up) - values(down)) / width
+                    noise(i) = 2 * epsilon(1.0_dp) * maxval(abs(values([up, down, centre]))) / width
+                    bend(i) = (values(up) - values(centre) + (values(down) - values(centre))) / width
+                end associate
+            end associate
+            do k = 1, i - first
+                table(i, k) = table(i, k - 1) + (table(i, k - 1) - table(i - 1, k - 1)) / (factor**k - 1)
+                estimate = max(abs(table(i, k) - table(i, k - 1)), abs(table(i, k) - table(i - 1, k - 1)))
+                estimate = safety * (estimate + noise(i))
+                if (estimate >= error) cycle ! false for NaN
+                derivative = table(i, k)
+                error = estimate
+                best = i
+            end do
+        end do
+        if (best == 0) return
+        if (error <= largest_error * abs(derivative) + largest_noise * noise(best) .and. &
+            .not. (factor > ratio .and. has_kink(bend(best - 1:), noise(best - 1:)))) return
+        derivative = nan
+        error = nan
+    end subroutine differentiate
+
+    !> The first nodes of the differences: those above and below, or the number itself where one side is outside the
+    !> domain down to the smallest step.
+    pure subroutine find_sides(is_valid, above, below)
+        logical, intent(in) :: is_valid(node_count)
+        integer, intent(out) :: above, below
+        above = first_above
+        below = first_below
+        if (.not. is_valid(first_above + rows - 1)) above = centre
+        if (.not. is_valid(first_below + rows - 1)) below = centre
+    end subroutine find_sides
+
+    !> The node of a step size on one side.
+    pure integer function node(side, i)
+        integer, intent(in) :: side, i
+        node = side
+        if (side /= centre) node = side + i - 1
+    end function node
+
+    !> Whether the slopes of both sides differ, from second differences over the step: those of a smooth quantity are
+    !> quartered with the step, and those of a kink are not.
+    pure logical function has_kink(bend, noise)
+        real(dp), intent(in) :: bend(:), noise(:) !! from the step before that of the derivative
+        integer :: i
+        has_kink = .true.
+        do i = 2, min(3, size(bend))
+            has_kink = has_kink .and. abs(bend(i)) > max(abs(bend(i - 1)) / 2, largest_noise * noise(i))
+        end do
+    end function has_kink
+
+end module spintop_differences

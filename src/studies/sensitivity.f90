@@ -1,0 +1,196 @@
+!> Sensitivities: the columns `COLUMN__KEY` of a table, each the derivative of a column with respect to a number of the
+!> input, and `COLUMN__KEY_error`, the estimate of its error.
+module spintop_sensitivity
+    use spintop_axis_entry, only: find_swept
+    use spintop_body_of_scene, only: is_set
+    use spintop_differences, only: nodes_t, nodes_around
+    use spintop_kinds, only: dp
+    use spintop_number_slot, only: number_slot_t
+    use spintop_parameters, only: parameter_table_t
+    use spintop_scene, only: scene_t
+    use spintop_sweep_axes, only: axes_t
+    use spintop_table_column, only: column_t
+    implicit none
+    private
+    public :: sensitivities_t, sensitive_key_t, sensitivity_t, is_sensitivity, split_name
+
+    !> What separates the column from the key.
+    character(*), parameter :: mark = '__'
+    !> Groups of the keys: body, effects, start, span.
+    character(*), parameter :: groups(4) = [character(8) :: 'top', 'effects', 'initial', 'span']
+
+    !> A number of the input, with respect to which derivatives are computed.
+    type :: sensitive_key_t
+        !> Its name, as `top.inertia(2)`, and its unit.
+        character(:), allocatable :: name, unit
+        !> Where its value stands in the scene.
+        type(number_slot_t) :: slot
+        !> The axis of a sweep that gives its value; 0 if the scene does.
+        integer :: axis = 0
+    contains
+        procedure :: nodes
+    end type sensitive_key_t
+
+    !> The derivative of a column.
+    type :: sensitivity_t
+        !> Index of the column in the list of all columns of the study, and of the key among those of the job.
+        integer :: column = 0, key = 0
+        !> The columns of the derivative and of its error.
+        type(column_t) :: derivative, error
+    end type sensitivity_t
+
+    !> The sensitivities of a job.
+    type :: sensitivities_t
+        integer :: count = 0
+        type(sensitivity_t), allocatable :: list(:)
+        type(sensitive_key_t), allocatable :: keys(:)
+    contains
+        procedure :: find_key
+        procedure :: add
+        procedure :: columns
+        procedure :: table_columns
+    end type sensitivities_t
+
+contains
+
+    !> Whether the name of a column is that of a sensitivity.
+    pure logical function is_sensitivity(name)
+        character(*), intent(in) :: name !! name of a column
+        is_sensitivity = index(name, mark) > 0
+    end function is_sensitivity
+
+    !> The column and the key in the name of a sensitivity.
+    pure subroutine split_name(name, column, key)
+        character(*), intent(in) :: name !! `COLUMN__KEY`
+        character(:), allocatable, intent(out) :: column, key !! the parts of the name
+        column = name(:index(name, mark) - 1)
+        key = name(index(name, mark) + len(mark):)
+    end subroutine split_name
+
+    !> The index of a key, which is added if it is new; `problem` is the reason why there are no derivatives with respect to
+    !> it, or ''.
+    subroutine find_key(self, name, scene, table, axes, key, problem, hint)
+        class(sensitivities_t), intent(inout) :: self
+        character(*), intent(in) :: name !! name of the key, as `top.inertia(2)`
+        type(scene_t), target, intent(in) :: scene !! contents of the input
+        type(parameter_table_t), intent(in) :: table !! its parameters
+        type(axes_t), intent(in) :: axes !! axes of a sweep; there may be none
+        integer, intent(out) :: key !! the index; 0 if there is a problem
+        character(:), allocatable, intent(out) :: problem, hint !! what is wrong, and what to do; '' if nothing is
+        type(sensitive_key_t) :: found
+        type(sensitive_key_t), allocatable :: more(:)
+        integer :: i
+
+        key = 0
+        call find_swept(name, scene, table, found%slot, problem, hint)
+        if (problem /= '') return
+        hint = 'name a real number of &top, &initial, &effects or &span'
+        if (all(name(:index(name, '.') - 1) /= groups)) then
+            problem = name // ' is not a property of the motion'
+        else if (found%slot%is_whole()) then
+            problem = name // ' is an integer, so there is no derivative'
+        end if
+        if (problem /= '') return
+        found%name = name
+        if (allocated(axes%axis)) then
+            do i = 1, size(axes%axis)
+                if (axes%axis(i)%slot%is_same(found%slot)) found%axis = i
+            end do
+        end if
+        if (found%axis == 0 .and. .not. is_set(found%slot%get())) then
+            problem = name // ' has no value at which there could be a derivative'
+            hint = 'give ' // name // ' in the input'
+            return
+        end if
+        associate (place => table%find(name(:index(name // '(', '(') - 1)))
+            found%unit = trim(table%parameters(place)%unit)
+        end associate
+        if (.not. allocated(self%keys)) allocate (self%keys(0))
+        do key = 1, size(self%keys)
+            if (self%keys(key)%slot%is_same(found%slot)) return
+        end do
+        allocate (more(key))
+        more(:key - 1) = self%keys
+        more(key) = found
+        call move_alloc(more, self%keys)
+    end subroutine find_key
+
+    !> Adds the derivative of a column; `is_new` tells whether it was not there yet.
+    subroutine add(self, place, column, key, is_new)
+        class(sensitivities_t), intent(inout) :: self
+        integer, intent(in) :: place !! index of the column in the list of all columns of the study
+        class(column_t), intent(in) :: column !! the column
+        integer, intent(in) :: key !! index of the key
+        logical, intent(out) :: is_new !! whether it was added
+        type(sensitivity_t) :: one
+
+        if (.not. allocated(self%list)) allocate (self%list(0))
+        is_new = .not. any(self%list%column == place .and. self%list%key == key)
+        if (.not. is_new) return
+        one%column = place
+        one%key = key
+        associate (to => self%keys(key))
+            one%derivative%name = trim(column%name) // mark // to%name
+            one%derivative%unit = unit_per(trim(column%unit), to%unit)
+            one%derivative%what = 'derivative of ' // trim(column%name) // ' with respect to ' // to%name
+        end associate
+        one%error = one%derivative
+        one%error%name = trim(one%derivative%name) // '_error'
+        one%error%what = 'estimate of the error of ' // trim(one%derivative%name)
+        self%list = [self%list, one]
+        self%count = size(self%list)
+    end subroutine add
+
+    !> The distinct columns of which there are derivatives: indices in the list of all columns of the study.
+    pure function columns(self) result(places)
+        class(sensitivities_t), intent(in) :: self
+        integer, allocatable :: places(:)
+        integer :: i
+        allocate (places(0))
+        do i = 1, self%count
+            if (all(places /= self%list(i)%column)) places = [places, self%list(i)%column]
+        end do
+    end function columns
+
+    !> The columns of a table: each derivative, followed by its error.
+    pure function table_columns(self) result(columns)
+        class(sensitivities_t), intent(in) :: self
+        type(column_t) :: columns(2 * self%count)
+        integer :: i
+        do i = 1, self%count
+            columns(2 * i - 1) = self%list(i)%derivative
+            columns(2 * i) = self%list(i)%error
+        end do
+    end function table_columns
+
+    !> The nodes around a value of the key.
+    type(nodes_t) function nodes(self, value)
+        class(sensitive_key_t), intent(in) :: self
+        real(dp), intent(in) :: value !! the value
+        nodes = nodes_around(value, is_accepted)
+
+    contains
+
+        !> Whether the key can have a value.
+        logical function is_accepted(x)
+            real(dp), intent(in) :: x
+            is_accepted = self%slot%accepts(x)
+        end function is_accepted
+
+    end function nodes
+
+    !> The unit of a derivative.
+    pure function unit_per(above, below) result(unit)
+        character(*), intent(in) :: above, below
+        character(:), allocatable :: unit
+        unit = above
+        if (below == '') return
+        if (unit == '') unit = '1'
+        if (scan(below, ' /') > 0) then
+            unit = unit // '/(' // below // ')'
+        else
+            unit = unit // '/' // below
+        end if
+    end function unit_per
+
+end module spintop_sensitivity

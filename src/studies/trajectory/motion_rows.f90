@@ -1,0 +1,205 @@
+!> The rows of a motion: the motion is computed, in closed form or step by step, and each of its rows goes to a table,
+!> or is kept.
+module spintop_motion_rows
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_case, only: case_t
+    use spintop_errors, only: error_t
+    use spintop_event_recorder, only: event_recorder_t, exact_path_t
+    use spintop_formulation, only: formulation_t, max_states
+    use spintop_integration, only: integrate, observer_t, outcome_t
+    use spintop_kinds, only: dp
+    use spintop_motion, only: motion_t
+    use spintop_motion_table, only: motion_table_t
+    use spintop_plan, only: plan_t, sample_time
+    use spintop_progress, only: progress_t
+    use spintop_row_maker, only: row_maker_t
+    use spintop_scene, only: scene_t
+    use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_too_many_events
+    use spintop_stepper, only: looks_per_step
+    use spintop_trajectory_column, only: trajectory_column_t
+    implicit none
+    private
+    public :: writer_t, compute_motion
+
+    !> Writes a row for each motion, or keeps it.
+    type, extends(observer_t) :: writer_t
+        type(row_maker_t) :: columns
+        type(trajectory_column_t), allocatable :: chosen(:)
+        type(motion_table_t) :: table
+        !> The values of row i, where rows are kept: `kept(:, i)`. Otherwise they go to the table.
+        real(dp), allocatable :: kept(:, :)
+        type(progress_t) :: progress
+        real(dp) :: t_end = 0
+        !> Time after which no row is written, s.
+        real(dp) :: t_stop = huge(1.0_dp)
+        !> Number of rows of the whole table.
+        integer(int64) :: total = 0
+        integer :: rows = 0
+        !> Whether a value of a motion overflowed or is NaN, and the time, s.
+        logical :: is_undefined = .false.
+        real(dp) :: t_undefined = 0
+        type(error_t), allocatable :: error
+    contains
+        procedure :: observe
+        procedure :: take_columns
+        procedure, private :: write_row
+    end type writer_t
+
+contains
+
+    !> Takes the columns of the rows, and the motion of which they are.
+    subroutine take_columns(self, columns, case, scene)
+        class(writer_t), intent(inout) :: self
+        type(trajectory_column_t), intent(in) :: columns(:) !! the columns
+        type(case_t), intent(in) :: case !! body, start and span
+        type(scene_t), intent(in) :: scene !! contents of the input
+        self%chosen = columns
+        self%counts_turns = any(columns%name == 'phi' .or. columns%name == 'psi')
+        self%wants_work = any(columns%needs_work)
+        self%t_end = case%t_end
+        call self%columns%set(columns, case, scene)
+    end subroutine take_columns
+
+    !> Computes the motion, in closed form or step by step, up to the event that ends it.
+    subroutine compute_motion(scene, case, plan, times, writer, outcome, watch)
+        type(scene_t), intent(in) :: scene !! contents of the input
+        type(case_t), intent(in) :: case !! body, start and span
+        type(plan_t), intent(inout) :: plan !! model and method
+        real(dp), intent(inout) :: times(:) !! times of the rows; none for the exact solution
+        type(writer_t), intent(inout) :: writer !! what takes the rows
+        type(outcome_t), intent(out) :: outcome !! how the motion ended
+        type(event_recorder_t), allocatable, intent(inout) :: watch !! looks for events; not allocated without any
+
+        if (plan%exact) then
+            call sample_exactly(case, plan, writer, outcome, watch)
+        else
+            call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, times, writer, outcome, watch)
+            if (allocated(watch)) then
+                if (watch%ended_by > 0 .and. plan%is_adaptive()) then
+                    call compute_again(scene, case, plan, times, writer, outcome)
+                end if
+            end if
+        end if
+        call check_values(writer, outcome)
+        call writer%progress%finish()
+    end subroutine compute_motion
+
+    !> Computes a motion that an event ended once more, in the same steps, up to there: its rows are spread
+    !> over what was run, and the last is the motion at the event. Both computations share the work of the case.
+    subroutine compute_again(scene, case, plan, times, writer, outcome)
+        type(scene_t), intent(in) :: scene
+        type(case_t), intent(in) :: case
+        type(plan_t), intent(inout) :: plan
+        real(dp), intent(inout) :: times(:) !! instants of the rows
+        type(writer_t), intent(inout) :: writer
+        type(outcome_t), intent(inout) :: outcome
+        type(outcome_t) :: first
+        integer :: i
+
+        if (writer%has_enough) return
+        first = outcome
+        if (.not. allocated(writer%kept)) then
+            call writer%table%discard()
+            call writer%table%create(writer%error)
+            if (allocated(writer%error)) return
+        end if
+        writer%rows = 0
+        call writer%columns%set(writer%chosen, case, scene)
+        do i = 1, size(times)
+            times(i) = sample_time(first%t, size(times), i)
+        end do
+        associate (max_steps => plan%stepper%controls%max_steps)
+            writer%t_stop = first%t
+            max_steps = max_steps - first%counts%work()
+            call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, &
+                           times, writer, outcome)
+            max_steps = max_steps + first%counts%work()
+        end associate
+        if (outcome%status == status_ok) outcome%t = first%t
+        call outcome%counts%add(first%counts)
+    end subroutine compute_again
+
+    !> Sets the status of a motion with undefined values.
+    subroutine check_values(writer, outcome)
+        type(writer_t), intent(in) :: writer
+        type(outcome_t), intent(inout) :: outcome
+        if (.not. writer%is_undefined) return
+        outcome%status = status_non_finite
+        outcome%t = writer%t_undefined
+    end subroutine check_values
+
+    !> The exact solution at equally spaced times, up to the event that ends the motion.
+    subroutine sample_exactly(case, plan, writer, outcome, watch)
+        type(case_t), intent(in) :: case
+        type(plan_t), intent(in) :: plan
+        type(writer_t), intent(inout) :: writer
+        type(outcome_t), intent(out) :: outcome
+        type(event_recorder_t), intent(inout), optional :: watch
+        type(exact_path_t) :: path
+        type(motion_t) :: motion
+        real(dp) :: t_end, t_known, t
+        integer :: i
+
+        call path%begin(case, looks_per_step * plan%max_steps, outcome%status)
+        if (outcome%status /= status_ok) return
+        t_end = case%t_end
+        t_known = t_end
+        if (present(watch)) then
+            call watch%begin(case%body, path%exact%at(0.0_dp))
+            call watch%look(path, t_end)
+            t_known = watch%t
+            if (watch%has_enough) then
+                t_end = watch%t
+            else if (watch%t < t_end) then
+                outcome%status = merge(status_too_many_events, status_step_limit, watch%is_full)
+            end if
+        end if
+        ! The rows have a budget of their own.
+        call path%restart(case, looks_per_step * plan%max_steps + plan%samples)
+        path%counts_turns = writer%counts_turns
+        do i = 1, plan%samples
+            t = sample_time(t_end, plan%samples, i)
+            if (outcome%status /= status_ok .and. t > t_known) exit
+            call path%at(t, motion)
+            if (path%is_spent()) then
+                outcome%status = status_step_limit
+                t_known = outcome%t
+                exit
+            end if
+            call writer%write_row(motion)
+            if (writer%has_enough) exit
+            outcome%t = t
+        end do
+        if (outcome%status /= status_ok) outcome%t = t_known
+    end subroutine sample_exactly
+
+    !> Writes the row of a state of a formulation.
+    subroutine observe(self, formulation, t, y, near)
+        class(writer_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: t, y(max_states), near(3)
+        call self%write_row(formulation%motion(t, y, near))
+    end subroutine observe
+
+    !> Writes the row of a motion.
+    subroutine write_row(self, motion)
+        class(writer_t), intent(inout) :: self
+        type(motion_t), intent(in) :: motion
+        if (self%has_enough) return
+        associate (values => self%columns%row(motion, self%rows == 0, self%work))
+            self%is_undefined = .not. self%columns%is_defined(values)
+            self%t_undefined = motion%t
+            self%has_enough = self%is_undefined
+            if (self%is_undefined) return
+            self%rows = self%rows + 1
+            if (allocated(self%kept)) then
+                self%kept(:, self%rows) = values
+            else
+                call self%table%add_row(values, self%error)
+            end if
+        end associate
+        self%has_enough = allocated(self%error) .or. motion%t >= self%t_stop
+        call self%progress%update(int(motion%t / self%t_end * self%total, int64))
+    end subroutine write_row
+
+end module spintop_motion_rows

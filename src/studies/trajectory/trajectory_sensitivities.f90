@@ -1,0 +1,104 @@
+!> The sensitivities of a trajectory: the motion is computed at all nodes of a key, and the rows of these motions, which
+!> belong together by their numbers, give the derivatives.
+module spintop_trajectory_sensitivities
+    use, intrinsic :: iso_c_binding, only: c_loc
+    use spintop_case, only: case_t, make_case
+    use spintop_differences, only: node_count, nodes_t
+    use spintop_errors, only: error_t, exit_internal
+    use spintop_event_recorder, only: event_recorder_t
+    use spintop_integration, only: outcome_t
+    use spintop_job, only: job_t
+    use spintop_kinds, only: dp, no_number
+    use spintop_motion_rows, only: compute_motion, writer_t
+    use spintop_number_slot, only: number_slot_t
+    use spintop_plain_text, only: escaped
+    use spintop_plan, only: make_plan, plan_t, sample_time
+    use spintop_problems, only: problems_t
+    use spintop_scene, only: scene_t
+    use spintop_trajectory_column, only: trajectory_column_t
+    implicit none
+    private
+    public :: find_sensitivities
+
+contains
+
+    !> The derivatives and their errors in each row.
+    subroutine find_sensitivities(job, columns, base, cells, error)
+        type(job_t), target, intent(in) :: job !! the job
+        type(trajectory_column_t), intent(in) :: columns(:) !! the columns of which there are derivatives
+        real(dp), intent(in) :: base(:, :) !! their values in each row of the motion itself
+        real(dp), intent(out) :: cells(:, :) !! two for each derivative in each row; NaN where it does not exist
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        real(dp), allocatable :: values(:, :, :)
+        type(nodes_t) :: nodes
+        integer, allocatable :: places(:)
+        integer :: key, i, row, status
+
+        cells = no_number
+        allocate (values(size(base, 1), size(base, 2), node_count), stat=status)
+        if (status /= 0) then
+            error = error_t(exit_internal, escaped(job%input) // ': not enough memory for the derivatives in all rows; &
+                            &use fewer span.samples')
+            return
+        end if
+        associate (wanted => job%sensitivities)
+            places = wanted%columns()
+            do key = 1, size(wanted%keys)
+                nodes = wanted%keys(key)%nodes(wanted%keys(key)%slot%get())
+                values = no_number
+                values(:, :, 1) = base
+                do i = 2, node_count
+                    if (nodes%is_valid(i)) call compute_node(job, columns, wanted%keys(key)%slot, nodes%x(i), values(:, :, i))
+                end do
+                do i = 1, wanted%count
+                    if (wanted%list(i)%key /= key) cycle
+                    do row = 1, size(base, 2)
+                        call nodes%differentiate(values(findloc(places, wanted%list(i)%column, dim=1), row, :), &
+                                                 cells(2 * i - 1, row), cells(2 * i, row))
+                    end do
+                end do
+            end do
+        end associate
+    end subroutine find_sensitivities
+
+    !> The rows of the motion with another value of a key. Rows that it does not have stay as they are.
+    subroutine compute_node(job, columns, slot, value, rows)
+        type(job_t), target, intent(in) :: job
+        type(trajectory_column_t), intent(in) :: columns(:)
+        type(number_slot_t), intent(in) :: slot
+        real(dp), intent(in) :: value
+        real(dp), intent(inout) :: rows(:, :)
+        type(scene_t), allocatable, target :: scene
+        type(event_recorder_t), allocatable :: watch
+        type(writer_t), allocatable :: writer
+        type(number_slot_t) :: own_slot
+        type(problems_t) :: problems
+        type(outcome_t) :: outcome
+        type(case_t) :: case
+        type(plan_t) :: plan
+        real(dp), allocatable :: times(:)
+        integer :: i, known
+
+        allocate (scene, source=job%scene)
+        scene%certified = .false.
+        own_slot = slot%in_copy(c_loc(job%scene), c_loc(scene), storage_size(scene))
+        call own_slot%put(value)
+        call make_case(scene, case, problems)
+        if (.not. problems%any()) call make_plan(scene, case, plan, problems)
+        if (problems%any()) return
+        if (plan%samples /= job%plan%samples) return
+        if (scene%stop_at /= '') then
+            allocate (watch)
+            call watch%set(job%events, job%stop_after, case)
+        end if
+        allocate (writer)
+        call writer%take_columns(columns, case, scene)
+        allocate (writer%kept(size(columns), plan%samples), source=no_number)
+        times = [(sample_time(case%t_end, plan%samples, i), i=1, merge(0, plan%samples, plan%exact))]
+        call compute_motion(scene, case, plan, times, writer, outcome, watch)
+        known = min(size(rows, 2), writer%rows)
+        rows(:, :known) = writer%kept(:, :known)
+        call writer%columns%close()
+    end subroutine compute_node
+
+end module spintop_trajectory_sensitivities

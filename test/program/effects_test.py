@@ -497,7 +497,7 @@ def test_monotone_table(folder: Path) -> None:
 
 def test_energy_that_effects_brought(folder: Path) -> None:
     """At rest without weight there is no energy at the start to compare an error with."""
-    top = "mass = 1  gravity = 0  inertia = 0.9, 0.9, 0.3"
+    top = "mass = 1  gravity = 0  inertia = 0.9, 0.9, 0.3  length = 0.5"
     span = "t_end = 2.5  samples = 20"
     motion = move(folder, scene(top, "theta = 3.1", span, "torque_body = -0.7742, 0, 0"))
     assert max(row["work"] for row in motion.rows) > 1

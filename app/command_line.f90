@@ -44,7 +44,7 @@ module spintop_command_line
         option_t('--check', '', '', 'read, check and plan only; print the resolved input and the plan'), &
         option_t('--resume', '', '', 'resume an interrupted sweep'), &
         option_t('--restart', '', '', 'discard an interrupted sweep and start anew'), &
-        option_t('--shard', '', 'I/N', 'compute part I of N of a sweep; `spintop merge` joins the parts'), &
+        option_t('--shard', '', 'I/N', 'compute part I of N of a study; `spintop merge` joins the parts'), &
         option_t('--quiet', '', '', 'no progress display'), &
         option_t('--progress', '', '', 'progress even when standard error is no terminal'), &
         option_t('--help', '-h', '', 'this text'), &

@@ -30,6 +30,7 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(summary_t) :: summary
         type(line_list_t) :: text
+        type(study_info_t) :: info
         integer :: i
 
         code = exit_ok
@@ -37,6 +38,8 @@ contains
         call options%ranks%agree(error)
         if (allocated(error)) return
         !$ if (options%threads > 0) call omp_set_num_threads(options%threads)
+        info = study%info()
+        if (.not. (info%shares_ranks .or. options%ranks%is_writer())) return
         call study%run(job, options, summary, code, error)
         if (.not. allocated(summary%lines)) return
         do i = 1, size(summary%lines)
@@ -71,7 +74,7 @@ contains
         if (job%statistics_output /= '') outputs = outputs // ', its statistics -> ' // job%statistics_output
         if (job%event_output /= '') outputs = outputs // ', its events -> ' // job%event_output
         call summary%headline(job%input // ': ' // study%explain(job) // outputs)
-        if (options%shard%is_part()) call summary%add('shard', options%shard%line(job%axes%cases))
+        if (options%shard%is_part()) call summary%add('shard', options%shard%line(study%cases(job)))
         if (allocated(job%plan%reason)) call summary%describe_plan(job%plan)
         if (info%has_case) call summary%describe_motion(job%case)
         if (job%axes%cases > 0) call summary%describe_axes(job%axes)

@@ -101,7 +101,7 @@ contains
         call create_study(trim(job%scene%kind), study)
         info = study%info()
         call check_job(study, job, problems, diagnostics)
-        if (.not. info%has_parts) call refuse_parts(options, problems)
+        call refuse_parts(info, options, problems)
         call refuse_netcdf(info, job, problems)
         call choose_columns(study, job, problems)
         call study%complete(job, problems)
@@ -140,20 +140,17 @@ contains
         call study%check(job, problems, diagnostics)
     end subroutine check_job
 
-    !> Reports shards, a resumed run and ranks for studies that are not computed in parts.
-    subroutine refuse_parts(options, problems)
+    !> Reports shards of studies without parts, and a resumed run of those that keep nothing of an interrupted one.
+    subroutine refuse_parts(info, options, problems)
+        type(study_info_t), intent(in) :: info
         type(options_t), intent(in) :: options
         type(problems_t), intent(inout) :: problems
-        if (options%shard%is_part()) then
-            call problems%add('study.kind', '--shard is for sweeps: this study has no parts', 'omit --shard')
+        if (options%shard%is_part() .and. .not. info%has_parts) then
+            call problems%add('study.kind', '--shard is not for ' // info%plural // ', which have no parts', 'omit --shard')
         end if
-        if (options%resume) then
+        if (options%resume .and. .not. info%resumes) then
             call problems%add('study.kind', '--resume is for sweeps: this study is always computed as a whole', &
                               'omit --resume')
-        end if
-        if (options%ranks%count > 1) then
-            call problems%add('study.kind', 'MPI is for sweeps: this study is computed by one process', &
-                              'run it without mpirun')
         end if
     end subroutine refuse_parts
 

@@ -1,5 +1,6 @@
 !> The interface of all kinds of study. The registry is in `studies.f90`.
 module spintop_study
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t
@@ -26,8 +27,12 @@ module spintop_study
         logical :: takes_axes = .false.
         !> Whether output.columns selects its columns.
         logical :: takes_columns = .false.
-        !> Whether it can be computed in shards and by ranks, and resumed after an interruption.
+        !> Whether it is a list of cases that can be computed in parts.
         logical :: has_parts = .false.
+        !> Whether the ranks share its cases; otherwise the first computes it alone, so that its times are true.
+        logical :: shares_ranks = .false.
+        !> Whether it can be resumed after an interruption.
+        logical :: resumes = .false.
         !> Whether it can compute statistics of its rows.
         logical :: has_statistics = .false.
         !> Whether its table can be NetCDF.
@@ -48,6 +53,7 @@ module spintop_study
         procedure(check_i), deferred :: check
         procedure(explain_i), deferred :: explain
         procedure(run_i), deferred :: run
+        procedure :: cases
         procedure :: default_columns
         procedure :: has_column
         procedure :: has_sensitivity
@@ -104,6 +110,15 @@ module spintop_study
     end interface
 
 contains
+
+    !> Number of cases of which a part has some; those of the axes unless the kind overrides this.
+    integer(int64) function cases(self, job)
+        class(study_t), intent(in) :: self
+        type(job_t), intent(in) :: job !! the job
+        associate (unused => self)
+        end associate
+        cases = job%axes%cases
+    end function cases
 
     !> Indices of the default columns; all columns unless the kind overrides this.
     function default_columns(self, case) result(places)

@@ -16,10 +16,11 @@ contains
 
     !> The header of a table of a job. A job with a plan has one model, method and body; otherwise each row has
     !> its own.
-    function study_head(job, columns, remarks) result(head)
+    function study_head(job, columns, remarks, part) result(head)
         type(job_t), intent(in) :: job !! the job
         class(column_t), intent(in) :: columns(:) !! columns of the table
         type(string_t), intent(in), optional :: remarks(:) !! lines after the columns
+        character(*), intent(in), optional :: part !! first line of the table of a part; '' for the whole
         character(:), allocatable :: head
         type(fact_t) :: facts(fact_count)
         type(string_t), allocatable :: input(:), lines(:)
@@ -27,6 +28,9 @@ contains
         call study_facts(job, facts, input)
         call describe_provenance(facts, input, columns, lines)
         if (present(remarks)) lines = [lines, remarks]
+        if (present(part)) then
+            if (part /= '') lines = [string_t(part), lines]
+        end if
         head = table_head(lines, columns%name)
     end function study_head
 

@@ -1,15 +1,15 @@
-!> Joins the tables of the parts of a sweep.
+!> Joins the tables of the parts of a study.
 module spintop_merge
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, input_error
-    use spintop_files, only: input_file_t
+    use spintop_files, only: input_file_t, read_file
     use spintop_interrupted_run, only: refuse_to_discard_idle
     use spintop_netcdf_file, only: is_netcdf, netcdf_file_t
     use spintop_netcdf_table, only: head_of_netcdf, netcdf_table_t
     use spintop_row_block, only: row_block_t
     use spintop_shard, only: read_shard_line, shard_t
     use spintop_table_file, only: table_file_t
-    use spintop_table_head, only: check_format, compare_heads, first_line_of, read_head
+    use spintop_table_head, only: check_format, compare_heads, first_line_of, is_dated, read_head
     use spintop_text, only: string_t, to_text
     implicit none
     private
@@ -22,8 +22,8 @@ module spintop_merge
 
 contains
 
-    !> Joins the tables of all parts of a sweep, given in any order, into the table that a single run would
-    !> have written, byte for byte. Nothing is written unless the parts belong to the same sweep and each
+    !> Joins the tables of all parts of a study, given in any order, into the table that a single run would
+    !> have written, byte for byte. Nothing is written unless the parts belong to the same study and each
     !> occurs once.
     subroutine merge_tables(path, parts, cases, error)
         character(*), intent(in) :: path !! path of the whole table
@@ -31,11 +31,11 @@ contains
         integer(int64), intent(out) :: cases !! in the whole table
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(table_file_t) :: table
-        type(string_t), allocatable :: no_lines(:)
+        type(string_t), allocatable :: words(:)
         type(shard_t) :: shard
         character(:), allocatable :: head
         integer, allocatable :: part_at(:)
-        integer :: i
+        integer :: head_length, i
 
         call order_parts(path, parts, head, cases, part_at, error)
         if (.not. allocated(error)) call refuse_to_discard_idle(path, error)
@@ -44,15 +44,21 @@ contains
             call merge_netcdf(path, parts, part_at, head, error)
             return
         end if
+        allocate (words(0))
         call table%create(path, head, error)
         do i = 1, size(part_at)
             if (allocated(error)) exit
             shard = shard_t(i, size(part_at))
-            call copy_rows(parts(part_at(i))%text, len(head) + len('# ' // shard%line(cases) // nl), &
-                           shard%last(cases) - shard%first(cases) + 1, table, error)
+            head_length = len(head) + len('# ' // shard%line(cases) // nl)
+            associate (part => parts(part_at(i))%text)
+                if (is_dated(head)) then
+                    call copy_cases(part, head_length, shard, table, words, error)
+                else
+                    call copy_rows(part, head_length, shard%last(cases) - shard%first(cases) + 1, table, error)
+                end if
+            end associate
         end do
-        allocate (no_lines(0))
-        if (.not. allocated(error)) call table%finish(no_lines, error)
+        if (.not. allocated(error)) call table%finish(words, error)
         if (allocated(error)) call table%discard()
     end subroutine merge_tables
 
@@ -131,7 +137,7 @@ contains
                 line = first_line_of(this_head)
                 call read_shard_line(line, shard, cases_here, valid)
                 if (.not. valid) then
-                    error = input_error('cannot merge ' // part // ': it is not a part of a sweep (it does not begin &
+                    error = input_error('cannot merge ' // part // ': it is not a part of a study (it does not begin &
                                         &with "# part I of N: ...")')
                     return
                 end if
@@ -144,7 +150,7 @@ contains
                 end if
                 difference = compare_heads(head, parts(1)%text, this_head, part)
                 if (shard%count /= size(part_at) .or. cases_here /= cases .or. difference /= '') then
-                    error = input_error('cannot merge ' // part // ': it is a part of another sweep than ' // &
+                    error = input_error('cannot merge ' // part // ': it is a part of another study than ' // &
                                         parts(1)%text // difference)
                 else if (part_at(shard%number) > 0) then
                     error = input_error('cannot merge ' // part // ': it is part ' // to_text(shard%number) // &
@@ -179,6 +185,42 @@ contains
         end function missing
 
     end subroutine order_parts
+
+    !> Adds the rows of a part of a study whose cases have any number of rows, and gathers the comment lines after them. A
+    !> part without its last line is refused.
+    subroutine copy_cases(part, head_length, shard, table, words, error)
+        character(*), intent(in) :: part
+        integer, intent(in) :: head_length
+        type(shard_t), intent(in) :: shard
+        type(table_file_t), intent(inout) :: table
+        type(string_t), allocatable, intent(inout) :: words(:)
+        type(error_t), allocatable, intent(out) :: error
+        character(:), allocatable :: text, ending
+        integer :: first, last
+
+        call read_file(part, huge(0), text, error)
+        if (allocated(error)) return
+        ending = '# ' // shard%end_line() // nl
+        last = len(text) - len(ending)
+        if (last >= head_length) then
+            if (text(last + 1:) /= ending) last = -1
+        end if
+        if (last < head_length) then
+            error = input_error('cannot merge ' // part // ': it is not complete (it does not end with "' // &
+                                ending(:len(ending) - 1) // '")')
+            return
+        end if
+        first = head_length + 1
+        do while (first <= last)
+            if (text(first:first) == '#') exit
+            first = first + index(text(first:), nl)
+        end do
+        call table%put(text(head_length + 1:first - 1), error)
+        do while (first <= last)
+            words = [words, string_t(text(first + len('# '):first + index(text(first:), nl) - 2))]
+            first = first + index(text(first:), nl)
+        end do
+    end subroutine copy_cases
 
     !> Adds the rows of a part to the table. A part that is shorter or longer than expected is refused.
     subroutine copy_rows(part, head_length, rows, table, error)

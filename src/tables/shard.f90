@@ -1,4 +1,4 @@
-!> Part I of N of a sweep: its cases, and the first line of its table.
+!> Part I of N of a study: its cases, and the first and last line of its table.
 module spintop_shard
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_text, only: to_text
@@ -18,6 +18,7 @@ module spintop_shard
         procedure :: last
         procedure :: suffix
         procedure :: line
+        procedure :: end_line
     end type shard_t
 
 contains
@@ -66,6 +67,13 @@ contains
         line = 'part ' // to_text(self%number) // ' of ' // to_text(self%count) // ': cases ' // &
                to_text(self%first(cases)) // ' to ' // to_text(self%last(cases)) // ' of ' // to_text(cases)
     end function line
+
+    !> The last line of its table, where a case has any number of rows: the table is complete.
+    pure function end_line(self)
+        class(shard_t), intent(in) :: self
+        character(:), allocatable :: end_line
+        end_line = 'end of part ' // to_text(self%number) // ' of ' // to_text(self%count)
+    end function end_line
 
     !> Reads `I/N`.
     subroutine read_shard(text, shard, valid)

@@ -6,7 +6,7 @@ module spintop_table_head
     use spintop_text, only: join, string_t
     implicit none
     private
-    public :: table_head, comment_lines, read_head, first_line_of, compare_heads
+    public :: table_head, comment_lines, read_head, first_line_of, compare_heads, is_dated
     public :: format_key, table_format, check_format
 
     !> Format of the tables that this program writes, and its key in the header. The number increases when a
@@ -116,14 +116,16 @@ contains
         line = head(3:index(head // nl, nl) - 1)
     end function first_line_of
 
-    !> The first line in which two headers differ, ready to print; '' if they are equal.
-    pure function compare_heads(first, first_name, second, second_name) result(difference)
-        character(*), intent(in) :: first, second           !! headers
+    !> The first line in which two headers differ, except for their dates, ready to print; '' if they are equal.
+    pure function compare_heads(first_head, first_name, second_head, second_name) result(difference)
+        character(*), intent(in) :: first_head, second_head !! headers
         character(*), intent(in) :: first_name, second_name !! what they are called in print
-        character(:), allocatable :: difference
+        character(:), allocatable :: difference, first, second
         integer :: i, line
 
         difference = ''
+        first = undated(first_head)
+        second = undated(second_head)
         if (len(first) == len(second) .and. first == second) return
         line = 1
         do i = 1, min(len(first), len(second))
@@ -133,6 +135,23 @@ contains
         difference = nl // '    ' // first_name // ': ' // line_at(first, line) // &
                      nl // '    ' // second_name // ': ' // line_at(second, line)
     end function compare_heads
+
+    !> A header without the line of its date.
+    pure function undated(head) result(text)
+        character(*), intent(in) :: head
+        character(:), allocatable :: text
+        character(*), parameter :: date = nl // '# date: '
+        integer :: at
+        text = head
+        at = index(head, date)
+        if (at > 0) text = head(:at) // head(at + index(head(at + 1:), nl) + 1:)
+    end function undated
+
+    !> Whether a table has a date, as those have whose cases have any number of rows.
+    pure logical function is_dated(head)
+        character(*), intent(in) :: head !! the header of the table
+        is_dated = value_of('date', head) /= ''
+    end function is_dated
 
     !> The line that begins at a position, without the mark of a comment.
     pure function line_at(text, first) result(line)

@@ -322,11 +322,11 @@ class PartsTest(NetcdfCase):
         self.run_program(self.grid, "--shard", "2/2")
         self.sweep(self.grid, code=3)
         for tables, reason in (
-            ([parts[0], others[1]], "it is a part of another sweep than"),
-            ([parts[0], "output/grid.2-of-2.csv"], "it is a part of another sweep than"),
+            ([parts[0], others[1]], "it is a part of another study than"),
+            ([parts[0], "output/grid.2-of-2.csv"], "it is a part of another study than"),
             ([parts[0]], "missing of 2 parts: 2"),
             ([parts[0], parts[0]], "it is part 1, as is"),
-            (["output/grid.nc"], "it is not a part of a sweep"),
+            (["output/grid.nc"], "it is not a part of a study"),
         ):
             with self.subTest(reason):
                 result = self.run_program("merge", "output/merged.nc", *tables)

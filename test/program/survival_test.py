@@ -389,7 +389,7 @@ class InterruptionTest(SurvivalCase):
     def test_resume_and_shard_are_for_sweeps(self) -> None:
         """A trajectory has neither parts nor a journal."""
         scene = self.write()
-        self.assertIn("--shard is for sweeps", self.refuse(scene, "--shard", "1/2"))
+        self.assertIn("--shard is not for trajectories", self.refuse(scene, "--shard", "1/2"))
         self.assertIn("--resume is for sweeps", self.refuse(scene, "--resume"))
         for shard in ("0/3", "4/3", "3", "1/2/3", "a/b"):
             self.assertIn("--shard takes I/N", self.refuse(self.slow, "--shard", shard))

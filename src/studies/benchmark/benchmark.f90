@@ -59,7 +59,7 @@ module spintop_benchmark
 
 contains
 
-    !> Runs the study and writes its table; `failures` is the number of benchmarks without a reference.
+    !> Runs the study, or a part of it, and writes its table; `failures` is the number of benchmarks without a reference.
     subroutine run_benchmarks(job, chosen, options, summary, failures, error)
         type(job_t), intent(in) :: job !! the job
         integer, intent(in) :: chosen(:) !! indices in the catalogue
@@ -69,24 +69,36 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(table_file_t) :: file
         type(progress_t) :: progress
-        type(string_t) :: no_trailer(0)
+        type(string_t), allocatable :: trailer(:)
         real(dp) :: began
+        character(:), allocatable :: part
+        integer(int64) :: all, first, last
         integer :: i, status
 
         began = seconds()
         failures = 0
-        call file%create(job%output, study_head(job, benchmark_columns()), error)
+        all = size(chosen)
+        first = options%shard%first(all)
+        last = options%shard%last(all)
+        part = ''
+        allocate (trailer(0))
+        if (options%shard%is_part()) then
+            part = options%shard%line(all)
+            trailer = [string_t(options%shard%end_line())]
+        end if
+        call file%create(job%output, study_head(job, benchmark_columns(), part=part), error)
         if (allocated(error)) return
-        call summary%headline(job%input // ': ' // to_text(size(chosen)) // ' benchmarks -> ' // job%output)
-        call progress%start(job%name, 'benchmarks', size(chosen, kind=int64), options%quiet, options%progress)
-        do i = 1, size(chosen)
+        call summary%headline(job%input // ': ' // to_text(last - first + 1) // ' benchmarks -> ' // job%output)
+        if (part /= '') call summary%add('shard', part)
+        call progress%start(job%name, 'benchmarks', last - first + 1, options%quiet, options%progress)
+        do i = int(first), int(last)
             call run_benchmark(benchmarks(chosen(i)), file, summary, status, error)
             if (allocated(error)) exit
             if (status /= status_ok) failures = failures + 1
-            call progress%update(int(i, int64))
+            call progress%update(i - first + 1)
         end do
         call progress%finish()
-        if (.not. allocated(error)) call file%finish(no_trailer, error)
+        if (.not. allocated(error)) call file%finish(trailer, error)
         if (allocated(error)) call file%discard()
         call summary%add('time', rounded(seconds() - began) // ' s')
     end subroutine run_benchmarks

@@ -3,6 +3,7 @@ module spintop_benchmark_study
     use spintop_benchmark, only: run_benchmarks
     use spintop_benchmark_cases, only: benchmarks
     use spintop_benchmark_columns, only: benchmark_column_t, benchmark_columns
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t, exit_failed, exit_ok
     use spintop_job, only: job_t
@@ -26,6 +27,7 @@ module spintop_benchmark_study
     contains
         procedure, nopass :: info
         procedure, nopass :: columns
+        procedure :: cases
         procedure :: check
         procedure :: explain
         procedure :: run
@@ -38,7 +40,7 @@ contains
         type(study_info_t) :: info
         info = study_info_t(trim(study_kinds(kind_benchmark)), 'a study of benchmarks', 'studies of benchmarks', '', &
                             'published benchmark tops: true values, and the errors of the published figures', &
-                            has_case=.false.)
+                            has_parts=.true., has_case=.false.)
     end function info
 
     !> All columns.
@@ -48,6 +50,15 @@ contains
         allocate (known, source=benchmark_columns())
         columns = known%study_column_t
     end function columns
+
+    !> Number of benchmarks.
+    integer(int64) function cases(self, job)
+        class(benchmark_study_t), intent(in) :: self
+        type(job_t), intent(in) :: job !! the job
+        associate (unused => job)
+        end associate
+        cases = size(self%chosen)
+    end function cases
 
     !> Finds the benchmarks.
     subroutine check(self, job, problems, diagnostics)

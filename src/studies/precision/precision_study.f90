@@ -1,5 +1,6 @@
 !> The work-precision study as a kind of study.
 module spintop_precision_study
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t, exit_failed, exit_ok
     use spintop_job, only: job_t
@@ -13,7 +14,7 @@ module spintop_precision_study
     use spintop_study_column, only: study_column_t
     use spintop_summary, only: summary_t
     use spintop_text, only: to_text
-    use spintop_work_precision, only: run_work_precision
+    use spintop_work_precision, only: problems_of, run_work_precision
     implicit none
     private
     public :: precision_study_t
@@ -25,6 +26,7 @@ module spintop_precision_study
     contains
         procedure, nopass :: info
         procedure, nopass :: columns
+        procedure :: cases
         procedure :: check
         procedure :: explain
         procedure :: run
@@ -37,7 +39,8 @@ contains
         type(study_info_t) :: info
         info = study_info_t(trim(study_kinds(kind_precision)), 'a work-precision study', 'work-precision studies', &
                             ', before the swept parameters', &
-                            'error of each method and setting, against time and RHS evaluations', takes_axes=.true.)
+                            'error of each method and setting, against time and RHS evaluations', takes_axes=.true., &
+                            has_parts=.true.)
     end function info
 
     !> All columns.
@@ -47,6 +50,15 @@ contains
         allocate (known, source=precision_columns())
         columns = known%study_column_t
     end function columns
+
+    !> Number of problems.
+    integer(int64) function cases(self, job)
+        class(precision_study_t), intent(in) :: self
+        type(job_t), intent(in) :: job !! the job
+        associate (unused => self)
+        end associate
+        cases = problems_of(job)
+    end function cases
 
     !> Makes the first problem, the methods and their settings.
     subroutine check(self, job, problems, diagnostics)

@@ -22,6 +22,7 @@ module spintop_work_precision
     use spintop_progress, only: progress_t
     use spintop_reference_motion, only: check_reference, find_reference, reference_t
     use spintop_scene, only: scene_t
+    use spintop_shard, only: shard_t
     use spintop_status, only: status_meaning, status_ok
     use spintop_study_head, only: study_head
     use spintop_summary, only: summary_t, rounded
@@ -33,15 +34,20 @@ module spintop_work_precision
     use spintop_trial_time, only: time_trial
     implicit none
     private
-    public :: run_work_precision
+    public :: run_work_precision, problems_of
 
-    !> Maximum number of problems that the summary describes one by one, and of failed problems that it
-    !> describes.
+    !> Maximum number of problems that the summary describes one by one.
     integer, parameter :: most_told = 4
 
 contains
 
-    !> Runs the study and writes its table; `failures` is the number of problems without rows.
+    !> Number of problems: one, or the cases of the axes.
+    pure integer(int64) function problems_of(job)
+        type(job_t), intent(in) :: job !! the job
+        problems_of = max(1_int64, job%axes%cases)
+    end function problems_of
+
+    !> Runs the study, or a part of it, and writes its table; `failures` is the number of problems without rows.
     subroutine run_work_precision(job, study, options, summary, failures, error)
         type(job_t), target, intent(inout) :: job !! the job
         type(precision_plan_t), intent(in) :: study !! methods and settings
@@ -53,23 +59,26 @@ contains
         type(table_file_t) :: file
         type(progress_t) :: progress
         type(auto_tally_t) :: tally
+        type(string_t), allocatable :: words(:)
         real(dp), allocatable :: values(:)
         real(dp) :: began
-        integer(int64) :: k, trials
+        integer(int64) :: first, last, k, trials
         integer :: rows
 
         began = seconds()
         failures = 0
         rows = 0
-        call begin_table(job, file, error)
+        first = options%shard%first(problems_of(job))
+        last = options%shard%last(problems_of(job))
+        call begin_table(job, options%shard, file, error)
         if (allocated(error)) return
         allocate (swept)
         call swept%copy(job%scene, job%axes)
         allocate (values(size(job%axes%axis)))
         trials = sum(study%settings(study%choices))
-        call progress%start(job%name, 'trials', trials * max(1_int64, job%axes%cases), options%quiet, options%progress)
+        call progress%start(job%name, 'trials', trials * last, options%quiet, options%progress, before=trials * (first - 1))
         call summary%headline('')
-        do k = 1, max(1_int64, job%axes%cases)
+        do k = first, last
             if (size(values) > 0) values = job%axes%values_of(k)
             call swept%put(values)
             call run_problem(job, study, swept%scene, name_of_problem(job, k), values, trials * (k - 1), file, &
@@ -77,14 +86,17 @@ contains
             if (allocated(error)) exit
         end do
         call progress%finish()
-        call tally%summarize(summary)
-        if (.not. allocated(error)) call file%finish(in_words(summary), error)
+        words = in_words(summary)
+        if (options%shard%is_part()) words = [words, string_t(options%shard%end_line())]
+        if (problems_of(job) > 1) call tally%summarize(summary)
+        if (.not. allocated(error)) call file%finish(words, error)
         if (allocated(error)) then
             call file%discard()
             deallocate (summary%lines)
             return
         end if
         summary%lines(1)%text = escaped(job%input // ': work-precision study, ' // to_text(rows) // ' rows -> ' // job%output)
+        if (options%shard%is_part()) call summary%add('shard', options%shard%line(problems_of(job)))
         call summary%add('time', rounded(seconds() - began) // ' s')
     end subroutine run_work_precision
 
@@ -100,16 +112,20 @@ contains
     end function in_words
 
     !> Starts the table: after its columns those of the swept parameters.
-    subroutine begin_table(job, file, error)
+    subroutine begin_table(job, shard, file, error)
         type(job_t), intent(in) :: job
+        type(shard_t), intent(in) :: shard
         type(table_file_t), intent(inout) :: file
         type(error_t), allocatable, intent(out) :: error
         type(precision_column_t), allocatable :: columns(:)
+        character(:), allocatable :: part
         integer :: i
 
         allocate (columns, source=precision_columns())
+        part = ''
+        if (shard%is_part()) part = shard%line(problems_of(job))
         call file%create(job%output, study_head(job, [columns%column_t, &
-            (job%axis_column(i), i=1, size(job%axes%axis))]), error)
+            (job%axis_column(i), i=1, size(job%axes%axis))], part=part), error)
     end subroutine begin_table
 
     !> The input, with the number of the case if there are several.
@@ -141,6 +157,7 @@ contains
         type(precision_row_t), allocatable :: results(:)
         type(problems_t) :: problems
         type(precision_view_t) :: view
+        type(auto_tally_t) :: own_tally
         type(text_buffer_t) :: text
         integer :: i, status
 
@@ -170,7 +187,10 @@ contains
         call file%put(text%contents(), error)
         rows = rows + size(results)
         call tally%compare(name, results)
-        if (job%axes%cases <= most_told) call summarize_problem(name, results, reference, summary)
+        if (job%axes%cases > most_told) return
+        call summarize_problem(name, results, reference, summary)
+        call own_tally%compare(name, results)
+        call own_tally%summarize(summary)
 
     contains
 
@@ -178,7 +198,7 @@ contains
         subroutine give_up(why)
             character(*), intent(in) :: why
             failures = failures + 1
-            if (failures <= most_told) call summary%add('problem', name // ' ' // why)
+            call summary%add('problem', name // ' ' // why)
         end subroutine give_up
 
     end subroutine run_problem

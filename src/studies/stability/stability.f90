@@ -7,6 +7,7 @@ module spintop_stability
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t, make_case
     use spintop_clock, only: seconds
+    use spintop_dealt_rows, only: compare_with_writer, row_source_t, write_dealt
     use spintop_errors, only: error_t, internal_error
     use spintop_formulation, only: structure_quadruple
     use spintop_hard_cases, only: hard_cases
@@ -19,6 +20,7 @@ module spintop_stability
     use spintop_plan, only: plan_t, make_plan
     use spintop_problems, only: problems_t
     use spintop_progress, only: progress_t
+    use spintop_ranks, only: ranks_t
     use spintop_scene_words, only: reference_auto
     use spintop_reference_motion, only: reference_t, find_reference
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
@@ -48,44 +50,80 @@ module spintop_stability
         real(dp) :: upright_growth = 0, lyapunov_exponent = 0
     end type case_facts_t
 
+    !> The cases of a study, each with a row for each of its methods.
+    type, extends(row_source_t) :: case_rows_t
+        type(job_t), pointer :: job => null()
+        type(stability_plan_t), pointer :: plan => null()
+        type(progress_t) :: progress
+        !> Number of trials done, and how often each method has each verdict.
+        integer(int64) :: trials = 0
+        integer, allocatable :: verdicts(:, :)
+    contains
+        procedure :: make => make_case_rows
+    end type case_rows_t
+
     !> Number of times at which a motion is compared; the steps in the catalogue are multiples of the
     !> intervals.
     integer, parameter :: samples = 41
 
 contains
 
-    !> Runs the study and writes its table.
+    !> Runs the study, or a part of it, in all ranks, and writes its table. Only the writer has a summary.
     subroutine run_stability(job, plan, options, summary, error)
-        type(job_t), intent(in) :: job !! the job
-        type(stability_plan_t), intent(in) :: plan !! cases and methods
+        type(job_t), target, intent(in) :: job !! the job
+        type(stability_plan_t), target, intent(in) :: plan !! cases and methods
         type(options_t), intent(in) :: options !! options of the command line
         type(summary_t), intent(out) :: summary !! lines for standard output
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(table_file_t) :: file
-        type(progress_t) :: progress
-        type(string_t) :: no_trailer(0)
-        integer :: verdicts(size(plan%methods), size(verdict_names))
-        integer :: i
+        type(case_rows_t) :: source
+        type(string_t), allocatable :: trailer(:)
+        character(:), allocatable :: head, part
+        integer(int64) :: cases, first, last
         real(dp) :: began
 
         began = seconds()
-        verdicts = 0
-        call file%create(job%output, study_head(job, stability_columns(), verdicts_in_words()), error)
+        cases = size(plan%cases)
+        first = options%shard%first(cases)
+        last = options%shard%last(cases)
+        part = ''
+        if (options%shard%is_part()) part = options%shard%line(cases)
+        head = study_head(job, stability_columns(), verdicts_in_words(), part)
+        call compare_with_writer(options%ranks, head, error)
         if (allocated(error)) return
-        call progress%start(job%name, 'trials', size(plan%cases, kind=int64) * size(plan%methods), &
-                            options%quiet, options%progress)
-        do i = 1, size(plan%cases)
-            call run_case(job, plan, i, file, progress, verdicts, error)
-            if (allocated(error)) exit
-        end do
-        call progress%finish()
-        if (.not. allocated(error)) call file%finish(no_trailer, error)
-        if (allocated(error)) then
-            call file%discard()
-            return
+        if (options%ranks%is_writer()) call file%create(job%output, head, error)
+        call options%ranks%agree(error)
+        if (allocated(error)) return
+        source%job => job
+        source%plan => plan
+        allocate (source%verdicts(size(plan%methods), size(verdict_names)), source=0)
+        if (options%ranks%is_writer()) then
+            call source%progress%start(job%name, 'trials', (last - first + 1) * size(plan%methods) / options%ranks%count, &
+                                       options%quiet, options%progress)
         end if
-        call summarize(job, plan, verdicts, seconds() - began, summary)
+        call write_dealt(source, first, last, options%ranks, file, error)
+        if (.not. allocated(error)) call sum_over_ranks(options%ranks, source%verdicts)
+        if (options%ranks%is_writer()) then
+            call source%progress%finish()
+            allocate (trailer(0))
+            if (options%shard%is_part()) trailer = [string_t(options%shard%end_line())]
+            if (.not. allocated(error)) call file%finish(trailer, error)
+            if (allocated(error)) call file%discard()
+        end if
+        if (allocated(error) .or. .not. options%ranks%is_writer()) return
+        call summarize(job, last - first + 1, plan, source%verdicts, seconds() - began, summary)
+        if (part /= '') call summary%add('shard', part)
     end subroutine run_stability
+
+    !> Sums numbers over all ranks; the writer gets the sums.
+    subroutine sum_over_ranks(ranks, numbers)
+        type(ranks_t), intent(in) :: ranks
+        integer, intent(inout) :: numbers(:, :)
+        real(dp) :: values(size(numbers))
+        values = real(reshape(numbers, [size(numbers)]), dp)
+        call ranks%reduce(values)
+        numbers = reshape(nint(values), shape(numbers))
+    end subroutine sum_over_ranks
 
     !> The meanings of the verdicts, for the header of the table.
     function verdicts_in_words() result(lines)
@@ -96,41 +134,39 @@ contains
         end do
     end function verdicts_in_words
 
-    !> Runs all methods on case number i of the plan.
-    subroutine run_case(job, plan, i, file, progress, verdicts, error)
-        type(job_t), intent(in) :: job
-        type(stability_plan_t), intent(in) :: plan
-        integer, intent(in) :: i
-        type(table_file_t), intent(inout) :: file
-        type(progress_t), intent(inout) :: progress
-        integer, intent(inout) :: verdicts(:, :)
+    !> Runs all methods on case `number` of the plan.
+    subroutine make_case_rows(self, number, rows, error)
+        class(case_rows_t), intent(inout) :: self
+        integer(int64), intent(in) :: number
+        character(:), allocatable, intent(out) :: rows
         type(error_t), allocatable, intent(out) :: error
         type(scene_t), allocatable :: scene
         type(case_facts_t), allocatable :: facts
         type(stability_row_t) :: row
         type(text_buffer_t) :: cells
-        character(40) :: tried(size(plan%methods))
+        character(40) :: tried(size(self%plan%methods))
         logical :: is_new
-        integer :: k
+        integer :: place, k
 
+        rows = ''
         allocate (scene, facts)
+        place = self%plan%cases(number)
         facts%name = own_case
-        if (plan%cases(i) > 0) facts%name = hard_cases(plan%cases(i))%name
-        call scene_of_case(job%scene, plan%cases(i), scene, error)
+        if (place > 0) facts%name = hard_cases(place)%name
+        call scene_of_case(self%job%scene, place, scene, error)
         if (.not. allocated(error)) call find_facts(scene, facts, error)
         if (allocated(error)) return
         tried = ''
-        do k = 1, size(plan%methods)
-            call run_method(job, plan%methods(k), scene, facts, tried(:k), row, is_new)
+        do k = 1, size(self%plan%methods)
+            call run_method(self%job, self%plan%methods(k), scene, facts, tried(:k), row, is_new)
+            self%trials = self%trials + 1
             if (.not. is_new) cycle
-            verdicts(k, row%verdict) = verdicts(k, row%verdict) + 1
-            call cells%clear()
+            self%verdicts(k, row%verdict) = self%verdicts(k, row%verdict) + 1
             call put_row(row, cells)
-            call file%put(cells%contents(), error)
-            if (allocated(error)) return
-            call progress%update((i - 1) * size(plan%methods, kind=int64) + k)
+            call self%progress%update(self%trials)
         end do
-    end subroutine run_case
+        rows = cells%contents()
+    end subroutine make_case_rows
 
     !> The case of a scene, its reference, and the growth rates of its perturbations.
     subroutine find_facts(scene, facts, error)
@@ -228,8 +264,9 @@ contains
     end function no_trial
 
     !> The results of each method in one line.
-    subroutine summarize(job, plan, verdicts, time, summary)
+    subroutine summarize(job, cases, plan, verdicts, time, summary)
         type(job_t), intent(in) :: job
+        integer(int64), intent(in) :: cases
         type(stability_plan_t), intent(in) :: plan
         integer, intent(in) :: verdicts(:, :)
         real(dp), intent(in) :: time
@@ -238,7 +275,7 @@ contains
         integer :: k
 
         call summary%headline(job%input // ': stability of ' // to_text(size(verdicts, 1)) // ' methods on ' &
-                              // to_text(size(plan%cases)) // ' cases -> ' // job%output)
+                              // to_text(cases) // ' cases -> ' // job%output)
         do k = 1, size(verdict_names)
             if (k == verdict_no_reference .and. all(verdicts(:, k) == 0)) cycle
             call summary%add(verdict_names(k), verdict_meaning(k))

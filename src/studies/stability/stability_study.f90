@@ -1,5 +1,6 @@
 !> The stability study as a kind of study.
 module spintop_stability_study
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t, exit_ok
     use spintop_job, only: job_t
@@ -25,6 +26,7 @@ module spintop_stability_study
     contains
         procedure, nopass :: info
         procedure, nopass :: columns
+        procedure :: cases
         procedure :: check
         procedure :: explain
         procedure :: run
@@ -36,7 +38,8 @@ contains
     function info()
         type(study_info_t) :: info
         info = study_info_t(trim(study_kinds(kind_stability)), 'a stability study', 'stability studies', '', &
-                            'methods on a catalogue of hard motions, with a verdict on each', has_case=.false.)
+                            'methods on a catalogue of hard motions, with a verdict on each', has_parts=.true., &
+                            shares_ranks=.true., has_case=.false.)
     end function info
 
     !> All columns.
@@ -46,6 +49,15 @@ contains
         allocate (known, source=stability_columns())
         columns = known%study_column_t
     end function columns
+
+    !> Number of cases.
+    integer(int64) function cases(self, job)
+        class(stability_study_t), intent(in) :: self
+        type(job_t), intent(in) :: job !! the job
+        associate (unused => job)
+        end associate
+        cases = size(self%plan%cases)
+    end function cases
 
     !> Finds the cases and the methods; checks the case of the input if it is one of them.
     subroutine check(self, job, problems, diagnostics)

@@ -5,8 +5,9 @@ module spintop_sweep_study
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t
     use spintop_clock, only: seconds, utc_now
+    use spintop_dealt_rows, only: compare_with_writer
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_errors, only: error_t, exit_failed, exit_ok, input_error
+    use spintop_errors, only: error_t, exit_failed, exit_ok
     use spintop_files, only: replace_file
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
@@ -29,7 +30,6 @@ module spintop_sweep_study
     use spintop_sweep_forecast, only: forecast_sweep
     use spintop_sweep_table, only: describe_table, start_table
     use spintop_sweep_team, only: sweep_team_t
-    use spintop_table_head, only: compare_heads
     use spintop_text, only: join, to_text
     implicit none
     private
@@ -61,8 +61,8 @@ contains
         info = study_info_t(trim(study_kinds(kind_sweep)), 'a sweep', 'sweeps', &
                             ', besides case, the swept parameters, status and notes', &
                             'many motions: a row of quantities per combination of parameters', takes_axes=.true., &
-                            takes_columns=.true., has_parts=.true., has_statistics=.true., has_netcdf=.true., &
-                            keeps_exact_motion=.false.)
+                            takes_columns=.true., has_parts=.true., shares_ranks=.true., resumes=.true., has_statistics=.true., &
+                            has_netcdf=.true., keeps_exact_motion=.false.)
     end function info
 
     !> All quantities.
@@ -177,19 +177,6 @@ contains
         end if
         call options%ranks%broadcast(cases)
     end subroutine begin_table
-
-    !> Checks that all ranks have the same build and input: their tables must have equal headers.
-    subroutine compare_with_writer(ranks, head, error)
-        type(ranks_t), intent(in) :: ranks
-        character(:), allocatable, intent(in) :: head
-        type(error_t), allocatable, intent(out) :: error
-        character(:), allocatable :: head_of_writer, problem
-        head_of_writer = head
-        call ranks%broadcast(head_of_writer)
-        problem = compare_heads(head_of_writer, 'rank 0', head, 'rank ' // to_text(ranks%number))
-        if (problem /= '') error = input_error('the ranks have different builds or inputs' // problem)
-        call ranks%agree(error)
-    end subroutine compare_with_writer
 
     !> Starts the progress of the cases, and says what a signal that ends the run is to tell.
     subroutine announce(job, options, table, cases, team)

@@ -2,7 +2,7 @@
 !> Ridders 1982), with an estimate of their error. A quantity need not be known as a formula: it is computed at the
 !> nodes of a number, and may fail at some of them.
 !>
-!>     nodes = nodes_around(x, ...)                          ! once per number
+!>     nodes = nodes_around(x, keeps_sign)                   ! once per number
 !>     values(i) = f(nodes%x(i))                             ! for each node that is valid
 !>     call nodes%differentiate(values, derivative, error)   ! both NaN where there is no derivative
 module spintop_differences
@@ -21,6 +21,9 @@ module spintop_differences
     !> Largest relative error of a derivative, and the largest in units of the rounding error of its difference: what
     !> has not converged to either is no derivative.
     real(dp), parameter :: largest_error = 1.0e-3_dp, largest_noise = 1.0e6_dp
+    !> What the derivative must explain of the smallest difference: all but this part of the range of the values, or they
+    !> only seem to converge.
+    real(dp), parameter :: largest_rest = 1.0e-2_dp
     !> Factor of the estimates, which see the rounding errors of few values.
     real(dp), parameter :: safety = 4
 
@@ -30,50 +33,40 @@ module spintop_differences
         real(dp) :: x(node_count) = 0
         logical :: is_valid(node_count) = .false.
     contains
+        procedure :: limit_to
         procedure :: differentiate
     end type nodes_t
-
-    abstract interface
-        !> Whether a number is in the domain.
-        logical function accepts_i(x)
-            import :: dp
-            implicit none
-            real(dp), intent(in) :: x
-        end function accepts_i
-    end interface
 
 contains
 
     !> The nodes around a number. The steps are in proportion to a number whose sign cannot change; to others, if they
     !> are small, in proportion to 1.
-    type(nodes_t) function nodes_around(x, accepts) result(nodes)
+    pure type(nodes_t) function nodes_around(x, keeps_sign) result(nodes)
         real(dp), intent(in) :: x !! the number
-        procedure(accepts_i) :: accepts !! whether a number is in the domain
+        logical, intent(in) :: keeps_sign !! whether its sign cannot change
         real(dp) :: step
         integer :: i
 
-        nodes%x = x
-        nodes%is_valid(centre) = .true.
+        nodes%x(centre) = x
         step = abs(x)
-        if (.not. step > 0 .or. accepts(-x)) step = max(step, 1.0_dp)
+        if (.not. (step > 0 .and. keeps_sign)) step = max(step, 1.0_dp)
         step = first_step * step
         do i = 0, rows - 1
-            call add(first_above + i, x + step)
-            call add(first_below + i, x - step)
+            nodes%x(first_above + i) = x + step
+            nodes%x(first_below + i) = x - step
             step = step / ratio
         end do
-
-    contains
-
-        !> Adds a node, if it is in the domain and different.
-        subroutine add(place, value)
-            integer, intent(in) :: place
-            real(dp), intent(in) :: value
-            nodes%is_valid(place) = accepts(value) .and. abs(value - x) > 0
-            if (nodes%is_valid(place)) nodes%x(place) = value
-        end subroutine add
-
+        nodes%is_valid = abs(nodes%x - x) > 0
+        nodes%is_valid(centre) = .true.
     end function nodes_around
+
+    !> Leaves out the nodes outside the domain of the number.
+    pure subroutine limit_to(self, in_domain)
+        class(nodes_t), intent(inout) :: self
+        logical, intent(in) :: in_domain(node_count) !! whether each node is in the domain
+        self%is_valid = self%is_valid .and. in_domain
+        self%x = merge(self%x, self%x(centre), self%is_valid)
+    end subroutine limit_to
 
     !> The derivative at the number, and the estimate of its error. Both are NaN where the differences do not converge, as
     !> at a jump, a kink or an end of what the quantity is defined for. At an end of the domain it is that of the one side.
@@ -82,7 +75,7 @@ contains
         real(dp), intent(in) :: values(node_count) !! of the quantity at the nodes; NaN where it has none
         real(dp), intent(out) :: derivative !! per unit of the number
         real(dp), intent(out) :: error !! the estimate of its error
-        real(dp) :: table(rows, 0:rows - 1), noise(rows), bend(rows), factor, estimate
+        real(dp) :: table(rows, 0:rows - 1), noise(rows), bend(rows), width(rows), range, factor, estimate
         logical :: is_known(node_count)
         integer :: above, below, first, best, i, k
 
@@ -94,17 +87,18 @@ contains
         if (above == centre .or. below == centre) factor = ratio
         first = rows + 1
         best = 0
+        range = 0
         do i = rows, 1, -1
             if (.not. all(is_known([node(above, i), node(below, i), centre]))) exit
             first = i
         end do
         do i = first, rows
             associate (up => node(above, i), down => node(below, i))
-                associate (width => self%x(up) - self%x(down))
-                    table(i, 0) = (values(up) - values(down)) / width
-                    noise(i) = 2 * epsilon(1.0_dp) * maxval(abs(values([up, down, centre]))) / width
-                    bend(i) = (values(up) - values(centre) + (values(down) - values(centre))) / width
-                end associate
+                width(i) = self%x(up) - self%x(down)
+                table(i, 0) = (values(up) - values(down)) / width(i)
+                noise(i) = 2 * epsilon(1.0_dp) * maxval(abs(values([up, down, centre]))) / width(i)
+                bend(i) = (values(up) - values(centre) + (values(down) - values(centre))) / width(i)
+                range = max(range, abs(values(up) - values(centre)), abs(values(down) - values(centre)))
             end associate
             do k = 1, i - first
                 table(i, k) = table(i, k - 1) + (table(i, k - 1) - table(i - 1, k - 1)) / (factor**k - 1)
@@ -118,6 +112,7 @@ contains
         end do
         if (best == 0) return
         if (error <= largest_error * abs(derivative) + largest_noise * noise(best) .and. &
+            abs(table(rows, 0) - derivative) <= largest_noise * noise(rows) + largest_rest * range / width(rows) .and. &
             .not. (factor > ratio .and. has_kink(bend(best - 1:), noise(best - 1:)))) return
         derivative = nan
         error = nan

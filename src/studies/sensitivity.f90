@@ -167,16 +167,9 @@ contains
     type(nodes_t) function nodes(self, value)
         class(sensitive_key_t), intent(in) :: self
         real(dp), intent(in) :: value !! the value
-        nodes = nodes_around(value, is_accepted)
-
-    contains
-
-        !> Whether the key can have a value.
-        logical function is_accepted(x)
-            real(dp), intent(in) :: x
-            is_accepted = self%slot%accepts(x)
-        end function is_accepted
-
+        integer :: i
+        nodes = nodes_around(value, keeps_sign=.not. self%slot%accepts(-value))
+        call nodes%limit_to([(self%slot%accepts(nodes%x(i)), i=1, size(nodes%x))])
     end function nodes
 
     !> The unit of a derivative.

@@ -176,8 +176,8 @@ contains
     !> Writes the row of a state of a formulation.
     subroutine observe(self, formulation, t, y, near)
         class(writer_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
-        real(dp), intent(in) :: t, y(max_states), near(3)
+        class(formulation_t), intent(in) :: formulation !! the equations of motion
+        real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
         call self%write_row(formulation%motion(t, y, near))
     end subroutine observe
 

@@ -72,7 +72,7 @@ contains
         integer :: length
 
         length = 0
-        if (allocated(rows%digest)) length = size(rows%digest, 1)
+        if (allocated(rows%digest)) length = size(rows%digest, 2)
         numbers = 0
         numbers(1) = number
         if (number > 0) numbers(2:) = [int([rows%text%length, size(rows%cells, 1), rows%rows, length, &

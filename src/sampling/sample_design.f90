@@ -7,7 +7,7 @@ module spintop_sample_design
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_permutation, only: make_permutation, permutation_t
-    use spintop_random, only: uniform
+    use spintop_random, only: uniform, uniforms
     use spintop_sobol_sequence, only: most_sobol_dimensions, sobol_sequence_t
     implicit none
     private
@@ -37,6 +37,7 @@ module spintop_sample_design
     contains
         procedure :: start
         procedure :: find_fractions
+        procedure :: find_block
     end type sample_design_t
 
     !> The place of a case in the design of Saltelli.
@@ -130,6 +131,24 @@ contains
             end do
         end select
     end subroutine find_fractions
+
+    !> The points of consecutive cases.
+    pure subroutine find_block(self, first, fractions)
+        class(sample_design_t), intent(in) :: self
+        integer(int64), intent(in) :: first !! number of the first case, from 1
+        real(dp), intent(out) :: fractions(:, :) !! of each case: one coordinate for each dimension
+        integer(int64) :: i
+
+        if (self%kind == design_random) then
+            do i = 1, self%dimensions
+                call uniforms(self%seed, first, stream_of_values(i), fractions(i, :))
+            end do
+        else
+            do i = 1, size(fractions, 2)
+                call self%find_fractions(first + i - 1, fractions(:, i))
+            end do
+        end if
+    end subroutine find_block
 
     !> The place of a case in the design of Saltelli.
     elemental type(saltelli_place_t) function place_in_saltelli(number, factors) result(place)

@@ -20,7 +20,7 @@ module spintop_case
     use spintop_validity, only: loses_energy, loses_spin, loses_swing, loses_weight
     implicit none
     private
-    public :: case_t, kept_parts_t, make_case, attitude_parameters
+    public :: case_t, kept_parts_t, make_case, attitude_parameters, span_of_precessions
 
     !> The parameters on which the attitude depends.
     character(*), parameter :: attitude_parameters(7) = [character(18) :: 'initial.phi', 'initial.theta', &
@@ -351,8 +351,16 @@ contains
                     &a weight', 'give t_end')
                 return
             end if
-            case%t_end = precessions * abs(2 * pi * momentum / mgl)
+            case%t_end = span_of_precessions(precessions, momentum, mgl)
         end associate
     end subroutine count_precessions
+
+    !> The time of a number of precession periods, s.
+    elemental real(dp) function span_of_precessions(precessions, momentum, mgl)
+        real(dp), intent(in) :: precessions !! their number
+        real(dp), intent(in) :: momentum    !! I3 omega3, not zero, kg m^2/s
+        real(dp), intent(in) :: mgl         !! not zero, N m
+        span_of_precessions = precessions * abs(2 * pi * momentum / mgl)
+    end function span_of_precessions
 
 end module spintop_case

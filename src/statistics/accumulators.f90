@@ -131,32 +131,32 @@ contains
         integer(int64), intent(in) :: numbers(:) !! numbers of the cases, increasing
         logical, intent(in) :: is_ok(:)      !! a case that failed has no values
         integer(int64), intent(in) :: bin    !! as `bin_of` gives it
-        real(dp), intent(in) :: values(:, :) !! of the columns of each case; one that is not finite is none
-        integer, intent(in) :: words(:, :)   !! of each column of words of each case, its place among the words of all
+        real(dp), intent(in) :: values(:, :) !! of each case those of the columns; one that is not finite is none
+        integer, intent(in) :: words(:, :)   !! of each case, and column of words, its place among the words of all
         real(dp) :: there(size(numbers))
         integer(int64) :: whose(size(numbers))
         integer :: i, k, n
 
         self%cases(bin) = self%cases(bin) + size(numbers)
         self%failed(bin) = self%failed(bin) + count(.not. is_ok)
-        do k = 1, size(numbers)
-            do i = 1, size(words, 1)
-                self%words(words(i, k), bin) = self%words(words(i, k), bin) + 1
-            end do
-        end do
-        do i = 1, size(values, 1)
-            n = 0
+        do i = 1, size(words, 2)
             do k = 1, size(numbers)
-                if (.not. (is_ok(k) .and. abs(values(i, k)) <= huge(values))) cycle
-                n = n + 1
-                there(n) = values(i, k)
-                whose(n) = numbers(k)
+                self%words(words(k, i), bin) = self%words(words(k, i), bin) + 1
             end do
-            if (n == 0) cycle
-            call self%moments(i, bin)%add(whose(:n), there(:n))
-            call self%sizes(i)%add(merge(bin, 1_int64, self%by_bin), there(:n))
         end do
-        if (self%groups%factors > 0) call self%groups%add(numbers, is_ok, values)
+        do i = 1, size(values, 2)
+            n = count(is_ok .and. abs(values(:, i)) <= huge(values))
+            if (n == size(numbers)) then
+                call self%moments(i, bin)%add(numbers, values(:, i))
+                call self%sizes(i)%add(merge(bin, 1_int64, self%by_bin), values(:, i))
+            else if (n > 0) then
+                whose(:n) = pack(numbers, is_ok .and. abs(values(:, i)) <= huge(values))
+                there(:n) = pack(values(:, i), is_ok .and. abs(values(:, i)) <= huge(values))
+                call self%moments(i, bin)%add(whose(:n), there(:n))
+                call self%sizes(i)%add(merge(bin, 1_int64, self%by_bin), there(:n))
+            end if
+        end do
+        if (self%groups%factors > 0) call self%groups%add(numbers, is_ok, transpose(values))
     end subroutine add
 
     !> Adds the cases of others, started alike.

@@ -171,31 +171,31 @@ contains
 
         bin = 0
         over = 0
-        associate (plan => self%plan)
+        associate (plan => self%plan, rows => block%rows)
             n = size(plan%numbers)
-            call block%reserve_digest(cells_before + n + size(plan%categories), block%rows)
-            do k = 1, block%rows
-                associate (cells => block%cells(:, k), digest => block%digest(:, k))
+            call block%reserve_digest(cells_before + n + size(plan%categories), rows)
+            associate (cells => block%cells, digest => block%digest)
+                do k = 1, rows
                     ! On a grid most cases are in the bin of the last one.
                     is_same = k > 1
                     do i = 1, size(over)
-                        is_same = is_same .and. cells(plan%over(i)%cell) >= over(i) .and. cells(plan%over(i)%cell) <= over(i)
-                        over(i) = cells(plan%over(i)%cell)
+                        is_same = is_same .and. cells(plan%over(i)%cell, k) >= over(i) .and. cells(plan%over(i)%cell, k) <= over(i)
+                        over(i) = cells(plan%over(i)%cell, k)
                     end do
                     if (.not. is_same) bin = real(self%places%bin_of(over), dp)
-                    digest(bin_cell) = bin
-                    digest(number_cell) = cells(1)
-                    digest(ok_cell) = cells(plan%status_cell)
-                    do i = 1, n
-                        digest(cells_before + i) = cells(plan%cells_of_numbers(i))
-                    end do
-                    words = 1
-                    do i = 1, size(plan%categories)
-                        digest(cells_before + n + i) = words + cells(plan%cells_of_categories(i))
-                        words = words + size(plan%categories(i)%words)
-                    end do
-                end associate
-            end do
+                    digest(k, bin_cell) = bin
+                end do
+                digest(:, number_cell) = cells(1, :rows)
+                digest(:, ok_cell) = cells(plan%status_cell, :rows)
+                do i = 1, n
+                    digest(:, cells_before + i) = cells(plan%cells_of_numbers(i), :rows)
+                end do
+                words = 1
+                do i = 1, size(plan%categories)
+                    digest(:, cells_before + n + i) = words + cells(plan%cells_of_categories(i), :rows)
+                    words = words + size(plan%categories(i)%words)
+                end do
+            end associate
         end associate
         call self%rows_table%format(block)
     end subroutine digest_block
@@ -212,19 +212,18 @@ contains
         n = cells_before + size(self%plan%numbers)
         first = 1
         associate (digest => block%digest)
-            call self%convert(digest(:, :block%digested), n)
-            is_scattered = count(abs(digest(bin_cell, 2:block%digested) - digest(bin_cell, :block%digested - 1)) > 0) &
-                           > block%digested / 2
-            if (is_scattered) call self%accumulators%fetch(int(digest(bin_cell, :block%digested), int64))
+            call self%convert(digest, n)
+            is_scattered = count(abs(digest(2:, bin_cell) - digest(:block%digested - 1, bin_cell)) > 0) > block%digested / 2
+            if (is_scattered) call self%accumulators%fetch(int(digest(:, bin_cell), int64))
             do while (first <= block%digested)
-                bin = int(digest(bin_cell, first), int64)
+                bin = int(digest(first, bin_cell), int64)
                 last = first
                 do while (last < block%digested)
-                    if (int(digest(bin_cell, last + 1), int64) /= bin) exit
+                    if (int(digest(last + 1, bin_cell), int64) /= bin) exit
                     last = last + 1
                 end do
                 call self%accumulators%add(self%numbers(first:last), self%is_ok(first:last), bin, &
-                                           digest(cells_before + 1:n, first:last), self%words(:, first:last))
+                                           digest(first:last, cells_before + 1:n), self%words(first:last, :))
                 first = last + 1
             end do
         end associate
@@ -249,20 +248,20 @@ contains
         self%is_new = .not. allocated(error)
     end subroutine take_snapshot
 
-    !> Takes the whole numbers of a digest, whose last cell before the words is given.
+    !> Takes the whole numbers of a digest, of which the last number before the words is given.
     subroutine convert(self, digest, last)
         class(statistics_table_t), intent(inout) :: self
         real(dp), intent(in) :: digest(:, :)
         integer, intent(in) :: last
         integer :: n
-        n = size(digest, 2)
+        n = size(digest, 1)
         if (allocated(self%numbers)) then
             if (size(self%numbers) < n) deallocate (self%numbers, self%is_ok, self%words)
         end if
-        if (.not. allocated(self%numbers)) allocate (self%numbers(n), self%is_ok(n), self%words(size(digest, 1) - last, n))
-        self%numbers(:n) = int(digest(number_cell, :), int64)
-        self%is_ok(:n) = digest(ok_cell, :) <= 0
-        self%words(:, :n) = int(digest(last + 1:, :))
+        if (.not. allocated(self%numbers)) allocate (self%numbers(n), self%is_ok(n), self%words(n, size(digest, 2) - last))
+        self%numbers(:n) = int(digest(:, number_cell), int64)
+        self%is_ok(:n) = digest(:, ok_cell) <= 0
+        self%words(:n, :) = int(digest(:, last + 1:))
     end subroutine convert
 
     !> Makes an entry that names the snapshot, if there is a new one.

@@ -21,7 +21,7 @@ module spintop_row_block
         type(string_t), allocatable :: notes(:)
         !> The rows as text.
         type(text_buffer_t) :: text
-        !> What is gathered of each row, beside its cells or its text: of row k `digest(:, k)`.
+        !> What is gathered of each row, beside its cells or its text: of row k `digest(k, :)`.
         real(dp), allocatable :: digest(:, :)
         !> Number of rows of which it is there.
         integer :: digested = 0
@@ -56,10 +56,10 @@ contains
         integer, intent(in) :: length, rows !! numbers for each row, and number of rows
         self%digested = rows
         if (allocated(self%digest)) then
-            if (size(self%digest, 1) == length .and. size(self%digest, 2) >= rows) return
+            if (size(self%digest, 1) == rows .and. size(self%digest, 2) == length) return
             deallocate (self%digest)
         end if
-        allocate (self%digest(length, rows))
+        allocate (self%digest(rows, length))
     end subroutine reserve_digest
 
     !> Empties the block, and keeps its memory.

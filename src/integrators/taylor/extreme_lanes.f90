@@ -13,12 +13,18 @@ module spintop_extreme_lanes
     private
     public :: precession_lanes_t, nutation_rate_lanes_t, height_lanes_t
 
-    !> Watches the precession rate: its value that is largest in magnitude, rad/s.
-    type, extends(root_watch_t) :: precession_lanes_t
-        real(dp), allocatable :: rate_max(:)
-        real(dp), private :: largest(lanes) = 0
+    !> Watches an extreme of one quantity.
+    type, abstract, extends(root_watch_t) :: extreme_lanes_t
+        !> The extreme of each case; and up to now, of the case in each lane.
+        real(dp), allocatable :: extreme(:)
+        real(dp), private :: so_far(lanes) = 0
     contains
-        procedure :: prepare => prepare_precession
+        procedure :: prepare
+    end type extreme_lanes_t
+
+    !> Watches the precession rate: its value that is largest in magnitude, rad/s.
+    type, extends(extreme_lanes_t) :: precession_lanes_t
+    contains
         procedure :: begin => begin_precession
         procedure :: find_polynomials => find_precession_slopes
         procedure :: take => take_precession
@@ -26,11 +32,8 @@ module spintop_extreme_lanes
     end type precession_lanes_t
 
     !> Watches the nutation rate: its largest magnitude, rad/s.
-    type, extends(root_watch_t) :: nutation_rate_lanes_t
-        real(dp), allocatable :: rate_max(:)
-        real(dp), private :: largest(lanes) = 0
+    type, extends(extreme_lanes_t) :: nutation_rate_lanes_t
     contains
-        procedure :: prepare => prepare_nutation
         procedure :: begin => begin_nutation
         procedure :: find_polynomials => find_nutation_slopes
         procedure :: take => take_nutation
@@ -38,12 +41,9 @@ module spintop_extreme_lanes
     end type nutation_rate_lanes_t
 
     !> Watches the height of the centre of mass: its minimum, m.
-    type, extends(root_watch_t) :: height_lanes_t
-        real(dp), allocatable :: height_min(:)
-        real(dp), private :: least(lanes) = 0
+    type, extends(extreme_lanes_t) :: height_lanes_t
         real(dp), private :: centre(lanes, 3) = 0
     contains
-        procedure :: prepare => prepare_height
         procedure :: begin => begin_height
         procedure :: find_polynomials => find_height_slopes
         procedure :: take => take_height
@@ -53,13 +53,13 @@ module spintop_extreme_lanes
 contains
 
     !> Makes room for so many cases.
-    subroutine prepare_precession(self, cases)
-        class(precession_lanes_t), intent(inout) :: self
+    subroutine prepare(self, cases)
+        class(extreme_lanes_t), intent(inout) :: self
         integer, intent(in) :: cases !! number of cases
-        if (allocated(self%rate_max)) deallocate (self%rate_max)
-        allocate (self%rate_max(cases), source=0.0_dp)
+        if (allocated(self%extreme)) deallocate (self%extreme)
+        allocate (self%extreme(cases), source=0.0_dp)
         self%sign = 0
-    end subroutine prepare_precession
+    end subroutine prepare
 
     !> A case begins in a lane.
     subroutine begin_precession(self, run, lane, body, start)
@@ -71,7 +71,7 @@ contains
         associate (unused => run, also_unused => body)
         end associate
         self%sign(lane) = 0
-        self%largest(lane) = merge(start%rate(1), 0.0_dp, abs(start%rate(1)) <= huge(1.0_dp))
+        self%so_far(lane) = merge(start%rate(1), 0.0_dp, abs(start%rate(1)) <= huge(1.0_dp))
     end subroutine begin_precession
 
     !> The slope of phi' = n/d times d^2, where n = Gamma1 omega1 + Gamma2 omega2 and d = Gamma1^2 + Gamma2^2: smooth
@@ -113,7 +113,7 @@ contains
         !$omp simd private(rate)
         do i = 1, lanes
             rate = (x(i, 4) * x(i, 1) + x(i, 5) * x(i, 2)) / (x(i, 4)**2 + x(i, 5)**2)
-            self%largest(i) = merge(rate, self%largest(i), abs(slope(i)) > 0 .and. abs(rate) > abs(self%largest(i)) &
+            self%so_far(i) = merge(rate, self%so_far(i), abs(slope(i)) > 0 .and. abs(rate) > abs(self%so_far(i)) &
                                     .and. abs(rate) <= huge(rate))
         end do
     end subroutine take_precession
@@ -127,18 +127,9 @@ contains
         associate (x => run%now%state(lane, :))
             rate = (x(4) * x(1) + x(5) * x(2)) / (x(4)**2 + x(5)**2)
         end associate
-        self%rate_max(case) = merge(rate, self%largest(lane), abs(rate) > abs(self%largest(lane)) &
+        self%extreme(case) = merge(rate, self%so_far(lane), abs(rate) > abs(self%so_far(lane)) &
                                     .and. abs(rate) <= huge(rate))
     end subroutine finish_precession
-
-    !> Makes room for so many cases.
-    subroutine prepare_nutation(self, cases)
-        class(nutation_rate_lanes_t), intent(inout) :: self
-        integer, intent(in) :: cases !! number of cases
-        if (allocated(self%rate_max)) deallocate (self%rate_max)
-        allocate (self%rate_max(cases), source=0.0_dp)
-        self%sign = 0
-    end subroutine prepare_nutation
 
     !> A case begins in a lane.
     subroutine begin_nutation(self, run, lane, body, start)
@@ -152,7 +143,7 @@ contains
         end associate
         self%sign(lane) = 0
         call find_nutation_rates(run%now%state, rate)
-        self%largest(lane) = rate(lane)
+        self%so_far(lane) = rate(lane)
     end subroutine begin_nutation
 
     !> With w = Gamma3' and d = Gamma1^2 + Gamma2^2, theta'^2 = w^2/d has the slope 2 w (w' d + Gamma3 w^2)/d^2. The
@@ -198,7 +189,7 @@ contains
         real(dp) :: x(lanes, parts), rate(lanes)
         call states_at(run, u * (run%now%t - run%now%t_last), x)
         call find_nutation_rates(x, rate)
-        self%largest = merge(rate, self%largest, abs(slope) > 0 .and. rate > self%largest .and. rate <= huge(rate))
+        self%so_far = merge(rate, self%so_far, abs(slope) > 0 .and. rate > self%so_far .and. rate <= huge(rate))
     end subroutine take_nutation
 
     !> The case in a lane is at its end.
@@ -208,7 +199,7 @@ contains
         integer, intent(in) :: lane, case !! index of the lane, and of its case
         real(dp) :: rate(lanes)
         call find_nutation_rates(run%now%state, rate)
-        self%rate_max(case) = max(self%largest(lane), rate(lane))
+        self%extreme(case) = max(self%so_far(lane), rate(lane))
     end subroutine finish_nutation
 
     !> Magnitudes of theta'; at a pole, where theta' has two signs, its limit.
@@ -242,15 +233,6 @@ contains
         call add_squares(degree, first, second, d)
     end subroutine find_sine2
 
-    !> Makes room for so many cases.
-    subroutine prepare_height(self, cases)
-        class(height_lanes_t), intent(inout) :: self
-        integer, intent(in) :: cases !! number of cases
-        if (allocated(self%height_min)) deallocate (self%height_min)
-        allocate (self%height_min(cases), source=0.0_dp)
-        self%sign = 0
-    end subroutine prepare_height
-
     !> A case begins in a lane.
     subroutine begin_height(self, run, lane, body, start)
         class(height_lanes_t), intent(inout) :: self
@@ -262,7 +244,7 @@ contains
         end associate
         self%sign(lane) = 0
         self%centre(lane, :) = body%centre_of_mass
-        self%least(lane) = dot_product(body%centre_of_mass, run%now%state(lane, 4:6))
+        self%so_far(lane) = dot_product(body%centre_of_mass, run%now%state(lane, 4:6))
     end subroutine begin_height
 
     !> The rate of the height.
@@ -297,7 +279,7 @@ contains
         !$omp simd private(height)
         do i = 1, lanes
             height = self%centre(i, 1) * x(i, 4) + self%centre(i, 2) * x(i, 5) + self%centre(i, 3) * x(i, 6)
-            self%least(i) = merge(height, self%least(i), slope(i) > 0 .and. height < self%least(i))
+            self%so_far(i) = merge(height, self%so_far(i), slope(i) > 0 .and. height < self%so_far(i))
         end do
     end subroutine take_height
 
@@ -306,7 +288,7 @@ contains
         class(height_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(in) :: lane, case !! index of the lane, and of its case
-        self%height_min(case) = min(self%least(lane), dot_product(self%centre(lane, :), run%now%state(lane, 4:6)))
+        self%extreme(case) = min(self%so_far(lane), dot_product(self%centre(lane, :), run%now%state(lane, 4:6)))
     end subroutine finish_height
 
 end module spintop_extreme_lanes

@@ -27,6 +27,9 @@ module spintop_sweep_axes
     integer, parameter :: designs(combine_random:combine_saltelli) = [design_random, design_latin_hypercube, design_sobol, &
         design_saltelli]
 
+    !> Points of a sample that are found together.
+    integer, parameter :: strip = 64
+
     !> Axes and their combination.
     type :: axes_t
         type(axis_t), allocatable :: axis(:)
@@ -45,6 +48,7 @@ module spintop_sweep_axes
         procedure :: out_of_range
         procedure :: values_of
         procedure :: find_values
+        procedure :: find_block
         procedure :: place_of
         procedure :: varies
         procedure :: varies_any
@@ -147,6 +151,7 @@ contains
         class(axes_t), intent(in) :: self
         integer(int64), intent(in) :: number !! number of the block
         real(dp), intent(out) :: values(:) !! one value for each axis
+        real(dp) :: fractions(self%design%dimensions)
         integer(int64) :: rest, n
         integer :: i
 
@@ -161,19 +166,96 @@ contains
         case (combine_zip)
             values = self%axis%value(int(number))
         case default
-            call draw_values(self, number, values)
+            call self%design%find_fractions(number, fractions)
+            call draw_values(self, fractions, values)
         end select
     end subroutine find_values
 
-    !> The values of a case of a sample.
-    pure subroutine draw_values(self, number, values)
+    !> The values of consecutive cases, and of each case the first axis whose value is not that of the case before: 1 in
+    !> the first case, and in all but those of a grid, of which mostly the last axis alone differs.
+    pure subroutine find_block(self, number, values, changed)
+        class(axes_t), intent(in) :: self
+        integer(int64), intent(in) :: number !! number of the first case
+        real(dp), intent(out) :: values(:, :) !! of each case: one value for each axis
+        integer, intent(out) :: changed(:) !! for each case
+        integer :: k
+
+        changed = 1
+        select case (self%combination)
+        case (combine_grid)
+            call find_block_of_grid(self, number, values, changed)
+        case (combine_zip)
+            do k = 1, size(values, 2)
+                values(:, k) = self%axis%value(int(number) + k - 1)
+            end do
+        case default
+            call find_block_of_sample(self, number, values)
+        end select
+    end subroutine find_block
+
+    !> The same on a grid: as far as the last axis goes, then the first value of it with the next of the others.
+    pure subroutine find_block_of_grid(self, number, values, changed)
         type(axes_t), intent(in) :: self
         integer(int64), intent(in) :: number
+        real(dp), intent(out) :: values(:, :)
+        integer, intent(inout) :: changed(:)
+        integer :: last, run, first, k, n
+
+        last = size(self%axis)
+        n = size(values, 2)
+        k = 1
+        do while (k <= n)
+            call self%find_values(number + k - 1, values(:, k))
+            associate (axis => self%axis(last))
+                first = int(mod(number + k - 2, int(axis%count, int64))) + 1
+                run = min(axis%count - first, n - k)
+                call axis%list_values(first + 1, values(last, k + 1:k + run))
+            end associate
+            values(:last - 1, k + 1:k + run) = spread(values(:last - 1, k), 2, run)
+            changed(k + 1:k + run) = last
+            if (k > 1) changed(k) = first_changed(self, number + k - 1)
+            k = k + run + 1
+        end do
+    end subroutine find_block_of_grid
+
+    !> The first axis of a grid whose place is not that of the case before.
+    pure integer function first_changed(self, number) result(i)
+        type(axes_t), intent(in) :: self
+        integer(int64), intent(in) :: number
+        integer(int64) :: rest
+        rest = number - 1
+        do i = size(self%axis), 2, -1
+            if (mod(rest, int(self%axis(i)%count, int64)) /= 0) return
+            rest = rest / self%axis(i)%count
+        end do
+        i = 1
+    end function first_changed
+
+    !> The same of a sample.
+    pure subroutine find_block_of_sample(self, number, values)
+        type(axes_t), intent(in) :: self
+        integer(int64), intent(in) :: number
+        real(dp), intent(out) :: values(:, :)
+        real(dp) :: fractions(self%design%dimensions, strip)
+        integer :: first, last, k
+
+        do first = 1, size(values, 2), strip
+            last = min(first + strip - 1, size(values, 2))
+            call self%design%find_block(number + first - 1, fractions(:, :last - first + 1))
+            do k = first, last
+                call draw_values(self, fractions(:, k - first + 1), values(:, k))
+            end do
+        end do
+    end subroutine find_block_of_sample
+
+    !> The values at a point of a sample.
+    pure subroutine draw_values(self, fractions, values)
+        type(axes_t), intent(in) :: self
+        real(dp), intent(in) :: fractions(:)
         real(dp), intent(out) :: values(:)
-        real(dp) :: fractions(self%design%dimensions), standard(size(self%normal))
+        real(dp) :: standard(size(self%normal))
         integer :: i, k
 
-        call self%design%find_fractions(number, fractions)
         do i = 1, size(self%axis)
             associate (axis => self%axis(i), first => self%coordinate(i))
                 if (axis%law == law_uniform) then

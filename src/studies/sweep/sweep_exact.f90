@@ -14,7 +14,7 @@ module spintop_sweep_exact
     use spintop_stepper, only: looks_per_step
     use spintop_sweep_notes, only: note_t
     use spintop_sweep_quantities, only: find_free_constants, put_nutation, put_fast_top, put_azimuth, put_end, &
-        put_details, precession_period
+        put_details, precession_period, lowest_height
     use spintop_sweep_result, only: sweep_result_t, sweep_work_t
     use spintop_sweep_stability, only: put_stability
     implicit none
@@ -89,8 +89,6 @@ contains
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(note_t), intent(inout) :: note !! notes on the case
-        type(nutation_t) :: nutation
-        type(motion_t) :: last
 
         values = sweep_result_t()
         status = block%status(lane)
@@ -98,28 +96,16 @@ contains
             call note%explain(trim(status_meanings(status)))
             return
         end if
-        if (wanted%nutation) then
-            nutation%theta_min = block%theta_min(lane)
-            nutation%theta_max = block%theta_max(lane)
-            nutation%delta_u = block%delta_u(lane)
-            nutation%period = block%period(lane)
-            nutation%precession = block%precession(lane)
-            nutation%precession_rate = block%precession_rate(lane)
-            nutation%phi_rate_max = block%phi_rate_max(lane)
-            call put_nutation(case, nutation, values, note)
-        end if
+        if (wanted%nutation) call unload_nutation(case, block, lane, wanted, values, note)
         if (wanted%fast_top) call put_fast_top(case, values, note)
         if (wanted%period) then
             call put_azimuth(block%t_period(lane) > 0, block%phi_at_period(lane), values, note)
         end if
-        if (wanted%end .or. wanted%energy) then
-            call find_end(case, block, lane, last)
-            call put_end(case, last, block%energy_error(lane), values)
-        end if
+        if (wanted%end .or. wanted%energy) call unload_end(case, block, lane, values)
         values%evaluations = 0
         values%orientation_error = 0
         if (wanted%details) call put_details(case, values, note)
-        call find_free_constants(case, wanted, values, note)
+        if (wanted%free) call find_free_constants(case, wanted, values, note)
         if (wanted%growth .or. wanted%lyapunov .or. wanted%singular) then
             call put_stability(case, wanted, max_steps, values, status, note)
         end if
@@ -127,6 +113,37 @@ contains
             values%inherent_error = inherent_error(case%body, case%start, case%t_end)
         end if
     end subroutine unload_lane
+
+    !> The whole nutation.
+    subroutine unload_nutation(case, block, lane, wanted, values, note)
+        type(case_t), intent(in) :: case
+        type(exact_block_t), intent(in) :: block
+        integer, intent(in) :: lane
+        type(sweep_work_t), intent(in) :: wanted
+        type(sweep_result_t), intent(inout) :: values
+        type(note_t), intent(inout) :: note
+        type(nutation_t) :: nutation
+        nutation%theta_min = block%theta_min(lane)
+        nutation%theta_max = block%theta_max(lane)
+        nutation%delta_u = block%delta_u(lane)
+        nutation%period = block%period(lane)
+        nutation%precession = block%precession(lane)
+        nutation%precession_rate = block%precession_rate(lane)
+        nutation%phi_rate_max = block%phi_rate_max(lane)
+        if (wanted%lowest) values%com_z_min = lowest_height(case, nutation%theta_max)
+        call put_nutation(case, nutation, values, note)
+    end subroutine unload_nutation
+
+    !> The end of the span.
+    subroutine unload_end(case, block, lane, values)
+        type(case_t), intent(in) :: case
+        type(exact_block_t), intent(in) :: block
+        integer, intent(in) :: lane
+        type(sweep_result_t), intent(inout) :: values
+        type(motion_t) :: last
+        call find_end(case, block, lane, last)
+        call put_end(case, last, block%energy_error(lane), values)
+    end subroutine unload_end
 
     !> The motion at the end of the span, as far as a sweep table needs it.
     subroutine find_end(case, block, lane, motion)

@@ -20,13 +20,14 @@ module spintop_sweep_quantities
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: put_nutation, put_measured, put_fast_top, put_azimuth, put_end, put_details, precession_period
+    public :: put_nutation, put_measured, put_fast_top, put_azimuth, put_end, put_details, precession_period, &
+        lowest_height
     public :: explain_no_period, explain_no_exact_motion, explain_no_inherent_error
     public :: find_free_constants, put_free_constants
 
 contains
 
-    !> The whole nutation.
+    !> The whole nutation, without the height of the centre of mass.
     subroutine put_nutation(case, nutation, values, note)
         type(case_t), intent(in) :: case !! body, start and span
         type(nutation_t), intent(in) :: nutation !! quantities of the nutation
@@ -42,7 +43,6 @@ contains
         end if
         values%delta_u = nutation%delta_u
         values%phi_rate_max = nutation%phi_rate_max
-        values%com_z_min = case%body%centre_of_mass(3) * cos(nutation%theta_max)
         if (.not. is_finite(nutation%period)) then
             call note%add(note_no_period, 'the axis approaches the upright asymptotically')
             return
@@ -64,6 +64,13 @@ contains
         precession_time = precession_period(case%body, case%start)
         if (precession_time > 0) values%nutations_in_period = precession_time / nutation%period
     end subroutine put_nutation
+
+    !> The minimum height of the centre of mass of a top, whose largest inclination is known, m.
+    pure real(dp) function lowest_height(case, theta_max)
+        type(case_t), intent(in) :: case !! body, start and span
+        real(dp), intent(in) :: theta_max !! in the axes of the computation, rad
+        lowest_height = case%body%centre_of_mass(3) * cos(theta_max)
+    end function lowest_height
 
     !> The measured nutation.
     subroutine put_measured(case, watch, has_turning, values, note)

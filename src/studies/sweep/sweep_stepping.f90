@@ -21,7 +21,7 @@ module spintop_sweep_stepping
     use spintop_stepper, only: looks_per_step
     use spintop_sweep_notes, only: note_t, note_no_inherent, note_no_stop
     use spintop_sweep_quantities, only: find_free_constants, put_nutation, put_measured, put_fast_top, put_azimuth, put_end, &
-        put_details, precession_period
+        put_details, precession_period, lowest_height
     use spintop_sweep_result, only: sweep_result_t, sweep_work_t
     use spintop_sweep_stability, only: put_stability
     implicit none
@@ -67,7 +67,10 @@ contains
         if (case%body%is_lagrange()) then
             if (wanted%nutation) then
                 call find_nutation(case%body, case%start, nutation, status)
-                if (status == status_ok) call put_nutation(case, nutation, values, note)
+                if (status == status_ok) then
+                    call put_nutation(case, nutation, values, note)
+                    values%com_z_min = lowest_height(case, nutation%theta_max)
+                end if
             end if
             if (wanted%details) call put_details(case, values, note)
         end if

@@ -248,14 +248,18 @@ contains
                 call columns(i)%fill(results, cells(axes + 2 + i, :))
                 is_whole = is_whole .and. abs(cells(axes + 2 + i, :)) <= huge(cells)
             end do
+            do i = 1, axes
+                cells(1 + i, :) = parameters(i, :)
+            end do
             do k = 1, size(results)
                 told = status(k)
-                if (is_good_end(told) .and. .not. is_whole(k)) then
-                    call explain_missing(columns, cells(axes + 3:axes + 2 + size(columns), k), cases(k), note(k))
-                    if (overflowed(columns, cells(axes + 3:axes + 2 + size(columns), k))) told = status_non_finite
+                if (.not. is_whole(k)) then
+                    if (is_good_end(told)) then
+                        call explain_missing(columns, cells(axes + 3:axes + 2 + size(columns), k), cases(k), note(k))
+                        if (overflowed(columns, cells(axes + 3:axes + 2 + size(columns), k))) told = status_non_finite
+                    end if
                 end if
                 cells(1, k) = real(first + k - 1, dp)
-                cells(2:axes + 1, k) = parameters(:, k)
                 cells(axes + 2, k) = told
                 cells(size(cells, 1), k) = note(k)%flags
                 rows%rows = rows%rows + 1

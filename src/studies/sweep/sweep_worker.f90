@@ -12,9 +12,8 @@ module spintop_sweep_worker
     use spintop_plan, only: plan_t, make_plan
     use spintop_problems, only: problems_t
     use spintop_row_block, only: row_block_t
-    use spintop_scene_words, only: combine_grid
     use spintop_status, only: status_bad_input, status_meanings, status_ok
-    use spintop_sweep_axes, only: swept_scene_t
+    use spintop_sweep_axes, only: axes_t, swept_scene_t
     use spintop_sweep_batch, only: sweep_batch_t, goes_in_batch
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_columns, only: sweep_columns, work_for
@@ -25,6 +24,7 @@ module spintop_sweep_worker
     use spintop_sweep_result, only: sweep_result_t, sweep_work_t
     use spintop_sweep_stepping, only: compute_stepping
     use spintop_sweep_table, only: cells_of_row, put_rows
+    use spintop_sweep_tops, only: sweep_tops_t
     implicit none
     private
     public :: sweep_worker_t, size_of_block
@@ -68,12 +68,14 @@ module spintop_sweep_worker
         integer(int64), allocatable, private :: max_steps(:)
         !> Whether the event that ends the motion occurred.
         logical, allocatable, private :: came(:)
-        !> On a grid: the place of the last case on each axis (0: none yet), and the first of the last axes on which
-        !> the attitude does not depend.
-        integer, allocatable, private :: at(:)
-        integer, private :: first_without_attitude = 1
-        !> Values of the swept parameters of each case, one per axis.
+        !> Values of the swept parameters of each case, one per axis; the first axis whose value is not that of the case
+        !> before; and the first of the last axes on which the attitude does not depend.
         real(dp), allocatable, private :: parameters(:, :)
+        integer, allocatable, private :: changed(:)
+        integer, private :: first_without_attitude = 1
+        !> Cases of one top, and which of a block are done as such.
+        type(sweep_tops_t), private :: tops
+        logical, allocatable, private :: is_done(:)
         type(sweep_result_t), allocatable, private :: values(:)
         type(exact_block_t), allocatable, private :: block
         type(sweep_batch_t), private :: batch
@@ -106,7 +108,7 @@ contains
         allocate (worker%status(block_size), worker%lane(block_size), worker%came(block_size), worker%max_steps(block_size))
         allocate (worker%kind(block_size), source=kind_of(job%case%body))
         allocate (worker%parameters(size(job%axes%axis), block_size), worker%values(block_size))
-        allocate (worker%note(block_size), worker%block)
+        allocate (worker%note(block_size), worker%block, worker%changed(block_size), worker%is_done(block_size))
         worker%status = status_ok
         worker%lane = 0
         worker%came = .true.
@@ -114,67 +116,26 @@ contains
         worker%plans(kind_of(job%case%body)) = kept_plan_t(.true., job%plan)
         worker%same_body = .not. (job%axes%varies('top') .or. job%axes%varies('part') .or. job%axes%varies('effects'))
         worker%same_attitude = .not. job%axes%varies_any(attitude_parameters)
-        call prepare_grid(worker, job)
+        worker%first_without_attitude = find_first_without_attitude(job%axes)
         worker%same_plans = .not. job%axes%varies('integration')
         allocate (known, source=sweep_columns())
         worker%columns = known(job%columns)
         worker%wanted = work_for(worker%columns)
         worker%proofs = sweep_proofs(worker%columns, job%scene%certified)
+        call worker%tops%prepare(job, worker%wanted)
     end subroutine prepare
 
-    !> Prepares to go along a grid from case to case.
-    subroutine prepare_grid(worker, job)
-        type(sweep_worker_t), intent(inout) :: worker
-        type(job_t), intent(in) :: job
+    !> The first of the last axes on which the attitude does not depend.
+    pure integer function find_first_without_attitude(axes) result(first)
+        type(axes_t), intent(in) :: axes
         integer :: i
-
-        allocate (worker%at(size(job%axes%axis)), source=0)
-        associate (first => worker%first_without_attitude)
-            first = 1
-            do i = 1, size(worker%at)
-                associate (name => job%axes%axis(i)%name)
-                    if (any(attitude_parameters == name(:index(name // '(', '(') - 1))) first = i + 1
-                end associate
-            end do
-        end associate
-    end subroutine prepare_grid
-
-    !> The values of the axes in the k-th case of a block, and the first axis whose value is not that of the case
-    !> before, which is 1 where there is none. The next case of a grid mostly differs in its last axis alone.
-    subroutine find_values(worker, job, number, k, first)
-        type(sweep_worker_t), intent(inout) :: worker
-        type(job_t), intent(in) :: job
-        integer(int64), intent(in) :: number !! of the case
-        integer, intent(in) :: k
-        integer, intent(out) :: first
-        integer(int64) :: rest
-        integer :: i
-
         first = 1
-        if (job%axes%combination /= combine_grid) then
-            call job%axes%find_values(number, worker%parameters(:, k))
-            return
-        end if
-        associate (axis => job%axes%axis, at => worker%at)
-            if (k == 1) then
-                rest = number - 1
-                do i = size(axis), 1, -1
-                    at(i) = int(mod(rest, int(axis(i)%count, int64))) + 1
-                    rest = rest / axis(i)%count
-                end do
-            else
-                do first = size(axis), 1, -1
-                    at(first) = at(first) + 1
-                    if (at(first) <= axis(first)%count) exit
-                    at(first) = 1
-                end do
-                worker%parameters(:first - 1, k) = worker%parameters(:first - 1, k - 1)
-            end if
-            do i = first, size(axis)
-                worker%parameters(i, k) = axis(i)%value(at(i))
-            end do
-        end associate
-    end subroutine find_values
+        do i = 1, size(axes%axis)
+            associate (name => axes%axis(i)%name)
+                if (any(attitude_parameters == name(:index(name // '(', '(') - 1))) first = i + 1
+            end associate
+        end do
+    end function find_first_without_attitude
 
     !> Rows of the cases from `first` to `last`, at most `block_size`. Cases with a closed form are computed
     !> together, and so are bodies in lanes. The others are computed one by one when
@@ -188,9 +149,20 @@ contains
 
         worker%since = seconds()
         n = int(last - first + 1)
+        call job%axes%find_block(first, worker%parameters(:, :n), worker%changed(:n))
+        worker%is_done(:n) = .false.
+        call charge(worker%making, worker%since)
+        if (worker%tops%applies) then
+            call worker%tops%compute(job%axes, worker%columns, worker%wanted, worker%parameters(:, :n), worker%block, &
+                                     worker%values, worker%is_done(:n))
+            call charge(worker%computing, worker%since)
+        end if
         worker%block%n = 0
         do k = 1, n
-            call begin_case(worker, job, first + k - 1, k)
+            call worker%note(k)%clear()
+            worker%status(k) = status_ok
+            worker%lane(k) = 0
+            if (.not. worker%is_done(k)) call begin_case(worker, job, k)
         end do
         call charge(worker%making, worker%since)
         call compute_together(worker, job, n)
@@ -210,10 +182,9 @@ contains
     end subroutine charge
 
     !> Makes the k-th case of the block, and computes it or puts it to those that are computed together.
-    subroutine begin_case(worker, job, number, k)
+    subroutine begin_case(worker, job, k)
         class(sweep_worker_t), target, intent(inout) :: worker
         type(job_t), intent(in) :: job
-        integer(int64), intent(in) :: number !! of the case
         integer, intent(in) :: k
         type(plan_t), pointer :: plan
         logical :: in_lanes  !! whether the closed form is computed for many cases at once
@@ -221,12 +192,14 @@ contains
         integer :: first
 
         associate (case => worker%cases(k), status => worker%status(k), note => worker%note(k))
-            call note%clear()
-            call find_values(worker, job, number, k, first)
+            first = worker%changed(k)
+            if (first > 1) then
+                if (worker%is_done(k - 1)) first = 1
+            end if
             call worker%swept%put(worker%parameters(:, k), first)
             ! The attitude of the case before is at hand, if that is the one.
             keeps_attitude = worker%same_attitude
-            if (k > 1 .and. first >= worker%first_without_attitude .and. first > 1) then
+            if (first >= worker%first_without_attitude .and. first > 1) then
                 if (worker%status(k - 1) == status_ok) then
                     case%given_start = worker%cases(k - 1)%given_start
                     case%circular = worker%cases(k - 1)%circular
@@ -242,7 +215,6 @@ contains
                 call stop_exactly(case, job%events, job%stop_after, worker%max_steps(k), status, worker%came(k))
                 if (status /= status_ok) call note%explain(trim(status_meanings(status)))
             end if
-            worker%lane(k) = 0
             if (status /= status_ok) then
                 worker%values(k) = sweep_result_t()
             else if (in_lanes) then

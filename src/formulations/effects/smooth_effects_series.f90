@@ -37,7 +37,7 @@ module spintop_smooth_effects_series
         real(c_double) :: frame(room, 3) = 0, side_frame(numbers, 2) = 0
         real(c_double), dimension(room) :: coupling = 0, inverse_inertia = 0, damping = 0, arm = 0, frame_rate = 0
         real(c_double), dimension(room) :: torque_body = 0, torque_space = 0, rotor_torque = 0
-        type(drag_t) :: drag(most_drags)
+        type(drag_t) :: drag(most_drags) = drag_t()
         real(c_double) :: gravity = 0
         integer(c_int) :: drags = 0, has_sides = 0, turns = 0, is_driven = 0, vibrates = 0
     end type constants_t

@@ -83,8 +83,8 @@ module spintop_capabilities
     !> What effects do beside changing y' = f(t, y): their work, breaks of f, and rest under dry friction.
     type, abstract, extends(capability_t) :: action_t
         !> Whether dry friction may hold the body, and whether it may let it go again by itself; whether the
-        !> series of a plane motion ends where it turns.
-        logical :: may_stick = .false., may_slip = .false., may_turn = .false.
+        !> series of a plane motion ends where it turns; whether any effect does work.
+        logical :: may_stick = .false., may_slip = .false., may_turn = .false., does_work = .true.
     contains
         procedure(find_power), deferred :: power
         procedure(next_knot), deferred :: next_knot

@@ -16,7 +16,7 @@ module spintop_rigid_body_series
     use spintop_formulation, only: max_series_order, max_states
     implicit none
     private
-    public :: body_series_t, find_quadruple_series
+    public :: body_series_t, find_quadruple_series, share
 
     !> Constants of body_series.c: factors of its three products of vectors, of damping and torque.
     integer, parameter :: first = 1, second = 2, third = 3, decay = 4, pull = 5, swing = 6

@@ -170,7 +170,7 @@ contains
             call work%projection%begin(stepper%controls%project, formulation, work%y)
             if (allocated(formulation%action)) then
                 call self%rest%begin(formulation, work)
-                self%account%is_open = self%observer%wants_work
+                self%account%is_open = self%observer%wants_work .and. formulation%action%does_work
             end if
             is_idle = .not. (self%observer%counts_turns .or. present(watch))
             self%follower = follower_t(0.0_dp, work%y, start%angle, is_idle)

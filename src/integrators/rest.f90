@@ -32,6 +32,8 @@ module spintop_rest
         class(workspace_t), allocatable :: work
         !> Largest angular velocity so far, rad/s, and deceleration, rad/s^2.
         real(dp), private :: largest = 0, steepest = 0
+        !> What `find_slowing` found last, and when, s: the end of a step is the beginning of the next.
+        real(dp), private :: seen_at = -1, seen_speed = 0, seen_slowing = 0
     contains
         procedure :: begin
         procedure :: advance
@@ -74,11 +76,19 @@ contains
         class(workspace_t), intent(in) :: work
         real(dp), intent(out) :: speed, slowing
         logical :: is_plane
+        if (.not. abs(work%t - self%seen_at) > 0) then
+            speed = self%seen_speed
+            slowing = self%seen_slowing
+            return
+        end if
         call formulation%action%find_speed(work%t, work%y, speed, slowing, is_plane)
         self%largest = max(self%largest, speed)
         self%steepest = max(self%steepest, slowing)
-        if (formulation%action%may_stick) return
-        if (.not. (is_plane .and. needs_series(stepper) .and. slowing > turning * self%steepest)) slowing = 0
+        if (.not. (formulation%action%may_stick &
+                   .or. (is_plane .and. needs_series(stepper) .and. slowing > turning * self%steepest))) slowing = 0
+        self%seen_at = work%t
+        self%seen_speed = speed
+        self%seen_slowing = slowing
     end subroutine find_slowing
 
     !> Whether a method steps by series.
@@ -195,6 +205,7 @@ contains
         subroutine stop_at_rest(left)
             real(dp), intent(in) :: left
             real(dp) :: y(max_states)
+            self%seen_at = -1
             y = formulation%action%at_rest(work%t + left, work%y, left)
             call self%check_rest(formulation, work%t + left, y)
             if (stepper%controls%steps > 0) then

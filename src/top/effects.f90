@@ -37,6 +37,7 @@ module spintop_effects
         procedure :: is_dry
         procedure :: has_cusps
         procedure :: has_friction
+        procedure :: do_work
         procedure :: depends_on_time
         procedure :: shifts_angles
     end type effects_t
@@ -72,6 +73,13 @@ contains
         class(effects_t), intent(in) :: self
         is_dry = self%has_friction() .and. is_zero(self%friction_smoothing)
     end function is_dry
+
+    !> Whether any effect does work: all but a rotor with constant momentum, and the rotation of the frame.
+    pure logical function do_work(self)
+        class(effects_t), intent(in) :: self
+        do_work = self%has_friction() .or. self%depends_on_time() .or. self%drag_force > 0 &
+            .or. .not. all(is_zero([self%drag_moment, self%torque_body, self%torque_space]))
+    end function do_work
 
     !> Whether the air acts with a power of a speed that is not smooth where the speed is zero.
     pure logical function has_cusps(self)

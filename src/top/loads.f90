@@ -126,11 +126,15 @@ contains
         associate (w => loads%omega, r => body%centre_of_mass)
             loads%drive = effects%rotor_torque
             loads%moment(:, work_damping) = -body%damping * w
-            speed = norm2(w)
-            if (speed > 0) loads%moment(:, work_drag) = -effects%drag_moment * speed**(effects%drag_exponent - 1) * w
-            velocity = cross(w, r)
-            loads%drag = -effects%drag_force * norm2(velocity) * velocity
-            loads%moment(:, work_drag) = loads%moment(:, work_drag) + cross(r, loads%drag)
+            if (any(effects%drag_moment > 0)) then
+                speed = norm2(w)
+                if (speed > 0) loads%moment(:, work_drag) = -effects%drag_moment * speed**(effects%drag_exponent - 1) * w
+            end if
+            if (effects%drag_force > 0) then
+                velocity = cross(w, r)
+                loads%drag = -effects%drag_force * norm2(velocity) * velocity
+                loads%moment(:, work_drag) = loads%moment(:, work_drag) + cross(r, loads%drag)
+            end if
             loads%moment(:, work_vibration) = body%mass * cross(loads%pivot, r)
             given = effects%torque_space
             loads%moment(:, work_torque) = effects%torque_body

@@ -17,6 +17,9 @@ BODY = """\
 """
 INPUTS = {
     "one": "&study kind = 'trajectory' /\n&output columns = 't', 'q0', 'q1', 'q2', 'q3' /\n",
+    "affected": "&study kind = 'trajectory' /\n&output columns = 't', 'q0', 'q1', 'q2', 'q3' /\n"
+    "&effects drag_moment = 1e-3, 2e-3, 1e-3  vibration_amplitude = 0.01, 0, 0.02"
+    "  vibration_rate = 9  earth_rate = 0.3  latitude_deg = 50  rotor_torque = 0, 0, 0.01 /\n",
     "many": "&study kind = 'sweep' /\n&sweep parameter = 'initial.theta_deg' from = 5 to = 60"
     " count = 20 /\n&output columns = 'theta_end', 'psi_end', 'theta_rate_end' /\n",
 }

@@ -16,6 +16,7 @@ module spintop_body_with_effects
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_motion_scales, only: motion_scales_t, motion_scales
     use spintop_rigid_body, only: body_turns_t, rigid_body_t
+    use spintop_smooth_effects_series, only: smooth_series_t
     use spintop_status, only: status_ok
     use spintop_vectors, only: cross
     implicit none
@@ -48,6 +49,7 @@ module spintop_body_with_effects
     !> The Taylor series of the motion.
     type, extends(series_t) :: effects_series_t
         private
+        type(smooth_series_t) :: smooth
         type(body_t) :: body
         type(effects_t) :: effects
     contains
@@ -146,7 +148,7 @@ contains
         status = status_ok
     end subroutine derivative
 
-    !> The motion, with the angular acceleration of the derivative: w' = I^-1 (P' - h') - O x w.
+    !> The motion, with the angular acceleration of the derivative.
     pure type(motion_t) function motion(self, t, y, near)
         class(body_with_effects_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
@@ -154,8 +156,7 @@ contains
         call self%loads_at(t, y, loads)
         motion = motion_from_quaternion(t, y(1:4) / norm2(y(1:4)), loads%omega, near)
         motion%norm_error = norm2(y(1:4)) - 1
-        motion%omega_rate = (loads%rate - self%effects%rotor_torque) / self%body%inertia &
-            - cross(loads%frame, loads%omega)
+        motion%omega_rate = acceleration(self%body, loads)
     end function motion
 
     !> Continues the angles to a later state.
@@ -170,22 +171,22 @@ contains
         call find_kinematics(self%body, self%effects, t_last, y_last(1:4), y_last(5:7), last)
         call find_kinematics(self%body, self%effects, t, y(1:4), y(5:7), now)
         if (may_meet_pole(y_last(1:4), last%omega, y(1:4), now%omega, t - t_last)) then
-            slope(:, 1) = acceleration(self, t_last, y_last)
-            slope(:, 2) = acceleration(self, t, y)
+            call self%loads_at(t_last, y_last, last)
+            call self%loads_at(t, y, now)
+            slope(:, 1) = acceleration(self%body, last)
+            slope(:, 2) = acceleration(self%body, now)
             call follow_angles(y_last(1:4), last%omega, y(1:4), now%omega, t - t_last, angle, sure, slope)
         else
             call follow_angles(y_last(1:4), last%omega, y(1:4), now%omega, t - t_last, angle, sure)
         end if
     end subroutine follow
 
-    !> The angular acceleration w' in a state, rad/s^2.
-    pure function acceleration(self, t, y)
-        class(body_with_effects_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states)
+    !> The angular acceleration under the loads, w' = I^-1 (P' - h') - O x w, rad/s^2.
+    pure function acceleration(body, loads)
+        type(body_t), intent(in) :: body
+        type(loads_t), intent(in) :: loads
         real(dp) :: acceleration(3)
-        type(loads_t) :: loads
-        call self%loads_at(t, y, loads)
-        acceleration = (loads%rate - self%effects%rotor_torque) / self%body%inertia - cross(loads%frame, loads%omega)
+        acceleration = (loads%rate - loads%drive) / body%inertia - cross(loads%frame, loads%omega)
     end function acceleration
 
     !> None: effects do work, and turn the momentum.
@@ -222,15 +223,19 @@ contains
         self%body = body
         self%effects = effects_t()
         if (allocated(body%effects)) self%effects = body%effects
+        call self%smooth%set(body, self%effects)
     end subroutine set_series
 
-    !> Taylor coefficients of the motion.
+    !> Taylor coefficients of the motion, by the general recurrence where the effects are not analytic.
     pure subroutine expand(self, t, y, order, coefficient)
         class(effects_series_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states)
         integer, intent(in) :: order
         real(dp), intent(out) :: coefficient(max_states, 0:max_series_order)
-        call expand_series(self%body, self%effects, t, y, order, coefficient)
+        logical :: exists
+        exists = self%smooth%holds
+        if (exists) call self%smooth%find(t, y, order, coefficient, exists)
+        if (.not. exists) call expand_series(self%body, self%effects, t, y, order, coefficient)
     end subroutine expand
 
     !> Constants of the series in quadruple precision.
@@ -268,6 +273,7 @@ contains
         self%may_stick = self%effects%is_dry()
         self%may_slip = self%may_stick .and. self%effects%depends_on_time()
         self%may_turn = self%effects%has_cusps()
+        self%does_work = self%effects%do_work() .or. any(body%damping > 0)
     end subroutine set_action
 
     !> Power of each part of the work.
@@ -298,14 +304,13 @@ contains
         real(dp) :: rate(3)
         type(loads_t) :: loads
         call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
-        ! O x w does not change the magnitude.
-        rate = (loads%rate - self%effects%rotor_torque) / self%body%inertia
+        rate = acceleration(self%body, loads)
         speed = norm2(loads%omega)
         slowing = 0
         is_plane = .false.
         if (.not. speed > 0) return
         slowing = -dot_product(loads%omega / speed, rate)
-        is_plane = norm2(cross(loads%omega / speed, rate - cross(loads%frame, loads%omega))) <= parallel * norm2(rate)
+        is_plane = norm2(cross(loads%omega / speed, rate)) <= parallel * norm2(rate)
     end subroutine find_speed
 
     !> The state at rest.

@@ -1,52 +1,5 @@
-// Taylor coefficients of the motion of one body; see rigid_body_series.f90, which has the equations. C with
-// vectors, as no Fortran compiler makes vectors of the products of one body: each term of the series is kept in
-// six arrangements, so that all products of two terms are three products of vectors.
-//
-// Each level of the processor has its build: levels.h includes this file once for each, with LEVEL set.
-
-#ifndef LEVEL
-
-#include <string.h>
-
-// As many numbers in a term as there are state variables, as in capabilities.f90; and terms, at most.
-enum { numbers = 8, half = numbers / 2, most_terms = 31 };
-
-// Constants of the equations, as set_constants in rigid_body_series.f90 has them.
-struct body {
-    double first[numbers], second[numbers], third[numbers], decay[numbers], pull[numbers], swing[numbers];
-};
-
-typedef void expand_body_t(int order, const struct body *body, const double *state, const double *share, double *c);
-expand_body_t spintop_expand_body;
-int spintop_expand_body_at(int level, int order, const struct body *body, const double *state, const double *share,
-                           double *c);
-int spintop_processor_level(void);
-
-// Vectors wider than those of the processor are no arguments of functions that are called.
-#pragma GCC diagnostic ignored "-Wpsabi"
-
-#define LEVELS_OF "body_series.c"
-#include "levels.h"
-
-static expand_body_t *const built[] = BUILDS(expand);
-
-static expand_body_t *chosen;
-
-__attribute__((constructor)) static void choose(void) { chosen = built[spintop_processor_level()]; }
-
-void spintop_expand_body(int order, const struct body *body, const double *state, const double *share, double *c) {
-    chosen(order, body, state, share, c);
-}
-
-// The same at a level, for tests; returns whether there is a build for it.
-int spintop_expand_body_at(int level, int order, const struct body *body, const double *state, const double *share,
-                           double *c) {
-    if (!HAS_BUILD(built, level)) return 0;
-    built[level](order, body, state, share, c);
-    return 1;
-}
-
-#else
+// Vectors for the Taylor series of one body (body_series.c, effects_series.c), which include this file for each level of the
+// processor: the arrangements of a term, and sums of products of terms. They have set `numbers`, `half` and `most_terms`.
 
 #define width LEVEL(width)
 #define parts LEVEL(parts)
@@ -57,10 +10,10 @@ int spintop_expand_body_at(int level, int order, const struct body *body, const 
 #define put LEVEL(put)
 #define arrange LEVEL(arrange)
 #define first_half LEVEL(first_half)
+#define last_half LEVEL(last_half)
 #define sum_of_halves LEVEL(sum_of_halves)
 #define add_last_half LEVEL(add_last_half)
 #define add_inner_products LEVEL(add_inner_products)
-#define expand LEVEL(expand)
 
 // A row of numbers lies in one vector, or in more where the processor has no room for it in one.
 enum { parts = numbers / width };
@@ -142,6 +95,15 @@ inlined half_vector first_half(const vector *v) {
 #endif
 }
 
+// The last four.
+inlined half_vector last_half(const vector *v) {
+#if defined(__AVX512F__)
+    return shuffle(v[0], v[0], 4, 5, 6, 7);
+#else
+    return first_half(v + parts / 2);
+#endif
+}
+
 // The sum of the four pairs of products that make the rate of the quaternion.
 inlined half_vector sum_of_halves(const vector *s1, const vector *s2) {
 #if defined(__AVX512F__)
@@ -190,89 +152,3 @@ inlined void add_inner_products(int k, const struct factors *row, vector *s0, ve
         }
     }
 }
-
-static void expand(int order, const struct body *body, const double *state, const double *share, double *c) {
-    struct factors row[most_terms], start, next, f;
-    vector first[parts], second[parts], third[parts], decay[parts], pull[parts], swing[parts];
-    vector now[parts], rate[parts], ahead[parts], torque[2][parts], by_torque[2][parts], s1[parts], s2[parts];
-    half_vector q, q_ahead = {0}, momentum;
-
-    get(first, body->first), get(second, body->second), get(third, body->third);
-    get(decay, body->decay), get(pull, body->pull), get(swing, body->swing);
-    get(now, state + half);
-    memcpy(&q, state, sizeof q);
-    memcpy(c, state, numbers * sizeof *c);
-    arrange(now, &q, &f, torque);
-    for_parts {
-        start.a0[p] = first[p] * f.b0[p], start.b0[p] = first[p] * f.a0[p];
-        start.a1[p] = second[p] * f.b1[p], start.b1[p] = second[p] * f.a1[p];
-        start.a2[p] = third[p] * f.b2[p], start.b2[p] = third[p] * f.a2[p];
-        rate[p] = start.a0[p] * f.a0[p] + (pull[p] * torque[0][p] - swing[p] * torque[1][p] - decay[p] * now[p]);
-        s1[p] = start.a1[p] * f.a1[p], s2[p] = start.a2[p] * f.a2[p];
-        by_torque[0][p] = pull[p], by_torque[1][p] = -swing[p];
-        ahead[p] = (vector){0};
-    }
-    add_last_half(by_torque[0], start.a1), add_last_half(by_torque[1], start.b1);
-    add_last_half(rate, s1);
-    for_parts now[p] = rate[p];
-    q = sum_of_halves(s1, s2);
-
-    for (int k = 1;; ++k) {
-        // `now` and `q` are term k; `ahead` and `q_ahead` the products of the terms 1 to k - 1.
-        arrange(now, &q, &f, torque);
-        momentum = first_half(now);
-        put(c + numbers * k, &q), put(c + numbers * k + half, &momentum);
-        if (k == order) return;
-        for_parts {
-            rate[p] = ((ahead[p] - decay[p] * now[p]) + start.a0[p] * f.a0[p] + by_torque[1][p] * torque[1][p])
-                      + (start.b0[p] * f.b0[p] + by_torque[0][p] * torque[0][p]);
-            s1[p] = start.b1[p] * f.b1[p] + start.a1[p] * f.a1[p];
-            s2[p] = start.b2[p] * f.b2[p] + start.a2[p] * f.a2[p];
-            now[p] = share[k] * rate[p];
-        }
-        q = share[k] * (sum_of_halves(s1, s2) + q_ahead);
-        // What the next term needs of those before it does not wait for that.
-        if (k + 1 == order) continue;
-        if (k == 1) {
-            for_parts {
-                next.a0[p] = first[p] * f.b0[p], next.b0[p] = first[p] * f.a0[p];
-                next.a1[p] = second[p] * f.b1[p], next.b1[p] = second[p] * f.a1[p];
-                next.a2[p] = third[p] * f.b2[p], next.b2[p] = third[p] * f.a2[p];
-                ahead[p] = next.a0[p] * f.a0[p];
-                s1[p] = next.a1[p] * f.a1[p], s2[p] = next.a2[p] * f.a2[p];
-            }
-            add_last_half(ahead, s1);
-            q_ahead = sum_of_halves(s1, s2);
-            continue;
-        }
-        for_parts {
-            ahead[p] = next.a0[p] * f.a0[p] + next.b0[p] * f.b0[p];
-            s1[p] = next.a1[p] * f.a1[p] + next.b1[p] * f.b1[p];
-            s2[p] = next.a2[p] * f.a2[p] + next.b2[p] * f.b2[p];
-        }
-        add_inner_products(k, row, ahead, s1, s2);
-        for_parts f.a0[p] *= first[p], f.a1[p] *= second[p], f.a2[p] *= third[p];
-        row[k] = f;
-        add_last_half(ahead, s1);
-        q_ahead = sum_of_halves(s1, s2);
-    }
-}
-
-#undef width
-#undef parts
-#undef vector
-#undef half_vector
-#undef factors
-#undef get
-#undef put
-#undef arrange
-#undef first_half
-#undef sum_of_halves
-#undef add_last_half
-#undef add_inner_products
-#undef expand
-#undef inlined
-#undef shuffle
-#undef for_parts
-
-#endif

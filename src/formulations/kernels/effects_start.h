@@ -1,0 +1,69 @@
+// The start of the series of effects_series.c, which includes this file for each level of the processor.
+
+// What terms 0 and 1 are, and how a term enters the next one: columns for the components of U, G, X and Y.
+struct first_terms {
+    half_vector slope[5]; // term 1 of q, U, G, X, Y
+    half_vector linear[12][2];
+};
+
+// Term 0 of a drag: takes its moment from `rate`, and its change with the angular velocity from `by_speed`, three columns.
+// Returns whether it has a series.
+inlined int find_drag(const struct drag *d, const half_vector *w, struct drag_terms *t, half_vector *rate,
+                      half_vector by_speed[3]) {
+    const half_vector x = apply(d->speed, w), products = x * x;
+    const double square = products[0] + products[1] + products[2];
+    double power = square;
+    t->slope = 2 * x, t->moment = apply(d->moment, w);
+    t->steep = 1, t->inverse = t->inner = t->rest = 0;
+    if (d->power < 1 || d->power > 1) {
+        if (!(square > 0)) return 0;
+        power = d->power < 0.5 || d->power > 0.5 ? pow(square, d->power) : sqrt(square);
+        t->steep = d->power * power / square, t->inverse = 1 / square;
+    }
+    for (int i = 0; i < 3; ++i) {
+        const half_vector change = t->slope * get_half(d->speed[i]);
+        by_speed[i] -= power * get_half(d->moment[i]) + t->steep * (change[0] + change[1] + change[2]) * t->moment;
+    }
+    *rate -= power * t->moment;
+    return 1;
+}
+
+// Term 1, and how a term enters the next one. Returns whether there is a series.
+inlined int find_first_terms(const struct effects *e, const struct kinds *has, const double *state, const double *pivot,
+                             struct drag_terms *t, struct first_terms *f) {
+    const half_vector unit[3] = {{1}, {0, 1}, {0, 0, 1}};
+    const half_vector q = get_half(state), u = get_half(state + 4), g = get_half(state + 8), x = get_half(state + 12);
+    const half_vector y = get_half(state + 16), h = get_half(state + 20), v = get_half(e->inverse_inertia), total = u * v;
+    const half_vector w = total - (e->frame_rate[0] * x + e->frame_rate[1] * y + e->frame_rate[2] * g);
+    const half_vector arm = get_half(e->arm), coupling = get_half(e->coupling), damping = get_half(e->damping);
+    const half_vector u_left = shuffle(u, u, 1, 2, 0, 3), u_right = shuffle(u, u, 2, 0, 1, 3);
+    const double pull[3] = {e->gravity + pivot[2], pivot[0], pivot[1]};
+    const half_vector lift = pull[0] * g + (pull[1] * x + pull[2] * y);
+    half_vector rate = coupling * (u_left * u_right) + cross(&h, &total) + cross(&lift, &arm) - damping * w
+                       + (get_half(e->torque_body) - get_half(e->rotor_torque))
+                       + (e->torque_space[2] * g + (e->torque_space[0] * x + e->torque_space[1] * y));
+    half_vector by_speed[3];
+
+    for (int i = 0; i < 3; ++i) by_speed[i] = -damping * unit[i];
+    for (int i = 0; i < has->drags; ++i) {
+        if (!find_drag(&e->drag[i], &w, &t[i], &rate, by_speed)) return 0;
+    }
+    f->slope[0] = component(w, 0) * ((half_vector){-0.5, 0.5, 0.5, -0.5} * shuffle(q, q, 1, 0, 3, 2))
+                  + component(w, 1) * ((half_vector){-0.5, -0.5, 0.5, 0.5} * shuffle(q, q, 2, 3, 0, 1))
+                  + component(w, 2) * ((half_vector){-0.5, 0.5, -0.5, 0.5} * shuffle(q, q, 3, 2, 1, 0));
+    f->slope[1] = rate, f->slope[2] = cross(&g, &w), f->slope[3] = cross(&x, &w), f->slope[4] = cross(&y, &w);
+    for (int i = 0; i < 3; ++i) {
+        const half_vector one = unit[i], of_arm = cross(&one, &arm);
+        f->linear[i][0] = coupling * (shuffle(one, one, 1, 2, 0, 3) * u_right + u_left * shuffle(one, one, 2, 0, 1, 3))
+                          + v[i] * (cross(&h, &one) + by_speed[i]);
+        f->linear[i][1] = v[i] * cross(&g, &one);
+        f->linear[3 + i][0] = pull[0] * of_arm + e->torque_space[2] * one - e->frame_rate[2] * by_speed[i];
+        f->linear[3 + i][1] = cross(&one, &total);
+        if (!has->sides) continue;
+        f->linear[6 + i][0] = pull[1] * of_arm + e->torque_space[0] * one - e->frame_rate[0] * by_speed[i];
+        f->linear[6 + i][1] = e->frame_rate[1] * one;
+        f->linear[9 + i][0] = pull[2] * of_arm + e->torque_space[1] * one - e->frame_rate[1] * by_speed[i];
+        f->linear[9 + i][1] = -e->frame_rate[0] * one;
+    }
+    return 1;
+}

@@ -109,7 +109,8 @@ int ball_attitude(arb_ptr answer, const top_motion *m, double t)
     arb_ptr w = _arb_vec_init(5), time = w, plus = w + 1, minus = w + 2, high = w + 3, low = w + 4;
     acb_init(upper), acb_init(lower);
     arb_set_d(time, t), arb_set(plus, BALL(m, sum)), arb_set(minus, BALL(m, difference));
-    if (m->regime == STEADY || m->regime == SLEEPING) resting(upper, lower, plus, minus, m, time);
+    if (m->regime >= ROTATING) ball_free_attitude(upper, lower, m, time);
+    else if (m->regime == STEADY || m->regime == SLEEPING) resting(upper, lower, plus, minus, m, time);
     else is_known = nutating(upper, lower, plus, minus, m, time);
     arb_set(answer + Q0, acb_realref(upper)), arb_set(answer + Q3, acb_imagref(upper));
     arb_set(answer + Q1, acb_realref(lower)), arb_set(answer + Q2, acb_imagref(lower));
@@ -118,7 +119,15 @@ int ball_attitude(arb_ptr answer, const top_motion *m, double t)
     arb_mul_2exp_si(answer + ANGLE_THETA, answer + ANGLE_THETA, 1);
     arb_add(answer + ANGLE_PHI, plus, minus, bits), arb_sub(answer + ANGLE_PSI, plus, minus, bits);
     if (m->is_flipped) turn_back(answer, bits);
-    if (m->is_angle_free) arb_indeterminate(answer + ANGLE_PHI), arb_indeterminate(answer + ANGLE_PSI);
+    if (m->is_negated) _arb_vec_neg(answer + Q0, answer + Q0, 4);
+    if (m->body_axis != 2 && m->regime < ROTATING) {
+        ball_about_axis(answer + Q0, m->body_axis, 1);
+        arb_hypot(high, answer + Q0, answer + Q3, bits), arb_hypot(low, answer + Q1, answer + Q2, bits);
+        arb_atan2(answer + ANGLE_THETA, low, high, bits);
+        arb_mul_2exp_si(answer + ANGLE_THETA, answer + ANGLE_THETA, 1);
+        arb_indeterminate(answer + ANGLE_PHI), arb_indeterminate(answer + ANGLE_PSI);
+    }
+    if (m->is_angle_free || m->regime >= ROTATING) arb_indeterminate(answer + ANGLE_PHI), arb_indeterminate(answer + ANGLE_PSI);
     acb_clear(upper), acb_clear(lower);
     _arb_vec_clear(w, 5);
     return is_known ? PROVED : UNDECIDED_BRANCH;
@@ -130,7 +139,9 @@ void ball_periods(arb_ptr answer, const top_motion *m)
     arb_ptr period = answer + PERIOD, turn = answer + PRECESSION;
     arb_t pi;
     arb_init(pi), arb_const_pi(pi, bits);
-    if (m->regime == STEADY || m->regime == SLEEPING) { /* of infinitely small nutations, where they oscillate */
+    if (m->regime >= ROTATING) {
+        arb_indeterminate(period), arb_indeterminate(turn);
+    } else if (m->regime == STEADY || m->regime == SLEEPING) { /* of infinitely small nutations, where they oscillate */
         arb_neg(period, BALL(m, g2));
         if (arb_is_positive(period)) {
             arb_rsqrt(period, period, bits), arb_mul(period, period, pi, bits), arb_mul_2exp_si(period, period, 1);

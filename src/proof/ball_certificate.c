@@ -16,7 +16,7 @@ typedef struct {
     int reason[LEVELS];
 } top_proof;
 
-void *spintop_proof_open(const double value[DATA], const double radius[DATA], int spin_is_omega3)
+void *spintop_proof_open(const double value[DATA], const double radius[DATA], int given)
 {
     top_proof *proof = calloc(1, sizeof *proof);
     int i;
@@ -25,7 +25,7 @@ void *spintop_proof_open(const double value[DATA], const double radius[DATA], in
         proof->data.value[i] = value[i], proof->data.radius[i] = radius[i];
         if (radius[i] > 0) proof->has_radii = 1;
     }
-    proof->data.spin_is_omega3 = spin_is_omega3;
+    proof->data.given = given;
     return proof;
 }
 
@@ -37,7 +37,7 @@ void spintop_proof_close(top_proof *proof)
         top_motion *m = proof->motion[level];
         if (!m) continue;
         for (i = 0; i < BALLS; i++) arb_clear(m->ball + i);
-        acb_clear(m->tau), acb_clear(m->nome), acb_clear(m->w_plus), acb_clear(m->w_minus);
+        acb_clear(m->w_plus), acb_clear(m->w_minus);
         ball_components_clear(&m->first);
         free(m);
     }
@@ -53,10 +53,10 @@ static top_motion *motion_at_level(top_proof *proof, int level)
     m = proof->motion[level] = calloc(1, sizeof *m);
     if (!m) return NULL;
     for (i = 0; i < BALLS; i++) arb_init(m->ball + i);
-    acb_init(m->tau), acb_init(m->nome), acb_init(m->w_plus), acb_init(m->w_minus);
+    acb_init(m->w_plus), acb_init(m->w_minus);
     ball_components_init(&m->first);
     m->bits = precisions[level];
-    *reason = ball_start(m, &proof->data);
+    *reason = proof->data.given & FREE_BODY ? ball_free_body(m, &proof->data) : ball_start(m, &proof->data);
     if (m->regime == NUTATING || m->regime == FREE) {
         if (*reason == PROVED) *reason = ball_roots(m);
         if (*reason == PROVED) *reason = ball_phases(m);
@@ -146,6 +146,8 @@ static double width(arb_srcptr answer, const int wanted[])
 /* Whether a quantity does not exist, whatever the precision. */
 static int reason_of_absence(const top_motion *m, arb_srcptr answer, int which)
 {
+    if (m->regime >= ROTATING && which >= ANGLE_PHI && which <= PRECESSION) return ATTITUDE_ONLY;
+    if (m->body_axis != 2 && (which == ANGLE_PHI || which == ANGLE_PSI)) return ATTITUDE_ONLY;
     if ((which == ANGLE_PHI || which == ANGLE_PSI) && m->is_angle_free) return NO_ANGLES;
     if (which == PERIOD && !arb_is_finite(answer + which) && m->regime == SLEEPING) return NO_PERIOD;
     return PROVED;
@@ -183,7 +185,7 @@ int spintop_proof_bounds(top_proof *proof, double t, const int wanted[QUANTITIES
         if (proof->has_radii && level >= LEVELS_OF_RADII) is_last = 1;
         for (i = 0; i < QUANTITIES; i++) {
             int absent;
-            if (reason[i] == PROVED || reason[i] == NO_ANGLES || reason[i] == NO_PERIOD) continue;
+            if (reason[i] == PROVED || reason[i] == NO_ANGLES || reason[i] == NO_PERIOD || reason[i] == ATTITUDE_ONLY) continue;
             absent = why == PROVED ? reason_of_absence(m, answer, i) : PROVED;
             reason[i] = why != PROVED ? why : absent != PROVED ? absent : TOO_WIDE;
             if (reason[i] == TOO_WIDE && (are_narrow(answer, i) || (is_last && (i == ORIENTATION

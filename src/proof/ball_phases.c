@@ -3,21 +3,22 @@
 #ifdef SPINTOP_FLINT
 
 /* Carlson's R_F of numbers that are not negative; NaN where a ball does not say so. */
-static void carlson(arb_t value, const arb_t x, const arb_t y, const arb_t z, slong bits)
+void ball_carlson(arb_t value, const arb_t x, const arb_t y, const arb_t z, slong bits)
 {
-    acb_ptr t = _acb_vec_init(4);
-    if (arb_is_nonnegative(x) && arb_is_nonnegative(y) && arb_is_nonnegative(z)) {
-        acb_set_arb(t, x), acb_set_arb(t + 1, y), acb_set_arb(t + 2, z);
-        acb_elliptic_rf(t + 3, t, t + 1, t + 2, 0, bits);
-        arb_set(value, acb_realref(t + 3));
-    } else {
+    acb_t a, b, c, f;
+    if (!(arb_is_nonnegative(x) && arb_is_nonnegative(y) && arb_is_nonnegative(z))) {
         arb_indeterminate(value);
+        return;
     }
-    _acb_vec_clear(t, 4);
+    acb_init(a), acb_init(b), acb_init(c), acb_init(f);
+    acb_set_arb(a, x), acb_set_arb(b, y), acb_set_arb(c, z);
+    acb_elliptic_rf(f, a, b, c, 0, bits);
+    arb_set(value, acb_realref(f));
+    acb_clear(a), acb_clear(b), acb_clear(c), acb_clear(f);
 }
 
 /* The complete integral K of a complementary modulus squared. */
-static void complete(arb_t k, const arb_t complement, slong bits)
+void ball_complete(arb_t k, const arb_t complement, slong bits)
 {
     arb_t one;
     arb_init(one), arb_one(one);
@@ -63,10 +64,10 @@ static void find_phases(top_motion *m, arb_ptr t, const arb_t quarter)
     const slong bits = m->bits;
     arb_ptr v = t + V, term = t + TERM, other = t + OTHER;
     arb_mul(term, t + K2, t + P1, bits), arb_add(term, term, t + D, bits);
-    carlson(v, t + D, term, t + P2, bits);
+    ball_carlson(v, t + D, term, t + P2, bits);
     arb_sqrt(term, t + P1, bits), arb_mul(BALL(m, nu_plus), v, term, bits);
     arb_div(term, t + D, t + M1, bits), arb_mul(other, term, t + ABOVE_BY_E, bits);
-    arb_one(v), carlson(v, other, term, v, bits);
+    arb_one(v), ball_carlson(v, other, term, v, bits);
     arb_div(term, t + BELOW, t + M1, bits), arb_mul(term, term, t + UP_BY_E, bits);
     arb_sqrt(term, term, bits), arb_mul(BALL(m, nu_minus), v, term, bits);
     if (m->is_turning) {
@@ -77,7 +78,7 @@ static void find_phases(top_motion *m, arb_ptr t, const arb_t quarter)
     arb_div(term, BALL(m, y1), t + D, bits), arb_mul(other, t + K2, term, bits);
     arb_add_ui(other, other, 1, bits);
     arb_neg(term, term), arb_sqrt(BALL(m, z0), term, bits);
-    arb_div(term, BALL(m, y2), t + D, bits), arb_one(v), carlson(v, term, other, v, bits);
+    arb_div(term, BALL(m, y2), t + D, bits), arb_one(v), ball_carlson(v, term, other, v, bits);
     arb_mul(BALL(m, z0), BALL(m, z0), v, bits);
     if (arb_is_positive(BALL(m, theta_rate))) arb_neg(BALL(m, z0), BALL(m, z0));
 }
@@ -123,7 +124,7 @@ int ball_phases(top_motion *m)
         arb_mul_2exp_si(quarter, c, -1);
         arb_neg(BALL(m, omega), BALL(m, g2));
     } else {
-        complete(quarter, t + K2_DUAL, bits), complete(dual, t + K2, bits);
+        ball_complete(quarter, t + K2_DUAL, bits), ball_complete(dual, t + K2, bits);
         arb_mul(BALL(m, omega), BALL(m, beta), t + UP, bits);
     }
     arb_sqrt(BALL(m, omega), BALL(m, omega), bits), arb_mul_2exp_si(BALL(m, omega), BALL(m, omega), -1);
@@ -135,7 +136,7 @@ int ball_phases(top_motion *m)
         arb_mul(BALL(m, height), c, quarter, bits), arb_div(BALL(m, height), BALL(m, height), dual, bits);
         arb_swap(quarter, dual);
     }
-    acb_zero(m->tau), arb_div(acb_imagref(m->tau), dual, quarter, bits);
+    arb_div(BALL(m, tau), dual, quarter, bits);
     arb_div(c, c, quarter, bits), arb_mul_2exp_si(c, c, -1);
     arb_mul(BALL(m, zeta), c, BALL(m, omega), bits);
     arb_mul(BALL(m, nu_plus), BALL(m, nu_plus), c, bits), arb_mul(BALL(m, nu_minus), BALL(m, nu_minus), c, bits);

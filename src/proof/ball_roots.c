@@ -1,4 +1,4 @@
-/* The three roots of the cubic, proved to be real, to be these, and to lie in this order. */
+/* The three roots of the cubic of a top, proved to be real, to be these, and to lie in this order. */
 #include "balls.h"
 #ifdef SPINTOP_FLINT
 

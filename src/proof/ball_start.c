@@ -13,7 +13,7 @@ static int is_zero(const top_data *data, int which)
     return data->value[which] == 0 && data->radius[which] == 0;
 }
 
-static void set_ball(arb_t x, const top_data *data, int which)
+void ball_datum(arb_t x, const top_data *data, int which)
 {
     arb_set_d(x, data->value[which]);
     if (data->radius[which] > 0) {
@@ -26,23 +26,29 @@ static void set_ball(arb_t x, const top_data *data, int which)
 }
 
 /* The data; of a body that hangs below its pivot those of the body turned over about its first axis. */
-static void take_data(top_motion *m, const top_data *data)
+static int take_data(top_motion *m, const top_data *data)
 {
     const slong bits = m->bits;
+    int is_known = 1;
     arb_t theta, pi;
     arb_init(theta), arb_init(pi);
-    set_ball(BALL(m, i1), data, INERTIA1), set_ball(BALL(m, i3), data, INERTIA3);
-    set_ball(BALL(m, phi), data, PHI), set_ball(BALL(m, psi), data, PSI), set_ball(theta, data, THETA);
-    set_ball(BALL(m, phi_rate), data, PHI_RATE), set_ball(BALL(m, theta_rate), data, THETA_RATE);
-    set_ball(BALL(m, spin), data, SPIN);
-    set_ball(BALL(m, weight), data, MASS);
-    set_ball(pi, data, GRAVITY), arb_mul(BALL(m, weight), BALL(m, weight), pi, ARF_PREC_EXACT);
-    set_ball(pi, data, LENGTH), arb_mul(BALL(m, weight), BALL(m, weight), pi, ARF_PREC_EXACT);
-    arb_cos(BALL(m, u0), theta, bits), arb_sin(BALL(m, s2), theta, bits);
-    arb_sqr(BALL(m, s2), BALL(m, s2), bits);
-    arb_mul_2exp_si(theta, theta, -1);
-    arb_sin_cos(BALL(m, sine), BALL(m, cosine), theta, bits);
-    m->pole = is_zero(data, THETA);
+    ball_datum(BALL(m, i1), data, INERTIA1), ball_datum(BALL(m, i3), data, INERTIA3);
+    ball_datum(BALL(m, weight), data, MASS);
+    ball_datum(pi, data, GRAVITY), arb_mul(BALL(m, weight), BALL(m, weight), pi, ARF_PREC_EXACT);
+    ball_datum(pi, data, LENGTH), arb_mul(BALL(m, weight), BALL(m, weight), pi, ARF_PREC_EXACT);
+    m->body_axis = 2;
+    if (data->given & GIVEN_OTHERWISE) {
+        is_known = ball_given_top(m, data);
+    } else {
+        ball_datum(BALL(m, phi), data, PHI), ball_datum(BALL(m, psi), data, PSI), ball_datum(theta, data, THETA);
+        ball_datum(BALL(m, phi_rate), data, PHI_RATE), ball_datum(BALL(m, theta_rate), data, THETA_RATE);
+        ball_datum(BALL(m, spin), data, SPIN);
+        arb_cos(BALL(m, u0), theta, bits), arb_sin(BALL(m, s2), theta, bits);
+        arb_sqr(BALL(m, s2), BALL(m, s2), bits);
+        arb_mul_2exp_si(theta, theta, -1);
+        arb_sin_cos(BALL(m, sine), BALL(m, cosine), theta, bits);
+        m->pole = is_zero(data, THETA);
+    }
     m->is_flipped = (data->value[MASS] * data->value[GRAVITY] < 0) != (data->value[LENGTH] < 0)
         && data->value[LENGTH] != 0;
     if (m->is_flipped) {
@@ -57,6 +63,7 @@ static void take_data(top_motion *m, const top_data *data)
     arb_sqr(BALL(m, sh), BALL(m, sine), bits), arb_mul_2exp_si(BALL(m, sh), BALL(m, sh), 1);
     arb_sqr(BALL(m, ch), BALL(m, cosine), bits), arb_mul_2exp_si(BALL(m, ch), BALL(m, ch), 1);
     arb_clear(theta), arb_clear(pi);
+    return is_known;
 }
 
 /* b - a and b + a, exactly zero where the data say so. */
@@ -76,8 +83,9 @@ static void find_momenta(top_motion *m, int spin_is_omega3)
 }
 
 /* Whether theta stays as it is, exactly: theta' = 0, and (I1 - I3) phi'^2 u0 + (I3 psi' phi' - m g l), with omega3 for
- * psi' and I1 for I1 - I3 where omega3 is given, has no term: cos(theta) of a double that is not 0 is transcendental. */
-static int is_steady(const top_motion *m, int spin_is_omega3)
+ * psi' and I1 for I1 - I3 where omega3 is given, has no term: cos(theta) of a double that is not 0 is transcendental.
+ * That of a quaternion is rational. */
+static int is_steady(const top_motion *m, int spin_is_omega3, int is_rational)
 {
     int steady;
     arb_t along, rest;
@@ -89,6 +97,10 @@ static int is_steady(const top_motion *m, int spin_is_omega3)
     arb_mul(rest, BALL(m, i3), BALL(m, spin), ARF_PREC_EXACT);
     arb_mul(rest, rest, BALL(m, phi_rate), ARF_PREC_EXACT);
     arb_sub(rest, rest, BALL(m, weight), ARF_PREC_EXACT);
+    if (is_rational) { /* u0 may be rational */
+        arb_mul(along, along, BALL(m, phi_rate), ARF_PREC_EXACT);
+        arb_submul(rest, along, BALL(m, u0), ARF_PREC_EXACT), arb_zero(along);
+    }
     steady = arb_is_zero(along) && arb_is_zero(rest);
     arb_clear(along), arb_clear(rest);
     return steady;
@@ -118,10 +130,10 @@ static void find_cubic(top_motion *m)
 int ball_start(top_motion *m, const top_data *data)
 {
     const slong bits = m->bits;
-    int spin_is_omega3 = data->spin_is_omega3;
+    int spin_is_omega3 = (data->given & (BY_OMEGA3 | GIVEN_OTHERWISE)) != 0, is_known;
     arb_t term;
     arb_init(term);
-    take_data(m, data);
+    is_known = take_data(m, data);
     arb_set(BALL(m, omega3), BALL(m, spin));
     if (!spin_is_omega3) {
         arb_mul(term, BALL(m, phi_rate), BALL(m, u0), bits);
@@ -145,12 +157,12 @@ int ball_start(top_motion *m, const top_data *data)
     m->regime = arb_is_zero(BALL(m, weight)) ? FREE : NUTATING;
     if (m->pole && arb_is_zero(BALL(m, theta_rate))) {
         m->regime = SLEEPING;
-    } else if (!m->pole && is_steady(m, spin_is_omega3)) {
+    } else if (!m->pole && is_steady(m, spin_is_omega3, data->given & BY_QUATERNION)) {
         m->regime = STEADY;
         arb_mul(term, BALL(m, phi_rate), BALL(m, u0), bits);
         arb_sub(BALL(m, spin), BALL(m, omega3), term, bits); /* psi' */
     }
     arb_clear(term);
-    return arb_contains_zero(BALL(m, i1)) ? UNDECIDED_SIGN : PROVED;
+    return !is_known ? UNDECIDED_BRANCH : arb_contains_zero(BALL(m, i1)) ? UNDECIDED_SIGN : PROVED;
 }
 #endif

@@ -4,31 +4,77 @@
 #include "balls.h"
 #ifdef SPINTOP_FLINT
 
-/* theta_which, 1 .. 4, at the phase whose e^(i phase) is w, but for a factor common to theta_1 and theta_2; `slope`,
+/* The number of terms of a sum, and a bound of the others: the n-th is at most 2 q^e |w|^k, e = n (n+1) and k = 2 n + 1
+ * of theta_1 and theta_2, e = n^2 and k = 2 n of the others, with a factor k in the slope. 0 if there is no bound. */
+static slong count_terms(mag_t rest, const mag_t q, const mag_t size, int is_odd, slong bits)
+{
+    const double log_q = mag_get_d_log2_approx(q), log_size = mag_get_d_log2_approx(size);
+    slong n;
+    int is_bounded;
+    mag_t ratio;
+    mag_init(ratio);
+    for (n = 2; n < bits; n++)
+        if (n * (n + is_odd) * log_q + 2 * n * log_size < -bits - 8 && (2 * n + 1) * log_q + 2 * log_size < -3) break;
+    mag_pow_ui(ratio, q, 2 * n + 1), mag_mul(ratio, ratio, size), mag_mul(ratio, ratio, size);
+    is_bounded = mag_cmp_2exp_si(ratio, -2) <= 0; /* with the factor k at most 1/2 */
+    mag_pow_ui(rest, q, n * (n + is_odd)), mag_pow_ui(ratio, size, 2 * n + is_odd);
+    mag_mul(rest, rest, ratio), mag_mul_2exp_si(rest, rest, 2);
+    mag_clear(ratio);
+    return is_bounded ? n : 0;
+}
+
+/* theta_which, 1 .. 4, at the phase whose e^(i phase) is w, without the factor q^(1/4) of theta_1 and theta_2; `slope`,
  * its derivative, may be NULL. */
 static void theta(acb_t value, acb_ptr slope, const top_motion *m, int which, const acb_t w, int is_unit)
 {
     const slong bits = m->bits;
-    acb_ptr t = _acb_vec_init(9);
-    if (m->regime == FREE) { /* sine, cosine and 1 */
-        if (is_unit) acb_conj(t, w);
-        else acb_inv(t, w, bits);
-        acb_add(t + 1, w, t, bits), acb_mul_2exp_si(t + 1, t + 1, -1);
-        acb_sub(t + 2, w, t, bits), acb_mul_2exp_si(t + 2, t + 2, -1);
-        acb_div_onei(t + 2, t + 2), acb_one(t + 3);
-        acb_set(value, which == 1 ? t + 2 : which == 2 ? t + 1 : t + 3);
-        if (slope && which == 1) acb_set(slope, t + 1);
-        if (slope && which == 2) acb_neg(slope, t + 2);
-    } else {
-        const int terms = slope ? 2 : 1;
-        acb_modular_theta_sum(t, t + 2, t + 4, t + 6, w, is_unit, m->nome, terms, bits);
-        acb_set(value, t + 2 * (which - 1));
-        if (slope) {
-            arb_const_pi(acb_realref(t + 8), bits);
-            acb_div_arb(slope, t + 2 * (which - 1) + 1, acb_realref(t + 8), bits);
+    const int is_odd = which <= 2;
+    slong n, terms;
+    acb_ptr t = _acb_vec_init(7), up = t, down = t + 1, up2 = t + 2, down2 = t + 3, sum = t + 4, other = t + 5, term = t + 6;
+    arb_ptr r = _arb_vec_init(3), factor = r, step = r + 1, square = r + 2;
+    mag_t size, rest, q;
+    mag_init(size), mag_init(rest), mag_init(q);
+    if (is_unit) acb_conj(down, w);
+    else acb_inv(down, w, bits);
+    acb_set(up, w), acb_get_mag(size, up), acb_get_mag(rest, down), mag_max(size, size, rest);
+    arb_get_mag(q, BALL(m, nome));
+    terms = count_terms(rest, q, size, is_odd, bits);
+    acb_sqr(up2, up, bits);
+    if (is_unit) acb_conj(down2, up2);
+    else acb_sqr(down2, down, bits);
+    arb_sqr(square, BALL(m, nome), bits);
+    arb_set(step, is_odd ? square : BALL(m, nome)), arb_one(factor);
+    if (!is_odd) acb_one(up), acb_one(down);
+    for (n = 0; n < terms && !arb_is_zero(factor); n++) {
+        if (n > 0) {
+            acb_mul(up, up, up2, bits);
+            if (is_unit) acb_conj(down, up);
+            else acb_mul(down, down, down2, bits);
         }
+        if (which == 1) acb_sub(term, up, down, bits);
+        else if (n == 0 && !is_odd) acb_one(term);
+        else acb_add(term, up, down, bits);
+        acb_mul_arb(term, term, factor, bits), acb_add(sum, sum, term, bits);
+        if (slope) {
+            if (which == 1) acb_add(term, up, down, bits);
+            else acb_sub(term, up, down, bits);
+            acb_mul_arb(term, term, factor, bits), acb_mul_ui(term, term, 2 * n + is_odd, bits);
+            acb_add(other, other, term, bits);
+        }
+        arb_mul(factor, factor, step, bits), arb_mul(step, step, square, bits);
+        if (which == 1 || which == 4) arb_neg(factor, factor);
     }
-    _acb_vec_clear(t, 9);
+    if (!terms) acb_indeterminate(sum), acb_indeterminate(other);
+    acb_add_error_mag(sum, rest);
+    if (which == 1) acb_div_onei(value, sum);
+    else acb_set(value, sum);
+    if (slope) {
+        mag_mul_ui(rest, rest, 2 * terms + is_odd), acb_add_error_mag(other, rest);
+        if (which == 1) acb_set(slope, other);
+        else acb_mul_onei(slope, other);
+    }
+    _acb_vec_clear(t, 7), _arb_vec_clear(r, 3);
+    mag_clear(size), mag_clear(rest), mag_clear(q);
 }
 
 /* e^(i z), z real, as factor along the axis of the phase: the phase of form b is i z, with the sign s. */
@@ -67,13 +113,24 @@ static void log_slope(arb_t slope, const top_motion *m, int which, const acb_t w
     acb_clear(value), acb_clear(rate);
 }
 
+/* The nome exp(-pi tau): 0 without gravity, and of a free body on the separatrix. */
+static void find_nome(top_motion *m)
+{
+    if (arb_is_zero(BALL(m, tau))) {
+        arb_zero(BALL(m, nome));
+    } else {
+        arb_const_pi(BALL(m, nome), m->bits), arb_mul(BALL(m, nome), BALL(m, nome), BALL(m, tau), m->bits);
+        arb_neg(BALL(m, nome), BALL(m, nome)), arb_exp(BALL(m, nome), BALL(m, nome), m->bits);
+    }
+}
+
 void ball_theta_start(top_motion *m)
 {
     const slong bits = m->bits;
     acb_t w;
     arb_t half;
     acb_init(w), arb_init(half);
-    acb_exp_pi_i(m->nome, m->tau, bits);
+    find_nome(m);
     across_axis(m->w_plus, m, BALL(m, nu_plus), m->sign_plus);
     across_axis(m->w_minus, m, BALL(m, nu_minus), m->sign_minus);
     if (m->is_dual) {
@@ -176,5 +233,36 @@ int ball_components(top_components *c, const top_motion *m, const arb_t phase)
     _arb_vec_clear(t, 4);
     acb_clear(down), acb_clear(w), acb_clear(with_pole), fmpz_clear(turns);
     return is_finite;
+}
+
+void ball_tumbling_start(top_motion *m, const arb_t nu, int side)
+{
+    acb_t w;
+    acb_init(w);
+    find_nome(m);
+    across_axis(w, m, nu, -1), log_slope(BALL(m, slope_plus), m, m->is_dual ? 2 : 4, w, 1);
+    if (m->is_dual) arb_neg(BALL(m, slope_plus), BALL(m, slope_plus));
+    across_axis(m->w_plus, m, nu, side);
+    if (m->is_dual && side < 0) acb_conj(m->w_plus, m->w_plus);
+    acb_clear(w);
+}
+
+void ball_tumbling(acb_t plus, acb_t minus, fmpz_t turns, const top_motion *m, const arb_t phase)
+{
+    const slong bits = m->bits;
+    acb_t w;
+    arb_t z;
+    acb_init(w), arb_init(z);
+    fmpz_zero(turns), arb_set(z, phase);
+    if (m->is_dual && !arb_is_zero(BALL(m, nome)) && !reduce(z, turns, m, phase)) arb_indeterminate(z);
+    along_axis(w, m, z, 1), acb_mul(w, w, m->w_plus, bits);
+    theta(plus, NULL, m, m->is_dual ? 2 : 4, w, 0), theta(minus, NULL, m, 1, w, 0);
+    if (m->is_dual) {
+        acb_div_onei(minus, minus);
+        if (fmpz_is_odd(turns)) acb_neg(minus, minus);
+    } else { /* theta_4 does not have the factor of theta_1 */
+        arb_root_ui(z, BALL(m, nome), 4, bits), acb_mul_arb(minus, minus, z, bits);
+    }
+    acb_clear(w), arb_clear(z);
 }
 #endif

@@ -1,4 +1,4 @@
-/* The exact motion of a symmetric top in ball arithmetic: what the files of this folder share.
+/* The exact motion of a symmetric top, or of a free body, in ball arithmetic: what the files of this folder share.
  *
  * u = cos(theta), a = I3 omega3/I1, b = Lz/I1, beta = 2 m g l/I1, y = u - u at the start, y1 <= y2 <= y3 the roots
  * of the cubic u'^2. "Plus" is q0 + i q3 and its pole, theta = pi; "minus" is q1 + i q2 and theta = 0.
@@ -7,11 +7,15 @@
 #define SPINTOP_BALLS_H
 
 /* The numbers of a motion, in the order in which certificate.f90 gives them. */
-enum { INERTIA1, INERTIA3, MASS, GRAVITY, LENGTH, PHI, THETA, PSI, PHI_RATE, THETA_RATE, SPIN, DATA };
+enum { INERTIA1, INERTIA3, MASS, GRAVITY, LENGTH, PHI, THETA, PSI, PHI_RATE, THETA_RATE, SPIN, INERTIA2,
+       OMEGA1, OMEGA2, OMEGA3, QUATERNION, DATA = QUATERNION + 4 };
+/* Which of them say how it starts, that it is free, and that it is a top about body x or y. */
+enum { BY_OMEGA3 = 1, BY_OMEGA = 2, BY_QUATERNION = 4, FREE_BODY = 8, AXIS_X = 16, AXIS_Y = 32,
+       GIVEN_OTHERWISE = BY_OMEGA | BY_QUATERNION | AXIS_X | AXIS_Y };
 /* The quantities that are enclosed. */
 enum { Q0, Q1, Q2, Q3, ANGLE_THETA, ANGLE_PHI, ANGLE_PSI, PERIOD, PRECESSION, ORIENTATION, QUANTITIES };
 /* Why something is not proved; certificate.f90 has the sentences. */
-enum { PROVED, TOO_WIDE, NO_ANGLES, NO_PERIOD, UNDECIDED_SIGN, UNDECIDED_ROOTS, UNDECIDED_BRANCH, NO_LIBRARY };
+enum { PROVED, TOO_WIDE, NO_ANGLES, NO_PERIOD, ATTITUDE_ONLY, UNDECIDED_SIGN, UNDECIDED_ROOTS, UNDECIDED_BRANCH, NO_LIBRARY };
 
 #ifdef SPINTOP_FLINT
 #if SPINTOP_FLINT >= 3
@@ -26,24 +30,28 @@ enum { PROVED, TOO_WIDE, NO_ANGLES, NO_PERIOD, UNDECIDED_SIGN, UNDECIDED_ROOTS, 
 #include <acb_poly.h>
 #endif
 
-/* Data of a motion: value and radius of each number, and whether SPIN is omega3 or psi'. */
+/* Data of a motion: value and radius of each number, and how the start and the body are given. SPIN is psi', or
+ * omega3 with BY_OMEGA3. */
 typedef struct {
     double value[DATA], radius[DATA];
-    int spin_is_omega3;
+    int given;
 } top_data;
 
 /* Balls of a motion, each by its name: BALL(m, beta) is one of them. */
 #define BALL_NAMES(X) \
-    X(i1) X(i3) X(weight) X(phi) X(psi) X(phi_rate) X(theta_rate) X(spin) \
-    X(u0) X(sh) X(ch) X(s2) X(sine) X(cosine) X(a) X(beta) X(omega3) X(half) X(swing) X(b_minus_a) X(b_plus_a) \
+    X(i1) X(i2) X(i3) X(q0) X(q1) X(q2) X(q3) X(omega1) X(omega2) X(omega3) \
+    X(r0) X(r1) X(r2) X(r3) X(weight) X(phi) X(psi) X(phi_rate) X(theta_rate) X(spin) \
+    X(u0) X(sh) X(ch) X(s2) X(sine) X(cosine) X(a) X(beta) X(half) X(swing) X(b_minus_a) X(b_plus_a) \
     X(sum) X(difference) X(g0) X(g1) X(g2) X(y1) X(y2) X(y3) X(nu_plus) X(nu_minus) X(zeta) X(z0) X(height) \
-    X(jump_plus) X(jump_minus) X(slope_plus) X(slope_minus) X(kappa_plus) X(kappa_minus) X(period) X(omega) X(start_rate)
+    X(jump_plus) X(jump_minus) X(slope_plus) X(slope_minus) X(kappa_plus) X(kappa_minus) X(period) X(omega) X(start_rate) \
+    X(tau) X(nome)
 #define AS_INDEX(name) ball_##name,
 enum { BALL_NAMES(AS_INDEX) BALLS };
 #define BALL(m, name) ((m)->ball + ball_##name)
 
-/* The regimes of a motion. */
-enum regime { NUTATING, FREE, STEADY, SLEEPING };
+/* The regimes of a motion: those of a top, and of a free body about fixed axes, with two equal moments of inertia, and
+ * with three different ones. */
+enum regime { NUTATING, FREE, STEADY, SLEEPING, ROTATING, CONING, TUMBLING };
 
 /* M+ and M- at a reduced phase, with their continuous arguments. */
 typedef struct {
@@ -65,17 +73,33 @@ typedef struct {
     int is_dual;                 /* form b, by the dual nome */
     int is_angle_free;           /* phi and psi are not continuous, or do not exist */
     int sign_plus, sign_minus;
+    int body_axis, is_negated;   /* a top about body x, y, z: 0, 1, 2; computed with the opposite quaternion */
+    int axis[3], sign[3]; /* of a free body: the axes x, y, z of its momentum, and their signs */
     arb_struct ball[BALLS];
-    acb_t tau, nome, w_plus, w_minus; /* q, and the factors e^(i phase) of the poles */
+    acb_t w_plus, w_minus;       /* the factors e^(i phase) of the poles */
     top_components first;             /* at the start */
 } top_motion;
 
+/* A number of the data. */
+void ball_datum(arb_t x, const top_data *data, int which);
+/* ball_given.c: q0 .. q3 and omega1 .. omega3 at the start. 0 if they are not known. */
+int ball_given(top_motion *m, const top_data *data);
+/* The same of a top, in axes of which z is its axis: its angles and rates. */
+int ball_given_top(top_motion *m, const top_data *data);
+/* A quaternion of those axes (side = 1) in the given axes, or of these in those (-1). */
+void ball_about_axis(arb_ptr q, int axis, int side);
+/* ball_free_body.c: the motion of a free body, and its q0 .. q3 at a time. */
+int ball_free_body(top_motion *m, const top_data *data);
+void ball_free_attitude(acb_t upper, acb_t lower, const top_motion *m, const arb_t time);
 /* ball_start.c: a motion from its data, up to the roots; returns a reason or PROVED. */
 int ball_start(top_motion *m, const top_data *data);
 /* ball_roots.c: the three roots. */
 int ball_roots(top_motion *m);
-/* ball_phases.c: periods and phases. */
+/* ball_phases.c: periods and phases; Carlson's R_F of numbers that are not negative, and the complete integral K of a
+ * complementary modulus squared. */
 int ball_phases(top_motion *m);
+void ball_carlson(arb_t value, const arb_t x, const arb_t y, const arb_t z, slong bits);
+void ball_complete(arb_t k, const arb_t complement, slong bits);
 /* ball_theta.c: what theta functions give: their logarithmic slopes, both components at a phase, and the rate at which
  * the component that vanishes at a start on a pole leaves it. */
 void ball_components_init(top_components *c);
@@ -83,6 +107,9 @@ void ball_components_clear(top_components *c);
 void ball_theta_start(top_motion *m);
 int ball_components(top_components *c, const top_motion *m, const arb_t z);
 void ball_pole_rate(arb_t rate, const top_motion *m);
+/* The same of a free body: the slope of its phase, and its two functions, of one argument. */
+void ball_tumbling_start(top_motion *m, const arb_t nu, int side);
+void ball_tumbling(acb_t plus, acb_t minus, fmpz_t turns, const top_motion *m, const arb_t z);
 /* ball_attitude.c: q0 .. q3, theta, phi, psi at a time; phi and psi are NaN where they do not exist. */
 int ball_attitude(arb_ptr answer, const top_motion *m, double t);
 /* The same of all times: period, precession per nutation. */

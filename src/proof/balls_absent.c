@@ -4,9 +4,9 @@
 #include <math.h>
 #include <stddef.h>
 
-void *spintop_proof_open(const double value[DATA], const double radius[DATA], int spin_is_omega3)
+void *spintop_proof_open(const double value[DATA], const double radius[DATA], int given)
 {
-    (void)value, (void)radius, (void)spin_is_omega3;
+    (void)value, (void)radius, (void)given;
     return NULL;
 }
 

@@ -1,5 +1,5 @@
-!> Proved bounds of printed numbers of a symmetric top without damping. Balls (FLINT) enclose the exact motion of the
-!> data, which are doubles; the bound of a number is at least its distance from the true value.
+!> Proved bounds of printed numbers of a symmetric top without damping, or of a free body. Balls (FLINT) enclose the
+!> exact motion of the data, which are doubles; the bound of a number is at least its distance from the true value.
 !>
 !>     call certificate%open(body, start)
 !>     call certificate%bound(t, wanted, printed, bounds, reasons)
@@ -19,7 +19,7 @@ module spintop_certificate
     public :: certificate_t, has_balls, balls_missing, balls_hint
     public :: proof_of_q0, proof_of_q1, proof_of_q2, proof_of_q3, proof_of_theta, proof_of_phi, proof_of_psi
     public :: proof_of_period, proof_of_precession, proof_of_orientation, proof_count, proof_names
-    public :: proved, proof_reasons, last_reason, most_proof_bits
+    public :: proved, proof_words, proof_reasons, last_reason, most_proof_bits, radius_count
 
     !> The quantities that have bounds, in the order of balls.h.
     integer, parameter :: proof_of_q0 = 1, proof_of_q1 = 2, proof_of_q2 = 3, proof_of_q3 = 4, proof_of_theta = 5, &
@@ -30,21 +30,25 @@ module spintop_certificate
         'psi', 'nutation_period', 'precession_per_nutation', 'orientation']
 
     !> Outcomes: proved, or the reason why not; those up to `no_library` are in balls.h.
-    integer, parameter :: proved = 0, no_library = 7, no_top = 8, other_axis = 9, given_quaternion = 10, no_memory = 11
+    integer, parameter :: proved = 0, no_library = 8, no_top = 9, no_principal_axes = 10, other_radii = 11, no_memory = 12
     integer, parameter :: last_reason = no_memory
     character(*), parameter :: proof_reasons(0:last_reason) = [character(88) :: &
         'proved', &
         'the ball is still too wide at the highest precision', &
         'phi and psi do not exist, or jump at an exact passage of a pole', &
         'the upright axis does not oscillate, so there is no period', &
+        'balls give the attitude of this motion, but neither phi and psi nor its periods', &
         'the balls do not decide a sign', &
-        'the balls do not separate the roots of the cubic (the separatrix)', &
+        'the balls do not decide on which side of the separatrix the motion is', &
         'the balls do not decide a phase', &
         'this build has no FLINT', &
-        'the body is not an undamped symmetric top about body z', &
-        'the symmetry axis is body x or y', &
-        'the start is given by a quaternion or by omega', &
+        'the body is neither a symmetric top nor free, or it has damping or effects', &
+        'the body axes are not principal axes', &
+        'the radii are not those of the numbers that give the start', &
         'not enough memory']
+
+    !> Whether a row is proved, as words of tables.
+    character(*), parameter :: proof_words(0:1) = [character(8) :: 'unproved', 'proved']
 
     !> What is said where bounds are asked for in a build without FLINT.
     character(*), parameter :: balls_missing = 'this build has no FLINT, which certifies digits'
@@ -52,8 +56,10 @@ module spintop_certificate
 
     !> The largest precision that is tried, bits.
     integer, parameter :: most_proof_bits = 16384
-    !> Numbers that describe a motion in balls.h.
-    integer, parameter :: data_count = 11
+    !> Numbers that describe a motion in balls.h, and how many of them have radii: the first.
+    integer, parameter :: data_count = 19, radius_count = 11
+    !> How the start and the body are given, as sums of these numbers of balls.h.
+    integer, parameter :: by_omega3 = 1, by_omega = 2, by_quaternion = 4, free_body = 8, about_axis(3) = [16, 32, 0]
 
     !> The exact motion of a top in balls.
     type :: certificate_t
@@ -70,10 +76,10 @@ module spintop_certificate
     end type certificate_t
 
     interface
-        function c_open(value, radius, spin_is_omega3) result(balls) bind(C, name='spintop_proof_open')
+        function c_open(value, radius, given) result(balls) bind(C, name='spintop_proof_open')
             import :: c_double, c_int, c_ptr
             real(c_double), intent(in) :: value(*), radius(*)
-            integer(c_int), value :: spin_is_omega3
+            integer(c_int), value :: given
             type(c_ptr) :: balls
         end function c_open
 
@@ -109,48 +115,98 @@ contains
     end function has_balls
 
     !> Takes a motion: body and start in the axes in which they were given. The numbers of the data are exact, or known
-    !> up to the radii, in the order of `numbers_of`.
+    !> up to the radii, in the order of `numbers_of`; both equal moments of inertia have the first radius.
     subroutine open(self, body, start, radii)
         class(certificate_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties, as given
         type(motion_t), intent(in) :: start !! attitude and rates, as given
-        real(dp), intent(in), optional :: radii(data_count) !! radii of the data; default 0
+        real(dp), intent(in), optional :: radii(radius_count) !! radii of the data; default 0
         real(dp) :: radius(data_count)
+        integer :: axis
 
         call self%close()
         radius = 0
-        if (present(radii)) radius = radii
-        self%reason = obstacle(body, start)
+        if (present(radii)) radius(:radius_count) = radii
+        axis = axis_of(body)
+        if (axis /= 3) radius(1:2) = maxval(radius(1:2))
+        radius(12) = radius(1)
+        self%reason = obstacle(body, start, radius)
         if (self%reason /= proved) return
-        self%balls = c_open(numbers_of(body, start), radius, merge(1_c_int, 0_c_int, start%gives_omega3))
+        self%balls = c_open(numbers_of(body, start, axis), radius, int(way_of(body, start, axis), c_int))
         if (c_associated(self%balls)) return
         self%reason = merge(no_memory, no_library, has_balls())
     end subroutine open
 
-    !> The data of a motion: I1, I3, m, g, l, phi, theta, psi and their rates, or omega3 in place of psi'.
-    pure function numbers_of(body, start) result(numbers)
+    !> The data of a motion: I1, I3, m, g, l, phi, theta, psi and their rates, or omega3 in place of psi'; I2, omega,
+    !> quaternion. Of a top about body x or y, I3 and l are those of its axis.
+    pure function numbers_of(body, start, axis) result(numbers)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
-        real(dp) :: numbers(data_count)
-        numbers = [body%inertia(1), body%inertia(3), body%mass, body%gravity, body%centre_of_mass(3), &
-                   start%angle, start%rate(1:2), merge(start%omega(3), start%rate(3), start%gives_omega3)]
+        integer, intent(in) :: axis
+        real(dp) :: numbers(data_count), rate(3)
+        rate = start%rate
+        if (start%gives_omega3) rate(3) = start%omega(3)
+        if (start%gives_omega) rate = 0 ! they do not exist on a pole
+        numbers = [body%inertia(mod(axis, 3) + 1), body%inertia(axis), body%mass, body%gravity, body%centre_of_mass(axis), &
+                   start%angle, rate, body%inertia(2), start%omega, start%quaternion]
     end function numbers_of
 
-    !> Why the motion cannot be enclosed; `proved` if it can.
-    pure integer function obstacle(body, start) result(reason)
+    !> How the motion is given, for balls.h.
+    pure integer function way_of(body, start, axis) result(way)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
-        real(dp) :: axis(3)
-        reason = proved
-        if (start%gives_quaternion .or. start%gives_omega) reason = given_quaternion
-        if (.not. (body%is_symmetric() .and. all(is_zero(body%damping)))) then
-            reason = no_top
-            axis = body%symmetry_axis()
-            if (all(is_zero(body%damping)) .and. (is_equal(abs(axis(1)), 1.0_dp) .or. is_equal(abs(axis(2)), 1.0_dp))) then
-                reason = other_axis
-            end if
+        integer, intent(in) :: axis
+        way = about_axis(axis)
+        if (start%gives_omega3) way = way + by_omega3
+        if (start%gives_omega) way = way + by_omega
+        if (start%gives_quaternion) way = way + by_quaternion
+        ! That of a symmetric body about z from its angles is a top without weight, of which phi and psi are known.
+        if (is_weightless(body) .and. (.not. body%is_symmetric() .or. start%gives_omega .or. start%gives_quaternion)) then
+            way = way + free_body
         end if
-        if (.not. all(is_finite(numbers_of(body, start)))) reason = no_top
+    end function way_of
+
+    !> Whether there is no moment of weight; products of small numbers may vanish without that.
+    pure logical function is_weightless(body)
+        type(body_t), intent(in) :: body
+        is_weightless = is_zero(body%mass) .or. is_zero(body%gravity) .or. all(is_zero(body%centre_of_mass))
+    end function is_weightless
+
+    !> The body axis of a top, 3 for other bodies.
+    pure integer function axis_of(body) result(axis)
+        type(body_t), intent(in) :: body
+        integer :: i
+        axis = 3
+        if (body%is_symmetric() .or. is_weightless(body)) return
+        do i = 1, 2
+            if (is_top_about(body, i)) axis = i
+        end do
+    end function axis_of
+
+    !> Whether the body is a symmetric top about a body axis.
+    pure logical function is_top_about(body, axis)
+        type(body_t), intent(in) :: body
+        integer, intent(in) :: axis
+        integer :: next, last
+        next = mod(axis, 3) + 1
+        last = mod(next, 3) + 1
+        is_top_about = is_equal(body%inertia(next), body%inertia(last)) .and. all(is_zero(body%centre_of_mass([next, last])))
+    end function is_top_about
+
+    !> Why the motion cannot be enclosed; `proved` if it can.
+    pure integer function obstacle(body, start, radius) result(reason)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        real(dp), intent(in) :: radius(data_count)
+        reason = proved
+        if ((start%gives_quaternion .and. any(radius(6:8) > 0)) .or. (start%gives_omega .and. any(radius(9:11) > 0))) then
+            reason = other_radii
+        end if
+        if (body%has_products()) reason = no_principal_axes
+        if (.not. (is_weightless(body) .or. is_top_about(body, axis_of(body)))) reason = no_top
+        if (.not. all(is_zero(body%damping)) .or. allocated(body%effects)) reason = no_top
+        if (.not. all(is_finite(numbers_of(body, start, 3)))) reason = no_top
+        if (.not. (body%is_symmetric() .or. all(body%inertia > 0))) reason = no_top
     end function obstacle
 
     !> Bounds of the wanted ones of the printed numbers at a time. With `certified` these become the middles of their

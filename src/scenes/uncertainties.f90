@@ -67,6 +67,14 @@ contains
                                   'give it either in radians or in degrees')
             end if
         end do
+        if (all(is_set(scene%quaternion)) .and. any(is_set([scene%uncertainty%angle, scene%uncertainty%angle_deg]))) then
+            call problems%add('uncertainty.initial', 'the attitude is given by a quaternion, not by angles', &
+                              'give the angles, or omit their radii')
+        end if
+        if (all(is_set(scene%omega)) .and. any(is_set(scene%uncertainty%rate))) then
+            call problems%add('uncertainty.initial', 'the angular velocity is given by omega, not by rates', &
+                              'give the rates, or omit their radii')
+        end if
         if (is_set(scene%uncertainty%rate(3)) .and. (is_set(scene%omega3) .or. is_set(scene%spin_ratio))) then
             call problems%add('uncertainty.initial.psi_rate', 'the spin is not given by psi_rate', &
                               'give the radius of what is given')

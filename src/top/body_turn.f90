@@ -190,6 +190,10 @@ contains
         else if (self%axis == 3) then
             turned = motion_from_angles(motion%t, [motion%angle(1) + pi, pi - motion%angle(2), &
                 -motion%angle(3) - pi], [motion%rate(1), -motion%rate(2), -motion%rate(3)])
+            ! Of both quaternions of an attitude, the one that is given.
+            if (dot_product(turned%quaternion, quaternion_product(motion%quaternion, conjugate_quaternion(self%p))) < 0) then
+                turned%quaternion = -turned%quaternion
+            end if
             turned%omega = self%vector(motion%omega)
             turned%gives_omega3 = motion%gives_omega3 .or. motion%gives_omega
         end if

@@ -13,11 +13,13 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
 COMPARISONS = "kind = 'stability'", "kind = 'work_precision'", "kind = 'benchmark'"
 """These take long: other tests run parts of them."""
+NEEDS_FLINT = {"certified_top", "uncertain_top"}
+"""Builds without FLINT refuse these: `verify_test` runs them."""
 
 INPUTS = [
     path
     for path in sorted((ROOT / "input").glob("*.nml"))
-    if not any(kind in path.read_text() for kind in COMPARISONS)
+    if path.stem not in NEEDS_FLINT and not any(kind in path.read_text() for kind in COMPARISONS)
 ]
 # A build that is not optimised takes minutes for these: there they are computed with less.
 IS_OPTIMISED = os.environ.get("SPINTOP_TEST_KIND", "release") == "release"

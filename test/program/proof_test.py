@@ -150,7 +150,7 @@ class ProofTest(ProgramCase):
         self.assertEqual(run.returncode, 0, run.stderr)
         self.assertEqual(set(self.table().texts("proof")), {"unproved"})
         self.assertEqual(set(self.table().texts("theta_bound")), {"inf"})
-        self.assertIn("7 unproved (the body is not an undamped symmetric top", run.stdout)
+        self.assertIn("7 unproved (the body is neither a symmetric top nor free", run.stdout)
 
     def test_sweep(self) -> None:
         scene = self.write(SWEEP)

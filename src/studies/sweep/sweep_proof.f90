@@ -2,14 +2,14 @@
 module spintop_sweep_proof
     use spintop_case, only: case_t
     use spintop_certificate, only: proof_count, proof_of_period, proof_of_phi, proof_of_precession, proof_of_psi, &
-        proof_of_theta, proof_reasons, proved
+        proof_of_theta, proof_reasons, proof_words
     use spintop_compare, only: is_finite
     use spintop_kinds, only: dp
     use spintop_row_proof, only: row_proof_t
     use spintop_scene, only: scene_t
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_notes, only: note_t
-    use spintop_sweep_result, only: proof_words, sweep_result_t
+    use spintop_sweep_result, only: proof_cells, sweep_result_t
     use spintop_uncertainties, only: data_radii
     implicit none
     private
@@ -64,7 +64,7 @@ contains
             values%precession_per_nutation = printed(proof_of_precession)
         end if
         where (proof%wanted) values%bounds = proof%bounds
-        values%proof = findloc(proof_words, merge('proved  ', 'unproved', proof%is_proved()), dim=1) - 1
+        values%proof = findloc(proof_cells, proof_words(merge(1, 0, proof%is_proved())), dim=1) - 1
         if (.not. proof%is_proved()) call note%explain('unproved: ' // trim(proof_reasons(proof%outcome())))
     end subroutine prove_case
 

@@ -1,15 +1,15 @@
 !> What a sweep has to compute, and what it computes of a case: a number per column of its table, NaN for what
 !> does not exist or was not asked for.
 module spintop_sweep_result
-    use spintop_certificate, only: proof_count
+    use spintop_certificate, only: proof_count, proof_words
     use spintop_kinds, only: dp, nan => no_number
     use spintop_nutation_watch, only: no_class
     implicit none
     private
-    public :: sweep_result_t, sweep_work_t, proof_words
+    public :: sweep_result_t, sweep_work_t, proof_cells
 
     !> Whether the bounds of a case are proved: `none` without a result.
-    character(*), parameter :: proof_words(0:2) = [character(8) :: 'none', 'unproved', 'proved']
+    character(*), parameter :: proof_cells(0:2) = [character(8) :: 'none', proof_words]
 
     !> What is to be computed: the groups, and the extremes of the nutation that take a search of their own where
     !> it is measured along the motion.
@@ -66,7 +66,7 @@ module spintop_sweep_result
         real(dp) :: lyapunov_exponent = nan
         real(dp) :: largest_singular_value = nan
         integer :: motion_class = no_class
-        !> Bounds of the errors, by quantity (spintop_certificate), and the index in `proof_words`.
+        !> Bounds of the errors, by quantity (spintop_certificate), and the index in `proof_cells`.
         real(dp) :: bounds(proof_count) = nan
         integer :: proof = 0
     end type sweep_result_t

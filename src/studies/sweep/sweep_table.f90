@@ -26,7 +26,7 @@ module spintop_sweep_table
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_columns, only: sweep_columns
     use spintop_sweep_notes, only: note_names, note_t
-    use spintop_sweep_result, only: proof_words, sweep_result_t
+    use spintop_sweep_result, only: proof_cells, sweep_result_t
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words, table_column_t
     use spintop_table_head, only: comment_lines, table_head
     use spintop_text, only: string_t
@@ -203,7 +203,7 @@ contains
                 if (.not. (quantity%is_class .or. quantity%is_proof)) cycle
                 column%kind = column_of_words
                 if (quantity%is_class) call take_words([character(len(class_names)) :: 'none', class_names], column)
-                if (quantity%is_proof) call take_words(proof_words, column)
+                if (quantity%is_proof) call take_words(proof_cells, column)
             end associate
         end do
         columns(size(columns) - 2 * job%sensitivities%count:size(columns) - 1)%column_t = job%sensitivities%table_columns()

@@ -1,5 +1,6 @@
 !> The table of a trajectory, as CSV or NetCDF: a row per sample, and how the motion ended.
 module spintop_motion_table
+    use spintop_certificate, only: proof_words
     use spintop_errors, only: error_t
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
@@ -62,7 +63,7 @@ contains
             self%columns(i) = table_column_t(columns(i)%name, columns(i)%unit, columns(i)%what)
             if (.not. columns(i)%is_proof) cycle
             self%columns(i)%kind = column_of_words
-            self%columns(i)%words = [string_t('unproved'), string_t('proved')]
+            self%columns(i)%words = [string_t(trim(proof_words(0))), string_t(trim(proof_words(1)))]
         end do
         if (job%scene%format /= 'netcdf') then
             self%head = study_head(job, columns)

@@ -1,6 +1,7 @@
 !> The rows of a trajectory table, and the quantities of events: values of chosen columns.
 module spintop_row_maker
     use spintop_case, only: case_t
+    use spintop_certificate, only: proof_words
     use spintop_compare, only: is_finite
     use spintop_kinds, only: dp, no_number
     use spintop_loads, only: works
@@ -98,7 +99,7 @@ contains
         integer :: i
         do i = 1, size(values)
             if (self%columns(i)%is_proof) then
-                call text%put_text(merge('proved  ', 'unproved', values(i) > 0))
+                call text%put_text(trim(proof_words(nint(values(i)))))
             else
                 call text%put_reals(values(i:i))
             end if

@@ -242,7 +242,10 @@ contains
                            times, writer, outcome)
             max_steps = max_steps + first%counts%work()
         end associate
-        if (outcome%status == status_ok) outcome%t = first%t
+        if (is_good_end(outcome%status)) then
+            outcome%status = first%status
+            outcome%t = first%t
+        end if
         call outcome%counts%add(first%counts)
     end subroutine compute_again
 

@@ -187,6 +187,23 @@ GALLERY = (
         " and inclination.",
     ),
     Exhibit(
+        "kapitza",
+        one("kapitza_map"),
+        ("maps",),
+        "A body without spin that a vibration of its pivot holds upright: the time at which it has"
+        " fallen to 30 degrees, and the growth of deviations by the Floquet multipliers of the"
+        " upright body, have the same boundaries.",
+        documented=("maps",),
+    ),
+    Exhibit(
+        "rest",
+        one("friction_to_rest"),
+        ("account",),
+        "A top with dry friction and drag from 200 rad/s to rest: it sleeps, wakes, sinks, and lies"
+        " still. Its energy is that of the start less the works of friction and drag.",
+        documented=("account",),
+    ),
+    Exhibit(
         "scatter",
         one("random_tops"),
         ("scatter",),
@@ -234,6 +251,14 @@ GALLERY = (
         one("convergence"),
         ("orders",),
         "Error against step size: each method with a fixed step size has its theoretical order.",
+    ),
+    Exhibit(
+        "heavy_top",
+        one("heavy_top_orders"),
+        ("orders",),
+        "The heavy top benchmark of Bruels, Cardona and Arnold: error against step size, with the"
+        " orders of methods of 2 to 6.",
+        documented=("orders",),
     ),
     Exhibit(
         "stability",

@@ -17,6 +17,8 @@ from spintop_figures.methods.precision import (
 from spintop_figures.methods.tolerance_map import draw_tolerance_map, object_to_tolerance_map
 from spintop_figures.methods.trials import object_to_trials
 from spintop_figures.methods.verdicts import draw_verdicts
+from spintop_figures.motion.account import COLUMNS as ACCOUNT
+from spintop_figures.motion.account import draw_account, object_to_account
 from spintop_figures.motion.cones import draw_cones
 from spintop_figures.motion.drift import draw_drift, object_to_drift
 from spintop_figures.motion.events import (
@@ -186,6 +188,14 @@ FIGURES = (
         "trajectory",
         ("phi", "theta", "psi", "omega1", "omega2", "omega3"),
         draw_cones,
+    ),
+    FigureKind(
+        "account",
+        "inclination, spin, and account of energy under effects, against time",
+        "trajectory",
+        ACCOUNT,
+        draw_account,
+        object_to_account,
     ),
     FigureKind(
         "residuals",

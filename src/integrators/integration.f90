@@ -2,13 +2,14 @@
 module spintop_integration
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
+    use spintop_event, only: occasion_knot, occasion_none
     use spintop_events, only: event_watch_t
     use spintop_motion, only: motion_t
+    use spintop_observer, only: observer_t
     use spintop_rest, only: rest_t
     use spintop_step_path, only: follower_t, step_path_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_stepper, only: stepper_t, workspace_t, counts_t
-    use spintop_loads, only: works
     use spintop_work_account, only: work_account_t
     use spintop_suitability, only: call_status
     use spintop_status, only: status_ok, status_at_rest, status_outside, status_step_too_small, &
@@ -16,31 +17,6 @@ module spintop_integration
     implicit none
     private
     public :: integrate, observer_t, outcome_t
-
-    !> Receives the motion at the sample times.
-    type, abstract :: observer_t
-        !> Set by the observer to end the run.
-        logical :: has_enough = .false.
-        !> Whether phi and psi count their turns, which requires an evaluation in every step; otherwise the
-        !> angles are the values nearest to those of the start.
-        logical :: counts_turns = .true.
-        !> Whether the work of effects is wanted; then it is set before each motion is observed, J, by its parts.
-        logical :: wants_work = .false.
-        real(dp) :: work(works) = 0
-    contains
-        procedure(observe), deferred :: observe
-    end type observer_t
-
-    abstract interface
-        !> Receives the state `y` of a formulation at time `t`, and angles near those of the motion. The times
-        !> are increasing.
-        subroutine observe(self, formulation, t, y, near)
-            import :: observer_t, formulation_t, dp, max_states
-            class(observer_t), intent(inout) :: self
-            class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-            real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
-        end subroutine observe
-    end interface
 
     !> A run in progress: formulation, stepper, workspace, and the samples not yet shown.
     type :: run_t
@@ -51,6 +27,8 @@ module spintop_integration
         real(dp), pointer :: samples(:) => null()
         !> Index of the first sample that was not shown, and the number of samples.
         integer :: next = 1, last = 0
+        !> Time of the last motion that was shown, s.
+        real(dp) :: shown = -1
         type(follower_t) :: follower
         !> Rest under dry friction and breaks of the right-hand side, and the work of effects; of no use without these.
         type(rest_t) :: rest
@@ -60,6 +38,8 @@ module spintop_integration
         procedure :: take_step
         procedure :: end_step
         procedure :: look_for_events
+        procedure :: look_to_knots
+        procedure :: meet_occasion
         procedure :: show_until
         procedure :: show_end
         procedure :: show_within
@@ -143,7 +123,8 @@ contains
             end if
             if (status == status_ok) call run%show_until(run%work%t)
             call run%check_arrival(status)
-            if (allocated(formulation%action)) call run%end_step(stepper, work, path, status)
+            if (allocated(formulation%action)) call run%end_step(stepper, work, path, status, ends, watch)
+            if (ends) exit
         end do
         outcome%status = status
         outcome%t = run%work%t
@@ -200,14 +181,17 @@ contains
         path%work => self%work
     end subroutine take_step
 
-    !> Ends such a step: the work up to there, and whether the body has come to rest. After a step of another stepper
-    !> the method begins anew.
-    subroutine end_step(self, stepper, work, path, status)
+    !> Ends such a step: the work up to there, and whether the body has come to rest, which may end the run. After a
+    !> step of another stepper the method begins anew.
+    subroutine end_step(self, stepper, work, path, status, ends, watch)
         class(run_t), intent(inout) :: self
         class(stepper_t), target, intent(in) :: stepper !! the method
         class(workspace_t), target, intent(inout) :: work !! its workspace
         type(step_path_t), intent(inout) :: path
         integer, intent(inout) :: status
+        logical, intent(out) :: ends
+        class(event_watch_t), intent(inout), optional :: watch
+        ends = .false.
         if (status == status_ok .and. self%account%is_open) then
             call self%account%go_to(self%formulation, self%stepper, self%work, self%work%t)
         end if
@@ -216,7 +200,26 @@ contains
         path%stepper => stepper
         path%work => work
         if (status == status_ok) call self%rest%settle(self%formulation, stepper, work, status)
+        if (status == status_ok .and. self%rest%occasion /= occasion_none) call self%meet_occasion(ends, watch)
     end subroutine end_step
+
+    !> Meets the events of rest and departure at the end of a step. The work of the last instant before rest, the square
+    !> of a negligible angular velocity, is zero.
+    subroutine meet_occasion(self, ends, watch)
+        class(run_t), intent(inout) :: self
+        logical, intent(out) :: ends
+        class(event_watch_t), intent(inout), optional :: watch
+        ends = .false.
+        associate (work => self%work)
+            self%account%t = max(self%account%t, work%t)
+            if (work%t > self%follower%t) call self%follower%go_to(self%formulation, work%t, work%y)
+            if (present(watch)) then
+                call watch%happen(self%rest%occasion, self%formulation%motion(work%t, work%y, self%follower%angle))
+                ends = watch%has_enough
+            end if
+            if (self%shown < work%t .and. (ends .or. .not. work%t < work%t_end)) call self%show()
+        end associate
+    end subroutine meet_occasion
 
     !> Looks for events in the last step. The run ends at one that ends the motion, or as far as the
     !> steps that are allowed suffice for the search, and the events that can be counted.
@@ -227,7 +230,8 @@ contains
         integer, intent(inout) :: status
         logical, intent(out) :: ends
         path%seen = self%follower
-        call watch%look(path, self%work%t)
+        if (allocated(self%formulation%action) .and. watch%knows(occasion_knot)) call self%look_to_knots(path, watch)
+        if (.not. watch%has_enough) call watch%look(path, self%work%t)
         ends = watch%has_enough
         if (.not. ends .and. (path%is_spent() .or. watch%is_full) .and. watch%t < self%work%t) then
             status = merge(status_too_many_events, status_step_limit, watch%is_full)
@@ -235,6 +239,23 @@ contains
         end if
         if (ends) call self%show_end(watch%t)
     end subroutine look_for_events
+
+    !> Looks for events up to each row of a table of torques in the last step, and meets those of the row.
+    subroutine look_to_knots(self, path, watch)
+        class(run_t), intent(inout) :: self
+        type(step_path_t), intent(inout) :: path
+        class(event_watch_t), intent(inout) :: watch
+        type(motion_t) :: motion
+        real(dp) :: knot
+        do while (.not. watch%has_enough)
+            knot = self%formulation%action%next_knot(watch%t)
+            if (knot > self%work%t) exit
+            call watch%look(path, knot)
+            if (watch%has_enough .or. watch%t < knot) exit
+            call path%at(knot, motion)
+            call watch%happen(occasion_knot, motion)
+        end do
+    end subroutine look_to_knots
 
     !> Shows the samples up to a time within the last step.
     subroutine show_until(self, t)
@@ -287,6 +308,7 @@ contains
             self%observer%work = self%account%total
         end if
         call self%observer%observe(self%formulation, self%follower%t, self%follower%y, self%follower%angle)
+        self%shown = self%follower%t
     end subroutine show
 
     !> Checks that the derivative exists at the start.

@@ -4,6 +4,7 @@
 module spintop_rest
     use spintop_dop853, only: dop853_t
     use spintop_dop853_table, only: dop853_table
+    use spintop_event, only: occasion_none, occasion_slip, occasion_stuck
     use spintop_formulation, only: formulation_t, max_states, structure_none
     use spintop_kinds, only: dp
     use spintop_status, only: status_non_finite, status_ok, status_step_too_small
@@ -26,6 +27,8 @@ module spintop_rest
         !> Whether the body lies still, since the time `t_stuck`, s.
         logical :: is_resting = .false.
         real(dp) :: t_stuck = 0
+        !> What happened at the end of the last step: the body came to rest, or began to move.
+        integer :: occasion = occasion_none
         !> Whether the last step was one of another stepper, and that stepper with its workspace.
         logical :: is_other = .false.
         class(stepper_t), allocatable :: stepper
@@ -172,8 +175,9 @@ contains
         class(workspace_t), intent(inout) :: work !! its workspace
         integer, intent(inout) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: speed, slowing, left, allowed
-        logical :: begins
+        logical :: begins, was_resting
 
+        was_resting = self%is_resting
         begins = self%is_other
         if (self%is_other) then
             work%t = self%work%t
@@ -197,6 +201,9 @@ contains
                 call self%check_rest(formulation, work%t, work%y)
             end if
         end if
+        self%occasion = occasion_none
+        if (self%is_resting .and. .not. was_resting) self%occasion = occasion_stuck
+        if (was_resting .and. .not. self%is_resting) self%occasion = occasion_slip
         if (begins .and. .not. self%is_resting .and. work%t < work%t_end) call stepper%begin(formulation, work, status)
 
     contains

@@ -121,7 +121,7 @@ contains
         if (all(is_set(scene%omega))) then
             call take_omega(scene, case%given_start, problems)
         else
-            call take_rates(scene, case%given_body, body_is_known, case%circular, case%given_start, problems)
+            call take_rates(scene, case%given_body, case%turn, body_is_known, case%circular, case%given_start, problems)
         end if
     end subroutine make_start
 
@@ -185,9 +185,10 @@ contains
     end subroutine take_omega
 
     !> Rates of the angles: the spin in one of three ways, the precession given or steady.
-    subroutine take_rates(scene, body, body_is_known, circular, start, problems)
+    subroutine take_rates(scene, body, turn, body_is_known, circular, start, problems)
         type(scene_t), intent(in) :: scene
         type(body_t), intent(in) :: body
+        type(body_turn_t), intent(in) :: turn
         logical, intent(in) :: body_is_known
         type(attitude_circular_t), intent(in) :: circular
         type(motion_t), intent(inout) :: start
@@ -215,7 +216,7 @@ contains
         start%rate = merge(scene%rate, 0.0_dp, is_set(scene%rate))
         ! Words of four letters are compared in place; the others are `slow` and `fast`.
         if (scene%steady_precession(:4) /= 'none' .and. .not. problems%any()) then
-            call take_steady_rate(scene, body, by_omega3, omega3, start, problems)
+            call take_steady_rate(scene, body, turn, by_omega3, omega3, start, problems)
             if (problems%any()) return
         end if
         if (by_omega3) start%rate(3) = omega3 - start%rate(1) * circular%cosine_theta
@@ -225,17 +226,22 @@ contains
         start%gives_omega3 = by_omega3
     end subroutine take_rates
 
-    !> phi' of steady precession (Eq 25).
-    subroutine take_steady_rate(scene, body, by_omega3, omega3, start, problems)
+    !> phi' of steady precession (Eq 25); with effects that only add constants to the rates of phi and psi, that of the top
+    !> that moves with these rates.
+    subroutine take_steady_rate(scene, given_body, turn, by_omega3, omega3, start, problems)
         type(scene_t), intent(in) :: scene
-        type(body_t), intent(in) :: body
+        type(body_t), intent(in) :: given_body
+        type(body_turn_t), intent(in) :: turn
         logical, intent(in) :: by_omega3
         real(dp), intent(in) :: omega3
         type(motion_t), intent(inout) :: start
         type(problems_t), intent(inout) :: problems
+        type(body_t) :: body
         real(dp) :: rates(2)
         integer :: count, wanted
 
+        body = given_body
+        if (turn%is_shifted() .and. turn%axis == 0 .and. .not. turn%to_principal_axes) body = turn%turned_body(given_body)
         if (is_set(scene%rate(1))) then
             call problems%add('initial.phi_rate', 'steady_precession computes phi_rate', 'omit one of them')
         end if
@@ -244,14 +250,14 @@ contains
                               'omit theta_rate')
         end if
         if (.not. body%is_lagrange()) then
-            call problems%add('initial.steady_precession', 'steady precession is computed for an undamped &
-                &symmetric top about body z', 'give the rates themselves')
+            call problems%add('initial.steady_precession', 'steady precession is computed for an undamped symmetric top &
+                &about body z, without effects but a held rotor on its axis and the Earth at a pole', 'give the rates themselves')
         end if
         if (problems%any()) return
         if (by_omega3) then
-            call steady_rates(body, start%angle(2), omega3, rates, count)
+            call steady_rates(body, start%angle(2), omega3 + turn%phi_shift * cos(start%angle(2)) + turn%psi_shift, rates, count)
         else
-            call steady_rates_at_spin(body, start%angle(2), start%rate(3), rates, count)
+            call steady_rates_at_spin(body, start%angle(2), start%rate(3) + turn%psi_shift, rates, count)
         end if
         wanted = merge(1, 2, scene%steady_precession == 'slow')
         ! The cosine of a right angle is not zero but a rounding error.
@@ -262,7 +268,7 @@ contains
         else if (count < wanted) then
             call problems%add('initial.steady_precession', 'a horizontal axis has no fast precession', "use 'slow'")
         else
-            start%rate(1) = rates(wanted)
+            start%rate(1) = rates(wanted) - turn%phi_shift
         end if
     end subroutine take_steady_rate
 

@@ -1,6 +1,8 @@
 !> Makes the effects of a scene, and checks them.
 module spintop_effects_of_scene
     use spintop_body, only: body_t
+    use spintop_body_turn, only: turn_to_principal_axes
+    use spintop_compare, only: is_equal, is_zero
     use spintop_effects, only: earth_rotation, effects_t
     use spintop_kinds, only: degree, dp
     use spintop_loads, only: friction_jams
@@ -21,6 +23,8 @@ contains
         type(body_t), intent(inout) :: body !! its effects are set; its mass properties are
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(effects_t) :: effects
+        type(body_t) :: principal
+        real(dp) :: unused(4)
 
         if (allocated(body%effects)) deallocate (body%effects)
         call take_friction(scene, effects, problems)
@@ -33,18 +37,31 @@ contains
         effects%torque_space = given(scene%torque_space)
         call take_table(scene, effects, problems)
         if (problems%any() .or. .not. effects%is_any()) return
+        principal = body
         if (body%has_products()) then
-            call problems%add('effects', 'effects are given in the principal axes of the body, and its inertia is a tensor in &
-                &other axes', 'give inertia(3) about the principal axes')
-            return
+            call turn_to_principal_axes(body, principal, unused)
+            call check_drag(effects, body, problems)
         end if
-        if (friction_jams(body, effects%friction_arm)) then
+        if (friction_jams(principal, effects%friction_arm)) then
             call problems%add('effects.friction_coefficient', 'friction may jam the body: m mu rho |[r]x I^-1| is 1 or more, &
                 &so that the load of the pivot need not exist', 'use a smaller friction_coefficient or friction_radius')
             return
         end if
         body%effects = effects
     end subroutine make_effects
+
+    !> The moment of the air about axes that are not principal axes must not distinguish them.
+    subroutine check_drag(effects, body, problems)
+        type(effects_t), intent(in) :: effects
+        type(body_t), intent(in) :: body
+        type(problems_t), intent(inout) :: problems
+        logical :: differ(3)
+        differ = .not. is_equal(cshift(effects%drag_moment, 1), cshift(effects%drag_moment, 2))
+        if (any(differ .and. .not. is_zero(body%products))) then
+            call problems%add('effects.drag_moment', 'the moment of the air differs about axes that are not principal axes of &
+                              &inertia', 'give equal coefficients about these axes')
+        end if
+    end subroutine check_drag
 
     !> Warnings of a computation: smoothed friction that makes the equations stiff, and steps of fixed size across the
     !> knots of a table.

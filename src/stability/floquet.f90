@@ -2,14 +2,15 @@
 module spintop_floquet
     use spintop_kinds, only: dp, no_number
     use spintop_body, only: body_t
-    use spintop_compare, only: is_finite
+    use spintop_compare, only: is_finite, is_zero
+    use spintop_driven_flow, only: carry_driven_tangents, drive_period, is_driven
     use spintop_euler_poisson, only: euler_poisson_state, euler_poisson_rate, invariant_gradients, &
         turning_about, state_units
     use spintop_motion, only: motion_t
     use spintop_spectrum, only: find_spectrum
     use spintop_status, only: status_ok, status_bad_input, status_unsuitable
     use spintop_tangent_flow, only: carry_tangents
-    use spintop_validity, only: plain_body_status, motion_status
+    use spintop_validity, only: body_status, motion_status
     use spintop_vectors, only: cross
     implicit none
     private
@@ -23,9 +24,10 @@ contains
     !> Floquet multipliers of the motion that returns to its start after `period` seconds, but for a turn of
     !> the body about its axis of symmetry: each a factor by which a perturbation grows per
     !> period. Those that belong to invariants, symmetries and the time of the start are 1 and come
-    !> last. `status_unsuitable`: the motion does not return by then; `status_bad_input`: no positive
-    !> period; `status_non_finite`, `status_bad_body`, `status_bad_start`: no body or no motion. A period
-    !> of more than `max_steps` steps is abandoned.
+    !> last. The pivot of the body may vibrate along the vertical (`is_driven`); the period is then a multiple of
+    !> that of the vibration. `status_unsuitable`: the motion does not return by then, or the body has other
+    !> effects; `status_bad_input`: no positive period; `status_non_finite`, `status_bad_body`,
+    !> `status_bad_start`: no body or no motion. A period of more than `max_steps` steps is abandoned.
     subroutine find_multipliers(body, start, period, multipliers, status, max_steps)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
@@ -38,10 +40,11 @@ contains
         multipliers = 1
         call find_monodromy(body, start, period, monodromy, turn, status, max_steps)
         if (status /= status_ok) return
-        x = euler_poisson_state(body, start)
+        x = state_of(body, start)
         forms = invariant_gradients(body, x)
-        directions(:, 1) = euler_poisson_rate(body, x)
-        directions(:, 2) = turning_about(body%symmetry_axis(), x)
+        directions = 0
+        if (.not. allocated(body%effects)) directions(:, 1) = euler_poisson_rate(body, x)
+        directions(:, 2) = turning_about(axis_of(body), x)
         call find_spectrum(monodromy, state_units(body, x), 1.0_dp, forms, directions, multipliers, status)
     end subroutine find_multipliers
 
@@ -61,20 +64,25 @@ contains
 
         monodromy = no_number
         turn = no_number
-        status = plain_body_status(body)
+        status = body_status(body)
         if (status == status_ok) status = motion_status(start, body)
         if (status == status_ok .and. .not. (period > 0 .and. is_finite(period))) status = status_bad_input
+        if (status == status_ok .and. .not. repeats(body, period)) status = status_unsuitable
         if (status /= status_ok) return
-        x = euler_poisson_state(body, start)
+        x = state_of(body, start)
         unit = state_units(body, x)
         columns = 0
         columns(:, 1) = x
         do i = 1, 6
             columns(i, i + 1) = 1
         end do
-        call carry_tangents(body, period, columns, status, max_steps)
+        if (allocated(body%effects)) then
+            call carry_driven_tangents(body, period, columns, status, max_steps)
+        else
+            call carry_tangents(body, period, columns, status, max_steps)
+        end if
         if (status /= status_ok) return
-        axis = body%symmetry_axis()
+        axis = axis_of(body)
         turn = closing_turn(axis, columns(:, 1) / unit, x / unit)
         do i = 1, 7
             columns(:, i) = [turned(axis, turn, columns(1:3, i)), turned(axis, turn, columns(4:6, i))]
@@ -82,6 +90,35 @@ contains
         monodromy = columns(:, 2:)
         if (.not. norm2((columns(:, 1) - x) / unit) <= slack) status = status_unsuitable
     end subroutine find_monodromy
+
+    !> Whether the equations are the same after a period: without effects at any time.
+    pure logical function repeats(body, period)
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: period
+        real(dp) :: turns
+        repeats = .not. allocated(body%effects)
+        if (.not. is_driven(body)) return
+        turns = period / drive_period(body)
+        repeats = turns > 0.5_dp .and. abs(turns - anint(turns)) <= slack
+    end function repeats
+
+    !> The state (Gamma, P) of a motion; P contains the momentum of a rotor.
+    pure function state_of(body, motion) result(x)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: motion
+        real(dp) :: x(6)
+        x = euler_poisson_state(body, motion)
+        if (allocated(body%effects)) x(4:6) = x(4:6) + body%effects%rotor_momentum
+    end function state_of
+
+    !> The axis of symmetry, which a rotor off it takes away; zero if there is none.
+    pure function axis_of(body) result(axis)
+        type(body_t), intent(in) :: body
+        real(dp) :: axis(3)
+        axis = body%symmetry_axis()
+        if (.not. allocated(body%effects)) return
+        if (.not. all(is_zero(cross(axis, body%effects%rotor_momentum)))) axis = 0
+    end function axis_of
 
     !> The rotation angle about an axis that brings one state nearest to another, rad; 0 without an axis.
     pure real(dp) function closing_turn(axis, from, to) result(turn)

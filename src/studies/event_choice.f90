@@ -1,6 +1,7 @@
 !> Selects the events of a motion from the texts in a scene.
 module spintop_event_choice
     use spintop_case, only: case_t
+    use spintop_event, only: occasion_knot, occasion_slip, occasion_stuck
     use spintop_event_text, only: column_event_t, read_event
     use spintop_parameters, only: unset_integer
     use spintop_problems, only: problems_t
@@ -75,21 +76,45 @@ contains
                     hint = 'use another column'
                 end if
             end if
-            if (problem == '' .and. .not. problems%any()) call check_work(problem, hint)
+            if (problem == '' .and. .not. problems%any()) call check_work(case, some, problem, hint)
+            if (problem == '' .and. .not. problems%any()) call check_occasion(case, some, problem, hint)
             if (problem /= '') call problems%add(name, problem, hint)
         end subroutine read_text
 
-        !> The work of effects is known in the rows of a motion, not where events are sought.
-        subroutine check_work(problem, hint)
-            character(:), allocatable, intent(inout) :: problem, hint
-            if (any(some%column%needs_effects) .and. .not. allocated(case%given_body%effects)) then
-                problem = 'this event needs effects, and the body has none'
-            else if (any(some%column%needs_work) .and. allocated(case%given_body%effects)) then
-                problem = 'this event needs the work of effects, which is computed for the rows of a motion only'
-            end if
-            if (problem /= '') hint = 'use another column'
-        end subroutine check_work
-
     end subroutine choose_events
+
+    !> The work of effects is known in the rows of a motion, not where events are sought.
+    subroutine check_work(case, some, problem, hint)
+        type(case_t), intent(in) :: case
+        type(column_event_t), intent(in) :: some(:)
+        character(:), allocatable, intent(inout) :: problem, hint
+        if (any(some%column%needs_effects) .and. .not. allocated(case%given_body%effects)) then
+            problem = 'this event needs effects, and the body has none'
+        else if (any(some%column%needs_work) .and. allocated(case%given_body%effects)) then
+            problem = 'this event needs the work of effects, which is computed for the rows of a motion only'
+        end if
+        if (problem /= '') hint = 'use another column'
+    end subroutine check_work
+
+    !> Only dry friction by the exact law stops a body, and only a table has rows.
+    subroutine check_occasion(case, some, problem, hint)
+        type(case_t), intent(in) :: case
+        type(column_event_t), intent(in) :: some(:)
+        character(:), allocatable, intent(inout) :: problem, hint
+        logical :: is_dry, has_table
+        is_dry = .false.
+        has_table = .false.
+        if (allocated(case%given_body%effects)) then
+            is_dry = case%given_body%effects%is_dry()
+            has_table = allocated(case%given_body%effects%table)
+        end if
+        if (.not. is_dry .and. any(some%event%occasion == occasion_stuck .or. some%event%occasion == occasion_slip)) then
+            problem = 'only a body with dry friction that is not smoothed sticks and slips'
+            hint = 'give effects.friction_torque or friction_coefficient, without friction_smoothing'
+        else if (.not. has_table .and. any(some%event%occasion == occasion_knot)) then
+            problem = 'this event needs a table of torques'
+            hint = 'give effects.torque_table'
+        end if
+    end subroutine check_occasion
 
 end module spintop_event_choice

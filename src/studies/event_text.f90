@@ -1,10 +1,10 @@
 !> Events in the notation of the input: `turning_points`, `theta_deg = 30 rising`, `psi = 0 every turn`.
 !>
-!> Each is a column of the trajectory that passes a value, rising or falling. A name stands for events of the
-!> table below; a text without a direction stands for two events, one for each direction.
+!> Each is a column of the trajectory that passes a value, rising or falling, or an occasion such as rest. A name stands
+!> for events of the table below; a text without a direction stands for two events, one for each direction.
 module spintop_event_text
     use spintop_kinds, only: dp, degree
-    use spintop_events, only: event_t
+    use spintop_event, only: event_t, occasion_knot, occasion_none, occasion_slip, occasion_stuck
     use spintop_literals, only: read_real
     use spintop_text, only: string_t, lower_case, did_you_mean, join
     use spintop_trajectory_column, only: trajectory_column_t
@@ -29,6 +29,7 @@ module spintop_event_text
         integer :: direction
         logical :: turn_by_turn
         character(72) :: what
+        integer :: occasion = occasion_none
     end type named_event_t
 
     !> A name may stand for several events.
@@ -41,7 +42,14 @@ module spintop_event_text
         named_event_t('lower_turning_points', 'lower_turning_point', 'axis_z_rate', 1, .false., &
                       'theta changes from rising to falling'), &
         named_event_t('azimuth_turns', 'azimuth_turn', 'phi', 1, .true., &
-                      'phi completes another full turn from its start, either way')]
+                      'phi completes another full turn from its start, either way'), &
+        named_event_t('stuck', 'stuck', 't', 1, .false., 'dry friction stops the body', occasion_stuck), &
+        named_event_t('slip', 'slip', 't', 1, .false., 'other torques overcome dry friction: a body at rest begins to move', &
+                      occasion_slip), &
+        named_event_t('knot', 'knot', 't', 1, .false., 'a row of the table of torques', occasion_knot)]
+
+    !> A level that the time never reaches.
+    real(dp), parameter :: never = -1
 
     !> The general notation, for help and messages.
     character(*), parameter :: event_grammar = &
@@ -87,7 +95,8 @@ contains
         do i = 1, size(named_events)
             row = named_events(i)
             if (row%name /= name) cycle
-            one%event = event_t(row%in_table, row%direction, turn_by_turn=row%turn_by_turn)
+            one%event = event_t(row%in_table, row%direction, turn_by_turn=row%turn_by_turn, occasion=row%occasion)
+            if (row%occasion /= occasion_none) one%event%level = never
             call find_trajectory_column(row%column, one%column, found)
             events = [events, one]
         end do

@@ -19,7 +19,7 @@ module spintop_body_turn
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: body_turn_t, find_body_turn
+    public :: body_turn_t, find_body_turn, turn_to_principal_axes
 
     !> A rotation of the body axes by a quaternion p: the vector v becomes p v conj(p).
     type :: body_turn_t
@@ -122,20 +122,14 @@ contains
         exchanges_axes = self%axis == 1 .or. self%axis == 2 .or. self%to_principal_axes
     end function exchanges_axes
 
-    !> The body in rotated axes; without effects, where they are in the rates of the angles. (Its damping is the same about
-    !> axes that the rotation to principal axes mixes, and it has no effects then.)
+    !> The body in rotated axes; without effects, where they are in the rates of the angles.
     pure type(body_t) function turned_body(self, body) result(turned)
         class(body_turn_t), intent(in) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         real(dp) :: unused(4)
         turned = body
+        if (self%to_principal_axes) call turn_to_principal_axes(body, turned, unused)
         if (self%is_shifted()) deallocate (turned%effects)
-        if (self%to_principal_axes) then
-            call find_principal_axes(body%inertia, body%products, turned%inertia, unused)
-            turned%products = 0
-            turned%centre_of_mass = to_space(self%principal, body%centre_of_mass)
-            call clear_rounding(turned%inertia, turned%products, turned%centre_of_mass)
-        end if
         if (self%axis == 0) return
         turned%inertia = exchanged(self%axis, turned%inertia)
         turned%damping = exchanged(self%axis, turned%damping)
@@ -148,6 +142,41 @@ contains
             effects%torque_body = reordered(self, effects%torque_body)
         end associate
     end function turned_body
+
+    !> A body in its principal axes, and the rotation to them: the vector v becomes p v conj(p). Its damping, and the moment
+    !> of the air, are the same about axes that the rotation mixes.
+    pure subroutine turn_to_principal_axes(body, turned, p)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(body_t), intent(out) :: turned !! the same in its principal axes
+        real(dp), intent(out) :: p(4) !! unit quaternion of the rotation
+        integer :: i, k
+        turned = body
+        call find_principal_axes(body%inertia, body%products, turned%inertia, p)
+        turned%products = 0
+        turned%centre_of_mass = to_space(p, body%centre_of_mass)
+        call clear_rounding(turned%inertia, turned%products, turned%centre_of_mass)
+        if (.not. allocated(turned%effects)) return
+        associate (effects => turned%effects)
+            effects%rotor_momentum = in_principal_axes(p, effects%rotor_momentum)
+            effects%rotor_torque = in_principal_axes(p, effects%rotor_torque)
+            effects%torque_body = in_principal_axes(p, effects%torque_body)
+            if (.not. allocated(effects%table) .or. effects%table_in_space) return
+            do i = 1, size(effects%table%coefficient, 3)
+                do k = lbound(effects%table%coefficient, 1), ubound(effects%table%coefficient, 1)
+                    effects%table%coefficient(k, :, i) = in_principal_axes(p, effects%table%coefficient(k, :, i))
+                end do
+            end do
+        end associate
+    end subroutine turn_to_principal_axes
+
+    !> A vector in principal axes. Components that are only rounding errors are zero, so that a vector along an axis of
+    !> symmetry is so exactly.
+    pure function in_principal_axes(p, v) result(w)
+        real(dp), intent(in) :: p(4), v(3)
+        real(dp) :: w(3)
+        w = to_space(p, v)
+        where (abs(w) <= 16 * epsilon(1.0_dp) * norm2(w)) w = 0
+    end function in_principal_axes
 
     !> Components in the order that brings `axis` to z.
     pure function exchanged(axis, v) result(w)

@@ -269,9 +269,9 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         real(dp), intent(in) :: t, q(4), omega(3) !! s; attitude; angular velocity in body axes, rad/s
         real(dp) :: momentum(3)
-        momentum = body%inertia * omega
+        momentum = body%momentum(omega)
         if (.not. allocated(body%effects)) return
-        momentum = body%inertia * (omega + in_body(space_in_body(q), body%effects%frame_rate)) &
+        momentum = body%momentum(omega + in_body(space_in_body(q), body%effects%frame_rate)) &
             + rotor_momentum_at(body%effects, t)
     end function total_momentum
 
@@ -280,7 +280,7 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         real(dp), intent(in) :: q(4), omega(3), omega_rate(3) !! attitude; in body axes, rad/s and rad/s^2
         real(dp) :: rate(3)
-        rate = body%inertia * (omega_rate + cross(in_body(space_in_body(q), body%effects%frame_rate), omega)) &
+        rate = body%momentum(omega_rate + cross(in_body(space_in_body(q), body%effects%frame_rate), omega)) &
             + body%effects%rotor_torque
     end function momentum_rate
 
@@ -290,7 +290,7 @@ contains
         real(dp), intent(in) :: t, q(4) !! s; attitude
         real(dp) :: frame(3)
         frame = in_body(space_in_body(q), body%effects%frame_rate)
-        energy = -dot_product(frame, body%inertia * frame / 2 + rotor_momentum_at(body%effects, t))
+        energy = -dot_product(frame, body%momentum(frame) / 2 + rotor_momentum_at(body%effects, t))
     end function frame_energy
 
     !> Whether friction by load may jam the body: m mu rho |[r]x I^-1| is 1 or more, so that N need not exist.

@@ -2,9 +2,10 @@
 module spintop_quantities
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
+    use spintop_body_turn, only: turn_to_principal_axes
     use spintop_motion, only: motion_t
     use spintop_loads, only: find_loads, frame_energy, loads_t, momentum_rate, total_momentum
-    use spintop_attitude, only: to_space, vertical_from_quaternion
+    use spintop_attitude, only: conjugate_quaternion, quaternion_product, to_space, vertical_from_quaternion
     use spintop_vectors, only: cross
     implicit none
     private
@@ -49,11 +50,8 @@ contains
             vertical_momentum = dot_product(total_momentum(body, motion%t, motion%quaternion, motion%omega), &
                                             vertical_from_quaternion(motion%quaternion))
         else
-            vertical_momentum = dot_product(body%inertia * motion%omega, &
-                                            vertical_from_quaternion(motion%quaternion))
+            vertical_momentum = dot_product(body%momentum(motion%omega), vertical_from_quaternion(motion%quaternion))
         end if
-        if (body%has_products()) vertical_momentum = dot_product(body%momentum(motion%omega), &
-                                                                 vertical_from_quaternion(motion%quaternion))
     end function vertical_momentum
 
     !> Angular momentum about body z, kg m^2/s.
@@ -139,11 +137,23 @@ contains
         force = body%mass * (force + [0.0_dp, 0.0_dp, body%gravity])
     end function support_force
 
-    !> What acts on a body with effects in a motion.
+    !> What acts on a body with effects in a motion: of a body that is given in other than principal axes, only the force
+    !> and the rate of the momentum are in its own axes.
     pure subroutine loads_of(body, motion, loads)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: motion
         type(loads_t), intent(out) :: loads
+        type(body_t) :: principal
+        real(dp) :: p(4), q(4)
+        if (body%has_products()) then
+            call turn_to_principal_axes(body, principal, p)
+            q = quaternion_product(motion%quaternion, conjugate_quaternion(p))
+            call find_loads(principal, principal%effects, motion%t, q, &
+                            total_momentum(principal, motion%t, q, to_space(p, motion%omega)), loads)
+            loads%force = to_space(conjugate_quaternion(p), loads%force)
+            loads%rate = to_space(conjugate_quaternion(p), loads%rate)
+            return
+        end if
         call find_loads(body, body%effects, motion%t, motion%quaternion, &
                         total_momentum(body, motion%t, motion%quaternion, motion%omega), loads)
     end subroutine loads_of

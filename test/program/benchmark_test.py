@@ -73,6 +73,20 @@ class BenchmarkTest(unittest.TestCase):
             self.assertAlmostEqual(float(row["truth"]), expected[row["quantity"]], places=15)
             self.assertLess(abs(float(row["value"]) - float(row["truth"])), 1e-10)
 
+    def test_free_bodies(self) -> None:
+        """The truth of the test set is that of Jacobi's functions; a free box keeps its energy."""
+        cases = "--set=benchmark.cases=euler_equations,tumbling_box"
+        result, rows = self.run_program(cases)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        jacobi = (-0.93965707987292040, -0.34211777540007491, 0.74141265961999530)
+        for row, value, factor in zip(rows[:3], jacobi, (9 / 5, 3 / 4, 5 / 2), strict=True):
+            self.assertAlmostEqual(float(row["truth"]), value * factor, delta=5e-16)
+            self.assertTrue(5e-16 < float(row["published_error"]) < 3e-15)
+            self.assertEqual(row["method"], "")
+        self.assertAlmostEqual(float(rows[3]["truth"]), 0.49 / 3, places=16)
+        self.assertAlmostEqual(float(rows[3]["published_error"]), 0.09 * 0.49 / 3, places=15)
+        self.assertIn("1 published figure; largest error", result.stdout)
+
     def test_refusals(self) -> None:
         """A benchmark that is not in the catalogue is refused, with the nearest name."""
         result, rows = self.run_program("--set=benchmark.cases=heavy_tops")

@@ -49,6 +49,10 @@ CLASSES = (
 """Classes of motion in the order in which they are drawn; others come after them."""
 
 
+SHORT = {"t_end": "end of the motion"}
+"""Columns whose meaning is too long for a title."""
+
+
 class Quantity(NamedTuple):
     """A quantity of a case, of columns of the table."""
 
@@ -104,7 +108,8 @@ def column_shown(table: Table, name: str) -> Quantity:
     """A column as a quantity, named by its meaning."""
     unit, factor = unit_shown(name, table.units.get(name, ""))
     values = the_column(name) if factor == 1 else in_degrees(name)
-    return Quantity((name,), table.meanings.get(name) or name, unit, values)
+    label = SHORT.get(name) or table.meanings.get(name) or name
+    return Quantity((name,), label, unit, values)
 
 
 def in_degrees(name: str) -> Callable[[pd.DataFrame], pd.Series]:
@@ -128,6 +133,13 @@ QUANTITIES = (
     ),
     Quantity(
         ("growth_rate",), "growth of deviations", "1/s", the_column("growth_rate"), none="stable"
+    ),
+    Quantity(
+        ("upright_multiplier",),
+        "growth per period, upright",
+        "",
+        lambda rows: np.log(rows["upright_multiplier"]),
+        none="stable",
     ),
     Quantity(
         ("lyapunov_exponent",),

@@ -15,6 +15,7 @@ module spintop_events
     use spintop_body, only: body_t
     use spintop_bracket, only: bracket_t
     use spintop_compare, only: is_equal, is_finite
+    use spintop_event, only: event_t
     use spintop_five_values, only: passes_at_most_once, rounding_of
     use spintop_instants, only: is_short, next_instant
     use spintop_motion, only: motion_t
@@ -24,22 +25,6 @@ module spintop_events
     implicit none
     private
     public :: event_t, event_watch_t, path_t
-
-    !> An event to search for, and the number of its occurrences.
-    type :: event_t
-        !> Name in tables.
-        character(80) :: name = ''
-        !> 1 if the quantity rises through the level, -1 if it falls.
-        integer :: direction = 1
-        !> The level, in the unit of the quantity.
-        real(dp) :: level = 0
-        !> Whether the levels are `level` + 2 pi n for all integers n.
-        logical :: every_turn = .false.
-        !> Whether the levels are 2 pi, 4 pi, ..., each met once, in this order.
-        logical :: turn_by_turn = .false.
-        !> Number of events so far.
-        integer :: count = 0
-    end type event_t
 
     !> The side of its level on which a quantity is.
     type :: side_t
@@ -81,6 +66,8 @@ module spintop_events
         procedure :: check
         procedure :: begin
         procedure :: look
+        procedure :: knows
+        procedure :: happen
         procedure, private :: search
         procedure, private :: aim
         procedure, private :: refine
@@ -142,7 +129,8 @@ contains
         self%t_begin = motion%t
         self%t = motion%t
         self%here = motion
-        self%soon = start_share / max(norm2(motion%omega) + 2 * self%fall_rate, tiny(1.0_dp))
+        self%soon = 0
+        if (norm2(motion%omega) + self%fall_rate > 0) self%soon = start_share / (norm2(motion%omega) + 2 * self%fall_rate)
         self%has_enough = .false.
         self%is_full = .false.
         if (.not. allocated(self%events)) allocate (self%events(0))
@@ -173,6 +161,33 @@ contains
             call self%search(path, next_instant(self%here, self%pole_axis, self%t, t, pace))
         end do
     end subroutine look
+
+    !> Whether an occasion is one of the events.
+    pure logical function knows(self, occasion)
+        class(event_watch_t), intent(in) :: self
+        integer, intent(in) :: occasion !! one of those of `spintop_event`
+        knows = any(self%events%occasion == occasion)
+    end function knows
+
+    !> Meets the events of an occasion, at the motion at that instant.
+    subroutine happen(self, occasion, motion)
+        class(event_watch_t), intent(inout) :: self
+        integer, intent(in) :: occasion !! one of those of `spintop_event`
+        type(motion_t), intent(in) :: motion !! the motion then
+        integer :: k
+
+        if (motion%t - self%t_begin <= self%soon) return
+        do k = 1, size(self%events)
+            if (self%events(k)%occasion /= occasion) cycle
+            self%is_full = self%events(k)%count >= self%most_events
+            if (self%is_full) return
+            self%events(k)%count = self%events(k)%count + 1
+            call self%meet(k, motion)
+        end do
+        if (.not. self%has_enough) return
+        self%t = motion%t
+        self%here = motion
+    end subroutine happen
 
     !> Searches for passages from the last instant to the next one, `last` or earlier, and meets them in
     !> order. An event very soon after the start is the start.

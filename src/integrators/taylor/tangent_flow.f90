@@ -17,6 +17,7 @@ module spintop_tangent_flow
     implicit none
     private
     public :: carry_tangents, take_tangent_step, step_limit
+    public :: order, product_of, smallest_spacings, step_size
 
     !> Default maximum number of steps.
     integer, parameter :: step_limit = 1000000
@@ -109,7 +110,7 @@ contains
 
     !> (Gamma x omega, Pi x omega)
     pure function product_of(x, omega) result(rate)
-        real(dp), intent(in) :: x(6), omega(3)
+        real(dp), intent(in) :: x(6), omega(3) !! (Gamma, Pi) and angular velocity
         real(dp) :: rate(6)
         rate(1:3) = cross(x(1:3), omega)
         rate(4:6) = cross(x(4:6), omega)
@@ -118,7 +119,9 @@ contains
     !> The step size, at most `longest`, at which the last two terms of each column reach the tolerance; NaN
     !> or 0 if there is none.
     pure real(dp) function step_size(unit, coefficient, longest) result(h)
-        real(dp), intent(in) :: unit(6), coefficient(:, :, 0:), longest
+        real(dp), intent(in) :: unit(6) !! scales of the components
+        real(dp), intent(in) :: coefficient(:, :, 0:) !! Taylor coefficients of the columns
+        real(dp), intent(in) :: longest !! s
         real(dp) :: whole, term, rate, least
         integer :: i, k
         h = longest

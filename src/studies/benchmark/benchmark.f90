@@ -288,12 +288,21 @@ contains
         integer :: worst
 
         has_figure = is_finite(wanted%published)
-        text = to_text(size(wanted)) // ' quantities without a published figure'
+        text = counted(size(wanted), 'quantity', 'quantities') // ' without a published figure'
         if (.not. any(has_figure)) return
         worst = maxloc(abs(wanted%published - truth), dim=1, mask=has_figure)
-        text = to_text(count(has_figure)) // ' published figures; largest error ' &
+        text = counted(count(has_figure), 'published figure', 'published figures') // '; largest error ' &
                // rounded(abs(wanted(worst)%published - truth(worst)), 2) // ' in ' // trim(wanted(worst)%column) &
                // ' (' // trim(wanted(worst)%method) // ')'
     end function in_words
+
+    !> A number of things in words.
+    function counted(n, one, many) result(text)
+        integer, intent(in) :: n
+        character(*), intent(in) :: one, many
+        character(:), allocatable :: text
+        text = to_text(n) // ' ' // many
+        if (n == 1) text = to_text(n) // ' ' // one
+    end function counted
 
 end module spintop_benchmark

@@ -38,7 +38,15 @@ module spintop_benchmark_cases
         coarse_alpha = 'Exudyn test heavyTop: generalized-alpha in Matlab, step 1e-4 s', &
         by_rk4 = 'Exudyn test heavyTop: RK4 in Matlab', &
         by_exudyn = 'Exudyn test heavyTop: generalized-alpha, index 2, step 1e-4 s', &
-        by_cvode = 'Assimulo example cvode_gyro: CVODE, BDF of order 2, tolerances 1e-10'
+        by_cvode = 'Assimulo example cvode_gyro: CVODE, BDF of order 2, tolerances 1e-10', &
+        by_nsdtst = 'NSDTST, ACM algorithm 648: reference value', &
+        by_mujoco = 'MuJoCo test engine_forward_test: Euler, step 0.01 s, energy 1.09 times that of the start'
+    !> y1' = y2 y3, y2' = -y1 y3, y3' = -0.51 y1 y2 from (0, 1, 1) is the motion of a body with moments 25, 42 and 18, of
+    !> which the angular velocities are 9/5 y1, 3/4 y2 and 5/2 y3.
+    real(dp), parameter :: detest(3) = [-0.9396570798729192_dp * 9 / 5, -0.3421177754000779_dp * 3 / 4, &
+                                        0.7414126596199957_dp * 5 / 2]
+    !> 1.09 times the kinetic energy of the box at the start, J.
+    real(dp), parameter :: mujoco_energy = 1.09_dp * 0.49_dp / 3
 
     !> The catalogue.
     type(benchmark_t), parameter :: benchmarks(*) = [ &
@@ -58,6 +66,15 @@ module spintop_benchmark_cases
                     'elliptic functions, J. Phys. A 39, 2006', &
                     'top.mass=1;top.inertia=1000,5000,6000;top.length=0;initial.quaternion=1,0,0,0;' // &
                     'initial.omega=10,10,10;span.t_end=0.1'), &
+        benchmark_t('euler_equations', 'Euler equations of a free body, y1'' = y2 y3, y2'' = -y1 y3, y3'' = -0.51 y1 y2', &
+                    'Problem B5 of T. E. Hull, W. H. Enright, B. M. Fellen, A. E. Sedgwick, Comparing numerical methods ' // &
+                    'for ordinary differential equations, SIAM J. Numer. Anal. 9, 1972', &
+                    'top.mass=1;top.inertia=25,42,18;top.length=0;initial.quaternion=1,0,0,0;initial.omega=0,0.75,2.5;' // &
+                    'span.t_end=20'), &
+        benchmark_t('tumbling_box', 'free box of 0.2 x 0.4 x 0.6 m that tumbles for 5 s', &
+                    'MuJoCo, test/engine/engine_forward_test.cc, Google DeepMind, 2026', &
+                    'top.mass=1;top.inertia=0.043333333333333335,0.033333333333333333,0.016666666666666666;top.length=0;' // &
+                    'initial.quaternion=1,0,0,0;initial.omega=1,2,3;span.t_end=5'), &
         benchmark_t('staude', 'stable permanent rotation about an axis that is no principal one', &
                     'O. Staude, Ueber permanente Rotationsaxen bei der Bewegung eines schweren Koerpers um einen festen ' // &
                     'Punkt, J. reine angew. Math. 113, 1894', &
@@ -110,6 +127,10 @@ module spintop_benchmark_cases
         figure_t('steady_cone', 'com_z'), &
         figure_t('free_gyroscope', 'omega1', 0.692800241862_dp, by_cvode), &
         figure_t('free_gyroscope', 'gamma2', 0.708468221_dp, by_cvode), &
+        figure_t('euler_equations', 'omega1', detest(1), by_nsdtst), &
+        figure_t('euler_equations', 'omega2', detest(2), by_nsdtst), &
+        figure_t('euler_equations', 'omega3', detest(3), by_nsdtst), &
+        figure_t('tumbling_box', 'kinetic', mujoco_energy, by_mujoco), &
         figure_t('staude', 'omega1'), &
         figure_t('staude', 'gamma3'), &
         figure_t('grioli', 'omega1'), &

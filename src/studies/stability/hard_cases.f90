@@ -25,7 +25,7 @@ module spintop_hard_cases
     end type hard_case_t
 
     integer, parameter :: slow = 1, wheel = 2, ball = 3, rod = 4, disc = 5, free = 6, kovalevskaya = 7, &
-        goryachev = 8, skew = 9, benchmark = 10, shell = 11, damped = 12, almost = 13, needle = 14
+        goryachev = 8, skew = 9, benchmark = 10, shell = 11, damped = 12, almost = 13, needle = 14, plain = 15
 
     !> The bodies: the slow top of Example 1 of the paper, the wheel of Example 2, and others.
     character(*), parameter :: bodies(*) = [character(160) :: &
@@ -42,7 +42,8 @@ module spintop_hard_cases
         'top.mass=1;top.gravity=20;top.inertia=5,5,1;top.length=1', &
         'top.mass=1;top.inertia=0.875,0.7,0.25;top.centre_of_mass=0.05,-0.03,0.86;top.damping=0.01,0.01,0.005', &
         'top.mass=1;top.inertia=0.875,0.8750001,0.25;top.length=0.86602540378443865', &
-        'top.mass=0.12;top.inertia=1.7231e-4,6.58e-6,1.7243e-4;top.length=0']
+        'top.mass=0.12;top.inertia=1.7231e-4,6.58e-6,1.7243e-4;top.length=0', &
+        'top.mass=1;top.inertia=0.9,0.9,0.3;top.length=0.5']
 
     !> The catalogue.
     type(hard_case_t), parameter :: hard_cases(*) = [ &
@@ -107,7 +108,16 @@ module spintop_hard_cases
         hard_case_t('simo_wong', 'Simo and Wong 1991: a fast top that is nearly upright', &
             'initial.theta=0.05;initial.omega3=50;span.t_end=10;integration.steps=8000', shell), &
         hard_case_t('damped_body', 'a body without symmetry, with damping: energy and momentum decay', &
-            'initial.theta=0.19634954084936207;initial.omega3=10;span.t_end=20;integration.steps=8000', damped)]
+            'initial.theta=0.19634954084936207;initial.omega3=10;span.t_end=20;integration.steps=8000', damped), &
+        hard_case_t('friction_to_rest', 'dry friction and drag bring a top to rest: no derivative exists at that instant', &
+            'initial.theta=2;initial.omega3=8;effects.friction_torque=0.4;effects.drag_force=0.05;span.t_end=20;' // &
+            'integration.steps=8000', plain), &
+        hard_case_t('fast_vibration', 'a body without spin that a fast vibration of its pivot holds upright (Kapitza)', &
+            'initial.theta=0.1;effects.vibration_amplitude=0,0,0.15;effects.vibration_rate=60;span.t_end=20;' // &
+            'integration.steps=16000', plain), &
+        hard_case_t('motor_resonance', 'a motor spins a hanging body up: its slow swing passes the rate of a vibrating pivot', &
+            'initial.theta=3.04;effects.torque_body=0,0,0.1;effects.vibration_amplitude=0.02,0,0;' // &
+            'effects.vibration_rate=1.5;span.t_end=40;integration.steps=8000', plain)]
 
 contains
 

@@ -27,6 +27,7 @@ module spintop_sweep_result
         logical :: growth = .false. !! the stability of the start
         logical :: lyapunov = .false. !! the Lyapunov exponent
         logical :: singular = .false. !! the largest singular value
+        logical :: multiplier = .false. !! the Floquet multipliers over a period of the vibration
         logical :: fastest = .false. !! the largest precession rate
         logical :: lowest = .false. !! the minimum height of the centre of mass
         logical :: nutation_rate = .false. !! the largest nutation rate
@@ -64,7 +65,7 @@ module spintop_sweep_result
         real(dp) :: momentum_period = nan, momentum_turn = nan, momentum_axis = nan, omega_max = nan
         real(dp) :: growth_rate = nan
         real(dp) :: lyapunov_exponent = nan
-        real(dp) :: largest_singular_value = nan
+        real(dp) :: largest_singular_value = nan, upright_multiplier = nan
         integer :: motion_class = no_class
         !> Bounds of the errors, by quantity (spintop_certificate), and the index in `proof_cells`.
         real(dp) :: bounds(proof_count) = nan

@@ -3,18 +3,24 @@ module spintop_sweep_stability
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
+    use spintop_driven_flow, only: drive_period
+    use spintop_floquet, only: find_multipliers
     use spintop_lyapunov, only: find_largest_singular_value, find_lyapunov
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
+    use spintop_motion, only: motion_from_quaternion, motion_t
     use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_unsuitable, status_meanings
-    use spintop_sweep_notes, only: note_t, note_no_growth, note_no_lyapunov, note_no_singular
+    use spintop_sweep_notes, only: note_t, note_no_growth, note_no_lyapunov, note_no_multiplier, note_no_singular
     use spintop_sweep_result, only: sweep_result_t, sweep_work_t
     implicit none
     private
     public :: put_stability
 
+    real(dp), parameter :: no_angles(3) = 0
+
 contains
 
-    !> The growth rate at a relative equilibrium, the Lyapunov exponent, and the largest singular value.
+    !> The growth rate at a relative equilibrium, the Lyapunov exponent, the largest singular value, and the largest
+    !> multiplier over a period of the vibration.
     !> `status` reports work that was not finished, or overflow.
     subroutine put_stability(case, wanted, max_steps, values, status, note)
         type(case_t), intent(in) :: case !! body, start and span
@@ -46,6 +52,7 @@ contains
             call find_largest_singular_value(case%body, case%start, case%t_end, value(1), how, most_steps(), steps)
             call take(values%largest_singular_value, note_no_singular)
         end if
+        if (wanted%multiplier) call put_multiplier(case, values, note)
 
     contains
 
@@ -67,5 +74,41 @@ contains
         end subroutine take
 
     end subroutine put_stability
+
+    !> The largest multiplier of the upright body, over a period of the vibration: its centre of mass is above the pivot,
+    !> and it rotates about the vertical with the angular velocity that the start has about that axis of the body.
+    subroutine put_multiplier(case, values, note)
+        type(case_t), intent(in) :: case
+        type(sweep_result_t), intent(inout) :: values
+        type(note_t), intent(inout) :: note
+        complex(dp) :: multipliers(6)
+        type(motion_t) :: upright
+        integer :: how
+        if (.not. drive_period(case%body) > 0) then
+            call note%add(note_no_multiplier, 'the only effect must be a vertical vibration, or that and a rotor')
+            return
+        end if
+        upright = upright_motion(case%body%centre_of_mass, case%start%omega)
+        call find_multipliers(case%body, upright, drive_period(case%body), multipliers, how)
+        if (how == status_ok) then
+            values%upright_multiplier = maxval(abs(multipliers))
+        else if (how == status_unsuitable) then
+            call note%add(note_no_multiplier, 'the body cannot rotate steadily about the axis through its centre of mass')
+        else
+            call note%add(note_no_multiplier, trim(status_meanings(how)))
+        end if
+    end subroutine put_multiplier
+
+    !> The rotation about the vertical of a body whose centre of mass is above the pivot.
+    pure type(motion_t) function upright_motion(centre_of_mass, omega) result(upright)
+        real(dp), intent(in) :: centre_of_mass(3), omega(3)
+        real(dp) :: axis(3), quaternion(4)
+        axis = [0.0_dp, 0.0_dp, 1.0_dp]
+        if (norm2(centre_of_mass) > 0) axis = centre_of_mass / norm2(centre_of_mass)
+        ! The smallest rotation that brings the axis upright; from below about body x.
+        quaternion = [1 + axis(3), axis(2), -axis(1), 0.0_dp]
+        if (.not. norm2(quaternion) > 0) quaternion = [0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp]
+        upright = motion_from_quaternion(0.0_dp, quaternion / norm2(quaternion), dot_product(omega, axis) * axis, no_angles)
+    end function upright_motion
 
 end module spintop_sweep_stability

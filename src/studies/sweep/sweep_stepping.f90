@@ -19,7 +19,7 @@ module spintop_sweep_stepping
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
     use spintop_status, only: is_good_end, status_at_rest, status_ok, status_step_limit, status_too_many_events, status_meanings
     use spintop_stepper, only: looks_per_step
-    use spintop_sweep_notes, only: note_t, note_no_inherent, note_no_stop
+    use spintop_sweep_notes, only: note_t, note_no_details, note_no_inherent, note_no_stop
     use spintop_sweep_quantities, only: find_free_constants, put_nutation, put_measured, put_fast_top, put_azimuth, put_end, &
         put_details, precession_period, lowest_height
     use spintop_sweep_result, only: sweep_result_t, sweep_work_t
@@ -90,7 +90,9 @@ contains
             allocate (watch)
             call watch%set(events, n, case)
             if (measures) then
-                call watch%measure_nutation(case, wanted%nutation_rate .or. wanted%vertical_force .or. wanted%force)
+                call watch%measure_nutation(case, has_extremes(wanted) .and. .not. allocated(case%body%effects))
+                if (has_extremes(wanted) .and. allocated(case%body%effects)) call note%add(note_no_details, &
+                    'extremes of the nutation rate and of the support force are not measured for bodies with effects')
             end if
         end if
         call follow(case, plan, max_steps, wanted, watch, values, status, note)
@@ -105,6 +107,12 @@ contains
             if (watch%ended_by == 0) call note%add(note_no_stop)
         end if
     end subroutine compute_stepping
+
+    !> Whether extremes of the nutation rate or of the support force are wanted.
+    pure logical function has_extremes(wanted)
+        type(sweep_work_t), intent(in) :: wanted
+        has_extremes = wanted%nutation_rate .or. wanted%vertical_force .or. wanted%force
+    end function has_extremes
 
     !> Integrates the motion to the end of its span, or to the event that ends it, within the remaining work.
     subroutine follow(case, plan, max_steps, wanted, watch, values, status, note)

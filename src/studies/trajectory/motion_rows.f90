@@ -14,7 +14,7 @@ module spintop_motion_rows
     use spintop_progress, only: progress_t
     use spintop_row_maker, only: row_maker_t
     use spintop_scene, only: scene_t
-    use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_too_many_events
+    use spintop_status, only: is_good_end, status_ok, status_non_finite, status_step_limit, status_too_many_events
     use spintop_stepper, only: looks_per_step
     use spintop_trajectory_column, only: trajectory_column_t
     implicit none
@@ -115,7 +115,10 @@ contains
                            times, writer, outcome)
             max_steps = max_steps + first%counts%work()
         end associate
-        if (outcome%status == status_ok) outcome%t = first%t
+        if (is_good_end(outcome%status)) then
+            outcome%status = first%status
+            outcome%t = first%t
+        end if
         call outcome%counts%add(first%counts)
     end subroutine compute_again
 

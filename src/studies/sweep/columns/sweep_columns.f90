@@ -94,6 +94,8 @@ contains
             sweep_column_t('largest_singular_value', '', &
                            'largest singular value of the tangent map over the span, in the scales of the motion', &
                            'singular', fill_largest_singular_value), &
+            sweep_column_t('upright_multiplier', '', 'largest Floquet multiplier of the upright body over a vertical vibration', &
+                           'multiplier', fill_upright_multiplier), &
             sweep_free_columns(), sweep_proof_columns()]
     end function sweep_columns
 
@@ -112,6 +114,7 @@ contains
         work%growth = any(columns%group == 'growth')
         work%lyapunov = any(columns%group == 'lyapunov')
         work%singular = any(columns%group == 'singular')
+        work%multiplier = any(columns%group == 'multiplier')
         ! The class of a motion derives from the largest precession rate.
         work%fastest = any(columns%name == 'phi_rate_max' .or. columns%name == 'motion_class')
         work%lowest = any(columns%name == 'com_z_min')
@@ -352,5 +355,11 @@ contains
         real(dp), intent(out) :: cells(:)
         cells = results%largest_singular_value
     end subroutine fill_largest_singular_value
+
+    pure subroutine fill_upright_multiplier(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%upright_multiplier
+    end subroutine fill_upright_multiplier
 
 end module spintop_sweep_columns

@@ -1,0 +1,73 @@
+"""The figure of the account of energy: what it shows is what the program computes."""
+
+import os
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+sys.dont_write_bytecode = True
+TESTS = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
+
+from plot_case import TableCase, a_trajectory  # noqa: E402
+from spintop_figures.motion.account import draw_account  # noqa: E402
+from spintop_figures.registry import FIGURES, choose_figures  # noqa: E402
+from spintop_figures.tables.table import Table, read_table  # noqa: E402
+
+EXE = os.environ["SPINTOP_EXE"]
+INPUTS = TESTS.parent / "input"
+
+
+class AccountTest(TableCase):
+    """A top from 200 rad/s to rest."""
+
+    def compute(self, *settings: str) -> Table:
+        """The table of the input."""
+        words = [word for setting in settings for word in ("--set", setting)]
+        command = [EXE, "--quiet", "-o", self.folder, *words, INPUTS / "friction_to_rest.nml"]
+        subprocess.run(command, check=True, capture_output=True)
+        return read_table(self.folder / "friction_to_rest.csv")
+
+    def test_motion(self) -> None:
+        """It sleeps, wakes, sinks below the pivot and comes to rest, with a balanced account."""
+        table = self.compute()
+        rows = table.rows
+        self.assertIn("account", [kind.name for kind in choose_figures(table)[0]])
+        self.assertLess(rows["energy_error"].abs().max(), 1e-9)
+        early, late = rows[rows["t"] < 10], rows[rows["t"] > 120]
+        self.assertLess(early["theta"].max(), np.radians(5))
+        self.assertGreater(rows["theta"].max(), np.radians(150))
+        self.assertEqual(late["kinetic"].abs().max(), 0)
+        self.assertEqual(late["omega3"].abs().max(), 0)
+        spent = rows["energy"].iloc[0] - rows["energy"].iloc[-1]
+        self.assertAlmostEqual(-rows["work"].iloc[-1] / spent, 1, 10)
+
+    def test_lines(self) -> None:
+        """The panels show the columns; works that are zero throughout are left out."""
+        table = self.compute("span.samples=601", "output.columns=all", "effects.drag_force=0")
+        figure = draw_account(table)
+        theta, spin, energy, error = figure.axes
+        np.testing.assert_allclose(theta.lines[0].get_ydata(), np.degrees(table.rows["theta"]))
+        np.testing.assert_array_equal(spin.lines[-1].get_ydata(), table.rows["omega3"])
+        shown = {line.get_label(): line.get_ydata() for line in energy.lines}
+        for label, column in (
+            ("energy", "energy"),
+            ("work of friction", "work_friction"),
+            ("work of drag", "work_drag"),
+        ):
+            np.testing.assert_array_equal(shown[label], table.rows[column])
+        self.assertNotIn("work of vibration", shown)
+        largest = max(np.nanmax(line.get_ydata()) for line in error.lines[:1])
+        self.assertEqual(largest, table.rows["energy_error"].abs().max())
+
+    def test_other_tables(self) -> None:
+        """A table without works has no such figure."""
+        kind = next(kind for kind in FIGURES if kind.name == "account")
+        self.assertIn("has no column", kind.refusal(read_table(self.put("a.csv", a_trajectory()))))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -167,7 +167,7 @@ class WheelTest(unittest.TestCase):
         self.assertEqual(self.answer("")["file"], self.answer(levels()[-1])["file"])
 
     def test_bare_systems(self) -> None:
-        """It installs in a Debian that has Python and nothing else, and has the same numbers there."""
+        """It installs in a Debian with Python and nothing else, and has the same numbers there."""
         files = self.folder / "files"
         files.mkdir()
         for path in (self.wheel, self.folder / "answer.py", self.folder / "scene.nml"):

@@ -83,7 +83,10 @@ class InstallTest(unittest.TestCase):
         if not shutil.which("groff"):
             self.skipTest("no groff")
         done = subprocess.run(
-            ["groff", "-man", "-Tutf8", "-ww", page], capture_output=True, text=True, check=True
+            ["groff", "-man", "-Tutf8", "-P-cbou", "-ww", page],
+            capture_output=True,
+            text=True,
+            check=True,
         )
         self.assertEqual(done.stderr, "")
         for heading in ("NAME", "SYNOPSIS", "OPTIONS", "EXIT STATUS"):

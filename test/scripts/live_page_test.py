@@ -408,7 +408,8 @@ class LiveTest(LiveCase):
                     slider.value = 400 + k;
                     slider.dispatchEvent(new Event("input"));
                 }
-                later(() => done([count, liveTop.track.start.omega[2]]));
+                // in the same frame, after the page: later it computes all points, when it is quiet
+                requestAnimationFrame(() => done([count, liveTop.track.start.omega[2]]));
             };
             later(change); // what the page computes when it opens does not count
         """

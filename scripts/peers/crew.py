@@ -20,7 +20,7 @@ from peers.scene import ROOT
 
 WORKER = Path(__file__).resolve().parent / "worker.py"
 VENV = ROOT / "build/peers/venv"
-START_UP = 120.0
+START_UP = 600.0
 """Seconds that a peer may take to say what it is."""
 
 

@@ -10,6 +10,7 @@ All quantities are in SI units and radians, unless a name ends with `_deg`. Call
 global interpreter lock, and any thread may call anything.
 """
 
+from spintop.fits import fit
 from spintop.library import InputError, MotionError, OutputError, SpintopError, library
 from spintop.results import Result, Table
 from spintop.runs import plot, read, registry, run, sweep
@@ -25,6 +26,7 @@ __all__ = [
     "SpintopError",
     "Table",
     "Top",
+    "fit",
     "plot",
     "read",
     "registry",

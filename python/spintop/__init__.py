@@ -11,6 +11,7 @@ global interpreter lock, and any thread may call anything.
 """
 
 from spintop.animation import Animation, animate
+from spintop.fits import fit
 from spintop.library import InputError, MotionError, OutputError, SpintopError, library
 from spintop.results import Result, Table
 from spintop.runs import plot, read, registry, run, sweep
@@ -28,6 +29,7 @@ __all__ = [
     "Table",
     "Top",
     "animate",
+    "fit",
     "plot",
     "read",
     "registry",

@@ -14,6 +14,7 @@ module spintop_scene
     use spintop_formulations, only: formulation_infos
     use spintop_method_aliases, only: method_aliases
     use spintop_methods, only: method_infos
+    use spintop_scene_fit, only: describe_fit, fit_scene_t
     use spintop_scene_effects, only: describe_effects, effects_scene_t
     use spintop_scene_uncertainty, only: describe_uncertainty, uncertainty_scene_t
     use spintop_scene_words, only: combination_names, combine_grid, kind_trajectory, reference_auto, reference_names, &
@@ -134,6 +135,8 @@ module spintop_scene
         character(2 * word) :: stability_methods(64) = ''
         ! &benchmark
         character(word) :: benchmark_cases(64) = ''
+        ! &fit
+        type(fit_scene_t) :: fit
     end type scene_t
 
 contains
@@ -158,6 +161,7 @@ contains
         call describe_precision(scene, table)
         call describe_stability(scene, table)
         call table%add('benchmark.cases', scene%benchmark_cases, what='benchmarks of the catalogue (all)')
+        call describe_fit(scene%fit, table)
     end subroutine describe_scene
 
     !> The body, by its mass properties or by a shape.

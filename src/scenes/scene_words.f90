@@ -2,17 +2,17 @@
 module spintop_scene_words
     implicit none
     private
-    public :: study_kinds, kind_trajectory, kind_sweep, kind_precision, kind_stability, kind_benchmark
+    public :: study_kinds, kind_trajectory, kind_sweep, kind_precision, kind_stability, kind_benchmark, kind_fit
     public :: reference_names, reference_auto, reference_exact, reference_quadruple
     public :: combination_names, combine_grid, combine_zip, combine_random, combine_latin_hypercube, combine_sobol, &
         combine_saltelli
 
     !> Kinds of study: indices of `study_kinds`.
     integer, parameter :: kind_trajectory = 1, kind_sweep = 2, kind_precision = 3, kind_stability = 4, &
-        kind_benchmark = 5
+        kind_benchmark = 5, kind_fit = 6
     !> Their names in an input (study.kind).
-    character(*), parameter :: study_kinds(5) = [character(14) :: 'trajectory', 'sweep', 'work_precision', 'stability', &
-        'benchmark']
+    character(*), parameter :: study_kinds(6) = [character(14) :: 'trajectory', 'sweep', 'work_precision', 'stability', &
+        'benchmark', 'fit']
 
     !> Kinds of reference motion: indices of `reference_names`. `auto` is the exact solution where it exists,
     !> else a motion in quadruple precision.

@@ -9,12 +9,13 @@ module spintop_in_memory
     use spintop_data_table, only: data_table_t, load_table
     use spintop_errors, only: error_t, exit_failed, exit_ok
     use spintop_execution, only: run_job
+    use spintop_fit_table, only: residual_path
     use spintop_files, only: file_exists, make_private_folder, remove_folder
     use spintop_job, only: job_t
     use spintop_memory_table, only: memory_table_t
     use spintop_options, only: options_t
     use spintop_preparation, only: prepare_job, prepared_t, protect_interrupted
-    use spintop_scene_words, only: kind_sweep, study_kinds
+    use spintop_scene_words, only: kind_fit, kind_sweep, study_kinds
     use spintop_status, only: status_ok
     use spintop_sweep_table, only: describe_columns
     use spintop_sweep_team, only: sweep_team_t
@@ -148,6 +149,9 @@ contains
             call add_table(job%output, merge('rows      ', 'statistics', job%keeps_rows()), run, error)
             if (.not. allocated(error)) call add_table(job%event_output, 'events', run, error)
             if (.not. allocated(error)) call add_table(job%statistics_output, 'statistics', run, error)
+            if (.not. allocated(error) .and. job%scene%kind == study_kinds(kind_fit)) then
+                call add_table(residual_path(job%output), 'residuals', run, error)
+            end if
         end associate
     end subroutine run_in_files
 

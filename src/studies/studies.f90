@@ -1,6 +1,7 @@
 !> The registry of studies, one line each. Checks, lists and messages use it.
 module spintop_studies
     use spintop_benchmark_study, only: benchmark_study_t
+    use spintop_fit_study, only: fit_study_t
     use spintop_precision_study, only: precision_study_t
     use spintop_stability_study, only: stability_study_t
     use spintop_study, only: study_info_t, study_t
@@ -20,12 +21,13 @@ contains
     !> All kinds of study, in the order in which they are listed.
     subroutine list_studies(known)
         type(study_entry_t), allocatable, intent(inout) :: known(:) !! not allocated before
-        allocate (known(5))
+        allocate (known(6))
         allocate (trajectory_study_t :: known(1)%study)
         allocate (sweep_study_t :: known(2)%study)
         allocate (stability_study_t :: known(3)%study)
         allocate (precision_study_t :: known(4)%study)
         allocate (benchmark_study_t :: known(5)%study)
+        allocate (fit_study_t :: known(6)%study)
     end subroutine list_studies
 
     !> The study of a name in `study_kinds`; a trajectory for other names.

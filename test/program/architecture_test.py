@@ -22,13 +22,13 @@ MECHANICS = (
     "integrators",
     "stability",
     "input tables parallel",
-    "statistics sampling",
+    "statistics sampling estimation",
     "scenes",
     "studies",
     "app c",
 )
 # Reading, writing and parallel work know nothing of mechanics.
-PLAIN = ("foundation", "system", "input", "tables", "parallel statistics sampling")
+PLAIN = ("foundation", "system", "input", "tables", "parallel statistics sampling estimation")
 
 MODULE = re.compile(r"^\s*module\s+(?!procedure\b|subroutine\b|function\b)(\w+)\s*$", re.M | re.I)
 USE = re.compile(r"^\s*use\s+(\w+)", re.M | re.I)

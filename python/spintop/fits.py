@@ -1,0 +1,43 @@
+"""Fits of numbers of an input to measurements."""
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from spintop.library import InputError
+from spintop.results import Result
+from spintop.runs import run
+
+
+def fit(
+    data: Mapping[str, ArrayLike],
+    unknown: Sequence[str],
+    given: Mapping[str, Mapping[str, Any]],
+    *,
+    sigma: float | Sequence[float] | None = None,
+    profile: bool = True,
+) -> Result:
+    """Find numbers of an input from measurements: `{"t": [...], "theta": [...]}`.
+
+    `data` has the times (s) and columns of trajectories, in their units; a pandas frame will do.
+    `unknown` names the sought numbers, as `top.inertia(3)`; their values in `given`, the groups of
+    the input, are where the search begins. `sigma` is the standard deviation of all columns or of
+    each, in their units; without it one that is common to all is estimated. The tables of the
+    result are `rows`, a row per parameter, and `residuals`. It is not `ok` if the search does not
+    converge, or if the data do not determine the parameters.
+    """
+    columns = {name: np.asarray(values, dtype=np.float64) for name, values in data.items()}
+    if "t" not in columns or len({column.shape for column in columns.values()}) != 1:
+        raise InputError("the measurements need `t`, and columns of its length", code=2)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "measured.csv"
+        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+        lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
+        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        wanted = {"data": str(path), "unknown": list(unknown), "sigma": sigma, "profile": profile}
+        study = {**given.get("study", {}), "kind": "fit"}
+        return run({**given, "study": study, "fit": wanted})

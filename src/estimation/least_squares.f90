@@ -1,0 +1,240 @@
+!> Nonlinear least squares: the method of Levenberg and Marquardt in the form of More (1978), as in MINPACK's `lmder`, on its
+!> routines `qrfac` and `lmpar`. Some of the parameters may be held.
+module spintop_least_squares
+    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp
+    use spintop_minpack, only: lmpar, qrfac
+    implicit none
+    private
+    public :: residuals_t, minimum_t, minimize, find_jacobian
+
+    !> Relative reduction of the sum of squares, and of the parameters, below which the search ends; its largest number of
+    !> evaluations per parameter; and the first bound of its steps.
+    real(dp), parameter :: tolerance = 1.0e-10_dp, first_bound = 100
+    integer, parameter :: most_evaluations = 400
+    !> Steps of differences in units of the scale of a parameter: of one side, for the search, and of both, which have an
+    !> error of about 1e-10.
+    real(dp), parameter :: one_sided_step = 1.5e-8_dp, central_step = 6.0e-6_dp
+
+    !> Residuals as a function of parameters.
+    type, abstract :: residuals_t
+    contains
+        procedure(evaluate_i), deferred :: evaluate
+        procedure(scale_i), deferred :: step_scale
+    end type residuals_t
+
+    abstract interface
+        !> The residuals at some parameters; `is_valid` is false where they do not exist.
+        subroutine evaluate_i(self, x, residuals, is_valid)
+            import :: residuals_t, dp
+            implicit none
+            class(residuals_t), intent(inout) :: self
+            real(dp), intent(in) :: x(:) !! the parameters
+            real(dp), intent(out) :: residuals(:) !! the residuals
+            logical, intent(out) :: is_valid !! whether they exist
+        end subroutine evaluate_i
+
+        !> A change of a parameter that matters.
+        pure real(dp) function scale_i(self, i, x)
+            import :: residuals_t, dp
+            implicit none
+            class(residuals_t), intent(in) :: self
+            integer, intent(in) :: i !! number of the parameter
+            real(dp), intent(in) :: x !! its value
+        end function scale_i
+    end interface
+
+    !> Where the search ended.
+    type :: minimum_t
+        !> The parameters, the residuals there, and the sum of their squares.
+        real(dp), allocatable :: x(:), residuals(:)
+        real(dp) :: sum_of_squares = huge(1.0_dp)
+        !> Number of evaluations of the residuals, and of steps of the search.
+        integer :: evaluations = 0, steps = 0
+        logical :: has_converged = .false.
+    end type minimum_t
+
+    !> The state of a search in the free parameters.
+    type :: search_t
+        integer :: n = 0
+        integer, allocatable :: free(:), pivot(:)
+        real(dp), allocatable :: jacobian(:, :), scales(:), norms(:), qtf(:), step(:), work(:, :)
+        real(dp) :: bound = 0, parameter = 0
+    end type search_t
+
+contains
+
+    !> Finds the least sum of squares near `x`. Parameters that are not free keep their values.
+    subroutine minimize(model, x, m, free, minimum, ease)
+        class(residuals_t), intent(inout) :: model !! the residuals
+        real(dp), intent(in) :: x(:) !! the parameters at the beginning
+        integer, intent(in) :: m !! number of residuals, at least that of the free parameters
+        logical, intent(in) :: free(:) !! the parameters that are sought
+        type(minimum_t), intent(out) :: minimum !! where the search ended
+        real(dp), intent(in), optional :: ease !! factor of the tolerances (1)
+        type(search_t) :: search
+        logical :: is_valid
+        integer :: i
+
+        minimum%x = x
+        allocate (minimum%residuals(m))
+        call model%evaluate(x, minimum%residuals, is_valid)
+        minimum%evaluations = 1
+        if (.not. is_valid) return
+        minimum%sum_of_squares = sum(minimum%residuals**2)
+        search%free = pack([(i, i=1, size(x))], free)
+        search%n = size(search%free)
+        minimum%has_converged = search%n == 0
+        associate (n => search%n)
+            allocate (search%jacobian(m, n), search%scales(n), search%norms(n), search%qtf(n), search%step(n))
+            allocate (search%pivot(n), search%work(max(m, n), 4))
+        end associate
+        do while (.not. minimum%has_converged .and. minimum%evaluations < most_evaluations * search%n)
+            call find_jacobian(model, minimum%x, search%free, minimum%residuals, .false., search%jacobian, is_valid)
+            minimum%evaluations = minimum%evaluations + search%n
+            if (.not. is_valid) return
+            call factorize(search, minimum)
+            call take_step(model, search, minimum, is_valid, ease)
+            if (.not. is_valid) return
+        end do
+    end subroutine minimize
+
+    !> The derivatives of the residuals with respect to some parameters, by differences.
+    subroutine find_jacobian(model, x, free, residuals, is_central, jacobian, is_valid)
+        class(residuals_t), intent(inout) :: model !! the residuals
+        real(dp), intent(in) :: x(:) !! the parameters
+        integer, intent(in) :: free(:) !! numbers of the parameters that vary
+        real(dp), intent(in) :: residuals(:) !! the residuals at the parameters
+        logical, intent(in) :: is_central !! whether differences are central where both sides exist
+        real(dp), intent(out) :: jacobian(:, :) !! a column for each of these parameters
+        logical, intent(out) :: is_valid !! whether the residuals exist on one side at least
+        real(dp) :: moved(size(x)), below(size(residuals)), step
+        logical :: has_below
+        integer :: k
+
+        is_valid = .true.
+        do k = 1, size(free)
+            associate (i => free(k))
+                step = merge(central_step, one_sided_step, is_central) * model%step_scale(i, x(i))
+                moved = x
+                moved(i) = x(i) + step
+                call model%evaluate(moved, jacobian(:, k), is_valid)
+                has_below = .false.
+                if (is_central .or. .not. is_valid) then
+                    moved(i) = x(i) - step
+                    call model%evaluate(moved, below, has_below)
+                end if
+                if (is_valid .and. has_below) then
+                    jacobian(:, k) = (jacobian(:, k) - below) / ((x(i) + step) - moved(i))
+                else if (is_valid) then
+                    jacobian(:, k) = (jacobian(:, k) - residuals) / ((x(i) + step) - x(i))
+                else
+                    is_valid = has_below
+                    jacobian(:, k) = (residuals - below) / (x(i) - moved(i))
+                end if
+                is_valid = is_valid .and. all(is_finite(jacobian(:, k)))
+                if (.not. is_valid) return
+            end associate
+        end do
+    end subroutine find_jacobian
+
+    !> Factorizes the Jacobian, applies Q to the residuals, and sets the scales and, at first, the bound.
+    subroutine factorize(search, minimum)
+        type(search_t), intent(inout) :: search
+        type(minimum_t), intent(inout) :: minimum
+        real(dp) :: f(size(minimum%residuals)), size_of_x
+        integer :: j, m
+
+        m = size(f)
+        associate (jacobian => search%jacobian, diagonal => search%work(:, 1), n => search%n)
+            call qrfac(m, n, jacobian, m, .true., search%pivot, n, search%work(:, 1), search%norms, search%work(:, 2))
+            f = minimum%residuals
+            do j = 1, n
+                if (abs(jacobian(j, j)) > 0) then
+                    f(j:) = f(j:) - jacobian(j:, j) * (dot_product(jacobian(j:, j), f(j:)) / jacobian(j, j))
+                end if
+                jacobian(j, j) = diagonal(j)
+                search%qtf(j) = f(j)
+            end do
+            if (minimum%steps == 0) then
+                search%scales = merge(search%norms, 1.0_dp, search%norms > 0)
+                size_of_x = norm2(search%scales * minimum%x(search%free))
+                search%bound = merge(first_bound * size_of_x, first_bound, size_of_x > 0)
+            end if
+            search%scales = max(search%scales, search%norms)
+        end associate
+    end subroutine factorize
+
+    !> Takes one step: steps that do not reduce the sum of squares are shortened until one does.
+    subroutine take_step(model, search, minimum, is_valid, ease)
+        class(residuals_t), intent(inout) :: model
+        type(search_t), intent(inout) :: search
+        type(minimum_t), intent(inout) :: minimum
+        logical, intent(out) :: is_valid
+        real(dp), intent(in), optional :: ease
+        real(dp) :: x(size(minimum%x)), residuals(size(minimum%residuals)), norm, new_norm, length, actual, predicted, &
+            slope, ratio, factor, goal
+        logical :: exists
+
+        goal = tolerance
+        if (present(ease)) goal = tolerance * ease
+        norm = sqrt(minimum%sum_of_squares)
+        is_valid = norm > 0
+        minimum%has_converged = .not. is_valid
+        do while (is_valid)
+            associate (n => search%n, work => search%work, step => search%step)
+                call lmpar(n, search%jacobian, size(residuals), search%pivot, search%scales, search%qtf, search%bound, &
+                           search%parameter, step, work(:, 1), work(:, 2), work(:, 3))
+                step = -step
+                length = norm2(search%scales * step)
+                if (minimum%steps == 0) search%bound = min(search%bound, length)
+                x = minimum%x
+                x(search%free) = x(search%free) + step
+                call model%evaluate(x, residuals, exists)
+                minimum%evaluations = minimum%evaluations + 1
+                new_norm = huge(norm)
+                if (exists) new_norm = norm2(residuals)
+                actual = -1
+                if (0.1_dp * new_norm < norm) actual = 1 - (new_norm / norm)**2
+                predicted = (norm2(times_r(search, step)) / norm)**2
+                slope = -(predicted + search%parameter * (length / norm)**2)
+                predicted = predicted + 2 * search%parameter * (length / norm)**2
+            end associate
+            ratio = 0
+            if (predicted > 0) ratio = actual / predicted
+            if (ratio <= 0.25_dp) then
+                factor = 0.5_dp
+                if (actual < 0) factor = 0.5_dp * slope / (slope + 0.5_dp * actual)
+                if (0.1_dp * new_norm >= norm .or. factor < 0.1_dp) factor = 0.1_dp
+                search%bound = factor * min(search%bound, 10 * length)
+                search%parameter = search%parameter / factor
+            else if (ratio >= 0.75_dp .or. .not. search%parameter > 0) then
+                search%bound = 2 * length
+                search%parameter = search%parameter / 2
+            end if
+            if (ratio >= 1.0e-4_dp) then
+                minimum%x = x
+                minimum%residuals = residuals
+                minimum%sum_of_squares = new_norm**2
+                minimum%steps = minimum%steps + 1
+            end if
+            minimum%has_converged = (abs(actual) <= goal .and. predicted <= goal) .or. &
+                                    search%bound <= goal * norm2(search%scales * minimum%x(search%free))
+            if (minimum%has_converged .or. ratio >= 1.0e-4_dp) return
+            is_valid = minimum%evaluations < most_evaluations * search%n
+        end do
+    end subroutine take_step
+
+    !> R times the permuted step.
+    pure function times_r(search, step) result(product)
+        type(search_t), intent(in) :: search
+        real(dp), intent(in) :: step(:)
+        real(dp) :: product(size(step))
+        integer :: j
+        product = 0
+        do j = 1, size(step)
+            product(:j) = product(:j) + search%jacobian(:j, j) * step(search%pivot(j))
+        end do
+    end function times_r
+
+end module spintop_least_squares

@@ -1,0 +1,158 @@
+!> The residuals of measurements of a motion as a function of numbers of its scene.
+module spintop_fit_model
+    use, intrinsic :: iso_c_binding, only: c_loc
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_case, only: case_t, make_case
+    use spintop_compare, only: is_equal, is_finite
+    use spintop_event_recorder, only: event_recorder_t, exact_path_t
+    use spintop_fit_data, only: measurements_t
+    use spintop_integration, only: outcome_t
+    use spintop_kinds, only: dp, no_number
+    use spintop_least_squares, only: residuals_t
+    use spintop_motion, only: motion_t
+    use spintop_motion_rows, only: compute_motion, writer_t
+    use spintop_number_slot, only: number_slot_t
+    use spintop_plan, only: plan_t
+    use spintop_problems, only: problems_t
+    use spintop_row_maker, only: row_maker_t
+    use spintop_scene, only: scene_t
+    use spintop_sensitivity, only: sensitive_key_t
+    use spintop_status, only: status_ok
+    implicit none
+    private
+    public :: fit_model_t
+
+    !> Measurements, and the motion that is to explain them. It must stay where it was prepared, and be a target there.
+    type, extends(residuals_t) :: fit_model_t
+        type(measurements_t) :: measured
+        !> The scene of the last evaluation, and what it means.
+        type(scene_t), private :: scene
+        type(case_t), private :: case
+        type(plan_t), private :: plan
+        !> The sought numbers in the scene, and whether their signs cannot change.
+        type(number_slot_t), allocatable, private :: slots(:)
+        logical, allocatable, private :: keeps_sign(:)
+        !> Of a symmetric top the sought I1 is also I2.
+        logical, private :: ties_inertia = .false.
+        type(row_maker_t), private :: maker
+    contains
+        procedure :: prepare
+        procedure :: evaluate
+        procedure :: predict
+        procedure :: step_scale
+    end type fit_model_t
+
+contains
+
+    !> Takes measurements, and the scene of their motion with the numbers that are sought.
+    subroutine prepare(self, scene, keys, case, plan, measured)
+        class(fit_model_t), target, intent(inout) :: self
+        type(scene_t), target, intent(in) :: scene !! contents of the input
+        type(sensitive_key_t), intent(in) :: keys(:) !! the sought numbers, in that scene
+        type(case_t), intent(in) :: case !! body, start and span of the scene
+        type(plan_t), intent(in) :: plan !! model and method
+        type(measurements_t), intent(in) :: measured !! the measurements
+        integer :: seeks(size(keys)), i
+
+        seeks = 0
+        self%measured = measured
+        self%scene = scene
+        self%scene%certified = .false.
+        self%case = case
+        self%plan = plan
+        allocate (self%slots(size(keys)), self%keeps_sign(size(keys)))
+        do i = 1, size(keys)
+            self%slots(i) = keys(i)%slot%in_copy(c_loc(scene), c_loc(self%scene), storage_size(scene))
+            self%keeps_sign(i) = .not. keys(i)%slot%accepts(-abs(keys(i)%slot%get()))
+            if (keys(i)%name == 'top.inertia(1)') seeks(i) = 1
+            if (keys(i)%name == 'top.inertia(2)') seeks(i) = 2
+        end do
+        self%ties_inertia = plan%exact .and. any(seeks == 1) .and. all(seeks /= 2) .and. &
+                            is_equal(scene%inertia(1), scene%inertia(2))
+        call self%maker%set(measured%columns, case)
+    end subroutine prepare
+
+    !> The residuals at some values of the sought numbers, in units of the standard deviations: column by column in time.
+    subroutine evaluate(self, x, residuals, is_valid)
+        class(fit_model_t), intent(inout) :: self
+        real(dp), intent(in) :: x(:) !! the values
+        real(dp), intent(out) :: residuals(:) !! the residuals
+        logical, intent(out) :: is_valid !! whether there is such a motion
+        real(dp) :: values(size(self%measured%columns), size(self%measured%t))
+
+        call self%predict(x, values, is_valid)
+        associate (measured => self%measured)
+            residuals = reshape((values - measured%values) / spread(measured%sigma, 2, size(measured%t)), [size(residuals)])
+        end associate
+    end subroutine evaluate
+
+    !> The values of the measured columns at the measured times.
+    subroutine predict(self, x, values, is_valid)
+        class(fit_model_t), intent(inout) :: self
+        real(dp), intent(in) :: x(:) !! values of the sought numbers
+        real(dp), intent(out) :: values(:, :) !! columns, times
+        logical, intent(out) :: is_valid !! whether there is such a motion
+        type(problems_t) :: problems
+        integer :: i
+
+        values = no_number
+        is_valid = .false.
+        do i = 1, size(x)
+            if (.not. self%slots(i)%accepts(x(i))) return
+            call self%slots(i)%put(x(i))
+        end do
+        if (self%ties_inertia) self%scene%inertia(2) = self%scene%inertia(1)
+        call make_case(self%scene, self%case, problems)
+        if (problems%any()) return
+        if (self%plan%exact) then
+            if (self%case%body%has_closed_form()) call take_exactly(self, values)
+        else
+            call integrate_to_times(self, values)
+        end if
+        is_valid = all(is_finite(values))
+    end subroutine predict
+
+    !> The values of the exact solution.
+    subroutine take_exactly(self, values)
+        class(fit_model_t), intent(inout) :: self
+        real(dp), intent(inout) :: values(:, :)
+        type(exact_path_t) :: path
+        type(motion_t) :: motion
+        integer :: i, status
+
+        call path%begin(self%case, huge(1_int64), status)
+        if (status /= status_ok) return
+        call self%maker%set(self%measured%columns, self%case)
+        do i = 1, size(values, 2)
+            call path%at(self%measured%t(i), motion)
+            values(:, i) = self%maker%row(motion)
+        end do
+    end subroutine take_exactly
+
+    !> The values of a motion that is integrated.
+    subroutine integrate_to_times(self, values)
+        class(fit_model_t), intent(inout) :: self
+        real(dp), intent(inout) :: values(:, :)
+        type(writer_t), allocatable :: writer
+        type(event_recorder_t), allocatable :: no_watch
+        type(outcome_t) :: outcome
+        real(dp) :: times(size(self%measured%t))
+
+        allocate (writer)
+        call writer%take_columns(self%measured%columns, self%case, self%scene)
+        allocate (writer%kept(size(values, 1), size(values, 2)), source=no_number)
+        times = self%measured%t
+        call compute_motion(self%scene, self%case, self%plan, times, writer, outcome, no_watch)
+        if (outcome%status == status_ok) values = writer%kept
+    end subroutine integrate_to_times
+
+    !> A change of a sought number that matters.
+    pure real(dp) function step_scale(self, i, x) result(step)
+        class(fit_model_t), intent(in) :: self
+        integer, intent(in) :: i !! which number
+        real(dp), intent(in) :: x !! its value
+        step = abs(x)
+        if (.not. (step > 0 .and. self%keeps_sign(i))) step = max(step, 1.0_dp)
+    end function step_scale
+
+end module spintop_fit_model

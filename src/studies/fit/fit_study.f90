@@ -1,0 +1,217 @@
+!> The fit as a kind of study: numbers of the input from measurements of the motion, by least squares.
+module spintop_fit_study
+    use spintop_clock, only: seconds
+    use spintop_diagnostics, only: diagnostics_t
+    use spintop_errors, only: error_t, exit_failed, exit_ok
+    use spintop_fit_data, only: measurements_t, read_measurements
+    use spintop_fit_model, only: fit_model_t
+    use spintop_fit_table, only: fit_columns, residual_path, write_estimates, write_residuals
+    use spintop_body_of_scene, only: is_set
+    use spintop_intervals, only: describe_minimum, estimate_t, student_quantile
+    use spintop_job, only: job_t
+    use spintop_kinds, only: dp
+    use spintop_least_squares, only: minimize, minimum_t
+    use spintop_options, only: options_t
+    use spintop_plan, only: make_plan
+    use spintop_problems, only: problems_t
+    use spintop_scene, only: scene_t
+    use spintop_scene_words, only: kind_fit, study_kinds
+    use spintop_sensitivity, only: sensitivities_t
+    use spintop_study, only: study_info_t, study_t
+    use spintop_study_column, only: study_column_t
+    use spintop_summary, only: rounded, summary_t
+    use spintop_text, only: to_text
+    implicit none
+    private
+    public :: fit_study_t
+
+    !> Half the probability outside the intervals; the quantile that belongs to a known standard deviation.
+    real(dp), parameter :: tail = 0.025_dp, normal_quantile = 1.9599639845400542_dp
+
+    !> Measurements, and the sought numbers.
+    type, extends(study_t) :: fit_study_t
+        private
+        type(measurements_t) :: measured
+        type(sensitivities_t) :: sought
+    contains
+        procedure, nopass :: info
+        procedure, nopass :: columns
+        procedure :: check
+        procedure :: explain
+        procedure :: run
+    end type fit_study_t
+
+contains
+
+    !> Properties of fits.
+    function info()
+        type(study_info_t) :: info
+        info = study_info_t(trim(study_kinds(kind_fit)), 'a fit', 'fits', ', besides a covariance__KEY per sought parameter', &
+                            'numbers of the input from measurements of the motion')
+    end function info
+
+    !> All columns.
+    function columns()
+        type(study_column_t), allocatable :: columns(:)
+        allocate (columns, source=fit_columns())
+    end function columns
+
+    !> Reads the measurements, and plans the motion up to the last of them.
+    subroutine check(self, job, problems, diagnostics)
+        class(fit_study_t), intent(inout) :: self
+        type(job_t), target, intent(inout) :: job !! the job; completed by this procedure
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
+        type(scene_t), allocatable :: scene
+        integer :: unknown
+
+        associate (unused => diagnostics)
+        end associate
+        call read_measurements(job%input, job%scene%fit, self%measured, problems)
+        call find_unknown(self, job, problems)
+        if (any(is_set([job%scene%nutations, job%scene%precessions])) .or. job%scene%stop_at /= '') then
+            call problems%add('span', 'the span of a fit is that of its measurements', 'omit the group, or give t_end')
+        end if
+        if (problems%any()) return
+        call take_span(self%measured%t, job%scene, problems)
+        call job%make_first_case(scene, problems)
+        if (problems%any()) return
+        call make_plan(scene, job%case, job%plan, problems)
+        if (problems%any()) return
+        if (.not. job%plan%exact .and. .not. job%plan%is_adaptive()) then
+            call problems%add('integration.method', 'a method with a fixed step size has no values at the times of the &
+                &measurements', 'use an adaptive method')
+        end if
+        unknown = size(self%sought%keys)
+        if (size(self%measured%values) <= unknown) then
+            call problems%add('fit.data', to_text(size(self%measured%values)) // ' measurements do not determine ' // &
+                              to_text(unknown) // ' parameters and their errors', 'give more measurements')
+        end if
+    end subroutine check
+
+    !> Sets the end of the motion, or checks that it is not before the last measurement.
+    subroutine take_span(t, scene, problems)
+        real(dp), intent(in) :: t(:)
+        type(scene_t), intent(inout) :: scene
+        type(problems_t), intent(inout) :: problems
+        associate (last => t(size(t)))
+            if (.not. is_set(scene%t_end)) scene%t_end = last
+            if (scene%t_end < last) call problems%add('span.t_end', 'the last measurement is at t = ' // to_text(last) // ' s', &
+                                                      'omit t_end')
+        end associate
+    end subroutine take_span
+
+    !> Finds the sought numbers.
+    subroutine find_unknown(self, job, problems)
+        class(fit_study_t), intent(inout) :: self
+        type(job_t), target, intent(in) :: job
+        type(problems_t), intent(inout) :: problems
+        character(:), allocatable :: problem, hint
+        integer :: i, key, found
+
+        found = 0
+        associate (names => job%scene%fit%unknown)
+            do i = 1, size(names)
+                if (names(i) == '') cycle
+                call self%sought%find_key(trim(names(i)), job%scene, job%table, job%axes, key, problem, hint)
+                if (problem == '' .and. key <= found) then
+                    problem = trim(names(i)) // ' is named twice'
+                    hint = 'name it once'
+                end if
+                if (problem /= '') call problems%add('fit.unknown(' // to_text(i) // ')', problem, hint)
+                found = max(found, key)
+            end do
+            if (all(names == '')) call problems%add('fit', 'nothing is sought', "give unknown = 'top.inertia(3)' and the like")
+        end associate
+    end subroutine find_unknown
+
+    !> Numbers of parameters and measurements.
+    function explain(self, job) result(phrase)
+        class(fit_study_t), intent(in) :: self
+        type(job_t), intent(in) :: job !! the job
+        character(:), allocatable :: phrase
+        associate (unused => job)
+        end associate
+        phrase = 'a fit of ' // to_text(size(self%sought%keys)) // ' parameters to ' // to_text(size(self%measured%values)) // &
+                 ' measurements at ' // to_text(size(self%measured%t)) // ' times'
+    end function explain
+
+    !> Fits the parameters; the study fails if the search does not converge, or the data do not determine them.
+    subroutine run(self, job, options, summary, code, error)
+        class(fit_study_t), intent(in) :: self
+        type(job_t), target, intent(inout) :: job !! the job
+        type(options_t), intent(in) :: options !! options of the command line
+        type(summary_t), intent(out) :: summary !! lines for standard output
+        integer, intent(out) :: code !! exit code
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(fit_model_t), allocatable, target :: model
+        type(minimum_t) :: minimum
+        type(estimate_t) :: estimate
+        real(dp), allocatable :: start(:), values(:, :)
+        character(:), allocatable :: ending
+        real(dp) :: began, level
+        integer :: i, m
+        logical :: is_valid
+
+        associate (unused => options)
+        end associate
+        began = seconds()
+        code = exit_ok
+        m = size(self%measured%values)
+        allocate (model)
+        associate (keys => self%sought%keys)
+            call model%prepare(job%scene, keys, job%case, job%plan, self%measured)
+            start = [(keys(i)%slot%get(), i=1, size(keys))]
+            call minimize(model, start, m, spread(.true., 1, size(keys)), minimum)
+            level = normal_quantile
+            if (.not. self%measured%knows_sigma) level = student_quantile(tail, m - size(keys))
+            call describe_minimum(model, minimum, self%measured%knows_sigma, job%scene%fit%profile .and. minimum%has_converged, &
+                                  level, estimate)
+            ending = 'ok'
+            if (.not. minimum%has_converged) then
+                ending = 'not_converged: the search ended elsewhere than at a minimum'
+            else if (.not. estimate%is_identifiable) then
+                ending = 'not_identifiable: the measurements do not determine all parameters'
+            end if
+            if (ending /= 'ok') code = exit_failed
+            allocate (values, mold=self%measured%values)
+            call model%predict(minimum%x, values, is_valid)
+            call write_estimates(job, keys, start, estimate, ending, error)
+            if (.not. allocated(error)) call write_residuals(job, self%measured, values, ending, error)
+        end associate
+        if (allocated(error)) return
+        call describe_fit(self, job, minimum, estimate, ending, seconds() - began, summary)
+    end subroutine run
+
+    !> The summary: the motion, the parameters with their intervals, the residuals, and how the search ended.
+    subroutine describe_fit(self, job, minimum, estimate, ending, time, summary)
+        type(fit_study_t), intent(in) :: self
+        type(job_t), intent(in) :: job
+        type(minimum_t), intent(in) :: minimum
+        type(estimate_t), intent(in) :: estimate
+        character(*), intent(in) :: ending
+        real(dp), intent(in) :: time
+        type(summary_t), intent(inout) :: summary
+        integer :: i, m, n
+
+        m = size(self%measured%values)
+        n = size(minimum%x)
+        call summary%headline(job%input // ': ' // self%explain(job) // ' -> ' // job%output // ', ' // residual_path(job%output))
+        call summary%describe_plan(job%plan)
+        do i = 1, n
+            call summary%add(self%sought%keys(i)%name, ' = ' // rounded(estimate%x(i), 9) // ' +- ' // &
+                             rounded(estimate%standard_error(i), 3) // ', 95 %: ' // rounded(estimate%lower(i), 9) // ' to ' // &
+                             rounded(estimate%upper(i), 9))
+        end do
+        if (self%measured%knows_sigma) then
+            call summary%add('chi2', rounded(minimum%sum_of_squares, 6) // ' for ' // to_text(m - n) // ' degrees of freedom')
+        else
+            call summary%add('residuals', 'standard deviation ' // rounded(estimate%deviation, 6) // ', ' // to_text(m - n) // &
+                             ' degrees of freedom')
+        end if
+        call summary%add('search', to_text(minimum%steps) // ' steps, ' // to_text(minimum%evaluations) // ' evaluations')
+        call summary%add('time', rounded(time) // ' s')
+        call summary%add('status', ending)
+    end subroutine describe_fit
+
+end module spintop_fit_study

@@ -1,0 +1,122 @@
+!> The tables of a fit: the sought parameters with their uncertainty, and the residuals.
+module spintop_fit_table
+    use spintop_errors, only: error_t
+    use spintop_fit_data, only: measurements_t
+    use spintop_intervals, only: estimate_t
+    use spintop_job, only: job_t
+    use spintop_kinds, only: dp
+    use spintop_sensitivity, only: sensitive_key_t
+    use spintop_study_column, only: study_column_t
+    use spintop_study_head, only: study_head
+    use spintop_table_column, only: column_t
+    use spintop_table_file, only: table_file_t
+    use spintop_text, only: string_t
+    use spintop_text_buffer, only: text_buffer_t
+    implicit none
+    private
+    public :: fit_columns, write_estimates, write_residuals, residual_path
+
+contains
+
+    !> The columns of the table of parameters, before those of the covariance.
+    function fit_columns() result(columns)
+        type(study_column_t), allocatable :: columns(:)
+        columns = [ &
+            study_column_t('parameter', '', 'sought parameter of the input', 'fit'), &
+            study_column_t('unit', '', 'its unit, which is that of the next five columns', 'fit'), &
+            study_column_t('estimate', '', 'value with the least sum of squares', 'fit'), &
+            study_column_t('standard_error', '', 'standard error of the estimate, by the linear model', 'fit'), &
+            study_column_t('lower', '', 'lower end of the 95 % profile interval', 'fit'), &
+            study_column_t('upper', '', 'upper end of the 95 % profile interval', 'fit'), &
+            study_column_t('start', '', 'value of the input, where the search began', 'fit'), &
+            study_column_t('singular_value', '', 'singular values of the scaled Jacobian, from the largest: one per row', 'fit')]
+    end function fit_columns
+
+    !> Path of the table of residuals.
+    function residual_path(path) result(other)
+        character(*), intent(in) :: path !! path of the table of parameters
+        character(:), allocatable :: other
+        other = path(:len(path) - len('.csv')) // '.residuals.csv'
+    end function residual_path
+
+    !> Writes the table of the parameters.
+    subroutine write_estimates(job, keys, start, estimate, ending, error)
+        type(job_t), intent(in) :: job !! the job
+        type(sensitive_key_t), intent(in) :: keys(:) !! the parameters
+        real(dp), intent(in) :: start(:) !! their values in the input
+        type(estimate_t), intent(in) :: estimate !! their values and uncertainty
+        character(*), intent(in) :: ending !! how the search ended
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(column_t), allocatable :: columns(:)
+        type(study_column_t), allocatable :: fixed(:)
+        type(table_file_t) :: file
+        type(text_buffer_t) :: cells
+        type(string_t) :: trailer(1)
+        integer :: i, n
+
+        allocate (fixed, source=fit_columns())
+        n = size(fixed)
+        allocate (columns(n + size(keys)))
+        columns(:n) = fixed%column_t
+        do i = 1, size(keys)
+            columns(n + i) = column_t('covariance__' // keys(i)%name, '', 'covariance with ' // keys(i)%name)
+        end do
+        trailer(1)%text = 'status: ' // ending
+        call file%create(job%output, study_head(job, columns), error)
+        if (allocated(error)) return
+        do i = 1, size(keys)
+            call cells%clear()
+            call cells%put_text(keys(i)%name)
+            call cells%put_text(keys(i)%unit)
+            call cells%put_reals([estimate%x(i), estimate%standard_error(i), estimate%lower(i), estimate%upper(i), start(i), &
+                                  estimate%singular_values(i), estimate%covariance(i, :)])
+            call cells%end_row()
+            call file%put(cells%contents(), error)
+            if (allocated(error)) exit
+        end do
+        if (.not. allocated(error)) call file%finish(trailer, error)
+        if (allocated(error)) call file%discard()
+    end subroutine write_estimates
+
+    !> Writes the table of residuals: the measurements, the values of the fitted motion, and their differences.
+    subroutine write_residuals(job, measured, values, ending, error)
+        type(job_t), intent(in) :: job !! the job
+        type(measurements_t), intent(in) :: measured !! the measurements
+        real(dp), intent(in) :: values(:, :) !! those of the fitted motion
+        character(*), intent(in) :: ending !! how the search ended
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(column_t), allocatable :: columns(:)
+        type(table_file_t) :: file
+        type(string_t) :: trailer(1)
+        integer :: i
+
+        allocate (columns(1 + 3 * size(measured%columns)))
+        columns(1) = column_t('t', 's', 'time')
+        do i = 1, size(measured%columns)
+            associate (column => measured%columns(i))
+                columns(3 * i - 1) = column_t(column%name, column%unit, 'measured: ' // trim(column%what))
+                columns(3 * i) = column_t(trim(column%name) // '_fit', column%unit, trim(column%name) // ' of the fitted motion')
+                columns(3 * i + 1) = column_t(trim(column%name) // '_residual', column%unit, 'measured less fitted')
+            end associate
+        end do
+        trailer(1)%text = 'status: ' // ending
+        call file%create(residual_path(job%output), study_head(job, columns), error)
+        if (allocated(error)) return
+        do i = 1, size(measured%t)
+            call file%add_row([measured%t(i), cells_of(measured%values(:, i), values(:, i))], error)
+            if (allocated(error)) exit
+        end do
+        if (.not. allocated(error)) call file%finish(trailer, error)
+        if (allocated(error)) call file%discard()
+    end subroutine write_residuals
+
+    !> The cells of the columns at a time.
+    pure function cells_of(measured, fitted) result(cells)
+        real(dp), intent(in) :: measured(:), fitted(:)
+        real(dp) :: cells(3 * size(measured))
+        cells(1::3) = measured
+        cells(2::3) = fitted
+        cells(3::3) = measured - fitted
+    end function cells_of
+
+end module spintop_fit_table

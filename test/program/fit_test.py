@@ -1,0 +1,178 @@
+"""Fits: true parameters from synthetic measurements, intervals that cover, what is refused."""
+
+import math
+import random
+import unittest
+
+from program_test import ProgramCase
+
+TOP = """\
+&top mass = 1, inertia = 0.875, 0.875, 0.25, length = 0.85 /
+&initial theta = 0.6, theta_rate = 0.3, psi_rate = 14 /
+"""
+SPAN = "&span t_end = 6, samples = 61 /\n"
+ANGLES = "'phi', 'theta', 'psi'"
+FIT = """\
+&study kind = 'fit' /
+&fit data = 'data.csv', unknown = 'top.inertia(1)', 'top.inertia(3)', 'initial.psi_rate' /
+"""
+TRUTH = (0.875, 0.25, 14.0)
+NOISE = 0.002
+FITS = 120
+
+
+class FitCase(ProgramCase):
+    """Fits of one synthetic motion."""
+
+    def measure(self, scene: str = TOP, columns: str = ANGLES) -> None:
+        """Compute the motion to be measured."""
+        table = self.compute(
+            self.write(scene + SPAN + f"&output columns = 't', {columns} /\n", "truth.nml")
+        )
+        self.names = table.names
+        self.truth = [[float(cell) for cell in row] for row in table.rows]
+
+    def add_noise(self, seed: int, noise: float = NOISE) -> None:
+        """Write measurements with errors."""
+        source = random.Random(seed)
+        rows = [[row[0], *(x + source.gauss(0, noise) for x in row[1:])] for row in self.truth]
+        lines = [",".join(self.names), *(",".join(map(repr, row)) for row in rows)]
+        (self.folder / "data.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+    def count_covered(self, fits: int) -> list[int]:
+        """How many intervals contain the true value, for each parameter."""
+        self.measure()
+        scene = self.write(TOP + FIT)
+        covered = [0] * len(TRUTH)
+        for seed in range(fits):
+            self.add_noise(seed)
+            table = self.compute(scene)
+            ends = zip(table.column("lower"), table.column("upper"), TRUTH, strict=True)
+            for i, (lower, upper, true) in enumerate(ends):
+                self.assertLess(lower, upper)
+                covered[i] += lower <= true <= upper
+        return covered
+
+
+class SyntheticTest(FitCase):
+    """Measurements of known motions."""
+
+    def test_exact_measurements_give_the_parameters(self) -> None:
+        """Without noise the true values are found from others, and the residuals vanish."""
+        self.measure()
+        self.add_noise(0, 0)
+        start = TOP.replace("0.875, 0.875, 0.25", "0.9, 0.9, 0.24").replace("= 14", "= 14.3")
+        table = self.compute(self.write(start + FIT))
+        for found, true in zip(table.column("estimate"), TRUTH, strict=True):
+            self.assertAlmostEqual(found / true, 1, delta=1e-8)
+        residuals = self.table("scene.residuals")
+        self.assertEqual(len(residuals.rows), 61)
+        for name in ("phi", "theta", "psi"):
+            self.assertLess(max(map(abs, residuals.column(f"{name}_residual"))), 1e-7)
+            self.assertEqual(residuals.column(name), [float(r) for r in residuals.column(name)])
+        self.assertEqual(table.last_line, "# status: ok")
+
+    def test_intervals_cover(self) -> None:
+        """The true values lie in the 95 % intervals as often as they should: a binomial count."""
+        for count in self.count_covered(FITS):
+            self.assertLess(abs(count - 0.95 * FITS), 4 * math.sqrt(FITS * 0.95 * 0.05))
+
+    def test_covariance_and_errors_belong_together(self) -> None:
+        """The variances are the squares of the errors; known deviations scale them."""
+        self.measure()
+        self.add_noise(1)
+        known: list[float] = []
+        for factor in (1, 5):
+            text = (TOP + FIT).replace("'data.csv',", f"'data.csv', sigma = {factor * NOISE},")
+            table = self.compute(self.write(text))
+            errors = table.column("standard_error")
+            keys = table.texts("parameter")
+            for i, key in enumerate(keys):
+                column = table.column(f"covariance__{key}")
+                self.assertAlmostEqual(column[i] / errors[i] ** 2, 1, delta=1e-12)
+                for k in range(3):
+                    self.assertLess(abs(column[k]), errors[i] * errors[k] * (1 + 1e-12))
+            known.append(errors[0])
+        self.assertAlmostEqual(known[1] / known[0], 5, delta=1e-6)
+
+    def test_gyroscope_of_an_asymmetric_body(self) -> None:
+        """Readings of three rates of a damped body, which is integrated."""
+        scene = (
+            "&top mass = 1, inertia = 0.9, 0.7, 0.3, length = 0.5, damping = 3*0.02 /\n"
+            "&initial theta = 0.6, omega = 0.5, 0.3, 4.0 /\n"
+            "&integration relative_tolerance = 1e-13 /\n"
+        )
+        self.measure(scene, "'omega1', 'omega2', 'omega3'")
+        self.add_noise(3, 1e-4)
+        fit = FIT.replace("'initial.psi_rate'", "'top.inertia(2)', 'top.damping(3)'")
+        table = self.compute(self.write(scene.replace("0.9, 0.7, 0.3", "0.88, 0.71, 0.31") + fit))
+        truth = (0.9, 0.3, 0.7, 0.02)
+        errors = table.column("standard_error")
+        for found, true, error in zip(table.column("estimate"), truth, errors, strict=True):
+            self.assertLess(abs(found - true), 5 * error)
+            self.assertLess(error, 0.02 * true)
+
+    def test_what_is_not_identifiable(self) -> None:
+        """Angles tell ratios of mass and inertia only."""
+        self.measure()
+        self.add_noise(2)
+        fit = FIT.replace("'initial.psi_rate'", "'top.mass'")
+        table = self.compute(self.write(TOP + fit), code=3)
+        self.assertIn("not_identifiable", table.last_line)
+        values = table.column("singular_value")
+        self.assertLess(values[2], 1e-8 * values[0])
+
+
+class RefusalTest(FitCase):
+    """What is no fit."""
+
+    def test_refusals(self) -> None:
+        """Each with its place and what is wrong."""
+        self.measure()
+        self.add_noise(0)
+        for old, new, message in [
+            ("data = 'data.csv',", "", "there are no measurements"),
+            ("data.csv", "none.csv", "none.csv"),
+            (
+                ", unknown = 'top.inertia(1)', 'top.inertia(3)', 'initial.psi_rate'",
+                "",
+                "nothing is",
+            ),
+            ("'initial.psi_rate'", "'top.shape'", "is not a number"),
+            ("'initial.psi_rate'", "'top.inertia(3)'", "named twice"),
+            ("'initial.psi_rate'", "'top.density'", "has no value"),
+            ("'data.csv',", "'data.csv', columns = 'tip_error',", "measurable"),
+            ("'data.csv',", "'data.csv', columns = 'omega1',", "omega1"),
+            ("'data.csv',", "'data.csv', sigma = 1, 2,", "standard deviations"),
+            ("&fit ", "&span nutations = 2 /\n&fit ", "span of a fit"),
+            ("&fit ", "&span t_end = 2 /\n&fit ", "the last measurement"),
+            ("&fit ", "&integration method = 'rk4', steps = 9 /\n&fit ", "fixed step"),
+        ]:
+            text = (TOP + FIT).replace(old, new)
+            self.assertNotEqual(text, TOP + FIT)
+            result = self.run_program(self.write(text))
+            self.assertEqual(result.returncode, 2, new)
+            self.assertIn("scene.nml", result.stderr)
+            self.assertIn(message, result.stderr)
+
+    def test_bad_measurements(self) -> None:
+        """Times that do not increase, cells without numbers, too few rows."""
+        for data, message in [
+            ("t,theta\n0,1\n2,1\n1,1\n3,1\n4,1\n", "do not increase"),
+            ("t,theta\n-1,1\n2,1\n3,1\n4,1\n", "before the start"),
+            ("t,theta\n0,1\n2,one\n3,1\n4,1\n", "theta"),
+            ("t,theta\n0,1\n2,nan\n3,1\n4,1\n", "theta"),
+            ("t,thetta\n0,1\n2,1\n", "thetta"),
+            ("t\n0\n2\n", "no column"),
+            ("theta\n0\n2\n", "t"),
+            ("t,theta\n", "t"),
+            ("t,theta\n0,1\n2,1\n", "do not determine"),
+        ]:
+            (self.folder / "data.csv").write_text(data, encoding="utf-8")
+            result = self.run_program(self.write(TOP + FIT))
+            self.assertEqual(result.returncode, 2, data)
+            self.assertIn(message, result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

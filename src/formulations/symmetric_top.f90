@@ -3,7 +3,7 @@ module spintop_symmetric_top
     use spintop_kinds, only: dp, epsilon_dp
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t, motion_from_angles
-    use spintop_attitude, only: omega_rate_from_accelerations
+    use spintop_attitude, only: omega_rate_from_accelerations, quaternion_from_angles
     implicit none
     private
     public :: symmetric_top_t, at_pole
@@ -20,6 +20,8 @@ module spintop_symmetric_top
         real(dp) :: beta = 0
         !> At the start: inclination, momentum I1 phi' sin^2 theta, and squared speed of the axis.
         real(dp) :: theta0 = 0, swing0 = 0, speed0 = 0
+        !> Sign of the quaternion of the start, of the two of its attitude, against that of its angles.
+        real(dp) :: sheet = 1
     contains
         procedure :: set
         procedure :: precession_rate
@@ -46,6 +48,7 @@ contains
         self%theta0 = start%angle(2)
         self%swing0 = self%i1 * start%rate(1) * sin(start%angle(2))**2
         self%speed0 = start%rate(2)**2 + (sin(start%angle(2)) * start%rate(1))**2
+        self%sheet = sign(1.0_dp, dot_product(start%quaternion, quaternion_from_angles(start%angle)))
     end subroutine set
 
     !> phi' of Eq 41, rad/s: (c1 - I3 omega3 cos theta)/(I1 sin^2 theta). c1 is counted from the start, so
@@ -107,6 +110,7 @@ contains
         class(symmetric_top_t), intent(in) :: self
         real(dp), intent(in) :: t, angle(3), rate(3), phi_acceleration, theta_acceleration !! s; rad; rad/s; rad/s^2
         motion = motion_from_angles(t, angle, rate)
+        motion%quaternion = self%sheet * motion%quaternion
         motion%omega(3) = self%omega3
         motion%omega_rate = omega_rate_from_accelerations(angle, rate, phi_acceleration, &
                                                           theta_acceleration, 0.0_dp)

@@ -42,7 +42,7 @@ contains
             return
         end if
         associate (wanted => job%sensitivities)
-            places = wanted%columns()
+            allocate (places, source=wanted%columns())
             do key = 1, size(wanted%keys)
                 nodes = wanted%keys(key)%nodes(wanted%keys(key)%slot%get())
                 values = no_number

@@ -307,6 +307,23 @@ class ExamplesTest(unittest.TestCase):
             self.assert_close(sideways, HEIGHT * math.sin(theta) * rate**2, 1e-8)
         self.assertLess(rows[0][0], rows[1][0])
 
+    def test_of_permanent_rotation(self) -> None:
+        """The weight turns the momentum; nearly at rest upright it falls, hanging it stays."""
+        rows = self.rows_of("permanent_rotation", 4)
+        arm, moments = (0.1, 0.2, 0.5), (0.9, 0.7, 0.4)
+        for x, y, z, rate, same_rate, growth in rows:
+            up = (x, y, z)
+            self.assert_close(math.hypot(*up), 1, 2e-6)
+            self.assert_close(rate, same_rate, 1e-9)
+            momentum = [rate**2 * inertia * part for inertia, part in zip(moments, up, strict=True)]
+            rest = [one - GRAVITY * other for one, other in zip(momentum, arm, strict=True)]
+            along = sum(one * part for one, part in zip(rest, up, strict=True))
+            for one, part in zip(rest, up, strict=True):
+                self.assert_close(one, along * part, 1e-4)
+            self.assertGreater(growth, -1e-6)
+        self.assertGreater(rows[0][-1], 1)
+        self.assertLess(rows[-1][-1], 1e-6)
+
     def test_of_energy_and_force(self) -> None:
         """Both momenta, the energy, and the force at rest, at the bottom and between."""
         _, *rows, (lowest, highest) = self.rows_of("energy_and_force", 7)

@@ -198,9 +198,10 @@ class GoodInputTest(ProgramCase):
         result = self.run_program(*inputs, "-o", "deep/er/folder")
         self.assertEqual(result.returncode, 3, result.stderr)
         tables = [path.name for path in (self.folder / "deep/er/folder").glob("*.csv")]
-        endings = (".events.csv", ".histogram.csv", ".indices.csv")
+        endings = (".events.csv", ".histogram.csv", ".indices.csv", ".residuals.csv")
         beside = [name for name in tables if name.endswith(endings)]
-        expected = ["nutation_indices.histogram.csv", "nutation_indices.indices.csv"]
+        expected = ["fit.residuals.csv"]
+        expected += ["nutation_indices.histogram.csv", "nutation_indices.indices.csv"]
         expected += ["slow_top_events.events.csv", "spin_tilt_statistics.histogram.csv"]
         self.assertEqual(sorted(beside), expected)
         self.assertEqual(len(tables) - len(beside), len(INPUTS))

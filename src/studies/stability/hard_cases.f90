@@ -124,7 +124,7 @@ contains
     !> The scene of a case of the catalogue.
     subroutine make_scene(case, scene, error)
         type(hard_case_t), intent(in) :: case !! entry of the catalogue
-        type(scene_t), target, intent(out) :: scene !! the scene of the case
+        type(scene_t), target, intent(inout) :: scene !! becomes the scene of the case
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call make_scene_of_settings(trim(bodies(case%body)) // ';' // trim(case%settings), scene, error)
     end subroutine make_scene

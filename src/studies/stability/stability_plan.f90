@@ -99,7 +99,7 @@ contains
     subroutine scene_of_case(input, place, scene, error)
         type(scene_t), intent(in) :: input !! the scene of the input
         integer, intent(in) :: place !! index in the catalogue; 0 for the case of the input
-        type(scene_t), intent(out) :: scene !! the scene of the case
+        type(scene_t), intent(inout) :: scene !! becomes the scene of the case
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         if (place > 0) then
             call make_scene(hard_cases(place), scene, error)

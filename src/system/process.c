@@ -121,8 +121,9 @@ void spintop_begin_process(void) {
     ending.sa_handler = answer;
     ending.sa_flags = SA_RESTART;
     for (i = 0; i < sizeof ending_signals / sizeof *ending_signals; ++i) {
-        // What the parent has had ignored (nohup) stays so.
-        if (sigaction(ending_signals[i], NULL, &old) == 0 && old.sa_handler == SIG_DFL) {
+        // What the parent has had ignored (nohup) stays so. A library may have set a handler: UCX, which comes with
+        // Open MPI, has one for SIGHUP that does not end the process.
+        if (sigaction(ending_signals[i], NULL, &old) == 0 && old.sa_handler != SIG_IGN) {
             sigaction(ending_signals[i], &ending, NULL);
         }
     }

@@ -27,6 +27,11 @@ SLOW = f"""\
 # The same in closed form: over in no time.
 FAST = SLOW.replace(STEPPING, "method = 'exact'")
 LONG = "output/long.csv"  # the table of a sweep whose last cases would take hours
+SHIM = """\
+#include <signal.h>
+static void nothing(int number) { (void)number; }
+__attribute__((constructor)) static void begin(void) { signal(SIGHUP, nothing); }
+"""
 PATIENCE = 600
 """Seconds for what ends at once, on a machine that has much else to do."""
 
@@ -329,6 +334,28 @@ class InterruptionTest(SurvivalCase):
         said = run.communicate(timeout=PATIENCE)[1]
         self.assertEqual(run.returncode, -number)
         return said
+
+    def test_a_handler_of_a_library_does_not_keep_a_signal(self) -> None:
+        """A library that is loaded with the program has a handler for SIGHUP, as UCX does."""
+        compiler = shutil.which("gcc") or shutil.which("cc")
+        if compiler is None:
+            self.skipTest("no C compiler is found")
+        source, library = self.write(SHIM, "shim.c"), self.folder / "shim.so"
+        subprocess.run([compiler, "-shared", "-fPIC", source, "-o", library], check=True)
+        run = subprocess.Popen(
+            [PROGRAM, self.slow, "--threads", "1"],
+            cwd=self.folder,
+            env={**os.environ, "LD_PRELOAD": f"./{library.name}"},  # spaces would separate names
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+            preexec_fn=lambda: begin_patiently(signal.SIGHUP),
+        )
+        self.wait_for_rows(run, 1)
+        run.send_signal(signal.SIGHUP)
+        said = run.communicate(timeout=PATIENCE)[1]
+        self.assertEqual(run.returncode, -signal.SIGHUP, said)
+        self.assertIn("spintop: interrupted: ", said)
 
     def test_a_signal_that_is_ignored_stays_so(self) -> None:
         """nohup has SIGHUP ignored."""

@@ -5,7 +5,7 @@ module spintop_text
     use spintop_kinds, only: dp
     implicit none
     private
-    public :: string_t, lower_case, nearest_word, did_you_mean, join, split, to_text, replace_all, abbreviate
+    public :: string_t, lower_case, nearest_word, did_you_mean, join, split, to_text, counted, replace_all, abbreviate
     public :: write_reals, write_integer, real_width
 
     !> Maximum number of characters of a real number.
@@ -59,6 +59,18 @@ module spintop_text
     end interface
 
 contains
+
+    !> A number of things in words: `1 case`, `2 cases`.
+    pure function counted(number, one, many) result(text)
+        integer, intent(in) :: number !! of the things
+        character(*), intent(in) :: one !! what one of them is called
+        character(*), intent(in), optional :: many !! what more of them are called (`one` with an s)
+        character(:), allocatable :: text
+        text = to_text(number) // ' ' // one
+        if (number == 1) return
+        text = text // 's'
+        if (present(many)) text = to_text(number) // ' ' // many
+    end function counted
 
     !> The text with ASCII capital letters in lower case.
     pure function lower_case(text) result(lower)

@@ -7,7 +7,7 @@
 module spintop_diagnostics
     use spintop_errors, only: error_t, input_error
     use spintop_plain_text, only: escaped, visible
-    use spintop_text, only: to_text
+    use spintop_text, only: counted, to_text
     use spintop_wrapping, only: characters, default_width, wrapped
     implicit none
     private
@@ -139,22 +139,13 @@ contains
         do i = 1, size(self%problems)
             text = text // self%show(self%problems(i), columns) // new_line('a') // new_line('a')
         end do
-        text = text // counted(self%errors, 'error')
+        if (self%errors > 0) text = text // counted(self%errors, 'error')
         if (self%errors > 0 .and. self%warnings > 0) text = text // ', '
-        text = text // counted(self%warnings, 'warning')
+        if (self%warnings > 0) text = text // counted(self%warnings, 'warning')
         if (self%errors + self%warnings > size(self%problems)) then
             text = text // ' (the first ' // to_text(size(self%problems)) // ' are shown)'
         end if
     end function report
-
-    pure function counted(number, noun) result(text)
-        integer, intent(in) :: number
-        character(*), intent(in) :: noun
-        character(:), allocatable :: text
-        text = ''
-        if (number == 1) text = '1 ' // noun
-        if (number > 1) text = to_text(number) // ' ' // noun // 's'
-    end function counted
 
     !> Inserts a problem in the order of the places.
     subroutine add(self, place, severity, message, hint)

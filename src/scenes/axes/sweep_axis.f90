@@ -5,7 +5,7 @@ module spintop_sweep_axis
         sphere_attitude, sphere_direction, sphere_inclination, sphere_turn, turn_at
     use spintop_kinds, only: dp
     use spintop_number_slot, only: number_slot_t
-    use spintop_text, only: to_text
+    use spintop_text, only: counted, to_text
     implicit none
     private
     public :: axis_t
@@ -145,7 +145,7 @@ contains
         character(:), allocatable :: text
         text = self%name // ': '
         if (allocated(self%listed)) then
-            text = text // plural(size(self%listed), 'listed value')
+            text = text // counted(size(self%listed), 'listed value')
             return
         end if
         if (self%law /= law_uniform) then
@@ -153,7 +153,7 @@ contains
             return
         end if
         if (self%count > 0) then
-            text = text // plural(self%count, 'value')
+            text = text // counted(self%count, 'value')
         else if (self%whole) then
             text = text // 'whole numbers'
         else
@@ -186,13 +186,5 @@ contains
             end select
         end select
     end function law_in_words
-
-    pure function plural(number, noun) result(text)
-        integer, intent(in) :: number
-        character(*), intent(in) :: noun
-        character(:), allocatable :: text
-        text = to_text(number) // ' ' // noun
-        if (number /= 1) text = text // 's'
-    end function plural
 
 end module spintop_sweep_axis

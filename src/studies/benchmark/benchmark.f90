@@ -29,7 +29,7 @@ module spintop_benchmark
     use spintop_study_head, only: study_head
     use spintop_summary, only: rounded, summary_t
     use spintop_table_file, only: table_file_t
-    use spintop_text, only: string_t, to_text
+    use spintop_text, only: counted, to_text
     use spintop_text_buffer, only: text_buffer_t
     use spintop_trajectory_columns, only: find_trajectory_column, trajectory_column_t
     use spintop_trial_time, only: time_trial
@@ -69,7 +69,6 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(table_file_t) :: file
         type(progress_t) :: progress
-        type(string_t), allocatable :: trailer(:)
         real(dp) :: began
         character(:), allocatable :: part
         integer(int64) :: all, first, last
@@ -80,12 +79,7 @@ contains
         all = size(chosen)
         first = options%shard%first(all)
         last = options%shard%last(all)
-        part = ''
-        allocate (trailer(0))
-        if (options%shard%is_part()) then
-            part = options%shard%line(all)
-            trailer = [string_t(options%shard%end_line())]
-        end if
+        part = options%shard%beginning(all)
         call file%create(job%output, study_head(job, benchmark_columns(), part=part), error)
         if (allocated(error)) return
         call summary%headline(job%input // ': ' // to_text(last - first + 1) // ' benchmarks -> ' // job%output)
@@ -98,7 +92,7 @@ contains
             call progress%update(i - first + 1)
         end do
         call progress%finish()
-        if (.not. allocated(error)) call file%finish(trailer, error)
+        if (.not. allocated(error)) call file%finish(options%shard%ending(), error)
         if (allocated(error)) call file%discard()
         call summary%add('time', rounded(seconds() - began) // ' s')
     end subroutine run_benchmarks
@@ -291,18 +285,9 @@ contains
         text = counted(size(wanted), 'quantity', 'quantities') // ' without a published figure'
         if (.not. any(has_figure)) return
         worst = maxloc(abs(wanted%published - truth), dim=1, mask=has_figure)
-        text = counted(count(has_figure), 'published figure', 'published figures') // '; largest error ' &
+        text = counted(count(has_figure), 'published figure') // '; largest error ' &
                // rounded(abs(wanted(worst)%published - truth(worst)), 2) // ' in ' // trim(wanted(worst)%column) &
                // ' (' // trim(wanted(worst)%method) // ')'
     end function in_words
-
-    !> A number of things in words.
-    function counted(n, one, many) result(text)
-        integer, intent(in) :: n
-        character(*), intent(in) :: one, many
-        character(:), allocatable :: text
-        text = to_text(n) // ' ' // many
-        if (n == 1) text = to_text(n) // ' ' // one
-    end function counted
 
 end module spintop_benchmark

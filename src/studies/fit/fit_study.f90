@@ -20,7 +20,7 @@ module spintop_fit_study
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: study_column_t
     use spintop_summary, only: rounded, summary_t
-    use spintop_text, only: to_text
+    use spintop_text, only: counted, to_text
     implicit none
     private
     public :: fit_study_t
@@ -132,8 +132,8 @@ contains
         character(:), allocatable :: phrase
         associate (unused => job)
         end associate
-        phrase = 'a fit of ' // to_text(size(self%sought%keys)) // ' parameters to ' // to_text(size(self%measured%values)) // &
-                 ' measurements at ' // to_text(size(self%measured%t)) // ' times'
+        phrase = 'a fit of ' // counted(size(self%sought%keys), 'parameter') // ' to ' // &
+                 counted(size(self%measured%values), 'measurement') // ' at ' // counted(size(self%measured%t), 'time')
     end function explain
 
     !> Fits the parameters; the study fails if the search does not converge, or the data do not determine them.

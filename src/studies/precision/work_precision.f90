@@ -118,14 +118,11 @@ contains
         type(table_file_t), intent(inout) :: file
         type(error_t), allocatable, intent(out) :: error
         type(precision_column_t), allocatable :: columns(:)
-        character(:), allocatable :: part
         integer :: i
 
         allocate (columns, source=precision_columns())
-        part = ''
-        if (shard%is_part()) part = shard%line(problems_of(job))
         call file%create(job%output, study_head(job, [columns%column_t, &
-            (job%axis_column(i), i=1, size(job%axes%axis))], part=part), error)
+            (job%axis_column(i), i=1, size(job%axes%axis))], part=shard%beginning(problems_of(job))), error)
     end subroutine begin_table
 
     !> The input, with the number of the case if there are several.

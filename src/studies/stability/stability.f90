@@ -77,7 +77,6 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(table_file_t) :: file
         type(case_rows_t) :: source
-        type(string_t), allocatable :: trailer(:)
         character(:), allocatable :: head, part
         integer(int64) :: cases, first, last
         real(dp) :: began
@@ -86,8 +85,7 @@ contains
         cases = size(plan%cases)
         first = options%shard%first(cases)
         last = options%shard%last(cases)
-        part = ''
-        if (options%shard%is_part()) part = options%shard%line(cases)
+        part = options%shard%beginning(cases)
         head = study_head(job, stability_columns(), verdicts_in_words(), part)
         call compare_with_writer(options%ranks, head, error)
         if (allocated(error)) return
@@ -105,9 +103,7 @@ contains
         if (.not. allocated(error)) call sum_over_ranks(options%ranks, source%verdicts)
         if (options%ranks%is_writer()) then
             call source%progress%finish()
-            allocate (trailer(0))
-            if (options%shard%is_part()) trailer = [string_t(options%shard%end_line())]
-            if (.not. allocated(error)) call file%finish(trailer, error)
+            if (.not. allocated(error)) call file%finish(options%shard%ending(), error)
             if (allocated(error)) call file%discard()
         end if
         if (allocated(error) .or. .not. options%ranks%is_writer()) return

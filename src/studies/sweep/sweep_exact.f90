@@ -106,7 +106,7 @@ contains
         values%orientation_error = 0
         if (wanted%details) call put_details(case, values, note)
         if (wanted%free) call find_free_constants(case, wanted, values, note)
-        if (any([wanted%growth, wanted%lyapunov, wanted%singular, wanted%multiplier])) then
+        if (wanted%stability()) then
             call put_stability(case, wanted, max_steps, values, status, note)
         end if
         if (wanted%inherent) then

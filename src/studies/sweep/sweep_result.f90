@@ -38,6 +38,8 @@ module spintop_sweep_result
         logical :: measured = .false. !! more of the nutation, which is measured unless the body is symmetric
         logical :: turns = .false. !! phi and psi with all their turns
         logical :: proof = .false. !! bounds of the errors
+    contains
+        procedure :: stability => wants_stability
     end type sweep_work_t
 
     !> The quantities of a case; their units and meanings are those of the columns.
@@ -71,5 +73,13 @@ module spintop_sweep_result
         real(dp) :: bounds(proof_count) = nan
         integer :: proof = 0
     end type sweep_result_t
+
+contains
+
+    !> Whether any quantity of the stability of the motion is wanted.
+    pure logical function wants_stability(self)
+        class(sweep_work_t), intent(in) :: self
+        wants_stability = self%growth .or. self%lyapunov .or. self%singular .or. self%multiplier
+    end function wants_stability
 
 end module spintop_sweep_result

@@ -307,7 +307,7 @@ contains
         work = work_for(known(job%columns))
         ! Beside the formulas of a fast top.
         if (any([work%period, work%end, work%energy, work%oracle, work%cost, work%inherent, work%details, &
-                 work%growth, work%lyapunov, work%singular, work%multiplier])) return
+                 work%stability()])) return
         text = ' The selected columns need only the closed form of the nutation: no case is integrated.'
     end function remark
 

@@ -80,8 +80,7 @@ contains
             description%facts = facts
             description%columns = file%columns
             description%axes = grid_of(job%axes)
-            description%part = ''
-            if (shard%is_part()) description%part = shard%line(job%axes%cases)
+            description%part = shard%beginning(job%axes%cases)
             if (job%scene%compression /= unset_integer) description%compression = job%scene%compression
         end associate
         call move_alloc(file, table)

@@ -114,8 +114,7 @@ contains
     pure logical function come_from_kernel(wanted)
         type(sweep_work_t), intent(in) :: wanted
         come_from_kernel = kernel_runs(wanted) .and. &
-            .not. (wanted%details .or. wanted%inherent .or. wanted%growth .or. wanted%lyapunov .or. wanted%singular &
-                   .or. wanted%free .or. wanted%proof)
+            .not. (wanted%details .or. wanted%inherent .or. wanted%stability() .or. wanted%free .or. wanted%proof)
     end function come_from_kernel
 
     !> Computes the cases of a block. A case is done if its row is complete and without notes.

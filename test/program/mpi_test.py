@@ -1,5 +1,6 @@
 """Sweeps shared out among the ranks of MPI: the same bytes, and nothing that can be lost."""
 
+import contextlib
 import os
 import random
 import shlex
@@ -58,12 +59,19 @@ class RanksCase(SurvivalCase):
                 try:
                     here = (process / "cwd").readlink() == self.folder.resolve()
                     if here and (process / "exe").readlink() == Path(MPI_PROGRAM).resolve():
-                        files = [str(file.readlink()) for file in (process / "fd").iterdir()]
-                        is_writer = any(file.endswith(".csv.part") for file in files)
-                        found[int(process.name)] = is_writer
+                        found[int(process.name)] = self.writes(process)
                 except (FileNotFoundError, PermissionError, ProcessLookupError):
                     continue
         return found
+
+    @staticmethod
+    def writes(process: Path) -> bool:
+        """Whether a process has the table open, while it opens and closes others."""
+        for file in (process / "fd").iterdir():
+            with contextlib.suppress(FileNotFoundError):
+                if str(file.readlink()).endswith(".csv.part"):
+                    return True
+        return False
 
     def wait_for_all_to_end(self) -> None:
         """A launcher may end before its ranks."""

@@ -17,7 +17,7 @@ module spintop_lane_series
     use spintop_formulation, only: max_series_order
     implicit none
     private
-    public :: expand, lanes, parts, quotient, numerator, rows
+    public :: expand, lanes, parts, quotient, numerator, rows, share, share_rest
 
     !> Number of lanes: that of doubles in the widest vectors of current processors. lane_series.c repeats it.
     integer, parameter :: lanes = 8

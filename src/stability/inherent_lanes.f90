@@ -18,6 +18,7 @@ module spintop_inherent_lanes
     use spintop_stepper, only: controls_t
     use spintop_tangent_lanes, only: body_change_t, components, tangent_lanes_t
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
+    use spintop_validity, only: plain_body_status
     implicit none
     private
     public :: inherent_lanes_t, find_inherent_error
@@ -216,6 +217,8 @@ contains
         type(controls_t) :: controls
 
         error = 0
+        status = plain_body_status(body)
+        if (status /= status_ok) return
         controls%relative_tolerance = enough
         controls%absolute_tolerance = enough
         controls%max_steps = max_steps

@@ -37,6 +37,7 @@ module spintop_effects
         procedure :: is_dry
         procedure :: has_cusps
         procedure :: has_friction
+        procedure :: are_analytic
         procedure :: do_work
         procedure :: depends_on_time
         procedure :: shifts_angles
@@ -67,6 +68,12 @@ contains
         class(effects_t), intent(in) :: self
         has_friction = self%friction_torque > 0 .or. self%friction_arm > 0
     end function has_friction
+
+    !> Whether all effects have power series, but where a speed is zero: all but dry friction and tables of torques.
+    pure logical function are_analytic(self)
+        class(effects_t), intent(in) :: self
+        are_analytic = .not. (self%has_friction() .or. allocated(self%table))
+    end function are_analytic
 
     !> Whether there is dry friction by the exact law, under which the body may stick.
     pure logical function is_dry(self)

@@ -12,7 +12,7 @@ module spintop_loads
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: loads_t, find_loads, find_kinematics, total_momentum, rotor_momentum_at
+    public :: loads_t, acceleration, find_loads, find_kinematics, total_momentum, rotor_momentum_at
     public :: momentum_rate, frame_energy, friction_jams, works
     public :: work_names, work_damping, work_friction, work_drag, work_vibration, work_torque, work_rotor
 
@@ -252,6 +252,14 @@ contains
         u = pull / (rate * inertia + dry)
         u = u / norm2(u)
     end function start_direction
+
+    !> The angular acceleration under the loads, w' = I^-1 (P' - h') - O x w, rad/s^2.
+    pure function acceleration(body, loads)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(loads_t), intent(in) :: loads !! what acts on it
+        real(dp) :: acceleration(3)
+        acceleration = (loads%rate - loads%drive) / body%inertia - cross(loads%frame, loads%omega)
+    end function acceleration
 
     !> Power of each part of the work, W.
     pure function power(self)

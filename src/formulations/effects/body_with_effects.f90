@@ -12,7 +12,7 @@ module spintop_body_with_effects
     use spintop_effects_series_quadruple, only: expand_in_quadruple => find_series
     use spintop_formulation, only: formulation_info_t, max_invariants
     use spintop_kinds, only: dp, pi, qp
-    use spintop_loads, only: find_kinematics, find_loads, loads_t, total_momentum, works
+    use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, total_momentum, works
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_motion_scales, only: motion_scales_t, motion_scales
     use spintop_rigid_body, only: body_turns_t, rigid_body_t
@@ -180,14 +180,6 @@ contains
             call follow_angles(y_last(1:4), last%omega, y(1:4), now%omega, t - t_last, angle, sure)
         end if
     end subroutine follow
-
-    !> The angular acceleration under the loads, w' = I^-1 (P' - h') - O x w, rad/s^2.
-    pure function acceleration(body, loads)
-        type(body_t), intent(in) :: body
-        type(loads_t), intent(in) :: loads
-        real(dp) :: acceleration(3)
-        acceleration = (loads%rate - loads%drive) / body%inertia - cross(loads%frame, loads%omega)
-    end function acceleration
 
     !> None: effects do work, and turn the momentum.
     pure subroutine invariants(self, y, values)

@@ -4,9 +4,10 @@
 !>
 !>     U' = U x w_a + h x w_a + m (g G + a) x r - d w + M - sum of y z - h',   q' = q (0, w)/2,   row' = row x w
 !>
-!> (see `spintop_loads`); the rows of the rotation are G, the vertical, and where they are needed X and Y. The drag of the air
-!> is y z with y = (x.x)^b, where x and z are linear in w: z = k w with x = w, and z = c r x (w x r) with x = w x r. Each term
-!> enters the next one by a matrix, its products with first terms: see effects_series.c.
+!> (see `spintop_loads`); the rows of the rotation are G, the vertical, and where they are needed X and Y, or what is made of
+!> them for a pivot that vibrates. The drag of the air is y z with y = (x.x)^b, where x and z are linear in w: z = k w with x = w,
+!> and z = c r x (w x r) with x = w x r. Each term enters the next one by a matrix, its products with first terms: see
+!> effects_series.c.
 module spintop_smooth_effects_series
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_body, only: body_t
@@ -38,7 +39,7 @@ module spintop_smooth_effects_series
         real(c_double), dimension(room) :: coupling = 0, inverse_inertia = 0, damping = 0, arm = 0, frame_rate = 0
         real(c_double), dimension(room) :: torque_body = 0, torque_space = 0, rotor_torque = 0
         type(drag_t) :: drag(most_drags) = drag_t()
-        real(c_double) :: gravity = 0
+        real(c_double) :: gravity = 0, circle = 0
         integer(c_int) :: drags = 0, has_sides = 0, turns = 0, is_driven = 0, vibrates = 0
     end type constants_t
 
@@ -78,7 +79,7 @@ contains
         real(dp) :: v(3)
         integer :: k
 
-        self%holds = .not. (effects%has_friction() .or. allocated(effects%table))
+        self%holds = effects%are_analytic()
         if (.not. self%holds) return
         v = 1 / body%inertia
         self%rotor_momentum = effects%rotor_momentum
@@ -113,6 +114,12 @@ contains
             of%vibrates = merge(1, 0, any(abs(self%amplitude) > 0))
             of%has_sides = merge(1, 0, any(abs(o(:2)) > 0) .or. any(abs(effects%torque_space(:2)) > 0) &
                                  .or. any(abs(self%amplitude(:2)) > 0))
+            if (any(abs(self%amplitude(:2)) > 0) .and. .not. (any(abs(o) > 0) .or. any(abs(effects%torque_space(:2)) > 0))) then
+                of%vibrates = 0
+                of%circle = self%rate
+                of%side_frame(:3, 1) = self%rate
+                of%side_frame(5:7, 1) = -self%rate
+            end if
         end associate
         self%rate_power(0) = 1
         do k = 1, max_series_order
@@ -178,12 +185,28 @@ contains
         state(21:23) = h
         pivot(:, 0) = 0
         if (self%of%vibrates > 0) call self%expand_pivot(t, order, pivot)
+        if (abs(self%of%circle) > 0) call put_pivot(self, t, state, pivot(:, 0))
         call c_expand(order, self%of, state, pivot, share, coefficient, has_series)
         exists = has_series > 0
         if (.not. exists) return
         coefficient(:, 0) = y
         coefficient(5:7, 1) = coefficient(5:7, 1) + self%of%rotor_torque(:3)
     end subroutine find
+
+    !> Replaces X and Y by the acceleration B of the pivot and by C = (RB)'/W in body axes, where nothing else needs them:
+    !> B' = B x w + W C, C' = C x w - W B. `pivot` are the factors of X and Y in the acceleration.
+    pure subroutine put_pivot(self, t, state, pivot)
+        class(smooth_series_t), intent(in) :: self
+        real(dp), intent(in) :: t
+        real(dp), intent(inout) :: state(:), pivot(3)
+        real(dp) :: rows(3, 3), space(3, 0:max_series_order)
+        space = 0
+        call self%expand_pivot(t, 1, space)
+        rows = reshape([state(13:15), state(17:19), state(9:11)], [3, 3])
+        state(13:15) = matmul(rows, space(:, 0))
+        state(17:19) = matmul(rows, space(:, 1)) / self%rate
+        pivot = [1, 0, 0]
+    end subroutine put_pivot
 
     !> Terms of the acceleration of the pivot in space axes, z'' + 2 O x z' + O x (O x z) with z = A cos(W t + f): the
     !> term k of cos(W t + f) is W^k/k! cos(W t + f + k pi/2).

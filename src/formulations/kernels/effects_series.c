@@ -25,7 +25,7 @@ struct effects {
     double coupling[half], inverse_inertia[half], damping[half], arm[half], frame_rate[half];
     double torque_body[half], torque_space[half], rotor_torque[half];
     struct drag drag[2];
-    double gravity;
+    double gravity, circle; // of (X, Y), which turn by this rate beside the body where they are the motion of the pivot
     int drags, has_sides, turns, is_driven, vibrates;
 };
 

@@ -51,7 +51,8 @@ inlined int find_first_terms(const struct effects *e, const struct kinds *has, c
     f->slope[0] = component(w, 0) * ((half_vector){-0.5, 0.5, 0.5, -0.5} * shuffle(q, q, 1, 0, 3, 2))
                   + component(w, 1) * ((half_vector){-0.5, -0.5, 0.5, 0.5} * shuffle(q, q, 2, 3, 0, 1))
                   + component(w, 2) * ((half_vector){-0.5, 0.5, -0.5, 0.5} * shuffle(q, q, 3, 2, 1, 0));
-    f->slope[1] = rate, f->slope[2] = cross(&g, &w), f->slope[3] = cross(&x, &w), f->slope[4] = cross(&y, &w);
+    f->slope[1] = rate, f->slope[2] = cross(&g, &w);
+    f->slope[3] = cross(&x, &w) + e->circle * y, f->slope[4] = cross(&y, &w) - e->circle * x;
     for (int i = 0; i < 3; ++i) {
         const half_vector one = unit[i], of_arm = cross(&one, &arm);
         f->linear[i][0] = coupling * (shuffle(one, one, 1, 2, 0, 3) * u_right + u_left * shuffle(one, one, 2, 0, 1, 3))

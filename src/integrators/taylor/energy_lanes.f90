@@ -4,19 +4,21 @@ module spintop_energy_lanes
     use spintop_body, only: body_t
     use spintop_lane_watch, only: lane_watch_t
     use spintop_motion, only: motion_t
-    use spintop_quantities, only: energy_scale
+    use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
+    use spintop_work_lanes, only: work_lanes_t
     implicit none
     private
     public :: energy_lanes_t
 
-    !> Watches the energy; `error_max` is the largest relative error of each case.
+    !> Watches the energy, of bodies with effects less their work; `error_max` is the largest relative error of each case.
     type, extends(lane_watch_t) :: energy_lanes_t
         real(dp), allocatable :: error_max(:)
         !> Half the moments of inertia, and the torque of gravity, both over the scale of the energy; the energy at
         !> the start, likewise.
         real(dp), dimension(lanes, 3), private :: half_inertia = 0, moment = 0
         real(dp), dimension(lanes), private :: at_start = 0, largest = 0
+        type(work_lanes_t), private :: work
     contains
         procedure :: prepare
         procedure :: begin
@@ -47,15 +49,24 @@ contains
         call find_energies(self, run, energy)
         self%at_start(lane) = energy(lane)
         self%largest(lane) = 0
+        if (.not. allocated(body%effects)) return
+        self%at_start(lane) = (kinetic_energy(body, start) + potential_energy(body, start)) / energy_scale(body, start)
+        call self%work%begin(lane, body, energy_scale(body, start))
     end subroutine begin
 
     !> Takes the errors at the ends of the last step.
     subroutine look(self, run)
         class(energy_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(inout) :: run !! the lanes
-        real(dp) :: energy(lanes)
+        real(dp), dimension(lanes) :: energy, frame, scale
         integer :: i
         call find_energies(self, run, energy)
+        if (allocated(run%effects)) then
+            call self%work%add_step(run)
+            call self%work%frame_energies(run, frame)
+            scale = max(1.0_dp, sum(abs(self%work%done), dim=2))
+            energy = self%at_start + (energy + frame - self%at_start - sum(self%work%done, dim=2)) / scale
+        end if
         !$omp simd
         do i = 1, lanes
             energy(i) = abs(energy(i) - self%at_start(i))

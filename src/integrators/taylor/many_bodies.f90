@@ -8,13 +8,15 @@ module spintop_many_bodies
     use spintop_compare, only: is_finite
     use spintop_euler_poisson, only: euler_poisson_rate
     use spintop_integration, only: outcome_t
+    use spintop_lane_effects, only: kinds_of, lane_kinds_t
     use spintop_lane_watch, only: watch_slot_t
+    use spintop_loads, only: acceleration, find_loads, loads_t, total_momentum
     use spintop_motion, only: motion_t
-    use spintop_status, only: status_ok, status_bad_input, status_bad_span
+    use spintop_status, only: status_ok, status_bad_input, status_bad_span, status_unsuitable
     use spintop_stepper, only: controls_t, method_info_t
     use spintop_suitability, only: controls_status
     use spintop_taylor_lanes, only: taylor_lanes_t, lanes
-    use spintop_validity, only: plain_body_status, motion_status
+    use spintop_validity, only: body_status, motion_status
     implicit none
     private
     public :: integrate_many
@@ -22,14 +24,19 @@ module spintop_many_bodies
     !> The method against which settings are checked: adaptive, with a tolerance.
     type(method_info_t), parameter :: lanes_info = method_info_t(name='taylor', adaptive=.true.)
 
+    !> Cases that are not integrated, and bodies without effects.
+    integer, parameter :: refused = 0, plain = 1
+
 contains
 
     !> Integrates each body from its start over its span, and returns the motions at the ends and their
     !> outcomes. phi and psi count all their turns. `controls` contains the tolerances and the maximum number
-    !> of steps per case. Any body is possible, damped or undamped, in any attitude. The result of a case does
-    !> not depend on the others. A case that fails returns the last motion that it reached; a case that is
-    !> refused (`status_non_finite`, `status_bad_body`, `status_bad_start`, `status_bad_span`) returns its
-    !> start. All cases are refused if the settings are not valid, or if the sizes of the arrays differ.
+    !> of steps per case. Any body is possible, damped or undamped, in any attitude, and with effects but dry friction and
+    !> tables of torques (`status_unsuitable`). The result of a case does not depend on the others. A case that fails
+    !> returns the last motion that it reached, also where a drag has no series because a speed is zero
+    !> (`status_non_finite`, `status_step_too_small`); a case that is refused (`status_non_finite`, `status_bad_body`,
+    !> `status_bad_start`, `status_bad_span`) returns its start. All cases are refused if the settings are not valid, or if
+    !> the sizes of the arrays differ.
     subroutine integrate_many(controls, bodies, starts, t_end, ends, outcomes, watches)
         type(controls_t), intent(in) :: controls !! settings of the method
         type(body_t), intent(in) :: bodies(:) !! mass properties, one for each case
@@ -38,8 +45,7 @@ contains
         type(motion_t), intent(out) :: ends(:) !! motions at the end of the span, one for each case
         type(outcome_t), intent(out) :: outcomes(:) !! status, time reached and cost of each case
         type(watch_slot_t), intent(inout), optional :: watches(:) !! measure quantities along the motions
-        type(taylor_lanes_t), target :: run
-        integer :: case_in(lanes), next, lane, i, watching
+        integer :: kind(size(bodies)), i
 
         outcomes%status = controls_status(lanes_info, controls)
         if (any([size(starts), size(t_end), size(ends), size(outcomes)] /= size(bodies))) then
@@ -47,12 +53,69 @@ contains
             return
         end if
         if (any(outcomes%status /= status_ok)) return
+        if (present(watches)) then
+            do i = 1, size(watches)
+                call watches(i)%watch%prepare(size(bodies))
+            end do
+        end if
+        do i = 1, size(bodies)
+            outcomes(i)%status = case_status(bodies(i), starts(i), t_end(i))
+            kind(i) = kind_of(bodies(i))
+            if (outcomes(i)%status == status_ok) cycle
+            kind(i) = refused
+            ends(i) = starts(i)
+        end do
+        do while (any(kind /= refused))
+            i = maxval(kind)
+            call integrate_kind(controls, pack([(i, i=1, size(kind))], kind == i), bodies, starts, t_end, ends, outcomes, watches)
+            where (kind == i) kind = refused
+        end do
+    end subroutine integrate_many
+
+    !> Whether the equations hold for a case.
+    pure integer function case_status(body, start, t_end) result(status)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        real(dp), intent(in) :: t_end
+        status = body_status(body)
+        if (status == status_ok .and. allocated(body%effects)) then
+            if (.not. body%effects%are_analytic()) status = status_unsuitable
+        end if
+        if (status == status_ok) status = motion_status(start, body)
+        if (status == status_ok .and. .not. (t_end >= 0 .and. is_finite(t_end))) status = status_bad_span
+    end function case_status
+
+    !> A number of the effects on a body: `plain` without any, and the same for bodies with the same effects. Those are
+    !> integrated together, so that no sum of a body depends on the effects on others.
+    pure integer function kind_of(body) result(kind)
+        type(body_t), intent(in) :: body
+        type(lane_kinds_t) :: kinds
+        kind = plain
+        if (.not. allocated(body%effects)) return
+        kinds = kinds_of(body)
+        kind = plain + 1 + kinds%turns + 2 * (kinds%twists + 2 * (kinds%vibrates + 2 * kinds%drags))
+    end function kind_of
+
+    !> Integrates the cases with the same effects.
+    subroutine integrate_kind(controls, cases, bodies, starts, t_end, ends, outcomes, watches)
+        type(controls_t), intent(in) :: controls
+        integer, intent(in) :: cases(:) !! their numbers
+        type(body_t), intent(in) :: bodies(:)
+        type(motion_t), intent(in) :: starts(:)
+        real(dp), intent(in) :: t_end(:)
+        type(motion_t), intent(inout) :: ends(:)
+        type(outcome_t), intent(inout) :: outcomes(:)
+        type(watch_slot_t), intent(inout), optional :: watches(:)
+        type(taylor_lanes_t), target :: run
+        integer :: case_in(lanes), next, lane, i, watching
+
         watching = 0
         if (present(watches)) watching = size(watches)
-        do i = 1, watching
-            call watches(i)%watch%prepare(size(bodies))
-        end do
-        call run%set(controls)
+        if (allocated(bodies(cases(1))%effects)) then
+            call run%set(controls, kinds_of(bodies(cases(1))))
+        else
+            call run%set(controls)
+        end if
         case_in = 0
         next = 1
         do
@@ -65,13 +128,14 @@ contains
                         end do
                     end if
                     case_in(lane) = 0
-                    call skip_refused()
-                    if (next > size(bodies)) exit
-                    call run%load(lane, bodies(next), starts(next), t_end(next))
-                    do i = 1, watching
-                        call watches(i)%watch%begin(run, lane, bodies(next), starts(next))
-                    end do
-                    case_in(lane) = next
+                    if (next > size(cases)) exit
+                    associate (case => cases(next))
+                        call run%load(lane, bodies(case), starts(case), t_end(case))
+                        do i = 1, watching
+                            call watches(i)%watch%begin(run, lane, bodies(case), starts(case))
+                        end do
+                        case_in(lane) = case
+                    end associate
                     next = next + 1
                 end do
             end do
@@ -81,26 +145,7 @@ contains
                 call watches(i)%watch%look(run)
             end do
         end do
-
-    contains
-
-        !> Moves to the next case that can be loaded.
-        subroutine skip_refused()
-            do while (next <= size(bodies))
-                associate (status => outcomes(next)%status)
-                    status = plain_body_status(bodies(next))
-                    if (status == status_ok) status = motion_status(starts(next), bodies(next))
-                    if (status == status_ok) then
-                        if (t_end(next) >= 0 .and. is_finite(t_end(next))) return
-                        status = status_bad_span
-                    end if
-                end associate
-                ends(next) = starts(next)
-                next = next + 1
-            end do
-        end subroutine skip_refused
-
-    end subroutine integrate_many
+    end subroutine integrate_kind
 
     !> The motion in a lane, and its outcome.
     subroutine unload(run, lane, body, motion, outcome)
@@ -110,12 +155,19 @@ contains
         type(motion_t), intent(out) :: motion
         type(outcome_t), intent(out) :: outcome
         real(dp) :: rate(6)
+        type(loads_t) :: loads
 
         outcome%status = run%status(lane)
         outcome%t = run%now%t(lane)
         outcome%counts%steps = run%steps(lane)
         outcome%counts%evaluations = run%order * run%steps(lane)
         motion = run%motion(lane)
+        if (allocated(body%effects)) then
+            call find_loads(body, body%effects, motion%t, motion%quaternion, &
+                            total_momentum(body, motion%t, motion%quaternion, motion%omega), loads)
+            motion%omega_rate = acceleration(body, loads)
+            return
+        end if
         rate = euler_poisson_rate(body, [run%now%state(lane, 4:6), body%inertia * motion%omega])
         motion%omega_rate = rate(4:6) / body%inertia
     end subroutine unload

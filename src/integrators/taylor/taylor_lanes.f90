@@ -10,6 +10,7 @@ module spintop_taylor_lanes
     use spintop_kinds, only: dp, pi, qp
     use spintop_attitude, only: nearest_turn, vertical_from_quaternion
     use spintop_body, only: body_t
+    use spintop_lane_effects, only: lane_effects_t, lane_kinds_t, more_rows
     use spintop_lane_series, only: expand, lanes, parts, rows
     use spintop_lane_steps, only: add_terms, border, choose_durations, closest_to_pole, follow, largest_turn, &
         non_finite, pole_bend, sharp, straight, turns_far
@@ -55,6 +56,9 @@ module spintop_taylor_lanes
         !> half as long again.
         type(lane_numbers_t), pointer :: now => null()
         real(dp), pointer, contiguous :: c(:, :, :) => null()
+        !> The effects on the bodies, if there are any, and the coefficients of their rows, likewise.
+        type(lane_effects_t), allocatable :: effects
+        real(dp), pointer, contiguous :: more(:, :, :) => null()
         !> `status_ok`, or the reason why a lane does not continue.
         integer :: status(lanes) = status_ok
         integer(int64) :: steps(lanes) = 0
@@ -80,22 +84,32 @@ module spintop_taylor_lanes
 contains
 
     !> Makes all lanes empty. A copy of the lanes is to be set again.
-    subroutine set(self, controls)
+    subroutine set(self, controls, kinds)
         class(taylor_lanes_t), target, intent(inout) :: self
         type(controls_t), intent(in) :: controls !! tolerances and maximum number of steps
+        type(lane_kinds_t), intent(in), optional :: kinds !! which effects all bodies have; without it they have none
         type(lane_numbers_t) :: empty
         integer, parameter :: bits = storage_size(1.0_dp), numbers = storage_size(empty) / bits
-        integer :: first, terms
+        integer :: first, terms, others
 
         self%controls = controls
         self%order = order_for(controls%relative_tolerance, order_at_one, order_a_digit)
         terms = lanes * rows * (self%order + 1)
+        others = 0
+        if (allocated(self%effects)) deallocate (self%effects)
+        if (present(kinds)) then
+            allocate (self%effects)
+            self%effects%kinds = kinds
+            others = lanes * more_rows * (self%order + 1)
+        end if
         if (allocated(self%room)) deallocate (self%room)
-        allocate (self%room(terms + numbers + line), source=0.0_dp)
+        allocate (self%room(terms + others + numbers + line), source=0.0_dp)
         first = start_of_line(self%room)
         self%c(1:lanes, 1:rows, 0:self%order) => self%room(first:first + terms - 1)
         call c_f_pointer(c_loc(self%room(first + terms)), self%now)
         self%now = empty
+        first = first + terms + numbers
+        if (others > 0) self%more(1:lanes, 1:more_rows, 0:self%order) => self%room(first:first + others - 1)
     end subroutine set
 
     !> The first number of an array that begins a cache line.
@@ -111,7 +125,7 @@ contains
     subroutine load(self, lane, body, start, t_end)
         class(taylor_lanes_t), intent(inout) :: self
         integer, intent(in) :: lane !! index of the lane
-        type(body_t), intent(in) :: body !! mass properties of the body
+        type(body_t), intent(in) :: body !! mass properties of the body, with the effects that all have
         type(motion_t), intent(in) :: start !! the motion at the start
         real(dp), intent(in) :: t_end !! end of the span, s
         real(dp) :: q(4), vertical(3), side, half, turns
@@ -141,6 +155,7 @@ contains
             now%pull(lane, :) = cshift(moment, -1) / inertia
             now%swing(lane, :) = cshift(moment, 1) / inertia
         end associate
+        if (allocated(self%effects)) call self%effects%put(lane, body)
         self%steps(lane) = 0
         self%status(lane) = status_ok
     end subroutine load
@@ -154,7 +169,11 @@ contains
         integer :: lane
 
         associate (now => self%now, c => self%c)
-            call expand(self%order, now%coupling, now%decay, now%pull, now%swing, now%side, now%state, c)
+            if (allocated(self%effects)) then
+                call self%effects%expand(self%order, now%t, now%side, now%state, c, self%more)
+            else
+                call expand(self%order, now%coupling, now%decay, now%pull, now%swing, now%side, now%state, c)
+            end if
             call choose_durations(self%order, self%controls, c, now%scale, now%t, now%t_end, self%steps, &
                                   now%h, now%duration, trouble, worst)
             if (worst > 0) call end_lanes(self, trouble)
@@ -207,12 +226,13 @@ contains
         integer :: lane
         associate (now => self%now)
             do lane = 1, lanes
-                if (.not. (trouble(lane) > 0 .and. now%t(lane) < now%t_end(lane))) cycle
+                if (.not. trouble(lane) > 0) cycle
+                now%duration(lane) = 0
+                if (.not. now%t(lane) < now%t_end(lane)) cycle
                 self%status(lane) = status_non_finite
                 if (trouble(lane) < non_finite) self%status(lane) = status_step_too_small
                 if (self%steps(lane) >= self%controls%max_steps) self%status(lane) = status_step_limit
                 now%t_end(lane) = now%t(lane)
-                now%duration(lane) = 0
             end do
         end associate
     end subroutine end_lanes

@@ -4,6 +4,7 @@ module spintop_sweep_batch
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
+    use spintop_body_with_effects, only: body_with_effects_t
     use spintop_case, only: case_t
     use spintop_exact_block, only: block_size
     use spintop_integration, only: outcome_t
@@ -13,7 +14,7 @@ module spintop_sweep_batch
     use spintop_plan, only: plan_t
     use spintop_projection, only: project_nothing
     use spintop_rigid_body, only: rigid_body_t
-    use spintop_status, only: status_ok, status_meanings
+    use spintop_status, only: status_meanings, status_non_finite, status_ok, status_step_too_small
     use spintop_stepper, only: controls_t
     use spintop_sweep_notes, only: note_t
     use spintop_sweep_quantities, only: find_free_constants, put_fast_top, put_end
@@ -37,6 +38,9 @@ module spintop_sweep_batch
         type(motion_t), allocatable, private :: ends(:)
         type(outcome_t), allocatable, private :: outcomes(:)
         type(sweep_watches_t), private :: watches
+        !> Positions of cases of the last call that are to be computed alone: in lanes a motion with effects came to a point
+        !> where it has no series.
+        integer :: left(block_size) = 0, n_left = 0
     contains
         procedure :: add
         procedure :: compute
@@ -45,12 +49,13 @@ module spintop_sweep_batch
 contains
 
     !> Whether a case can be computed together with others: a body without a closed form, with Taylor's method
-    !> for the equations of any body, with a plan that is the same for all, and with no event before the end that the
-    !> watches in lanes do not find.
-    logical function goes_in_batch(job, case, plan)
+    !> for the equations of any body, with effects that have series and without, with a plan that is the same for all, and
+    !> with no event before the end that the watches in lanes do not find.
+    logical function goes_in_batch(job, case, plan, wanted)
         type(job_t), intent(in) :: job !! the job
         type(case_t), intent(in) :: case !! body, start and span
         type(plan_t), intent(in) :: plan !! model, method and settings
+        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
         goes_in_batch = .false.
         if (plan%exact .or. case%body%is_lagrange()) return
         if (job%axes%varies('integration')) return
@@ -61,9 +66,18 @@ contains
             select type (formulation => plan%formulation)
             type is (rigid_body_t)
                 goes_in_batch = .true.
+            type is (body_with_effects_t)
+                goes_in_batch = case%body%effects%are_analytic() .and. .not. needs_plain_body(wanted)
             end select
         end select
     end function goes_in_batch
+
+    !> Whether watches in lanes would find a quantity by equations that hold without effects.
+    pure logical function needs_plain_body(wanted)
+        type(sweep_work_t), intent(in) :: wanted
+        needs_plain_body = wanted%inherent .or. wanted%lyapunov .or. wanted%singular .or. wanted%nutation_rate &
+            .or. wanted%vertical_force .or. wanted%force
+    end function needs_plain_body
 
     !> Adds a case, the k-th of its block.
     subroutine add(self, case, plan, k)
@@ -83,7 +97,8 @@ contains
         self%t_end(self%n) = case%t_end
     end subroutine add
 
-    !> Computes the quantities of the waiting cases, at their positions in the block; the list is then empty.
+    !> Computes the quantities of the waiting cases, at their positions in the block; the list is then empty, but
+    !> for those that are `left`.
     subroutine compute(self, job, cases, wanted, values, status, note)
         class(sweep_batch_t), intent(inout) :: self
         type(job_t), intent(in) :: job !! the job, the same in every call
@@ -113,9 +128,15 @@ contains
             call integrate_many(self%controls, self%bodies(:n), self%starts(:n), self%t_end(:n), &
                                 self%ends(:n), self%outcomes(:n), self%watches%slots)
         end associate
+        self%n_left = 0
         do i = 1, self%n
             k = self%place(i)
             status(k) = self%outcomes(i)%status
+            if (allocated(self%bodies(i)%effects) .and. any(status(k) == [status_non_finite, status_step_too_small])) then
+                self%n_left = self%n_left + 1
+                self%left(self%n_left) = k
+                cycle
+            end if
             values(k) = sweep_result_t()
             call note(k)%clear()
             max_steps = self%controls%max_steps - self%outcomes(i)%counts%steps

@@ -30,6 +30,9 @@ module spintop_sweep_watches
     !> Least sine of an inclination whose passages are found by its cosine.
     real(dp), parameter :: least_sine = 1.0e-3_dp
 
+    !> Columns that depend on the frame and the rotor of a body with effects.
+    character(*), parameter :: plain_columns(*) = [character(9) :: 'l3', 'lz', 'potential', 'energy']
+
     !> Watches for the work of a sweep; `slots` is passed to `integrate_many`.
     type :: sweep_watches_t
         type(watch_slot_t), allocatable :: slots(:)
@@ -64,6 +67,8 @@ contains
                     ! Either angle passes any value.
                 case default
                     if (all(form_columns /= events(i)%column%name)) return
+                    ! Their forms are those of a body without effects.
+                    if (allocated(case%body%effects) .and. any(plain_columns == events(i)%column%name)) return
                 end select
             end associate
         end do

@@ -94,7 +94,10 @@ contains
     !> Number of cases in a block of a sweep.
     integer function size_of_block(job)
         type(job_t), intent(in) :: job !! the job
-        size_of_block = merge(block_size, block_of_stepping, job%plan%exact .or. goes_in_batch(job, job%case, job%plan))
+        type(sweep_column_t), allocatable :: known(:)
+        allocate (known, source=sweep_columns())
+        size_of_block = merge(block_size, block_of_stepping, job%plan%exact &
+                              .or. goes_in_batch(job, job%case, job%plan, work_for(known(job%columns))))
     end function size_of_block
 
     !> Makes the scene, the case and the plan of the thread.
@@ -223,7 +226,7 @@ contains
                 call load_lane(case, worker%wanted, worker%block, worker%lane(k))
             else if (goes_in_free_block(job, case, plan, worker%wanted)) then
                 call worker%free%add(case, plan%max_steps, k)
-            else if (goes_in_batch(job, case, plan)) then
+            else if (goes_in_batch(job, case, plan, worker%wanted)) then
                 call worker%batch%add(case, plan, k)
             else
                 call charge(worker%making, worker%since)
@@ -239,7 +242,7 @@ contains
         class(sweep_worker_t), intent(inout) :: worker
         type(job_t), intent(in) :: job
         integer, intent(in) :: n
-        integer :: k
+        integer :: i, k
 
         associate (wanted => worker%wanted)
             if (any(worker%lane(:n) > 0) .and. kernel_runs(wanted)) then
@@ -248,6 +251,12 @@ contains
             call worker%free%compute(worker%cases, wanted, worker%max_steps, worker%values, worker%status, worker%note)
             if (worker%batch%n > 0) then
                 call worker%batch%compute(job, worker%cases, wanted, worker%values, worker%status, worker%note)
+                do i = 1, worker%batch%n_left
+                    k = worker%batch%left(i)
+                    call worker%note(k)%clear()
+                    call compute_stepping(worker%cases(k), worker%plans(worker%kind(k))%plan, wanted, job%events, &
+                                          job%stop_after, worker%values(k), worker%status(k), worker%note(k))
+                end do
             end if
             do k = 1, n
                 if (worker%lane(k) == 0) cycle

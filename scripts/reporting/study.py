@@ -4,11 +4,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from reporting.cells import texts_of
 from reporting.errata import Erratum, errata_for
 from reporting.key_numbers import key_numbers
 from reporting.pictures import Picture, pictures_of
+from reporting.proved import SUFFIX, proved_texts
 from spintop_figures.moving.data import Data, rows_kept
 from spintop_figures.moving.motion import refusal
 from spintop_figures.tables.characters import printable
@@ -108,6 +110,23 @@ class Section:
         """The resolved namelist as it stands in the header."""
         return self.table.input
 
+    def is_proved(self, name: str) -> bool:
+        """Whether a column has proved bounds beside it."""
+        rows = self.table.rows
+        bounds = name + SUFFIX
+        return bounds in rows and self.table.numeric(name) and self.table.numeric(bounds)
+
+    @property
+    def has_proofs(self) -> bool:
+        """Whether digits of the table are proved."""
+        return any(self.is_proved(name) for name in self.table.rows)
+
+    def texts(self, part: pd.DataFrame, name: str) -> list[str]:
+        """The cells of a column as texts."""
+        if self.is_proved(name):
+            return proved_texts(list(part[name]), list(part[name + SUFFIX]))
+        return texts_of(part[name])
+
     def shown_rows(self) -> tuple[list[list[str]], str]:
         """The rows to show as texts, and which those are; empty if they are all."""
         rows = self.table.rows
@@ -120,7 +139,7 @@ class Section:
         if self.table.stride > 1:
             which = f"{which or 'rows'}, of one case in {self.table.stride}"
         part = rows.iloc[keep]
-        cells = [texts_of(part[name]) for name in part]
+        cells = [self.texts(part, name) for name in part]
         return [list(row) for row in zip(*cells, strict=True)], which
 
 

@@ -28,6 +28,8 @@ static int component(acb_t value, arb_t phase, const top_motion *m, const top_co
     arb_t factor, other;
     arb_init(factor), arb_init(other);
     if (!m->is_plane) arb_addmul(phase, is_plus ? BALL(m, kappa_plus) : BALL(m, kappa_minus), time, bits);
+    else if (is_plus) arb_addmul(phase, BALL(m, half), time, bits);
+    else arb_submul(phase, BALL(m, half), time, bits);
     if (starts_here) {
         real_part(factor, now, is_plus, m->is_dual);
         arb_div(factor, factor, BALL(m, start_rate), bits), arb_mul(factor, factor, BALL(m, theta_rate), bits);
@@ -101,6 +103,36 @@ static void turn_back(arb_ptr answer, slong bits)
     arb_clear(pi);
 }
 
+/* phi and psi of a quaternion, but for whole turns; NaN on a pole. */
+static void angles_of(arb_ptr answer, slong bits)
+{
+    static const int which[2] = {ANGLE_PHI, ANGLE_PSI};
+    int i;
+    acb_t upper, lower, product;
+    arb_t pi;
+    acb_init(upper), acb_init(lower), acb_init(product), arb_init(pi);
+    arb_set(acb_realref(upper), answer + Q0), arb_set(acb_imagref(upper), answer + Q3);
+    arb_set(acb_realref(lower), answer + Q1), arb_set(acb_imagref(lower), answer + Q2);
+    for (i = 0; i < 2; i++, acb_conj(lower, lower)) {
+        arb_ptr angle = answer + which[i];
+        acb_mul(product, upper, lower, bits);
+        if (acb_contains_zero(product)) {
+            arb_indeterminate(angle);
+        } else if (arb_contains_negative(acb_realref(product))) { /* away from the cut */
+            acb_neg(product, product), acb_arg(angle, product, bits);
+            arb_const_pi(pi, bits), arb_add(angle, angle, pi, bits);
+        } else {
+            acb_arg(angle, product, bits);
+        }
+    }
+    acb_clear(upper), acb_clear(lower), acb_clear(product), arb_clear(pi);
+}
+
+int ball_counts_turns(const top_motion *m)
+{
+    return m->regime < ROTATING && m->body_axis == 2 && !m->meets_pole;
+}
+
 int ball_attitude(arb_ptr answer, const top_motion *m, double t)
 {
     const slong bits = m->bits;
@@ -125,9 +157,8 @@ int ball_attitude(arb_ptr answer, const top_motion *m, double t)
         arb_hypot(high, answer + Q0, answer + Q3, bits), arb_hypot(low, answer + Q1, answer + Q2, bits);
         arb_atan2(answer + ANGLE_THETA, low, high, bits);
         arb_mul_2exp_si(answer + ANGLE_THETA, answer + ANGLE_THETA, 1);
-        arb_indeterminate(answer + ANGLE_PHI), arb_indeterminate(answer + ANGLE_PSI);
     }
-    if (m->is_angle_free || m->regime >= ROTATING) arb_indeterminate(answer + ANGLE_PHI), arb_indeterminate(answer + ANGLE_PSI);
+    if (!ball_counts_turns(m)) angles_of(answer, bits);
     acb_clear(upper), acb_clear(lower);
     _arb_vec_clear(w, 5);
     return is_known ? PROVED : UNDECIDED_BRANCH;
@@ -139,8 +170,9 @@ void ball_periods(arb_ptr answer, const top_motion *m)
     arb_ptr period = answer + PERIOD, turn = answer + PRECESSION;
     arb_t pi;
     arb_init(pi), arb_const_pi(pi, bits);
-    if (m->regime >= ROTATING) {
-        arb_indeterminate(period), arb_indeterminate(turn);
+    if (m->regime >= ROTATING) { /* the axis of a symmetric body goes round the momentum; of others nothing is known */
+        arb_set(period, BALL(m, period));
+        arb_add(turn, BALL(m, jump_plus), BALL(m, jump_minus), bits);
     } else if (m->regime == STEADY || m->regime == SLEEPING) { /* of infinitely small nutations, where they oscillate */
         arb_neg(period, BALL(m, g2));
         if (arb_is_positive(period)) {

@@ -61,7 +61,7 @@ static top_motion *motion_at_level(top_proof *proof, int level)
         if (*reason == PROVED) *reason = ball_roots(m);
         if (*reason == PROVED) *reason = ball_phases(m);
     }
-    m->is_angle_free = m->regime == SLEEPING || m->pole || m->meets_top || m->meets_bottom;
+    m->meets_pole = m->regime == SLEEPING || m->pole || m->meets_top || m->meets_bottom;
     return m;
 }
 
@@ -113,6 +113,17 @@ static int are_narrow(arb_srcptr answer, int which)
     return 1;
 }
 
+/* An angle that is known but for whole turns, with those of the printed one. */
+static void take_turns(arb_t angle, double printed, slong bits)
+{
+    arb_t turn;
+    const double off = printed - arf_get_d(arb_midref(angle), ARF_RND_NEAR);
+    if (!(fabs(off) < 1e15)) return;
+    arb_init(turn), arb_const_pi(turn, bits), arb_mul_2exp_si(turn, turn, 1);
+    arb_addmul_si(angle, turn, (slong)floor(off / 6.283185307179586 + 0.5), bits);
+    arb_clear(turn);
+}
+
 /* The bound of a printed number; with `certified` the number is the middle of its ball. */
 static double bound_of(arb_srcptr answer, int which, double printed[], int certified, slong bits)
 {
@@ -146,10 +157,10 @@ static double width(arb_srcptr answer, const int wanted[])
 /* Whether a quantity does not exist, whatever the precision. */
 static int reason_of_absence(const top_motion *m, arb_srcptr answer, int which)
 {
-    if (m->regime >= ROTATING && which >= ANGLE_PHI && which <= PRECESSION) return ATTITUDE_ONLY;
-    if (m->body_axis != 2 && (which == ANGLE_PHI || which == ANGLE_PSI)) return ATTITUDE_ONLY;
-    if ((which == ANGLE_PHI || which == ANGLE_PSI) && m->is_angle_free) return NO_ANGLES;
-    if (which == PERIOD && !arb_is_finite(answer + which) && m->regime == SLEEPING) return NO_PERIOD;
+    if (arb_is_finite(answer + which)) return PROVED;
+    if ((which == ANGLE_PHI || which == ANGLE_PSI) && !ball_counts_turns(m)) return NO_ANGLES;
+    if (which == PERIOD && m->regime == SLEEPING) return NO_PERIOD;
+    if ((which == PERIOD || which == PRECESSION) && m->regime >= ROTATING && !arb_is_finite(answer + PERIOD)) return NOT_PERIODIC;
     return PROVED;
 }
 
@@ -178,6 +189,8 @@ int spintop_proof_bounds(top_proof *proof, double t, const int wanted[QUANTITIES
         used = (int)m->bits, is_last = 0, open = 0;
         if (why == PROVED) ball_periods(answer, m);
         if (why == PROVED && needs_attitude(wanted)) why = ball_attitude(answer, m, t);
+        for (i = ANGLE_PHI; i <= ANGLE_PSI && why == PROVED; i++)
+            if (wanted[i] && !ball_counts_turns(m)) take_turns(answer + i, printed[i], m->bits);
         if (why == PROVED && proof->has_radii) {
             now_width = width(answer, wanted);
             is_last = now_width > 0.5 * last_width, last_width = now_width;
@@ -185,7 +198,7 @@ int spintop_proof_bounds(top_proof *proof, double t, const int wanted[QUANTITIES
         if (proof->has_radii && level >= LEVELS_OF_RADII) is_last = 1;
         for (i = 0; i < QUANTITIES; i++) {
             int absent;
-            if (reason[i] == PROVED || reason[i] == NO_ANGLES || reason[i] == NO_PERIOD || reason[i] == ATTITUDE_ONLY) continue;
+            if (reason[i] == PROVED || reason[i] == NO_ANGLES || reason[i] == NO_PERIOD || reason[i] == NOT_PERIODIC) continue;
             absent = why == PROVED ? reason_of_absence(m, answer, i) : PROVED;
             reason[i] = why != PROVED ? why : absent != PROVED ? absent : TOO_WIDE;
             if (reason[i] == TOO_WIDE && (are_narrow(answer, i) || (is_last && (i == ORIENTATION

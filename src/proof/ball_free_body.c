@@ -203,6 +203,39 @@ static void relative(arb_ptr q, const top_motion *m, const arb_t time)
     acb_clear(plus), acb_clear(minus), acb_clear(phase), arb_clear(z), arb_clear(angle), fmpz_clear(turns);
 }
 
+/* The period in which the axis of a symmetric body goes round the momentum, and by how much phi turns in it: by 2 pi if
+ * the axis goes round the vertical, by pi if it meets it. */
+static void find_coning(top_motion *m, int axis)
+{
+    const slong bits = m->bits;
+    int i;
+    arb_srcptr q = BALL(m, q0);
+    arb_ptr t = _arb_vec_init(8), up = t, momentum = t + 3, height = t + 6, size = t + 7, jump[2];
+    jump[0] = BALL(m, jump_plus), jump[1] = BALL(m, jump_minus);
+    arb_mul(up, q + 1, q + 3, bits), arb_submul(up, q, q + 2, bits), arb_mul_2exp_si(up, up, 1);
+    arb_mul(up + 1, q + 2, q + 3, bits), arb_addmul(up + 1, q, q + 1, bits), arb_mul_2exp_si(up + 1, up + 1, 1);
+    arb_mul(up + 2, q, q, bits), arb_addmul(up + 2, q + 3, q + 3, bits);
+    arb_submul(up + 2, q + 1, q + 1, bits), arb_submul(up + 2, q + 2, q + 2, bits);
+    for (i = 0; i < 3; i++) {
+        arb_mul(momentum + i, BALL(m, i1) + i, BALL(m, omega1) + i, bits);
+        arb_addmul(size, momentum + i, momentum + i, bits), arb_addmul(height, momentum + i, up + i, bits);
+    }
+    arb_sqrt(size, size, bits);
+    arb_const_pi(BALL(m, period), bits), arb_mul_2exp_si(BALL(m, period), BALL(m, period), 1);
+    arb_mul(BALL(m, period), BALL(m, period), BALL(m, i1) + (axis + 1) % 3, bits);
+    arb_div(BALL(m, period), BALL(m, period), size, bits);
+    arb_add(jump[0], height, momentum + axis, bits), arb_sub(jump[1], height, momentum + axis, bits);
+    for (i = 0; i < 2; i++) {
+        const int sign = arb_is_zero(jump[i]) ? 0 : ball_sign(jump[i]);
+        if (arb_contains_zero(jump[i]) && !arb_is_zero(jump[i])) {
+            arb_indeterminate(jump[i]);
+            continue;
+        }
+        arb_const_pi(jump[i], bits), arb_mul_si(jump[i], jump[i], sign, bits);
+    }
+    _arb_vec_clear(t, 8);
+}
+
 int ball_free_body(top_motion *m, const top_data *data)
 {
     int i, same = 0, zeros = 0, reason;
@@ -215,6 +248,8 @@ int ball_free_body(top_motion *m, const top_data *data)
         if (are_same(data, (i + 1) % 3, (i + 2) % 3)) same++, m->axis[2] = i;
     }
     m->regime = same == 3 || zeros > 1 ? ROTATING : same == 1 ? CONING : TUMBLING;
+    arb_indeterminate(BALL(m, period)), arb_zero(BALL(m, jump_plus)), arb_indeterminate(BALL(m, jump_minus));
+    if (same) find_coning(m, same == 3 ? 2 : m->axis[2]);
     if (m->regime == CONING && arb_is_zero(BALL(m, omega1) + m->axis[2])) m->regime = ROTATING;
     if (m->regime != TUMBLING) return PROVED;
     t = _arb_vec_init(CONSTANTS);

@@ -36,6 +36,7 @@ static int take_data(top_motion *m, const top_data *data)
     ball_datum(BALL(m, weight), data, MASS);
     ball_datum(pi, data, GRAVITY), arb_mul(BALL(m, weight), BALL(m, weight), pi, ARF_PREC_EXACT);
     ball_datum(pi, data, LENGTH), arb_mul(BALL(m, weight), BALL(m, weight), pi, ARF_PREC_EXACT);
+    ball_datum(BALL(m, rotor), data, ROTOR);
     m->body_axis = 2;
     if (data->given & GIVEN_OTHERWISE) {
         is_known = ball_given_top(m, data);
@@ -57,6 +58,7 @@ static int take_data(top_motion *m, const top_data *data)
         arb_add(BALL(m, psi), BALL(m, psi), pi, bits), arb_neg(BALL(m, psi), BALL(m, psi));
         arb_neg(BALL(m, theta_rate), BALL(m, theta_rate)), arb_neg(BALL(m, spin), BALL(m, spin));
         arb_neg(BALL(m, weight), BALL(m, weight)), arb_neg(BALL(m, u0), BALL(m, u0));
+        arb_neg(BALL(m, rotor), BALL(m, rotor));
         arb_swap(BALL(m, sine), BALL(m, cosine));
         m->pole = -m->pole;
     }
@@ -72,8 +74,13 @@ static void find_momenta(top_motion *m, int spin_is_omega3)
     const slong bits = m->bits;
     arb_ptr minus = BALL(m, b_minus_a), plus = BALL(m, b_plus_a);
     if (arb_equal(BALL(m, i1), BALL(m, i3)) && arb_is_exact(BALL(m, i1)) && !spin_is_omega3) {
-        arb_sub(minus, BALL(m, phi_rate), BALL(m, spin), bits);
-        arb_add(plus, BALL(m, phi_rate), BALL(m, spin), bits);
+        arb_t own, turn;
+        arb_init(own), arb_init(turn);
+        arb_mul(own, BALL(m, i3), BALL(m, spin), ARF_PREC_EXACT), arb_add(own, own, BALL(m, rotor), ARF_PREC_EXACT);
+        arb_mul(turn, BALL(m, i1), BALL(m, phi_rate), ARF_PREC_EXACT);
+        arb_sub(minus, turn, own, bits), arb_div(minus, minus, BALL(m, i1), bits);
+        arb_add(plus, turn, own, bits), arb_div(plus, plus, BALL(m, i1), bits);
+        arb_clear(own), arb_clear(turn);
     } else {
         arb_mul(minus, BALL(m, ch), BALL(m, phi_rate), bits), arb_sub(minus, minus, BALL(m, a), bits);
         arb_mul(plus, BALL(m, sh), BALL(m, phi_rate), bits), arb_add(plus, plus, BALL(m, a), bits);
@@ -82,8 +89,8 @@ static void find_momenta(top_motion *m, int spin_is_omega3)
     arb_mul(plus, plus, BALL(m, ch), bits);
 }
 
-/* Whether theta stays as it is, exactly: theta' = 0, and (I1 - I3) phi'^2 u0 + (I3 psi' phi' - m g l), with omega3 for
- * psi' and I1 for I1 - I3 where omega3 is given, has no term: cos(theta) of a double that is not 0 is transcendental.
+/* Whether theta stays as it is, exactly: theta' = 0, and (I1 - I3) phi'^2 u0 + ((I3 psi' + h) phi' - m g l), with omega3
+ * for psi' and I1 for I1 - I3 where omega3 is given, has no term: cos(theta) of a double that is not 0 is transcendental.
  * That of a quaternion is rational. */
 static int is_steady(const top_motion *m, int spin_is_omega3, int is_rational)
 {
@@ -94,7 +101,7 @@ static int is_steady(const top_motion *m, int spin_is_omega3, int is_rational)
     arb_set(along, BALL(m, i1));
     if (!spin_is_omega3) arb_sub(along, along, BALL(m, i3), ARF_PREC_EXACT);
     arb_mul(along, along, BALL(m, phi_rate), ARF_PREC_EXACT);
-    arb_mul(rest, BALL(m, i3), BALL(m, spin), ARF_PREC_EXACT);
+    arb_mul(rest, BALL(m, i3), BALL(m, spin), ARF_PREC_EXACT), arb_add(rest, rest, BALL(m, rotor), ARF_PREC_EXACT);
     arb_mul(rest, rest, BALL(m, phi_rate), ARF_PREC_EXACT);
     arb_sub(rest, rest, BALL(m, weight), ARF_PREC_EXACT);
     if (is_rational) { /* u0 may be rational */
@@ -144,7 +151,8 @@ int ball_start(top_motion *m, const top_data *data)
         arb_set(BALL(m, spin), BALL(m, omega3));
         spin_is_omega3 = 1;
     }
-    arb_mul(BALL(m, a), BALL(m, i3), BALL(m, omega3), bits), arb_div(BALL(m, a), BALL(m, a), BALL(m, i1), bits);
+    arb_mul(BALL(m, a), BALL(m, i3), BALL(m, omega3), ARF_PREC_EXACT);
+    arb_add(BALL(m, a), BALL(m, a), BALL(m, rotor), ARF_PREC_EXACT), arb_div(BALL(m, a), BALL(m, a), BALL(m, i1), bits);
     arb_div(BALL(m, beta), BALL(m, weight), BALL(m, i1), bits), arb_mul_2exp_si(BALL(m, beta), BALL(m, beta), 1);
     arb_sub(BALL(m, half), BALL(m, omega3), BALL(m, a), bits), arb_mul_2exp_si(BALL(m, half), BALL(m, half), -1);
     arb_add(BALL(m, sum), BALL(m, phi), BALL(m, psi), bits), arb_mul_2exp_si(BALL(m, sum), BALL(m, sum), -1);

@@ -1,21 +1,22 @@
 /* The exact motion of a symmetric top, or of a free body, in ball arithmetic: what the files of this folder share.
  *
- * u = cos(theta), a = I3 omega3/I1, b = Lz/I1, beta = 2 m g l/I1, y = u - u at the start, y1 <= y2 <= y3 the roots
- * of the cubic u'^2. "Plus" is q0 + i q3 and its pole, theta = pi; "minus" is q1 + i q2 and theta = 0.
+ * u = cos(theta), a = (I3 omega3 + h)/I1, h the momentum of a rotor on the axis, b = Lz/I1, beta = 2 m g l/I1,
+ * y = u - u at the start, y1 <= y2 <= y3 the roots of the cubic u'^2. "Plus" is q0 + i q3 and its pole, theta = pi;
+ * "minus" is q1 + i q2 and theta = 0.
  * In a build without FLINT this header is empty, and balls_absent.c is all there is. */
 #ifndef SPINTOP_BALLS_H
 #define SPINTOP_BALLS_H
 
 /* The numbers of a motion, in the order in which certificate.f90 gives them. */
 enum { INERTIA1, INERTIA3, MASS, GRAVITY, LENGTH, PHI, THETA, PSI, PHI_RATE, THETA_RATE, SPIN, INERTIA2,
-       OMEGA1, OMEGA2, OMEGA3, QUATERNION, DATA = QUATERNION + 4 };
+       OMEGA1, OMEGA2, OMEGA3, QUATERNION, ROTOR = QUATERNION + 4, DATA };
 /* Which of them say how it starts, that it is free, and that it is a top about body x or y. */
 enum { BY_OMEGA3 = 1, BY_OMEGA = 2, BY_QUATERNION = 4, FREE_BODY = 8, AXIS_X = 16, AXIS_Y = 32,
        GIVEN_OTHERWISE = BY_OMEGA | BY_QUATERNION | AXIS_X | AXIS_Y };
 /* The quantities that are enclosed. */
 enum { Q0, Q1, Q2, Q3, ANGLE_THETA, ANGLE_PHI, ANGLE_PSI, PERIOD, PRECESSION, ORIENTATION, QUANTITIES };
 /* Why something is not proved; certificate.f90 has the sentences. */
-enum { PROVED, TOO_WIDE, NO_ANGLES, NO_PERIOD, ATTITUDE_ONLY, UNDECIDED_SIGN, UNDECIDED_ROOTS, UNDECIDED_BRANCH, NO_LIBRARY };
+enum { PROVED, TOO_WIDE, NO_ANGLES, NO_PERIOD, NOT_PERIODIC, UNDECIDED_SIGN, UNDECIDED_ROOTS, UNDECIDED_BRANCH, NO_LIBRARY };
 
 #ifdef SPINTOP_FLINT
 #if SPINTOP_FLINT >= 3
@@ -40,7 +41,7 @@ typedef struct {
 /* Balls of a motion, each by its name: BALL(m, beta) is one of them. */
 #define BALL_NAMES(X) \
     X(i1) X(i2) X(i3) X(q0) X(q1) X(q2) X(q3) X(omega1) X(omega2) X(omega3) \
-    X(r0) X(r1) X(r2) X(r3) X(weight) X(phi) X(psi) X(phi_rate) X(theta_rate) X(spin) \
+    X(r0) X(r1) X(r2) X(r3) X(weight) X(rotor) X(phi) X(psi) X(phi_rate) X(theta_rate) X(spin) \
     X(u0) X(sh) X(ch) X(s2) X(sine) X(cosine) X(a) X(beta) X(half) X(swing) X(b_minus_a) X(b_plus_a) \
     X(sum) X(difference) X(g0) X(g1) X(g2) X(y1) X(y2) X(y3) X(nu_plus) X(nu_minus) X(zeta) X(z0) X(height) \
     X(jump_plus) X(jump_minus) X(slope_plus) X(slope_minus) X(kappa_plus) X(kappa_minus) X(period) X(omega) X(start_rate) \
@@ -71,7 +72,7 @@ typedef struct {
     int meets_top, meets_bottom; /* b = a exactly and the axis passes theta = 0; b = -a exactly */
     int is_plane;                /* a = b = 0 exactly */
     int is_dual;                 /* form b, by the dual nome */
-    int is_angle_free;           /* phi and psi are not continuous, or do not exist */
+    int meets_pole;              /* exactly, or is on it: phi and psi jump there, or do not exist */
     int sign_plus, sign_minus;
     int body_axis, is_negated;   /* a top about body x, y, z: 0, 1, 2; computed with the opposite quaternion */
     int axis[3], sign[3]; /* of a free body: the axes x, y, z of its momentum, and their signs */
@@ -110,8 +111,10 @@ void ball_pole_rate(arb_t rate, const top_motion *m);
 /* The same of a free body: the slope of its phase, and its two functions, of one argument. */
 void ball_tumbling_start(top_motion *m, const arb_t nu, int side);
 void ball_tumbling(acb_t plus, acb_t minus, fmpz_t turns, const top_motion *m, const arb_t z);
-/* ball_attitude.c: q0 .. q3, theta, phi, psi at a time; phi and psi are NaN where they do not exist. */
+/* ball_attitude.c: q0 .. q3, theta, phi, psi at a time; phi and psi are NaN on a pole. */
 int ball_attitude(arb_ptr answer, const top_motion *m, double t);
+/* Whether phi and psi are known with all their turns, or but for whole turns. */
+int ball_counts_turns(const top_motion *m);
 /* The same of all times: period, precession per nutation. */
 void ball_periods(arb_ptr answer, const top_motion *m);
 

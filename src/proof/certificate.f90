@@ -1,5 +1,6 @@
-!> Proved bounds of printed numbers of a symmetric top without damping, or of a free body. Balls (FLINT) enclose the
-!> exact motion of the data, which are doubles; the bound of a number is at least its distance from the true value.
+!> Proved bounds of printed numbers of a symmetric top without damping, with or without a rotor, or of a free body. Balls
+!> (FLINT) enclose the exact motion of the data, which are doubles; the bound of a number is at least its distance from
+!> the true value. Where phi and psi are known but for whole turns, their bounds leave these out.
 !>
 !>     call certificate%open(body, start)
 !>     call certificate%bound(t, wanted, printed, bounds, reasons)
@@ -12,6 +13,7 @@ module spintop_certificate
     use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_int, c_null_ptr, c_ptr
     use spintop_body, only: body_t
     use spintop_compare, only: is_equal, is_finite, is_zero
+    use spintop_effects, only: effects_t
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
     implicit none
@@ -35,14 +37,14 @@ module spintop_certificate
     character(*), parameter :: proof_reasons(0:last_reason) = [character(88) :: &
         'proved', &
         'the ball is still too wide at the highest precision', &
-        'phi and psi do not exist, or jump at an exact passage of a pole', &
+        'phi and psi do not exist on a pole', &
         'the upright axis does not oscillate, so there is no period', &
-        'balls give the attitude of this motion, but neither phi and psi nor its periods', &
+        'theta of an asymmetric free body is not periodic', &
         'the balls do not decide a sign', &
         'the balls do not decide on which side of the separatrix the motion is', &
         'the balls do not decide a phase', &
         'this build has no FLINT', &
-        'the body is neither a symmetric top nor free, or it has damping or effects', &
+        'the body is neither a symmetric top nor free, or it has damping, or effects but a rotor', &
         'the body axes are not principal axes', &
         'the radii are not those of the numbers that give the start', &
         'not enough memory']
@@ -57,7 +59,7 @@ module spintop_certificate
     !> The largest precision that is tried, bits.
     integer, parameter :: most_proof_bits = 16384
     !> Numbers that describe a motion in balls.h, and how many of them have radii: the first.
-    integer, parameter :: data_count = 19, radius_count = 11
+    integer, parameter :: data_count = 20, radius_count = 11
     !> How the start and the body are given, as sums of these numbers of balls.h.
     integer, parameter :: by_omega3 = 1, by_omega = 2, by_quaternion = 4, free_body = 8, about_axis(3) = [16, 32, 0]
 
@@ -138,17 +140,19 @@ contains
     end subroutine open
 
     !> The data of a motion: I1, I3, m, g, l, phi, theta, psi and their rates, or omega3 in place of psi'; I2, omega,
-    !> quaternion. Of a top about body x or y, I3 and l are those of its axis.
+    !> quaternion, the rotor's momentum. Of a top about body x or y, I3, l and the rotor are those of its axis.
     pure function numbers_of(body, start, axis) result(numbers)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
         integer, intent(in) :: axis
-        real(dp) :: numbers(data_count), rate(3)
+        real(dp) :: numbers(data_count), rate(3), rotor
         rate = start%rate
         if (start%gives_omega3) rate(3) = start%omega(3)
         if (start%gives_omega) rate = 0 ! they do not exist on a pole
+        rotor = 0
+        if (allocated(body%effects)) rotor = body%effects%rotor_momentum(axis)
         numbers = [body%inertia(mod(axis, 3) + 1), body%inertia(axis), body%mass, body%gravity, body%centre_of_mass(axis), &
-                   start%angle, rate, body%inertia(2), start%omega, start%quaternion]
+                   start%angle, rate, body%inertia(2), start%omega, start%quaternion, rotor]
     end function numbers_of
 
     !> How the motion is given, for balls.h.
@@ -161,7 +165,7 @@ contains
         if (start%gives_omega) way = way + by_omega
         if (start%gives_quaternion) way = way + by_quaternion
         ! That of a symmetric body about z from its angles is a top without weight, of which phi and psi are known.
-        if (is_weightless(body) .and. (.not. body%is_symmetric() .or. start%gives_omega .or. start%gives_quaternion)) then
+        if (moves_freely(body) .and. (.not. body%is_symmetric() .or. start%gives_omega .or. start%gives_quaternion)) then
             way = way + free_body
         end if
     end function way_of
@@ -172,25 +176,36 @@ contains
         is_weightless = is_zero(body%mass) .or. is_zero(body%gravity) .or. all(is_zero(body%centre_of_mass))
     end function is_weightless
 
+    !> Whether nothing acts on the body, neither weight nor effects.
+    pure logical function moves_freely(body)
+        type(body_t), intent(in) :: body
+        moves_freely = is_weightless(body) .and. .not. allocated(body%effects)
+    end function moves_freely
+
     !> The body axis of a top, 3 for other bodies.
     pure integer function axis_of(body) result(axis)
         type(body_t), intent(in) :: body
         integer :: i
         axis = 3
-        if (body%is_symmetric() .or. is_weightless(body)) return
-        do i = 1, 2
+        if (moves_freely(body)) return
+        do i = 1, 3
             if (is_top_about(body, i)) axis = i
         end do
     end function axis_of
 
-    !> Whether the body is a symmetric top about a body axis.
+    !> Whether the body is a symmetric top about a body axis, and has no effects but a constant rotor on it.
     pure logical function is_top_about(body, axis)
         type(body_t), intent(in) :: body
         integer, intent(in) :: axis
+        type(effects_t) :: others
         integer :: next, last
         next = mod(axis, 3) + 1
         last = mod(next, 3) + 1
         is_top_about = is_equal(body%inertia(next), body%inertia(last)) .and. all(is_zero(body%centre_of_mass([next, last])))
+        if (.not. allocated(body%effects)) return
+        others = body%effects
+        others%rotor_momentum(axis) = 0
+        is_top_about = is_top_about .and. .not. others%is_any()
     end function is_top_about
 
     !> Why the motion cannot be enclosed; `proved` if it can.
@@ -203,9 +218,9 @@ contains
             reason = other_radii
         end if
         if (body%has_products()) reason = no_principal_axes
-        if (.not. (is_weightless(body) .or. is_top_about(body, axis_of(body)))) reason = no_top
-        if (.not. all(is_zero(body%damping)) .or. allocated(body%effects)) reason = no_top
-        if (.not. all(is_finite(numbers_of(body, start, 3)))) reason = no_top
+        if (.not. (moves_freely(body) .or. is_top_about(body, axis_of(body)))) reason = no_top
+        if (.not. all(is_zero(body%damping))) reason = no_top
+        if (.not. all(is_finite(numbers_of(body, start, axis_of(body))))) reason = no_top
         if (.not. (body%is_symmetric() .or. all(body%inertia > 0))) reason = no_top
     end function obstacle
 

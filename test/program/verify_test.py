@@ -65,7 +65,7 @@ class VerifyTest(ProgramCase):
         self.assertIn(f"{sum(map(int, counted))} numbers proved, 0 unproved, 0 wrong", whole)
 
     def test_free_body(self) -> None:
-        """The attitude is proved, with the sign of the quaternion; phi and psi have no balls."""
+        """The quaternion is proved with its sign; phi and psi are, but for whole turns."""
         scene = self.write(FREE)
         self.compute(scene)
         self.assertIn("25 numbers proved, 0 unproved, 0 wrong", self.verify("scene"))
@@ -75,8 +75,8 @@ class VerifyTest(ProgramCase):
         lines[-2] = ",".join([*cells[:2], str(-float(cells[2])), *cells[3:]])
         self.put("turned", "".join(lines))
         self.assertIn("first wrong  row 5, q0 = ", self.verify("turned", code=3))
-        self.compute(scene, "output.columns=t,theta,phi,q0")
-        self.assertIn("5: balls give the attitude of this motion", self.verify("scene"))
+        self.compute(scene, "output.columns=t,theta,phi,psi")
+        self.assertIn("15 numbers proved, 0 unproved, 0 wrong", self.verify("scene"))
 
     def test_axis_x(self) -> None:
         """A top about body x that hangs: bounds, and certified numbers."""
@@ -108,14 +108,16 @@ class VerifyTest(ProgramCase):
             self.assertEqual(run.returncode, 2)
             self.assertIn(words, run.stderr)
 
-    def test_effects_are_unproved(self) -> None:
-        """The balls are those of the top without effects, so they say nothing here."""
-        scene = self.write(
-            ABOUT_X.replace("&span", "&effects rotor_momentum = 0.1, 0, 0 /\n&span"), "rotor.nml"
-        )
-        self.assertEqual(self.run_program(scene).returncode, 0)
-        table = self.table("rotor")
-        self.assertEqual(set(table.texts("proof")), {"unproved"})
+    def test_effects(self) -> None:
+        """A rotor on the axis is enclosed; other effects are not."""
+        for rotor, word in (("0.1, 0, 0", "proved"), ("0.1, 0.1, 0", "unproved")):
+            effects = f"&effects rotor_momentum = {rotor} /\n&span"
+            scene = self.write(ABOUT_X.replace("&span", effects), "rotor.nml")
+            self.assertEqual(self.run_program(scene).returncode, 0)
+            self.assertEqual(set(self.table("rotor").texts("proof")), {word})
+            if word == "proved":
+                self.assertLess(self.table("rotor").largest("orientation_bound"), 1e-14)
+                self.assertIn("25 numbers proved, 0 unproved, 0 wrong", self.verify("rotor"))
 
     def test_other_versions(self) -> None:
         """A table of another version is verified as long as its input is understood."""

@@ -22,6 +22,9 @@ from browser_case import (  # noqa: E402
     wait_for,
 )
 from reporting.bundle import bundle  # noqa: E402
+from reporting.errata import read_errata  # noqa: E402
+from reporting.page import make_page, write_page  # noqa: E402
+from reporting.study import read_study  # noqa: E402
 
 BYTES = 4_000_000
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "best-practice"]
@@ -122,6 +125,33 @@ class PageTest(BrowserCase):
                     RULES,
                 )
                 self.assertEqual(found, [])
+
+    def test_proved_digits(self) -> None:
+        """Where a column has bounds beside it, its proved digits are set apart, with the bound."""
+        folder = self.folder.parent / "proved"
+        folder.mkdir(exist_ok=True)
+        lines = (self.folder / "slow_top.csv").read_text(encoding="utf-8").splitlines()
+        rows = [i for i, line in enumerate(lines) if line[0] != "#"]
+        for i in rows:
+            lines[i] += ",theta_bound" if i == rows[0] else ",2e-9"
+        (folder / "slow_top.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        errata = read_errata()
+        page, _ = make_page("proved", *read_study(folder, errata), errata)
+        write_page(page, folder / "report.html")
+        self.open(folder / "report.html")
+        shown = self.run_script(
+            "document.querySelectorAll('details').forEach(d => { d.open = true });"
+            "const look = getComputedStyle;"
+            "return [...document.querySelectorAll('td .proved')].map((b) => [b.textContent,"
+            " b.parentElement.textContent, b.title, look(b).fontWeight,"
+            " look(b).color != look(b.parentElement).color, b.getBoundingClientRect().width > 10])"
+        )
+        self.assertGreater(len(shown), 10)
+        for proved, whole, *rest in shown:
+            self.assertEqual(rest, ["off by 2e\N{MINUS SIGN}09 at most", "700", True, True])
+            self.assertEqual(len(proved.partition(".")[2]), 8)  # half a unit is 5e-9
+            self.assertEqual(whole[: len(proved)], proved)
+            self.assertEqual(len(whole), len(proved) + 2)
 
     def test_narrow_screen(self) -> None:
         """No part is wider than the screen of a telephone."""

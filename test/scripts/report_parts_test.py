@@ -14,6 +14,7 @@ sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "p
 
 from reporting.cells import texts_of  # noqa: E402
 from reporting.drawing import Drawing, Glyphs, NotDrawnError, shorten_path  # noqa: E402
+from reporting.proved import proved_texts  # noqa: E402
 
 
 class DrawingTest(unittest.TestCase):
@@ -102,6 +103,23 @@ class CellsTest(unittest.TestCase):
             ["1.000000000e\N{MINUS SIGN}20", "3.000000000e\N{MINUS SIGN}05"],
         )
         self.assertEqual(texts_of([math.inf, 0.25])[0], "inf")
+
+    def test_proved_digits(self) -> None:
+        """A digit is proved if the error is at most half a unit of it; two more follow."""
+
+        def marked(number: str, bound: str) -> str:
+            return f'<b class="proved" title="off by {bound} at most">{number}</b>'
+
+        minus = "\N{MINUS SIGN}"
+        self.assertEqual(
+            proved_texts([1.23456789, -1.23456789], [0.4e-3, 0.6e-3]),
+            [marked("1.234", "0.0004") + "57", marked(minus + "1.23", "0.0006") + "457"],
+        )
+        self.assertEqual(proved_texts([12.5], [0.4]), [marked("12", "0.4") + ".50"])
+        unproved = proved_texts([12.5, 3.0], [math.inf, 0.7])
+        self.assertEqual(unproved, ["12.500000000000000", "3.000000000000000"])
+        self.assertEqual(proved_texts([0.5], [0.0]), [marked("0.5000000000000000", "0")])
+        self.assertEqual(proved_texts([math.nan, "word"], [math.inf, 0.1]), ["\N{EN DASH}", "word"])
 
 
 if __name__ == "__main__":

@@ -45,14 +45,16 @@ contains
     !> as the signs of b - a and b + a are.
     pure logical function is_decided(case)
         type(case_t), intent(in) :: case
-        real(dp) :: u, a, turn, ratio
+        real(dp) :: u, a, turn, ratio, rotor
         associate (body => case%given_body, start => case%given_start)
             u = cos(start%angle(2))
             ratio = body%inertia(3) / body%inertia(1)
-            a = ratio * start%omega(3)
+            rotor = 0
+            if (allocated(body%effects)) rotor = body%effects%rotor_momentum(3) / body%inertia(1)
+            a = ratio * start%omega(3) + rotor
             turn = start%rate(1)
             is_decided = min(abs((1 + u) * turn - a), abs((1 - u) * turn + a)) &
-                         > decided * (abs(start%rate(3)) * ratio + abs(turn))
+                         > decided * (abs(start%rate(3)) * ratio + abs(turn) + abs(rotor))
         end associate
     end function is_decided
 

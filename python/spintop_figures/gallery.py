@@ -226,6 +226,12 @@ GALLERY = (
         ("indices",),
     ),
     Exhibit(
+        "fit",
+        one("fit"),
+        ("fit",),
+        "Residuals of a fit of two moments of inertia and the spin to measured angles.",
+    ),
+    Exhibit(
         "precision",
         one("work_precision_slow_top"),
         ("precision_time", "precision_work"),

@@ -27,6 +27,7 @@ from spintop_figures.motion.events import (
     object_to_events,
     object_to_sections,
 )
+from spintop_figures.motion.fits import draw_fit, object_to_fit
 from spintop_figures.motion.path import draw_path
 from spintop_figures.motion.potential import draw_portrait, draw_potential
 from spintop_figures.motion.reduced import COLUMNS as REDUCED
@@ -204,6 +205,14 @@ FIGURES = (
         ("t", "R1", "R2", "R3", "R4"),
         draw_residuals,
         object_to_residuals,
+    ),
+    FigureKind(
+        "fit",
+        "residuals of a fit against time",
+        "fit",
+        ("t",),
+        draw_fit,
+        object_to_fit,
     ),
     FigureKind(
         "sweep",

@@ -10,7 +10,7 @@ module spintop_quantities
     implicit none
     private
     public :: kinetic_energy, potential_energy, energy_scale, vertical_momentum, axial_momentum
-    public :: euler_residuals, support_force, axis_tip, axis_height_rate
+    public :: euler_residuals, support_force, specific_force, axis_tip, axis_height_rate
     public :: kovalevskaya_integral, goryachev_integral
 
 contains
@@ -137,7 +137,24 @@ contains
         force = body%mass * (force + [0.0_dp, 0.0_dp, body%gravity])
     end function support_force
 
-    !> What acts on a body with effects in a motion: of a body that is given in other than principal axes, only the force
+    !> What an accelerometer at the centre of mass reads, in body axes: all forces but weight over the mass, m/s^2.
+    pure function specific_force(body, motion) result(reading)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude, angular velocity and acceleration at an instant
+        real(dp) :: reading(3)
+        type(loads_t) :: loads
+        if (allocated(body%effects)) then
+            call loads_of(body, motion, loads)
+            reading = (loads%force + loads%drag) / body%mass
+            return
+        end if
+        associate (r => body%centre_of_mass)
+            reading = cross(motion%omega_rate, r) + cross(motion%omega, cross(motion%omega, r))
+        end associate
+        reading = reading + body%gravity * vertical_from_quaternion(motion%quaternion)
+    end function specific_force
+
+    !> What acts on a body with effects in a motion: of a body that is given in other than principal axes, only the forces
     !> and the rate of the momentum are in its own axes.
     pure subroutine loads_of(body, motion, loads)
         type(body_t), intent(in) :: body
@@ -151,6 +168,7 @@ contains
             call find_loads(principal, principal%effects, motion%t, q, &
                             total_momentum(principal, motion%t, q, to_space(p, motion%omega)), loads)
             loads%force = to_space(conjugate_quaternion(p), loads%force)
+            loads%drag = to_space(conjugate_quaternion(p), loads%drag)
             loads%rate = to_space(conjugate_quaternion(p), loads%rate)
             return
         end if

@@ -2,9 +2,17 @@
 
 import math
 import random
+import sys
 import unittest
 
-from program_test import ProgramCase
+import numpy as np
+
+from program_test import ROOT, ProgramCase
+
+sys.path.insert(0, str(ROOT / "python"))
+
+from spintop_figures.registry import choose_figures
+from spintop_figures.tables.table import read_table
 
 TOP = """\
 &top mass = 1, inertia = 0.875, 0.875, 0.25, length = 0.85 /
@@ -112,6 +120,45 @@ class SyntheticTest(FitCase):
             self.assertLess(abs(found - true), 5 * error)
             self.assertLess(error, 0.02 * true)
 
+    def test_accelerometer(self) -> None:
+        """Its readings alone give the length and the spin, without noise exactly."""
+        self.measure(columns="'accelerometer1', 'accelerometer2', 'accelerometer3'")
+        self.add_noise(0, 0)
+        start = TOP.replace("= 0.85", "= 0.83").replace("= 14", "= 14.2")
+        fit = FIT.replace("'top.inertia(1)', 'top.inertia(3)'", "'top.length'")
+        table = self.compute(self.write(start + fit))
+        for found, true in zip(table.column("estimate"), (0.85, 14.0), strict=True):
+            self.assertAlmostEqual(found / true, 1, delta=1e-8)
+
+    def test_accelerometer_of_a_body_in_air(self) -> None:
+        """With drag and a moving pivot it reads the acceleration of the centre of mass, and g."""
+        step, amplitude, rate = 1e-3, 0.01, 30.0
+        scene = (
+            "&top mass = 1.3, inertia_tensor(1,:) = 0.9, 0.1, 0.05\n"
+            "     inertia_tensor(2,2:3) = 0.8, -0.02, inertia_tensor(3,3) = 0.6\n"
+            "     centre_of_mass = 0.1, -0.05, 0.5 /\n"
+            "&initial theta = 0.6, omega = 0.5, 0.3, 4.0 /\n"
+            "&effects drag_force = 0.4\n"
+            f"    vibration_amplitude = 0, 0, {amplitude}, vibration_rate = {rate} /\n"
+            "&integration relative_tolerance = 1e-14 /\n"
+            f"&span t_end = {4 * step}, samples = 5 /\n"
+            "&output columns = 't', 'com_x', 'com_y', 'com_z', 'gamma1', 'gamma2', 'gamma3',\n"
+            "    'accelerometer1', 'accelerometer2', 'accelerometer3' /\n"
+        )
+        table = self.compute(self.write(scene))
+        weights = (-1, 16, -30, 16, -1)
+        places = [table.column(f"com_{axis}") for axis in "xyz"]
+        found = [
+            sum(w * x for w, x in zip(weights, place, strict=True)) / (12 * step**2)
+            for place in places
+        ]
+        found[2] += 9.81 - amplitude * rate**2 * math.cos(2 * rate * step)
+        readings = [table.column(f"accelerometer{i}")[2] for i in (1, 2, 3)]
+        vertical = [table.column(f"gamma{i}")[2] for i in (1, 2, 3)]
+        self.assertAlmostEqual(math.hypot(*readings), math.hypot(*found), delta=1e-6)
+        along = sum(a * b for a, b in zip(readings, vertical, strict=True))
+        self.assertAlmostEqual(along, found[2], delta=1e-6)
+
     def test_what_is_not_identifiable(self) -> None:
         """Angles tell ratios of mass and inertia only."""
         self.measure()
@@ -172,6 +219,27 @@ class RefusalTest(FitCase):
             result = self.run_program(self.write(TOP + FIT))
             self.assertEqual(result.returncode, 2, data)
             self.assertIn(message, result.stderr)
+
+
+class FigureTest(FitCase):
+    """The residuals as a figure."""
+
+    def test_residuals(self) -> None:
+        """A panel for each measured column, with what the table says; parameters have no figure."""
+        self.measure()
+        self.add_noise(1)
+        self.compute(self.write(TOP + FIT))
+        self.assertEqual(choose_figures(read_table(self.folder / "output/scene.csv"))[0], [])
+        table = read_table(self.folder / "output/scene.residuals.csv")
+        (kind,) = choose_figures(table)[0]
+        self.assertEqual(kind.name, "fit")
+        panels = kind.draw(table).axes
+        self.assertEqual(
+            [axes.get_ylabel() for axes in panels], ["phi (rad)", "theta (rad)", "psi (rad)"]
+        )
+        for axes, name in zip(panels, self.names[1:], strict=True):
+            shown = axes.lines[-1].get_ydata()
+            np.testing.assert_array_equal(shown, table.rows[name] - table.rows[f"{name}_fit"])
 
 
 if __name__ == "__main__":

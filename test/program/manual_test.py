@@ -26,7 +26,7 @@ from mpi_test import ENVIRONMENT  # noqa: E402
 from program_test import PROGRAM, ROOT  # noqa: E402
 
 MPI_PROGRAM = os.environ.get("SPINTOP_MPI_EXE", str(ROOT / "build/mpi/spintop"))
-FOLDERS = "app|doc|input|python|scripts|src|test"
+FOLDERS = "app|doc|input|packaging|python|scripts|src|test"
 """Folders of the project that pages name."""
 PAGES = manual_pages()
 BLOCKS = [block for page in PAGES for block in blocks_of(page)]
@@ -66,6 +66,11 @@ SKIPPED = {
     "packaging.md": [
         "scripts/wheel",
         "pip install spintop-0.1.0-py3-none-manylinux_2_35_x86_64.whl",
+        "docker build -f packaging/container/Dockerfile -t spintop .",
+        'docker run --rm -v "$PWD:/work" spintop input/slow_top.nml',
+        "apptainer build spintop.sif packaging/container/spintop.def",
+        "mpirun -np 4 apptainer exec spintop.sif spintop-mpi input/spinning_wheel_sweep.nml",
+        "packaging/make_deb",
     ],
     "python.md": [
         "pip install ./python",
@@ -90,7 +95,7 @@ SKIPPED = {
 }
 """Blocks that are not run, so that a new one is noticed; for a program its first line."""
 
-SYSTEM_COMMANDS = ("mpirun", "head", "sed", "pip", "cc", "spintop")
+SYSTEM_COMMANDS = ("mpirun", "head", "sed", "pip", "cc", "spintop", "docker", "apptainer")
 VARYING = re.compile(r"^!? {2,3}(ended|time|parts|memory|cost .* us for the set-up)\b")
 """Lines of summaries that differ from run to run: of these only the first word is compared."""
 

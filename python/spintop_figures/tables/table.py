@@ -41,7 +41,7 @@ UNITS = {"1": "", "degree": "deg"}
 WORDS = frozenset(
     (
         *("auto", "case", "column", "event", "factor", "formulation", "front", "method"),
-        *("motion_class", "proof"),
+        *("motion_class", "parameter", "proof", "unit"),
         *("notes", "problem", "program", "reason", "reference", "setting", "status", "verdict"),
     )
 )

@@ -11,7 +11,7 @@ module spintop_motion_view
     use spintop_kinds, only: dp
     use spintop_loads, only: works
     use spintop_motion, only: motion_t
-    use spintop_quantities, only: energy_scale, euler_residuals, kinetic_energy, potential_energy, &
+    use spintop_quantities, only: energy_scale, euler_residuals, kinetic_energy, potential_energy, specific_force, &
         support_force, vertical_momentum
     use spintop_row_proof, only: row_proof_t
     implicit none
@@ -48,6 +48,7 @@ module spintop_motion_view
         procedure :: momentum_change
         procedure :: centre
         procedure :: force
+        procedure :: accelerometer
         procedure :: residuals
         procedure :: exact
         procedure :: inherent_error
@@ -153,6 +154,13 @@ contains
         self%has_force = .true.
         force = self%known_force
     end function force
+
+    !> The reading of an accelerometer at the centre of mass, in body axes, m/s^2.
+    pure function accelerometer(self) result(reading)
+        class(motion_view_t), intent(in) :: self
+        real(dp) :: reading(3)
+        reading = specific_force(self%body, self%motion)
+    end function accelerometer
 
     !> The residuals of Euler's equations, N m.
     function residuals(self)

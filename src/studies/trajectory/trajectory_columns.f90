@@ -1,6 +1,7 @@
 !> The columns of a trajectory table: a line of the registry and a procedure each. The help, the choice of
 !> columns, the units in the header and the rows derive from it.
 module spintop_trajectory_columns
+    use spintop_accelerometer_columns, only: accelerometer_columns
     use spintop_attitude, only: rotation_angle, to_space, vertical_from_quaternion
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
@@ -95,7 +96,7 @@ contains
                                 'centre of mass in body x y', 'momenta', value_of_kovalevskaya), &
             trajectory_column_t('goryachev', '1/s^3', 'integral of Goryachev and Chaplygin; constant for I1 = I2 = 4 I3, ' // &
                                 'lz = 0 and centre of mass in body x y', 'momenta', value_of_goryachev), &
-            work_columns(), proof_columns()]
+            accelerometer_columns(), work_columns(), proof_columns()]
     end function trajectory_columns
 
     !> The column of that name that is a quantity of the motion; `found` tells whether there is one.

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure  # noqa: E402
 from plot_case import TableCase  # noqa: E402
 from spintop_figures.registry import draw  # noqa: E402
 from spintop_figures.sweeps.quantities import parameter_words, unit_shown  # noqa: E402
+from spintop_figures.sweeps.statistics import mark_negative  # noqa: E402
 from spintop_figures.tables.table import Table, read_table  # noqa: E402
 
 HEAD = """\
@@ -101,6 +102,14 @@ class StatisticsTest(TableCase):
         (line,) = panel.lines
         np.testing.assert_allclose(line.get_ydata(), np.degrees(MEAN))
         self.assertIn("(degrees)", figure.axes[-1].get_xlabel())
+
+    def test_signs_without_colours(self) -> None:
+        """Each bin below zero has a minus, white where the bin is dark; others have none."""
+        axes = Figure().subplots()
+        values = np.array([1.0, -0.1, 0.0, -0.9, np.nan, -0.2])
+        mark_negative(axes, np.arange(6.0), np.ones(6), values)
+        marks = {line.get_color(): line.get_xdata().tolist() for line in axes.lines}
+        self.assertEqual(marks, {"black": [1.0, 5.0], "white": [3.0]})
 
 
 class UnitTest(TableCase):

@@ -68,7 +68,7 @@ def draw_verdicts(table: Table) -> Figure:
     end = bottom + LINE * (len(legend) + 0.5)
     width = max(WIDTH, CELL * (left + right) + 0.2)
     figure = new_figure(
-        table, "Verdicts on the methods in hard cases", 1.25 + CELL * (top + end), width
+        table, "Verdicts on the methods in hard cases", 0.8 + CELL * (top + end), width
     )
     axes = figure.add_subplot()
     axes.set(xlim=(-left, max(right, width / CELL - left - 1)), ylim=(end, -top))

@@ -76,13 +76,14 @@ def draw_drift(tables: Sequence[Table]) -> Figure:
     ]
     down = (len(there) + 1) // 2
     across = min(2, len(there))
-    figure = new_figure(tables, "Drift of the first integrals", 1.5 + 2.6 * down)
-    panels = list(figure.subplots(down, across, squeeze=False, sharex=True).flat)
-    for axes in panels:
-        axes.axis("off")
+    figure = new_figure(tables, "Drift of the first integrals", 1.9 + 2.6 * down)
+    cells = figure.add_gridspec(down + 1, across, height_ratios=[1] * down + [0.01])
+    panels: list[Axes] = []
+    for place in range(len(there)):
+        first = panels[0] if panels else None
+        panels.append(figure.add_subplot(cells[divmod(place, across)], sharex=first))
     ordered = sorted(tables, key=lambda table: rank_of(method_of(table)[0]))
-    for constant, axes in zip(there, panels, strict=False):
-        axes.axis("on")
+    for constant, axes in zip(there, panels, strict=True):
         axes.set(xscale="log", yscale="log")
         for table in ordered:
             t, off = running_maximum(table, constant)
@@ -91,10 +92,15 @@ def draw_drift(tables: Sequence[Table]) -> Figure:
             axes.plot(t, off, **style, label=label_of(table, tables))
         draw_guides(axes)
         axes.set_title(constant.label, loc="left", pad=4)
-    for axes in figure.axes[-across:]:
+    for axes in panels[:-across]:
+        axes.tick_params(labelbottom=False)
+    for axes in panels[-across:]:
         axes.set_xlabel(TIME)
+    below = figure.add_subplot(cells[down, :])
+    below.set_axis_off()
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside right upper", handlelength=3)
+    columns = 2 if any("\n" in label for label in labels) else 4
+    below.legend(handles, labels, loc="upper center", ncols=columns, handlelength=3)
     return figure
 
 

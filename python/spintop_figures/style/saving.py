@@ -14,6 +14,7 @@ from matplotlib.layout_engine import PlaceHolderLayoutEngine
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
+from spintop_figures.style.log_axes import draw_minor_ticks, simplify_log_axes
 from spintop_figures.style.look import the_look
 from spintop_figures.style.page import Page
 
@@ -52,8 +53,11 @@ def lay_out(figure: Figure) -> None:
         axes.apply_aspect()
         for spine in axes.spines.values():
             spine.set_in_layout(False)  # it would measure all ticks once more
+    minor_ticks = simplify_log_axes(figure)
     engine.execute(figure)
     figure.set_layout_engine("none")
+    for ticks in minor_ticks:
+        draw_minor_ticks(ticks)
     if isinstance(figure, Page):
         figure.finish()
 

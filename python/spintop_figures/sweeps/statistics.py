@@ -21,7 +21,7 @@ from spintop_figures.sweeps.quantities import (
     the_column,
     unit_shown,
 )
-from spintop_figures.sweeps.scales import COLOURS, colours_of, scale_of
+from spintop_figures.sweeps.scales import COLOURS, colours_of, is_signed, scale_of
 from spintop_figures.tables.netcdf import read_netcdf
 from spintop_figures.tables.table import Table, TableError, read_table
 
@@ -32,6 +32,9 @@ MOST_QUANTILES = 7
 """Quantiles that a distribution shows at most."""
 SLIT = 0.05
 """A gap between two intervals that is narrower than this part of them is not drawn."""
+MINUS = "\N{MINUS SIGN}"
+DARK = -0.5
+"""Bins below this part of the largest size have dark colours."""
 NAME_ROOM = 0.14
 """Distance of the names of two lines, in inches."""
 
@@ -168,6 +171,9 @@ def draw_map(axes: Axes, table: Table, bins: list[Bins], rows: pd.DataFrame, nam
         norm, extend = scale_of(Quantity((name,), name, unit, the_column(f"{name}_mean")), values)
         colours, heading = colours_of(norm), with_unit(words, unit)
         values = np.clip(values, norm.vmin, norm.vmax)
+        if is_signed(norm):
+            heading += f"; {MINUS}: below zero"
+            mark_negative(axes, *(rows[each.column].to_numpy(float) for each in bins), values)
     else:
         values = rows["cases"].to_numpy(float)
         values = np.where(values > 0, values, np.nan)
@@ -181,6 +187,14 @@ def draw_map(axes: Axes, table: Table, bins: list[Bins], rows: pd.DataFrame, nam
         bins[0].edges, bins[1].edges, cells, cmap=colours, norm=norm, rasterized=True
     )
     axes.figure.colorbar(image, ax=axes, extend=extend, pad=0.02, aspect=18)
+
+
+def mark_negative(axes: Axes, x: np.ndarray, y: np.ndarray, values: np.ndarray) -> None:
+    """A minus in each bin below zero, as signs are not seen in print without colours."""
+    style = {"marker": "_", "linestyle": "", "markersize": 3, "markeredgewidth": 0.8}
+    dark = values < DARK * np.nanmax(np.abs(values))
+    for chosen, colour in (((values < 0) & ~dark, "black"), (dark, "white")):
+        axes.plot(x[chosen], y[chosen], color=colour, rasterized=True, **style)
 
 
 def draw_curve(axes: Axes, table: Table, bins: Bins, rows: pd.DataFrame, name: str) -> None:

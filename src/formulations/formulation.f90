@@ -69,6 +69,7 @@ module spintop_formulation
         procedure(prepare), deferred :: prepare
         procedure(derivative), deferred :: derivative
         procedure(motion_of), deferred :: motion
+        procedure :: motion_without_angles => whole_motion
         procedure :: invariants => no_invariants
         procedure :: follow => keep_angles
         procedure, non_overridable :: info
@@ -113,6 +114,15 @@ module spintop_formulation
     end interface
 
 contains
+
+    !> The motion whose angles and their rates need not be set, for what depends on the attitude, the angular velocity
+    !> and its rate. By default the whole motion.
+    pure function whole_motion(self, t, y, near) result(motion)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
+        type(motion_t) :: motion
+        motion = self%motion(t, y, near)
+    end function whole_motion
 
     !> Name, properties and capabilities.
     pure type(formulation_info_t) function info(self)

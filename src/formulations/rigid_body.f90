@@ -32,6 +32,7 @@ module spintop_rigid_body
         procedure :: prepare
         procedure :: derivative
         procedure :: motion
+        procedure :: motion_without_angles
         procedure :: follow
         procedure :: invariants
     end type rigid_body_t
@@ -152,6 +153,30 @@ contains
         call self%derivative(t, y, dy, status)
         motion%omega_rate = dy(5:7) / self%body%inertia
     end function motion
+
+    !> The same without angles and their rates, in a fraction of the time.
+    pure function motion_without_angles(self, t, y, near) result(motion)
+        class(rigid_body_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
+        type(motion_t) :: motion
+        real(dp) :: length, q(4), gamma(3), w(3)
+        associate (unused => near)
+        end associate
+        length = sqrt(y(1)**2 + y(2)**2 + y(3)**2 + y(4)**2)
+        q = y(1:4) / length
+        w = y(5:7) / self%body%inertia
+        gamma = vertical_from_quaternion(q)
+        motion%t = t
+        motion%quaternion = q
+        motion%norm_error = length - 1
+        motion%omega = w
+        associate (r => self%moment, d => self%body%damping, s => self%coupling)
+            motion%omega_rate(1) = s(1) * y(6) * y(7) + gamma(2) * r(3) - gamma(3) * r(2) - d(1) * w(1)
+            motion%omega_rate(2) = s(2) * y(7) * y(5) + gamma(3) * r(1) - gamma(1) * r(3) - d(2) * w(2)
+            motion%omega_rate(3) = s(3) * y(5) * y(6) + gamma(1) * r(2) - gamma(2) * r(1) - d(3) * w(3)
+        end associate
+        motion%omega_rate = motion%omega_rate / self%body%inertia
+    end function motion_without_angles
 
     !> Continues the angles to a later state.
     pure subroutine follow(self, t_last, y_last, t, y, angle, sure)

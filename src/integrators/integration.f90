@@ -153,7 +153,8 @@ contains
                 call self%rest%begin(formulation, work)
                 self%account%is_open = self%observer%wants_work .and. formulation%action%does_work
             end if
-            is_idle = .not. (self%observer%counts_turns .or. present(watch))
+            is_idle = .not. self%observer%counts_turns
+            if (present(watch)) is_idle = is_idle .and. .not. watch%needs_turns
             self%follower = follower_t(0.0_dp, work%y, start%angle, is_idle)
             call self%show_until(0.0_dp)
             call self%leave_rest()

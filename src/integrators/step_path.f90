@@ -28,6 +28,7 @@ module spintop_step_path
         type(follower_t) :: seen(3)
     contains
         procedure :: at => motion_in_step
+        procedure :: at_without_angles => attitude_in_step
         procedure :: is_spent => step_is_spent
     end type step_path_t
 
@@ -49,6 +50,16 @@ contains
         motion = self%formulation%motion(t, follower%y, follower%angle)
         if (t > self%seen(3)%t) self%seen(2:3) = [self%seen(3), follower]
     end subroutine motion_in_step
+
+    !> The same without angles: nothing is followed.
+    subroutine attitude_in_step(self, t, motion)
+        class(step_path_t), intent(inout) :: self
+        real(dp), intent(in) :: t !! s
+        type(motion_t), intent(out) :: motion !! the motion at that time
+        self%work%counts%looks = self%work%counts%looks + 1
+        motion = self%formulation%motion_without_angles(t, self%stepper%interpolate(self%formulation, self%work, t), &
+                                                        self%seen(1)%angle)
+    end subroutine attitude_in_step
 
     !> Whether the allowed work of the case is used up.
     logical function step_is_spent(self)

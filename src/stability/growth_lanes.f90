@@ -5,9 +5,11 @@ module spintop_growth_lanes
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite
     use spintop_euler_poisson, only: euler_poisson_state
+    use spintop_integration, only: outcome_t
     use spintop_kinds, only: dp
-    use spintop_lane_watch, only: lane_watch_t
+    use spintop_lane_watch, only: lane_watch_t, watch_slot_t
     use spintop_lyapunov, only: even_perturbation, scale_up, scales_of, span_perturbations
+    use spintop_many_bodies, only: integrate_many
     use spintop_motion, only: motion_t
     use spintop_status, only: status_bad_input, status_non_finite, status_ok
     use spintop_stepper, only: controls_t
@@ -16,13 +18,15 @@ module spintop_growth_lanes
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: growth_lanes_t
+    public :: growth_lanes_t, growth_t, find_growth
 
     !> The last terms of a perturbation may exceed the tolerance of the motion by this factor: each is to be
     !> multiplied by its number, compared with those of the motion.
     real(dp), parameter :: slack = 100
     !> A tolerance below is not reached.
     real(dp), parameter :: least_tolerance = 1.0e-15_dp
+    !> Tolerance of motions that are integrated for the growth alone.
+    real(dp), parameter :: own_tolerance = 1.0e-14_dp
 
     !> Watches perturbations: one that has no special direction, for the exponent; or all that keep the length of the
     !> vertical, for the singular value. `set`, then hand it over.
@@ -47,6 +51,14 @@ module spintop_growth_lanes
         procedure :: look
         procedure :: finish
     end type growth_lanes_t
+
+    !> The growth along a motion: the Lyapunov exponent, 1/s, and the largest singular value, each with its status.
+    type :: growth_t
+        real(dp) :: exponent = 0, singular = 0
+        integer :: exponent_status = status_bad_input, singular_status = status_bad_input
+        !> Number of steps of the motion.
+        integer(int64) :: steps = 0
+    end type growth_t
 
 contains
 
@@ -155,5 +167,46 @@ contains
         end subroutine take_mean
 
     end subroutine finish
+
+    !> The growth of perturbations of the motions of bodies over spans: the Lyapunov exponents, the largest singular
+    !> values of the tangent maps, or both.
+    subroutine find_growth(bodies, starts, t_end, with_exponent, with_singular, max_steps, growth)
+        type(body_t), intent(in) :: bodies(:) !! mass properties about the fixed point, one for each case
+        type(motion_t), intent(in) :: starts(:) !! attitude and angular velocity at the start, one for each case
+        real(dp), intent(in) :: t_end(:) !! s
+        logical, intent(in) :: with_exponent, with_singular !! what is to be found
+        integer(int64), intent(in) :: max_steps !! maximum number of steps for a case
+        type(growth_t), intent(out) :: growth(:) !! what was found, one for each case
+        type(watch_slot_t) :: watches(1)
+        type(growth_lanes_t) :: watch
+        type(motion_t) :: ends(size(bodies))
+        type(outcome_t) :: outcomes(size(bodies))
+        type(controls_t) :: controls
+        integer :: i
+
+        controls%relative_tolerance = own_tolerance
+        controls%absolute_tolerance = own_tolerance
+        controls%max_steps = max_steps
+        call watch%set(controls, with_singular, with_exponent)
+        allocate (watches(1)%watch, source=watch)
+        call integrate_many(controls, bodies, starts, t_end, ends, outcomes, watches)
+        growth%steps = outcomes%counts%steps
+        select type (found => watches(1)%watch)
+        type is (growth_lanes_t)
+            do i = 1, size(bodies)
+                growth(i)%exponent = found%value(i)
+                growth(i)%exponent_status = found%status(i)
+                if (.not. with_singular) cycle
+                growth(i)%singular = found%value(i)
+                growth(i)%singular_status = found%status(i)
+                growth(i)%exponent = found%exponent(i)
+                growth(i)%exponent_status = found%exponent_status(i)
+            end do
+        end select
+        where (outcomes%status /= status_ok)
+            growth%exponent_status = outcomes%status
+            growth%singular_status = outcomes%status
+        end where
+    end subroutine find_growth
 
 end module spintop_growth_lanes

@@ -31,6 +31,7 @@ module spintop_body_with_effects
         procedure :: prepare
         procedure :: derivative
         procedure :: motion
+        procedure :: motion_without_angles
         procedure :: follow
         procedure :: invariants
         procedure, private :: loads_at
@@ -158,6 +159,22 @@ contains
         motion%norm_error = norm2(y(1:4)) - 1
         motion%omega_rate = acceleration(self%body, loads)
     end function motion
+
+    !> The same without angles and their rates.
+    pure function motion_without_angles(self, t, y, near) result(motion)
+        class(body_with_effects_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
+        type(motion_t) :: motion
+        type(loads_t) :: loads
+        associate (unused => near)
+        end associate
+        call self%loads_at(t, y, loads)
+        motion%t = t
+        motion%quaternion = y(1:4) / norm2(y(1:4))
+        motion%norm_error = norm2(y(1:4)) - 1
+        motion%omega = loads%omega
+        motion%omega_rate = acceleration(self%body, loads)
+    end function motion_without_angles
 
     !> Continues the angles to a later state.
     pure subroutine follow(self, t_last, y_last, t, y, angle, sure)

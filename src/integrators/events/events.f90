@@ -11,34 +11,22 @@
 !>
 !> Each evaluation counts as work. The search ends when the path allows no more.
 module spintop_events
-    use spintop_kinds, only: dp, pi
+    use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_bracket, only: bracket_t
     use spintop_compare, only: is_equal, is_finite
     use spintop_event, only: event_t
     use spintop_five_values, only: passes_at_most_once, rounding_of
     use spintop_instants, only: is_short, next_instant
+    use spintop_level_side, only: side_t, sign_of, turns_far
     use spintop_motion, only: motion_t
     use spintop_status, only: status_ok, status_bad_events
     use spintop_passages, only: passages_t
     use spintop_path, only: path_t
+    use spintop_recent_values, only: recent_values_t
     implicit none
     private
     public :: event_t, event_watch_t, path_t
-
-    !> The side of its level on which a quantity is.
-    type :: side_t
-        real(dp) :: level = huge(1.0_dp)
-        !> 1 above, -1 below, 0 unknown; the time since which it is known, and the distance from the level
-        !> then.
-        integer :: sign = 0
-        real(dp) :: t = 0, distance = 0
-        !> Distance below which the side is unknown: the rounding error, where it was measured.
-        real(dp) :: rounding = 0
-        logical :: is_measured = .false.
-        !> Largest distance at the instants of the interval.
-        real(dp) :: farthest = 0
-    end type side_t
 
     !> Searches for events. An extension defines the quantities, and what happens at an event.
     type, abstract :: event_watch_t
@@ -50,14 +38,21 @@ module spintop_events
         !> found: then the watch is full.
         integer :: most_events = huge(1)
         logical :: is_full = .false.
+        !> Whether a quantity takes the angles or their rates from the motion; otherwise they are not computed there.
+        logical :: needs_angles = .true.
+        !> Whether phi and psi count their turns up to events; otherwise they are the values nearest to those of the start.
+        logical :: needs_turns = .true.
         !> Body axis near whose passages of the vertical the quantities vary fast; zero if there is none.
         real(dp) :: pole_axis(3) = 0
         !> Time up to which the motion was searched, s: that of the event that ended it.
         real(dp) :: t = 0
-        !> The motion at that time.
+        !> The motion at that time; if `needs_angles`, with the angles and their rates.
         type(motion_t) :: here
         !> The quantities at that time, and their sides.
         real(dp), allocatable, private :: values(:)
+        !> Workspace: the quantities at five instants, and at one.
+        real(dp), allocatable, private :: five(:, :), one(:)
+        type(recent_values_t), private :: recent
         type(side_t), allocatable, private :: sides(:)
         real(dp), private :: t_begin = 0, fall_rate = 0, soon = 0
     contains
@@ -75,6 +70,7 @@ module spintop_events
         procedure, private :: take_side
         procedure, private :: find_root
         procedure, private :: value_at
+        procedure, private :: motion_at
     end type event_watch_t
 
     abstract interface
@@ -95,15 +91,12 @@ module spintop_events
         end subroutine meet
     end interface
 
-    !> An event sooner after the start than this fraction of the time of one radian is the start; and a start
-    !> value so close to the level, relatively, is at the level.
-    real(dp), parameter :: start_share = 1.0e-9_dp, start_rounding = 16 * epsilon(1.0_dp)
+    !> An event sooner after the start than this fraction of the time of one radian is the start.
+    real(dp), parameter :: start_share = 1.0e-9_dp
     !> After so many halvings of an interval the rounding error is measured, over this fraction of the
     !> interval.
     integer, parameter :: rounding_depth = 8
     real(dp), parameter :: rounding_share = 2.0_dp**(-12)
-    !> An angle that changes by more between two instants was not followed.
-    real(dp), parameter :: farthest_turn = 1.5_dp * pi
 
 contains
 
@@ -135,9 +128,12 @@ contains
         self%is_full = .false.
         if (.not. allocated(self%events)) allocate (self%events(0))
         self%events%count = 0
-        if (allocated(self%values)) deallocate (self%values, self%sides)
-        allocate (self%values(size(self%events)), self%sides(size(self%events)))
+        if (allocated(self%values)) deallocate (self%values, self%sides, self%five, self%one)
+        associate (n => size(self%events))
+            allocate (self%values(n), self%sides(n), self%five(n, 5), self%one(n))
+        end associate
         call self%quantities(motion, self%values)
+        call self%recent%begin(size(self%events))
     end subroutine begin
 
     !> Searches the path from the last instant to a time, or to the event that ends the motion, or as far as
@@ -147,18 +143,25 @@ contains
         class(path_t), intent(inout) :: path !! the motion, which is evaluated as far as needed
         real(dp), intent(in) :: t !! time, s
         type(motion_t) :: there
-        real(dp) :: pace
+        real(dp) :: pace, next
+        logical :: knows_end
 
         if (.not. t > self%t) return
         pace = path%greatest_rate
-        if (.not. pace > 0) then
-            call path%at(t, there)
+        knows_end = .not. pace > 0
+        if (knows_end) then
+            call self%motion_at(path, t, there)
             ! A body that rotates slowly at both ends may have fallen and risen in between.
             pace = max(norm2(self%here%omega), norm2(there%omega)) + 2 * self%fall_rate
         end if
         do while (self%t < t .and. .not. self%has_enough)
             if (path%is_spent() .or. self%is_full) exit
-            call self%search(path, next_instant(self%here, self%pole_axis, self%t, t, pace))
+            next = next_instant(self%here, self%pole_axis, self%t, t, pace)
+            if (knows_end .and. is_equal(next, t)) then
+                call self%search(path, next, there)
+            else
+                call self%search(path, next)
+            end if
         end do
     end subroutine look
 
@@ -190,33 +193,39 @@ contains
     end subroutine happen
 
     !> Searches for passages from the last instant to the next one, `last` or earlier, and meets them in
-    !> order. An event very soon after the start is the start.
-    subroutine search(self, path, last)
+    !> order. An event very soon after the start is the start. `motion_last` is the motion at `last`, if known.
+    subroutine search(self, path, last, motion_last)
         class(event_watch_t), intent(inout) :: self
         class(path_t), intent(inout) :: path
         real(dp), intent(in) :: last
+        type(motion_t), intent(in), optional :: motion_last
         type(passages_t) :: found
         type(motion_t) :: motion, there
-        real(dp) :: b, values(size(self%events), 5)
+        real(dp) :: b, values(5)
         integer :: k, i, before
 
-        values(:, 1) = self%values
+        self%five(:, 1) = self%values
         b = last
+        if (present(motion_last)) there = motion_last
+        if (.not. present(motion_last)) call self%motion_at(path, b, there)
         do
-            call path%at(b, there)
-            call self%quantities(there, values(:, 5))
-            if (is_short(self%t, b) .or. .not. any(turns_far(self%events, values(:, 1), values(:, 5)))) exit
+            call self%quantities(there, self%one)
+            self%five(:, 5) = self%one
+            if (is_short(self%t, b) .or. .not. any(turns_far(self%events, self%five(:, 1), self%five(:, 5)))) exit
             if (path%is_spent()) return
             b = self%t + (b - self%t) / 2
+            call self%motion_at(path, b, there)
         end do
         do i = 2, 4
-            call path%at(self%t + (b - self%t) * (i - 1) / 4, motion)
-            call self%quantities(motion, values(:, i))
+            call self%motion_at(path, self%t + (b - self%t) * (i - 1) / 4, motion)
+            call self%quantities(motion, self%one)
+            self%five(:, i) = self%one
         end do
         do k = 1, size(self%events)
             before = found%n
-            call self%aim(path, k, b, values(k, :))
-            call self%refine(path, k, self%t, b, values(k, :) - self%sides(k)%level, 0, found)
+            values = self%five(k, :)
+            call self%aim(path, k, b, values)
+            call self%refine(path, k, self%t, b, values - self%sides(k)%level, 0, found)
             call found%merge_from(before + 1)
         end do
         self%is_full = found%is_full
@@ -236,15 +245,8 @@ contains
         end do
         self%t = b
         self%here = there
-        self%values = values(:, 5)
+        self%values = self%five(:, 5)
     end subroutine search
-
-    !> Whether an angle with turns changes too much between two instants to be followed.
-    elemental logical function turns_far(event, before, after)
-        type(event_t), intent(in) :: event
-        real(dp), intent(in) :: before, after
-        turns_far = (event%every_turn .or. event%turn_by_turn) .and. abs(after - before) > farthest_turn
-    end function turns_far
 
     !> Selects the level of event `k` for the interval that ends at `b`: of several levels the one nearest to
     !> the quantity, whose five values are given.
@@ -253,22 +255,9 @@ contains
         class(path_t), intent(inout) :: path
         integer, intent(in) :: k
         real(dp), intent(in) :: b, values(5)
-        real(dp) :: level, middle
-
-        associate (event => self%events(k), side => self%sides(k))
-            level = event%level
-            middle = values(1) + (values(5) - values(1)) / 2
-            if (event%every_turn .and. is_finite(middle)) level = level + 2 * pi * anint((middle - level) / (2 * pi))
-            if (event%turn_by_turn) level = 2 * pi * (event%count + 1)
-            if (.not. is_equal(level, side%level)) then
-                side = side_t(level=level, t=self%t, distance=values(1) - level)
-                if (abs(side%distance) > start_rounding * (abs(values(1)) + abs(level))) then
-                    side%sign = sign_of(side%distance)
-                end if
-            end if
-            side%farthest = maxval(abs(values - level), mask=is_finite(values))
-            side%is_measured = .false.
-            if (any(abs(values - level) <= side%rounding)) then
+        associate (side => self%sides(k))
+            call side%aim(self%events(k), self%t, values)
+            if (any(abs(values - side%level) <= side%rounding)) then
                 call self%measure_rounding(path, k, b)
             else
                 side%rounding = 0
@@ -385,16 +374,26 @@ contains
         integer, intent(in) :: k
         real(dp), intent(in) :: t
         type(motion_t) :: motion
-        real(dp) :: values(size(self%events))
-        call path%at(t, motion)
-        call self%quantities(motion, values)
-        value = values(k)
+        logical :: known
+        call self%recent%find(t, k, value, known)
+        if (known) return
+        call self%motion_at(path, t, motion)
+        call self%quantities(motion, self%one)
+        call self%recent%keep(t, self%one)
+        value = self%one(k)
     end function value_at
 
-    !> 1 or -1.
-    elemental integer function sign_of(x)
-        real(dp), intent(in) :: x
-        sign_of = merge(1, -1, x > 0)
-    end function sign_of
+    !> The motion at a time, as far as the quantities need it.
+    subroutine motion_at(self, path, t, motion)
+        class(event_watch_t), intent(in) :: self
+        class(path_t), intent(inout) :: path
+        real(dp), intent(in) :: t
+        type(motion_t), intent(out) :: motion
+        if (self%needs_angles) then
+            call path%at(t, motion)
+        else
+            call path%at_without_angles(t, motion)
+        end if
+    end subroutine motion_at
 
 end module spintop_events

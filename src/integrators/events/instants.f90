@@ -42,10 +42,11 @@ contains
         type(motion_t), intent(in) :: motion
         real(dp), intent(in) :: axis(3)
         real(dp) :: way, speed, acceleration
+        time = huge(1.0_dp)
+        if (.not. any(abs(axis) > 0)) return
         way = largest_turn * max(norm2(cross(vertical_from_quaternion(motion%quaternion), axis)), through_pole)
         speed = norm2(cross(motion%omega, axis))
         acceleration = norm2(cross(motion%omega_rate, axis) + cross(motion%omega, cross(motion%omega, axis)))
-        time = huge(1.0_dp)
         if (speed + acceleration > 0) time = 2 * way / (speed + sqrt(speed**2 + 2 * acceleration * way))
     end function time_near_pole
 

@@ -12,6 +12,7 @@ module spintop_path
         real(dp) :: greatest_rate = 0
     contains
         procedure(at), deferred :: at
+        procedure :: at_without_angles
         procedure :: is_spent
     end type path_t
 
@@ -26,6 +27,14 @@ module spintop_path
     end interface
 
 contains
+
+    !> The motion at a time; its angles and their rates need not be set. By default the whole motion.
+    subroutine at_without_angles(self, t, motion)
+        class(path_t), intent(inout) :: self
+        real(dp), intent(in) :: t !! time, s
+        type(motion_t), intent(out) :: motion !! the motion at that time
+        call self%at(t, motion)
+    end subroutine at_without_angles
 
     !> Whether the allowed number of evaluations is used up; by default there is no limit.
     logical function is_spent(self)

@@ -1,14 +1,14 @@
 !> Measures the nutation of a motion without a closed form by events: the turning points of theta, the maxima
 !> of the precession rate, and the minima of the height of the centre of mass.
 module spintop_nutation_watch
-    use spintop_kinds, only: dp, pi
+    use spintop_kinds, only: dp, no_number, pi
     use spintop_body, only: body_t
     use spintop_case, only: case_t
     use spintop_compare, only: is_finite, is_zero
     use spintop_euler_poisson, only: euler_poisson_rate
     use spintop_event_recorder, only: event_recorder_t
     use spintop_events, only: event_t
-    use spintop_motion, only: motion_t
+    use spintop_motion, only: motion_from_quaternion, motion_t
     use spintop_nutation, only: nutation_t, class_loop, class_cusp, class_wave, class_steady, &
         class_libration, class_circulation
     use spintop_quantities, only: axis_height_rate, support_force
@@ -17,31 +17,47 @@ module spintop_nutation_watch
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: nutation_watch_t, nutation_of, no_class
+    public :: nutation_watch_t, measures_t, nutation_of, no_class
 
     !> Class of a motion whose nutations belong to several classes.
     integer, parameter :: no_class = 0
 
-    !> The measured events, which follow those of the scene; the last five where forces are measured, too.
+    !> The events that can be measured; those that are wanted follow those of the scene.
     integer, parameter :: lowest_centre = 3, fastest(2) = [4, 5], fastest_nutation(2) = [6, 7], vertical_force(2) = [8, 9], &
         largest_force = 10
+    !> Their names and directions.
+    character(*), parameter :: own_names(largest_force) = [character(16) :: 'upper', 'lower', 'lowest', 'fastest', &
+        'fastest', 'fastest nutation', 'fastest nutation', 'vertical force', 'vertical force', 'largest force']
+    integer, parameter :: own_directions(largest_force) = [-1, 1, 1, 1, -1, 1, -1, 1, -1, -1]
 
     !> A precession rate at the upper turning points within this fraction of the largest one, and a range of
     !> theta within this angle, rad, count as zero.
     real(dp), parameter :: class_tolerance = 1.0e-6_dp
 
+    !> What is measured.
+    type :: measures_t
+        logical :: turning = .true. !! the turning points
+        logical :: lowest = .true. !! the minimum height of the centre of mass
+        logical :: fastest = .true. !! the largest precession rate, for the class as well
+        logical :: nutation_rate = .false. !! the largest nutation rate
+        logical :: vertical_force = .false. !! the extremes of the vertical support force
+        logical :: force = .false. !! the largest support force
+    contains
+        procedure, private :: has_forces
+        procedure, private :: events => wanted_events
+    end type measures_t
+
     !> Searches for the events of the scene, and measures the nutation on request.
     type, extends(event_recorder_t) :: nutation_watch_t
         !> Minimum height of the centre of mass so far, m.
         real(dp) :: com_z_min = huge(1.0_dp)
-        !> Whether the nutation rate and the support force are measured, too: the largest magnitude so far, rad/s, and the
-        !> extremes of the force, N.
-        logical :: measures_forces = .false.
+        !> What is measured: the largest nutation rate so far, rad/s, and the extremes of the support force, N.
+        type(measures_t) :: measures = measures_t(.false., .false., .false.)
         real(dp) :: theta_rate_max = 0, force_max = 0, force_z_min = huge(1.0_dp), force_z_max = -huge(1.0_dp)
         type(case_t), private :: case
         logical, private :: starts_turning = .false.
-        !> Number of measured events.
-        integer, private :: own_events = 0
+        !> The measured events.
+        integer, allocatable, private :: own(:)
         type(turning_points_t), private :: turns(upper:lower)
         real(dp), private :: phi_rate_max = 0
     contains
@@ -56,26 +72,39 @@ module spintop_nutation_watch
 
 contains
 
-    !> Requests the measurement of the nutation; call after `set`.
-    subroutine measure_nutation(self, case, with_forces)
+    !> Requests measurements; call after `set`.
+    subroutine measure_nutation(self, case, measures)
         class(nutation_watch_t), intent(inout) :: self
         type(case_t), intent(in) :: case !! body, start and span
-        logical, intent(in) :: with_forces !! whether the nutation rate and the support force are measured, too
-        self%measures_forces = with_forces
+        type(measures_t), intent(in) :: measures !! what is measured
+        integer :: k
+        self%measures = measures
         self%case = case
-        self%own_events = fastest(2)
-        self%events = [self%events, event_t('upper', -1), event_t('lower', 1), event_t('lowest', 1), &
-                       event_t('fastest', 1), event_t('fastest', -1)]
-        if (with_forces) then
-            self%own_events = largest_force
-            self%events = [self%events, event_t('fastest nutation', 1), event_t('fastest nutation', -1), &
-                           event_t('vertical force', 1), event_t('vertical force', -1), event_t('largest force', -1)]
-        end if
+        ! Only the events of the scene may depend on the angles.
+        self%needs_angles = size(self%events) > 0
+        self%needs_turns = self%needs_angles .or. measures%turning
+        self%own = measures%events()
+        self%events = [self%events, (event_t(own_names(self%own(k)), own_directions(self%own(k))), k=1, size(self%own))]
         ! The precession is fastest near a pole.
-        self%pole_axis = [0.0_dp, 0.0_dp, 1.0_dp]
+        if (measures%fastest .or. measures%nutation_rate) self%pole_axis = [0.0_dp, 0.0_dp, 1.0_dp]
         self%starts_turning = is_zero(axis_height_rate(case%start))
         call self%take_extremes(case%start)
     end subroutine measure_nutation
+
+    !> Whether the nutation rate or the support force is measured.
+    pure logical function has_forces(self)
+        class(measures_t), intent(in) :: self
+        has_forces = self%nutation_rate .or. self%vertical_force .or. self%force
+    end function has_forces
+
+    !> The events that are to be found.
+    pure function wanted_events(self) result(own)
+        class(measures_t), intent(in) :: self
+        integer, allocatable :: own(:)
+        integer :: k
+        own = pack([(k, k=1, largest_force)], [self%turning, self%turning, self%lowest, self%fastest, self%fastest, &
+            self%nutation_rate, self%nutation_rate, self%vertical_force, self%vertical_force, self%force])
+    end function wanted_events
 
     !> The quantities of the events of the scene, and of the measured ones.
     subroutine quantities(self, motion, values)
@@ -83,17 +112,28 @@ contains
         type(motion_t), intent(in) :: motion !! the motion at an instant
         real(dp), intent(out) :: values(:) !! one value for each event
         real(dp) :: own(largest_force), gamma(3), gamma_rate(3)
-        integer :: n
+        integer :: k, n
 
-        n = size(values) - self%own_events
-        if (self%own_events > 0) then
+        n = size(values)
+        if (allocated(self%own)) then
+            own = 0
+            n = n - size(self%own)
             gamma = vertical_from_quaternion(motion%quaternion)
             gamma_rate = cross(gamma, motion%omega)
-            own([upper, lower]) = axis_height_rate(motion)
-            own(lowest_centre) = dot_product(self%case%body%centre_of_mass, gamma_rate)
-            own(fastest) = precession_slope(gamma, gamma_rate, motion%omega, motion%omega_rate)
-            if (self%measures_forces) call find_force_slopes(self%case%body, motion, own)
-            values(n + 1:) = own(:self%own_events)
+            own([upper, lower]) = gamma_rate(3)
+            if (self%measures%lowest) own(lowest_centre) = dot_product(self%case%body%centre_of_mass, gamma_rate)
+            if (self%measures%fastest) then
+                own(fastest) = precession_slope(gamma, gamma_rate, motion%omega, motion%omega_rate)
+            end if
+            if (self%measures%nutation_rate) then
+                own(fastest_nutation) = nutation_slope(gamma, gamma_rate, motion%omega, motion%omega_rate)
+            end if
+            if (self%measures%vertical_force .or. self%measures%force) then
+                call find_force_slopes(self%case%body, gamma, gamma_rate, motion%omega, motion%omega_rate, own)
+            end if
+            do k = 1, size(self%own)
+                values(n + k) = own(self%own(k))
+            end do
         end if
         if (n > 0) call self%event_recorder_t%quantities(motion, values(:n))
     end subroutine quantities
@@ -109,22 +149,24 @@ contains
     end function precession_slope
 
     !> The slope of the nutation rate, but for a positive factor and its sign: with w = gamma3' and d = gamma1^2 +
-    !> gamma2^2, theta'^2 = w^2/d. Those of the vertical force and of the square of the force, over mass and twice its
-    !> square.
-    pure subroutine find_force_slopes(body, motion, slopes)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: motion
-        real(dp), intent(inout) :: slopes(largest_force)
-        real(dp), dimension(3) :: gamma, gamma1, gamma2, gamma3, b, b1, force, force1
+    !> gamma2^2, theta'^2 = w^2/d.
+    pure real(dp) function nutation_slope(gamma, gamma_rate, omega, omega_rate) result(slope)
+        real(dp), intent(in), dimension(3) :: gamma, gamma_rate, omega, omega_rate
+        real(dp) :: bend
+        bend = gamma_rate(1) * omega(2) - gamma_rate(2) * omega(1) + gamma(1) * omega_rate(2) - gamma(2) * omega_rate(1)
+        slope = bend * (gamma(1)**2 + gamma(2)**2) + gamma(3) * gamma_rate(3)**2
+    end function nutation_slope
 
-        associate (r => body%centre_of_mass, w => motion%omega, inertia => body%inertia)
-            gamma = vertical_from_quaternion(motion%quaternion)
-            gamma1 = cross(gamma, w)
-            b = (cross(inertia * w, w) + body%torque(gamma) - body%damping * w) / inertia
+    !> The slopes of the vertical force and of the square of the force, over mass and twice its square.
+    pure subroutine find_force_slopes(body, gamma, gamma1, w, b, slopes)
+        type(body_t), intent(in) :: body
+        real(dp), intent(in), dimension(3) :: gamma, gamma1, w, b !! vertical and angular velocity, each with its rate
+        real(dp), intent(inout) :: slopes(largest_force)
+        real(dp), dimension(3) :: gamma3, b1, force, force1
+
+        associate (r => body%centre_of_mass, inertia => body%inertia)
             b1 = (cross(inertia * b, w) + cross(inertia * w, b) + body%torque(gamma1) - body%damping * b) / inertia
-            gamma2 = cross(gamma1, w) + cross(gamma, b)
-            gamma3 = cross(gamma2, w) + 2 * cross(gamma1, b) + cross(gamma, b1)
-            slopes(fastest_nutation) = gamma2(3) * sum(gamma(1:2)**2) + gamma(3) * gamma1(3)**2
+            gamma3 = cross(cross(gamma1, w) + cross(gamma, b), w) + 2 * cross(gamma1, b) + cross(gamma, b1)
             slopes(vertical_force) = dot_product(r, gamma3)
             force = cross(b, r) + cross(w, cross(w, r)) + body%gravity * gamma
             force1 = cross(b1, r) + cross(b, cross(w, r)) + cross(w, cross(b, r)) + body%gravity * gamma1
@@ -139,11 +181,13 @@ contains
         type(motion_t), intent(in) :: motion !! the motion at the event
         integer :: kind
 
-        kind = number - (size(self%events) - self%own_events)
-        if (kind <= 0 .or. self%own_events == 0) then
+        kind = 0
+        if (allocated(self%own)) kind = number - (size(self%events) - size(self%own))
+        if (kind <= 0) then
             call self%event_recorder_t%meet(number, motion)
             return
         end if
+        kind = self%own(kind)
         call self%take_extremes(motion)
         if (kind /= upper .and. kind /= lower) return
         ! A start at a turning point is not an event, but it is a turning point of the other kind than the
@@ -156,6 +200,11 @@ contains
     !> Includes the end of the motion, where the precession rate and the height may have their extremes.
     subroutine take_end(self)
         class(nutation_watch_t), intent(inout) :: self
+        if (.not. self%needs_angles) then
+            associate (here => self%here)
+                self%here = motion_from_quaternion(here%t, here%quaternion, here%omega, here%angle)
+            end associate
+        end if
         call self%take_extremes(self%here)
     end subroutine take_end
 
@@ -168,7 +217,7 @@ contains
         end if
         self%com_z_min = min(self%com_z_min, dot_product(self%case%body%centre_of_mass, &
                                                          vertical_from_quaternion(motion%quaternion)))
-        if (self%measures_forces) call self%take_forces(motion)
+        if (self%measures%has_forces()) call self%take_forces(motion)
     end subroutine take_extremes
 
     !> Updates the extremes of the nutation rate and of the support force.
@@ -202,7 +251,12 @@ contains
         class(nutation_watch_t), intent(in) :: self
         type(nutation_t), intent(out) :: measured !! the nutation as measured
         logical, intent(out) :: seen !! whether there is a whole nutation
-        call nutation_of(self%turns, measured, seen, self%phi_rate_max)
+        if (self%measures%fastest) then
+            call nutation_of(self%turns, measured, seen, self%phi_rate_max)
+        else
+            call nutation_of(self%turns, measured, seen)
+            measured%phi_rate_max = no_number
+        end if
     end subroutine nutation
 
     !> The nutation between turning points: means over all whole nutations, extremes over all turning points;

@@ -82,9 +82,9 @@ contains
         type(nutation_t) :: nutation
         logical :: seen
 
-        if (watch%measures_forces) then
-            values%theta_rate_max = watch%theta_rate_max
-            values%force_max = watch%force_max
+        if (watch%measures%nutation_rate) values%theta_rate_max = watch%theta_rate_max
+        if (watch%measures%force) values%force_max = watch%force_max
+        if (watch%measures%vertical_force) then
             values%force_z_min = watch%force_z_min
             values%force_z_max = watch%force_z_max
         end if
@@ -98,7 +98,9 @@ contains
         values%com_z_min = watch%com_z_min
         values%spin_per_nutation = nutation%spin
         values%motion_class = nutation%class
-        if (nutation%class == no_class) call note%add(note_no_class, 'it changes from nutation to nutation')
+        if (watch%measures%fastest .and. nutation%class == no_class) then
+            call note%add(note_no_class, 'it changes from nutation to nutation')
+        end if
     end subroutine put_measured
 
     !> The formulas of the paper for a fast top.

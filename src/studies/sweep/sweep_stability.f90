@@ -5,7 +5,7 @@ module spintop_sweep_stability
     use spintop_case, only: case_t
     use spintop_driven_flow, only: drive_period
     use spintop_floquet, only: find_multipliers
-    use spintop_lyapunov, only: find_largest_singular_value, find_lyapunov
+    use spintop_growth_lanes, only: find_growth, growth_t
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_motion, only: motion_from_quaternion, motion_t
     use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_unsuitable, status_meanings
@@ -30,8 +30,8 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(note_t), intent(inout) :: note !! notes on the case
         complex(dp) :: eigenvalues(6)
-        real(dp) :: value(1)
-        integer :: how, steps
+        type(growth_t) :: growth(1)
+        integer :: how
 
         status = status_ok
         if (wanted%growth) then
@@ -44,29 +44,28 @@ contains
                 call note%add(note_no_growth, trim(status_meanings(how)))
             end if
         end if
+        if (wanted%lyapunov .or. wanted%singular) then
+            call find_growth([case%body], [case%start], [case%t_end], wanted%lyapunov, wanted%singular, &
+                             max(max_steps, 1_int64), growth)
+            max_steps = max_steps - growth(1)%steps
+        end if
         if (wanted%lyapunov) then
-            call find_lyapunov(case%body, case%start, case%t_end, value, how, max_steps=most_steps(), steps=steps)
-            call take(values%lyapunov_exponent, note_no_lyapunov)
+            call take(growth(1)%exponent, growth(1)%exponent_status, values%lyapunov_exponent, note_no_lyapunov)
         end if
         if (wanted%singular) then
-            call find_largest_singular_value(case%body, case%start, case%t_end, value(1), how, most_steps(), steps)
-            call take(values%largest_singular_value, note_no_singular)
+            call take(growth(1)%singular, growth(1)%singular_status, values%largest_singular_value, note_no_singular)
         end if
         if (wanted%multiplier) call put_multiplier(case, values, note)
 
     contains
 
-        integer function most_steps()
-            most_steps = int(max(0_int64, min(max_steps, int(huge(1) - 1, int64))))
-        end function most_steps
-
         !> Stores a value, or notes the reason why there is none.
-        subroutine take(quantity, reason)
+        subroutine take(value, how, quantity, reason)
+            real(dp), intent(in) :: value
+            integer, intent(in) :: how, reason
             real(dp), intent(inout) :: quantity
-            integer, intent(in) :: reason
-            max_steps = max_steps - steps
             if (how == status_ok) then
-                quantity = value(1)
+                quantity = value
             else
                 call note%add(reason, trim(status_meanings(how)))
                 if (how == status_step_limit .or. how == status_non_finite) status = how

@@ -14,7 +14,7 @@ module spintop_sweep_stepping
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, find_nutation
-    use spintop_nutation_watch, only: nutation_watch_t
+    use spintop_nutation_watch, only: measures_t, nutation_watch_t
     use spintop_plan, only: plan_t, sample_times
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
     use spintop_status, only: is_good_end, status_at_rest, status_ok, status_step_limit, status_too_many_events, status_meanings
@@ -36,11 +36,13 @@ module spintop_sweep_stepping
         logical :: saw_period = .false.
         real(dp) :: azimuth_at_period = 0
         real(dp) :: energy = 0, energy_scale = 1, energy_error = 0
-        !> The last motion.
+        !> The last motion. That of a formulation is made at the end, of the last state.
         type(motion_t) :: last
+        real(dp) :: t = 0, y(max_states) = 0, near(3) = 0
     contains
         procedure :: observe
         procedure :: look
+        procedure, private :: take_energy
     end type witness_t
 
 contains
@@ -90,7 +92,7 @@ contains
             allocate (watch)
             call watch%set(events, n, case)
             if (measures) then
-                call watch%measure_nutation(case, has_extremes(wanted) .and. .not. allocated(case%body%effects))
+                call watch%measure_nutation(case, measures_of(wanted, allocated(case%body%effects)))
                 if (has_extremes(wanted) .and. allocated(case%body%effects)) call note%add(note_no_details, &
                     'extremes of the nutation rate and of the support force are not measured for bodies with effects')
             end if
@@ -113,6 +115,17 @@ contains
         type(sweep_work_t), intent(in) :: wanted
         has_extremes = wanted%nutation_rate .or. wanted%vertical_force .or. wanted%force
     end function has_extremes
+
+    !> What is to be measured of the nutation. The nutation rate and the support force are not, with effects.
+    pure type(measures_t) function measures_of(wanted, has_effects) result(measures)
+        type(sweep_work_t), intent(in) :: wanted
+        logical, intent(in) :: has_effects
+        measures = measures_t(wanted%turning, wanted%lowest, wanted%fastest)
+        if (has_effects) return
+        measures%nutation_rate = wanted%nutation_rate
+        measures%vertical_force = wanted%vertical_force
+        measures%force = wanted%force
+    end function measures_of
 
     !> Integrates the motion to the end of its span, or to the event that ends it, within the remaining work.
     subroutine follow(case, plan, max_steps, wanted, watch, values, status, note)
@@ -144,6 +157,9 @@ contains
             call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, times, &
                            witness, outcome, watch)
             plan%stepper%controls%max_steps = all_steps
+            if (is_good_end(outcome%status)) then
+                witness%last = plan%formulation%motion(witness%t, witness%y, witness%near)
+            end if
         end if
         status = outcome%status
         values%evaluations = real(outcome%counts%evaluations, dp)
@@ -277,23 +293,37 @@ contains
         class(witness_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: t, y(max_states), near(3)
-        call self%look(formulation%motion(t, y, near))
+        if (self%period > 0 .and. matches(t, self%period)) then
+            call self%look(formulation%motion(t, y, near))
+        else
+            call self%take_energy(formulation%motion_without_angles(t, y, near))
+        end if
+        self%t = t
+        self%y = y
+        self%near = near
     end subroutine observe
 
     !> Receives a motion.
     subroutine look(self, motion)
         class(witness_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion
-        real(dp) :: energy
         self%last = motion
-        energy = kinetic_energy(self%case%body, motion) + potential_energy(self%case%body, motion)
-        energy = abs(energy - self%energy - sum(self%work)) / max(self%energy_scale, sum(abs(self%work)))
-        ! A value that is not finite is kept.
-        if (is_finite(self%energy_error) .and. .not. energy <= self%energy_error) self%energy_error = energy
+        call self%take_energy(motion)
         if (self%period > 0 .and. matches(motion%t, self%period)) then
             self%saw_period = .true.
             self%azimuth_at_period = motion%angle(1) - self%case%start%angle(1)
         end if
     end subroutine look
+
+    !> Receives the energy error of a motion, whose angles need not be set.
+    subroutine take_energy(self, motion)
+        class(witness_t), intent(inout) :: self
+        type(motion_t), intent(in) :: motion
+        real(dp) :: energy
+        energy = kinetic_energy(self%case%body, motion) + potential_energy(self%case%body, motion)
+        energy = abs(energy - self%energy - sum(self%work)) / max(self%energy_scale, sum(abs(self%work)))
+        ! A value that is not finite is kept.
+        if (is_finite(self%energy_error) .and. .not. energy <= self%energy_error) self%energy_error = energy
+    end subroutine take_energy
 
 end module spintop_sweep_stepping

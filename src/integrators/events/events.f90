@@ -11,11 +11,13 @@
 !>
 !> Each evaluation counts as work. The search ends when the path allows no more.
 module spintop_events
+    use, intrinsic :: iso_c_binding, only: c_loc
+    use spintop_archive, only: archive_t
     use spintop_kinds, only: dp, pi
     use spintop_body, only: body_t
     use spintop_bracket, only: bracket_t
     use spintop_compare, only: is_equal, is_finite
-    use spintop_event, only: event_t
+    use spintop_event, only: event_t, side_t, sign_of, turns_far
     use spintop_five_values, only: passes_at_most_once, rounding_of
     use spintop_instants, only: is_short, next_instant
     use spintop_motion, only: motion_t
@@ -24,21 +26,7 @@ module spintop_events
     use spintop_path, only: path_t
     implicit none
     private
-    public :: event_t, event_watch_t, path_t
-
-    !> The side of its level on which a quantity is.
-    type :: side_t
-        real(dp) :: level = huge(1.0_dp)
-        !> 1 above, -1 below, 0 unknown; the time since which it is known, and the distance from the level
-        !> then.
-        integer :: sign = 0
-        real(dp) :: t = 0, distance = 0
-        !> Distance below which the side is unknown: the rounding error, where it was measured.
-        real(dp) :: rounding = 0
-        logical :: is_measured = .false.
-        !> Largest distance at the instants of the interval.
-        real(dp) :: farthest = 0
-    end type side_t
+    public :: event_t, event_watch_t, path_t, carry_search
 
     !> Searches for events. An extension defines the quantities, and what happens at an event.
     type, abstract :: event_watch_t
@@ -50,6 +38,8 @@ module spintop_events
         !> found: then the watch is full.
         integer :: most_events = huge(1)
         logical :: is_full = .false.
+        !> Whether the path interrupted the last search, which the next goes on with.
+        logical :: is_paused = .false.
         !> Body axis near whose passages of the vertical the quantities vary fast; zero if there is none.
         real(dp) :: pole_axis(3) = 0
         !> Time up to which the motion was searched, s: that of the event that ended it.
@@ -59,7 +49,7 @@ module spintop_events
         !> The quantities at that time, and their sides.
         real(dp), allocatable, private :: values(:)
         type(side_t), allocatable, private :: sides(:)
-        real(dp), private :: t_begin = 0, fall_rate = 0, soon = 0
+        real(dp), private :: t_begin = 0, fall_rate = 0, soon = 0, pace = 0
     contains
         procedure(quantities), deferred :: quantities
         procedure(meet), deferred :: meet
@@ -68,6 +58,7 @@ module spintop_events
         procedure :: look
         procedure :: knows
         procedure :: happen
+        procedure :: carry => carry_search
         procedure, private :: search
         procedure, private :: aim
         procedure, private :: refine
@@ -102,8 +93,6 @@ module spintop_events
     !> interval.
     integer, parameter :: rounding_depth = 8
     real(dp), parameter :: rounding_share = 2.0_dp**(-12)
-    !> An angle that changes by more between two instants was not followed.
-    real(dp), parameter :: farthest_turn = 1.5_dp * pi
 
 contains
 
@@ -133,6 +122,7 @@ contains
         if (norm2(motion%omega) + self%fall_rate > 0) self%soon = start_share / (norm2(motion%omega) + 2 * self%fall_rate)
         self%has_enough = .false.
         self%is_full = .false.
+        self%is_paused = .false.
         if (.not. allocated(self%events)) allocate (self%events(0))
         self%events%count = 0
         if (allocated(self%values)) deallocate (self%values, self%sides)
@@ -147,18 +137,21 @@ contains
         class(path_t), intent(inout) :: path !! the motion, which is evaluated as far as needed
         real(dp), intent(in) :: t !! time, s
         type(motion_t) :: there
-        real(dp) :: pace
 
         if (.not. t > self%t) return
-        pace = path%greatest_rate
-        if (.not. pace > 0) then
-            call path%at(t, there)
-            ! A body that rotates slowly at both ends may have fallen and risen in between.
-            pace = max(norm2(self%here%omega), norm2(there%omega)) + 2 * self%fall_rate
+        if (.not. self%is_paused) then
+            self%pace = path%greatest_rate
+            if (.not. self%pace > 0) then
+                call path%at(t, there)
+                ! A body that rotates slowly at both ends may have fallen and risen in between.
+                self%pace = max(norm2(self%here%omega), norm2(there%omega)) + 2 * self%fall_rate
+            end if
         end if
         do while (self%t < t .and. .not. self%has_enough)
             if (path%is_spent() .or. self%is_full) exit
-            call self%search(path, next_instant(self%here, self%pole_axis, self%t, t, pace))
+            self%is_paused = path%wants_pause()
+            if (self%is_paused) exit
+            call self%search(path, next_instant(self%here, self%pole_axis, self%t, t, self%pace))
         end do
     end subroutine look
 
@@ -188,6 +181,24 @@ contains
         self%t = motion%t
         self%here = motion
     end subroutine happen
+
+    !> Carries the state of the search, after `begin`.
+    subroutine carry_search(self, archive)
+        class(event_watch_t), target, intent(inout) :: self !! the search
+        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        integer :: i
+        call archive%carry(self%t)
+        call archive%carry(c_loc(self%here), storage_size(self%here))
+        call archive%carry(self%has_enough)
+        call archive%carry(self%is_full)
+        call archive%carry(self%is_paused)
+        call archive%carry(self%pace)
+        do i = 1, size(self%events)
+            call archive%carry(self%events(i)%count)
+            call archive%carry(self%values(i))
+            call archive%carry(c_loc(self%sides(i)), storage_size(self%sides))
+        end do
+    end subroutine carry_search
 
     !> Searches for passages from the last instant to the next one, `last` or earlier, and meets them in
     !> order. An event very soon after the start is the start.
@@ -238,13 +249,6 @@ contains
         self%here = there
         self%values = values(:, 5)
     end subroutine search
-
-    !> Whether an angle with turns changes too much between two instants to be followed.
-    elemental logical function turns_far(event, before, after)
-        type(event_t), intent(in) :: event
-        real(dp), intent(in) :: before, after
-        turns_far = (event%every_turn .or. event%turn_by_turn) .and. abs(after - before) > farthest_turn
-    end function turns_far
 
     !> Selects the level of event `k` for the interval that ends at `b`: of several levels the one nearest to
     !> the quantity, whose five values are given.
@@ -390,11 +394,5 @@ contains
         call self%quantities(motion, values)
         value = values(k)
     end function value_at
-
-    !> 1 or -1.
-    elemental integer function sign_of(x)
-        real(dp), intent(in) :: x
-        sign_of = merge(1, -1, x > 0)
-    end function sign_of
 
 end module spintop_events

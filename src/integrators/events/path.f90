@@ -13,6 +13,7 @@ module spintop_path
     contains
         procedure(at), deferred :: at
         procedure :: is_spent
+        procedure :: wants_pause
     end type path_t
 
     abstract interface
@@ -34,5 +35,13 @@ contains
         end associate
         is_spent = .false.
     end function is_spent
+
+    !> Whether a search is to be interrupted here, to be gone on with later.
+    logical function wants_pause(self)
+        class(path_t), intent(inout) :: self
+        associate (unused => self)
+        end associate
+        wants_pause = .false.
+    end function wants_pause
 
 end module spintop_path

@@ -42,8 +42,8 @@ module spintop_command_line
         option_t('--set', '', 'GROUP.KEY=VALUE', 'override a value of the input (repeatable)'), &
         option_t('--threads', '', 'N', 'number of threads, of each rank under MPI (default: all cores)'), &
         option_t('--check', '', '', 'read, check and plan only; print the resolved input and the plan'), &
-        option_t('--resume', '', '', 'resume an interrupted sweep'), &
-        option_t('--restart', '', '', 'discard an interrupted sweep and start anew'), &
+        option_t('--resume', '', '', 'resume an interrupted sweep or trajectory'), &
+        option_t('--restart', '', '', 'discard an interrupted run and start anew'), &
         option_t('--shard', '', 'I/N', 'compute part I of N of a study; `spintop merge` joins the parts'), &
         option_t('--quiet', '', '', 'no progress display'), &
         option_t('--progress', '', '', 'progress even when standard error is no terminal'), &

@@ -1,5 +1,6 @@
 !> The interface of what receives a motion at its sample times.
 module spintop_observer
+    use spintop_archive, only: archive_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
     use spintop_loads, only: works
@@ -17,8 +18,15 @@ module spintop_observer
         !> Whether the work of effects is wanted; then it is set before each motion is observed, J, by its parts.
         logical :: wants_work = .false.
         real(dp) :: work(works) = 0
+        !> Whether the state of the run is kept from time to time, so that it can be resumed; and the state from which this
+        !> run goes on.
+        logical :: keeps_states = .false.
+        type(archive_t), allocatable :: resumed
     contains
         procedure(observe), deferred :: observe
+        procedure :: wants_state
+        procedure :: carry
+        procedure :: keep
     end type observer_t
 
     abstract interface
@@ -31,5 +39,31 @@ module spintop_observer
             real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
         end subroutine observe
     end interface
+
+contains
+
+    !> Whether it is time to keep the state of the run.
+    logical function wants_state(self)
+        class(observer_t), intent(in) :: self
+        associate (unused => self)
+        end associate
+        wants_state = .false.
+    end function wants_state
+
+    !> Carries the state of the observer, which comes before that of the run.
+    subroutine carry(self, archive)
+        class(observer_t), target, intent(inout) :: self
+        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        associate (unused => self, also_unused => archive)
+        end associate
+    end subroutine carry
+
+    !> Keeps the state of the run.
+    subroutine keep(self, archive)
+        class(observer_t), intent(inout) :: self
+        type(archive_t), intent(in) :: archive !! the state
+        associate (unused => self, also_unused => archive)
+        end associate
+    end subroutine keep
 
 end module spintop_observer

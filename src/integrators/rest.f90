@@ -2,6 +2,7 @@
 !> dry friction brings the body to rest; there it lies until other torques exceed the friction; and where the motion
 !> has no Taylor series, a Runge-Kutta step leads on.
 module spintop_rest
+    use spintop_archive, only: archive_t
     use spintop_dop853, only: dop853_t
     use spintop_dop853_table, only: dop853_table
     use spintop_event, only: occasion_none, occasion_slip, occasion_stuck
@@ -41,6 +42,7 @@ module spintop_rest
         procedure :: begin
         procedure :: advance
         procedure :: settle
+        procedure :: carry
         procedure, private :: advance_by_other
         procedure, private :: check_rest
         procedure, private :: find_slowing
@@ -226,6 +228,20 @@ contains
         end subroutine stop_at_rest
 
     end subroutine settle
+
+    !> Carries the state at the end of a step: there is no other stepper then.
+    subroutine carry(self, archive)
+        class(rest_t), intent(inout) :: self
+        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        call archive%carry(self%is_resting)
+        call archive%carry(self%t_stuck)
+        call archive%carry(self%occasion)
+        call archive%carry(self%largest)
+        call archive%carry(self%steepest)
+        call archive%carry(self%seen_at)
+        call archive%carry(self%seen_speed)
+        call archive%carry(self%seen_slowing)
+    end subroutine carry
 
     !> A workspace.
     subroutine new_workspace(self, work)

@@ -3,7 +3,9 @@
 !> A stepper contains settings only and does not change during a run; a workspace contains what changes. One
 !> stepper therefore serves all threads, each with its own workspace.
 module spintop_stepper
+    use, intrinsic :: iso_c_binding, only: c_loc
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_archive, only: archive_t
     use spintop_kinds, only: dp
     use spintop_error_weight, only: error_weight_t
     use spintop_formulation, only: formulation_t, max_states, structure_none
@@ -86,7 +88,7 @@ module spintop_stepper
 
     !> A run in progress.
     type :: workspace_t
-        !> The span, s.
+        !> The span, s. `carry` needs the beginning of the type to be here.
         real(dp) :: t_begin = 0, t_end = 0
         !> Current time and state, and the slope y' there.
         real(dp) :: t = 0, y(max_states) = 0, slope(max_states) = 0
@@ -109,6 +111,8 @@ module spintop_stepper
         procedure :: is_spent
         procedure :: settle
         procedure :: settle_change
+        procedure :: may_keep
+        procedure :: carry
     end type workspace_t
 
     !> A method of integration.
@@ -272,5 +276,20 @@ contains
         self%rest = total - (y_new - self%y)
         call self%settle(formulation, t_new, y_new, changed)
     end subroutine settle_change
+
+    !> Whether the run could go on from its workspace as it is now.
+    logical function may_keep(self)
+        class(workspace_t), intent(in) :: self
+        associate (unused => self)
+        end associate
+        may_keep = .true.
+    end function may_keep
+
+    !> Carries the workspace, with all that an extension adds to it. An extension with pointers overrides this.
+    subroutine carry(self, archive)
+        class(workspace_t), target, intent(inout) :: self
+        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        call archive%carry(c_loc(self%t_begin), storage_size(self))
+    end subroutine carry
 
 end module spintop_stepper

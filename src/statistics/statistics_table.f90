@@ -8,7 +8,7 @@ module spintop_statistics_table
     use spintop_checksum, only: checksum_width
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: file_exists, remove_file
-    use spintop_growing_table, only: growing_table_t
+    use spintop_growing_table, only: growing_table_t, refusal
     use spintop_journal, only: journal_entry_t
     use spintop_kinds, only: dp
     use spintop_row_block, only: row_block_t
@@ -127,8 +127,7 @@ contains
             end if
         end if
         if (allocated(error)) then
-            error%message = 'cannot resume ' // self%path // ': ' // error%message // new_line('a') // &
-                            '--restart discards it and computes all from the beginning'
+            error = refusal(self%path, error%message)
             return
         end if
         self%last_state = entry%state

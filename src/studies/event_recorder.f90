@@ -1,18 +1,25 @@
 !> Searches for the events of a scene, writes the table of events, and ends the motion.
 module spintop_event_recorder
+    use, intrinsic :: iso_c_binding, only: c_loc
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_archive, only: archive_t
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
+    use spintop_checksum, only: checksum_t, checksum_text
     use spintop_errors, only: error_t
     use spintop_event_text, only: column_event_t
-    use spintop_events, only: event_watch_t, path_t
+    use spintop_events, only: carry_search, event_watch_t, path_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
+    use spintop_files, only: file_exists, rename_file
+    use spintop_growing_table, only: refusal
+    use spintop_journal, only: journal_entry_t
     use spintop_motion, only: motion_t
+    use spintop_observer, only: observer_t
     use spintop_row_maker, only: row_maker_t
     use spintop_scene, only: scene_t
     use spintop_stepper, only: looks_per_step
     use spintop_table_column, only: column_t
-    use spintop_table_file, only: table_file_t
+    use spintop_table_file, only: check_bytes, part_of, table_file_t
     use spintop_text, only: string_t
     use spintop_text_buffer, only: text_buffer_t
     use spintop_trajectory_column, only: trajectory_column_t
@@ -46,6 +53,9 @@ module spintop_event_recorder
         procedure :: open_table
         procedure :: close_table
         procedure :: discard_table
+        procedure :: abandon_table
+        procedure :: carry
+        procedure :: carry_record
         procedure :: quantities
         procedure :: meet
     end type event_recorder_t
@@ -59,12 +69,20 @@ module spintop_event_recorder
         integer(int64) :: looks = 0, most_looks = huge(1_int64)
         !> The last instant; the turns of the angles are counted from there.
         type(motion_t), private :: last
+        !> Keeps the state of the run; asked after this number of looks.
+        class(observer_t), pointer :: keeper => null()
+        integer(int64), private :: next_question = 0
     contains
+        procedure :: carry => carry_path
+        procedure :: wants_pause
         procedure :: begin
         procedure :: restart
         procedure :: at
         procedure :: is_spent
     end type exact_path_t
+
+    !> The keeper is asked after so many looks whether it wants to keep the state.
+    integer, parameter :: looks_a_question = 1024
 
 contains
 
@@ -87,17 +105,25 @@ contains
         end if
     end subroutine set
 
-    !> Starts the table of the listed events, with these columns of the trajectory.
-    subroutine open_table(self, path, head, columns, case, scene, error)
+    !> Starts the table of the listed events, with these columns of the trajectory; or opens that of an interrupted run, to
+    !> which `carry_record` returns.
+    subroutine open_table(self, path, head, columns, case, scene, resumes, error)
         class(event_recorder_t), intent(inout) :: self
         character(*), intent(in) :: path, head !! path of the table, and its header
         type(trajectory_column_t), intent(in) :: columns(:) !! indices of the columns of the trajectory
         type(case_t), intent(in) :: case !! body, start and span
         type(scene_t), intent(in) :: scene !! contents of the input
+        logical, intent(in) :: resumes !! whether an interrupted run is resumed
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call self%row%set(columns, case, scene)
         if (allocated(case%given_body%effects)) call self%row%forget_work()
-        call self%file%create(path, head, error)
+        if (resumes) then
+            ! The interrupted run may have finished this table, before that of the motion.
+            if (.not. file_exists(part_of(path)) .and. file_exists(path)) call rename_file(path, part_of(path), error)
+            if (.not. allocated(error)) call self%file%reserve(path, error)
+        else
+            call self%file%create(path, head, error)
+        end if
     end subroutine open_table
 
     !> Ends the table.
@@ -118,6 +144,49 @@ contains
         class(event_recorder_t), intent(inout) :: self
         call self%file%discard()
     end subroutine discard_table
+
+    !> Closes the table, and keeps its part for a later run.
+    subroutine abandon_table(self)
+        class(event_recorder_t), intent(inout) :: self
+        call self%file%abandon()
+    end subroutine abandon_table
+
+    !> Carries the state of the search, after `begin`.
+    subroutine carry(self, archive)
+        class(event_recorder_t), target, intent(inout) :: self
+        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        call carry_search(self, archive)
+        call self%quantity%carry(archive)
+    end subroutine carry
+
+    !> Carries the state of the table, which is then on the disk, and the number of events until the motion ends.
+    subroutine carry_record(self, archive)
+        class(event_recorder_t), target, intent(inout) :: self
+        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        type(journal_entry_t), target :: entry
+        type(checksum_t) :: checksum
+        character(:), allocatable :: problem
+
+        call archive%carry(self%rows)
+        call archive%carry(self%ended_by)
+        call archive%carry(self%left)
+        if (.not. allocated(self%file%path)) return
+        call self%row%carry(archive)
+        if (.not. archive%recalls) then
+            call self%file%write_pending(self%error)
+            if (.not. allocated(self%error)) call self%file%sync(self%error)
+            entry%bytes = self%file%bytes
+            entry%checksum = checksum_text(self%file%checksum)
+        end if
+        call archive%carry(c_loc(entry), storage_size(entry))
+        if (.not. archive%recalls) return
+        call check_bytes(part_of(self%file%path), entry, checksum, problem)
+        if (problem == '') then
+            call self%file%go_on(entry%bytes, checksum, self%error)
+        else
+            self%error = refusal(self%file%path, problem)
+        end if
+    end subroutine carry_record
 
     !> The columns of the events, or the change of azimuth since the start.
     subroutine quantities(self, motion, values)
@@ -190,6 +259,23 @@ contains
             motion = self%exact%at(t)
         end if
     end subroutine at
+
+    !> Carries the state of the path, after `begin`.
+    subroutine carry_path(self, archive)
+        class(exact_path_t), target, intent(inout) :: self
+        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        call archive%carry(c_loc(self%looks), storage_size(self%looks))
+        call archive%carry(c_loc(self%last), storage_size(self%last))
+    end subroutine carry_path
+
+    !> Whether it is time to keep the state of the run.
+    logical function wants_pause(self)
+        class(exact_path_t), intent(inout) :: self
+        wants_pause = .false.
+        if (.not. associated(self%keeper) .or. self%looks < self%next_question) return
+        self%next_question = self%looks + looks_a_question
+        wants_pause = self%keeper%wants_state()
+    end function wants_pause
 
     !> Whether the allowed work of the case is used up.
     logical function is_spent(self)

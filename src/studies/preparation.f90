@@ -149,7 +149,7 @@ contains
             call problems%add('study.kind', '--shard is not for ' // info%plural // ', which have no parts', 'omit --shard')
         end if
         if (options%resume .and. .not. info%resumes) then
-            call problems%add('study.kind', '--resume is for sweeps: this study is always computed as a whole', &
+            call problems%add('study.kind', '--resume is for sweeps and trajectories: this study is always computed as a whole', &
                               'omit --resume')
         end if
     end subroutine refuse_parts

@@ -5,7 +5,7 @@
 !> call table%start(path, head, resume, restart, error)   ! then as in spintop_row_table
 module spintop_growing_table
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_checksum, only: add_to_checksum, checksum_t, checksum_text
+    use spintop_checksum, only: checksum_t, checksum_text
     use spintop_clock, only: seconds
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: file_exists, input_file_t
@@ -15,19 +15,16 @@ module spintop_growing_table
     use spintop_process, only: keep_rows
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
-    use spintop_table_file, only: part_of, table_file_t
+    use spintop_table_file, only: check_bytes, part_of, table_file_t
     use spintop_table_head, only: compare_heads
     use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: growing_table_t, difference_from, changed_after
+    public :: growing_table_t, difference_from, refusal
 
     !> Seconds between two entries of the journal, or, if the disk is slow, this multiple of the duration of
     !> the last entry: entries take less than a twentieth of the time of one thread.
     real(dp), parameter :: first_pause = 0.05_dp, entry_pause = 0.5_dp, entry_times_pause = 20
-
-    !> Bytes that are read at once.
-    integer, parameter :: block_size = 1024 * 1024
 
     !> A table of a sweep as CSV, with its journal. Other formats override what is done with the part.
     type, extends(row_table_t) :: growing_table_t
@@ -36,6 +33,11 @@ module spintop_growing_table
         logical :: keeps_rows = .true.
         !> Whether that file begins with the header, so that it can be recognised.
         logical :: has_head = .true.
+        !> Whether each entry names a state of the run. Then there is none before the first state, and there may be one
+        !> without new rows.
+        logical :: has_states = .false.
+        !> Comment lines after the last row.
+        type(string_t), allocatable :: trailer(:)
         !> The entry with which the table was resumed.
         type(journal_entry_t) :: resumed
         !> The part.
@@ -57,6 +59,7 @@ module spintop_growing_table
         procedure :: is_keeping
         procedure :: finish
         procedure :: abandon
+        procedure :: discard
         procedure :: begin_part
         procedure :: put_to_part
         procedure :: flush_part
@@ -125,9 +128,11 @@ contains
             ! A journal must never record more bytes than its part has.
             call remove_journal(path, error)
             if (.not. allocated(error)) call self%begin_part(head, error)
-            if (.not. allocated(error)) call self%flush_part(entry, error)
-            if (.not. allocated(error)) call self%table%sync(error)
-            if (.not. allocated(error)) then
+            if (.not. (allocated(error) .or. self%has_states)) then
+                call self%flush_part(entry, error)
+                if (.not. allocated(error)) call self%table%sync(error)
+            end if
+            if (.not. (allocated(error) .or. self%has_states)) then
                 entry%counts = self%counts
                 call write_journal(path, entry, error)
             end if
@@ -201,7 +206,7 @@ contains
         type(error_t), allocatable, intent(inout) :: error !! not changed if it is allocated on entry
 
         due = .false.
-        if (self%in_entry .or. allocated(error) .or. self%rows() == self%kept) return
+        if (self%in_entry .or. allocated(error) .or. (self%rows() == self%kept .and. .not. self%has_states)) return
         if (seconds() < self%due .and. .not. self%entry_wanted) return
         self%entry_began = seconds()
         call self%flush_part(entry, error)
@@ -255,6 +260,14 @@ contains
                         ' are kept; --resume resumes the run'
     end subroutine abandon
 
+    !> Removes part and journal: nothing is to be resumed.
+    subroutine discard(self)
+        class(growing_table_t), intent(inout) :: self
+        type(error_t), allocatable :: ignored
+        call remove_journal(self%table%path, ignored)
+        call self%table%discard()
+    end subroutine discard
+
     !> Empties the part, and writes the header.
     subroutine begin_part(self, head, error)
         class(growing_table_t), intent(inout) :: self
@@ -296,8 +309,8 @@ contains
     subroutine finish_part(self, error)
         class(growing_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        type(string_t) :: no_lines(0)
-        call self%table%finish(no_lines, error)
+        if (.not. allocated(self%trailer)) allocate (self%trailer(0))
+        call self%table%finish(self%trailer, error)
     end subroutine finish_part
 
     !> Whether a file has a header; `problem` describes the difference, and is empty if there is none.
@@ -332,47 +345,9 @@ contains
         if (problem /= '') problem = path // ' was made by another program, build or input' // problem
     end function difference_from
 
-    !> Whether a part has the bytes of an entry. `checksum` is updated with them.
-    subroutine check_bytes(part, entry, checksum, problem)
-        character(*), intent(in) :: part
-        type(journal_entry_t), intent(in) :: entry
-        type(checksum_t), intent(out) :: checksum
-        character(:), allocatable, intent(out) :: problem
-        type(input_file_t) :: file
-        type(error_t), allocatable :: error
-        character(:), allocatable :: block
-        integer(int64) :: left
-        integer :: length
-
-        problem = ''
-        allocate (character(block_size) :: block)
-        left = entry%bytes
-        call file%open(part, error)
-        do while (left > 0 .and. .not. allocated(error))
-            call file%read(block(:min(left, len(block, int64))), length, error)
-            if (length == 0) exit
-            call add_to_checksum(checksum, block(:length))
-            left = left - length
-        end do
-        call file%close()
-        if (allocated(error)) then
-            problem = error%message
-        else if (left > 0) then
-            problem = part // ' is shorter than its journal records'
-        else if (checksum_text(checksum) /= entry%checksum) then
-            problem = changed_after(part)
-        end if
-    end subroutine check_bytes
-
-    !> What is wrong with a part whose checksum is not that of its journal.
-    pure function changed_after(part) result(problem)
-        character(*), intent(in) :: part !! path of the part
-        character(:), allocatable :: problem
-        problem = part // ' was changed after it was written: its checksum differs from that in its journal'
-    end function changed_after
-
+    !> The error of a run that cannot be resumed.
     type(error_t) function refusal(path, problem) result(error)
-        character(*), intent(in) :: path, problem
+        character(*), intent(in) :: path, problem !! path of the table, and the reason
         error = input_error('cannot resume ' // path // ': ' // problem // new_line('a') // &
                             '--restart discards it and computes all from the beginning')
     end function refusal

@@ -21,7 +21,7 @@ contains
 
         if (.not. (file_exists(part_of(path)) .and. file_exists(journal_of(path)))) return
         call read_journal(path, entry, problem)
-        if (problem == '' .and. sum(entry%counts) == 0) return
+        if (problem == '' .and. sum(entry%counts) == 0 .and. entry%state == 0) return
         rows = to_text(sum(entry%counts)) // ' rows are kept'
         if (problem /= '') rows = problem
         error = input_error('an interrupted run of ' // path // ' is there: ' // rows // new_line('a') // &

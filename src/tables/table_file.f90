@@ -9,19 +9,19 @@
 !> After an error call `discard`, or `abandon` if the part is to be kept.
 module spintop_table_file
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_checksum, only: add_to_checksum, checksum_t
+    use spintop_checksum, only: add_to_checksum, checksum_t, checksum_text
     use spintop_errors, only: error_t, output_error
-    use spintop_files, only: is_folder, output_file_t, remove_file, rename_file, sync_folder_of
-    use spintop_journal, only: remove_journal
+    use spintop_files, only: input_file_t, is_folder, output_file_t, remove_file, rename_file, sync_folder_of
+    use spintop_journal, only: journal_entry_t, remove_journal
     use spintop_kinds, only: dp
     use spintop_table_head, only: comment_lines
     use spintop_text, only: string_t
     use spintop_text_buffer, only: text_buffer_t
     implicit none
     private
-    public :: table_file_t, part_of
+    public :: table_file_t, part_of, check_bytes, changed_after
 
-    !> Bytes that are collected before they are written.
+    !> Bytes that are collected before they are written, and that are read at once.
     integer, parameter :: block_size = 1024 * 1024
 
     !> A CSV table that is being written.
@@ -184,5 +184,44 @@ contains
         self%unfinished = .false.
         call self%file%close(ignored)
     end subroutine abandon
+
+    !> Whether a part has the bytes of an entry. `checksum` is updated with them.
+    subroutine check_bytes(part, entry, checksum, problem)
+        character(*), intent(in) :: part !! path of the part
+        type(journal_entry_t), intent(in) :: entry !! entry of the journal
+        type(checksum_t), intent(out) :: checksum !! of these bytes
+        character(:), allocatable, intent(out) :: problem !! why it has not; '' if it has
+        type(input_file_t) :: file
+        type(error_t), allocatable :: error
+        character(:), allocatable :: block
+        integer(int64) :: left
+        integer :: length
+
+        problem = ''
+        allocate (character(block_size) :: block)
+        left = entry%bytes
+        call file%open(part, error)
+        do while (left > 0 .and. .not. allocated(error))
+            call file%read(block(:min(left, len(block, int64))), length, error)
+            if (length == 0) exit
+            call add_to_checksum(checksum, block(:length))
+            left = left - length
+        end do
+        call file%close()
+        if (allocated(error)) then
+            problem = error%message
+        else if (left > 0) then
+            problem = part // ' is shorter than its journal records'
+        else if (checksum_text(checksum) /= entry%checksum) then
+            problem = changed_after(part)
+        end if
+    end subroutine check_bytes
+
+    !> What is wrong with a part whose checksum is not that of its journal.
+    pure function changed_after(part) result(problem)
+        character(*), intent(in) :: part !! path of the part
+        character(:), allocatable :: problem
+        problem = part // ' was changed after it was written: its checksum differs from that in its journal'
+    end function changed_after
 
 end module spintop_table_file

@@ -136,16 +136,22 @@ contains
                      nl // '    ' // second_name // ': ' // line_at(second, line)
     end function compare_heads
 
-    !> A header without the line of its date.
+    !> A header without the lines of its date and of how a motion ended.
     pure function undated(head) result(text)
         character(*), intent(in) :: head
         character(:), allocatable :: text
-        character(*), parameter :: date = nl // '# date: '
+        text = without(without(head, 'date'), 'status')
+    end function undated
+
+    !> A header without the line of a key.
+    pure function without(head, key) result(text)
+        character(*), intent(in) :: head, key
+        character(:), allocatable :: text
         integer :: at
         text = head
-        at = index(head, date)
+        at = index(head, nl // '# ' // key // ': ')
         if (at > 0) text = head(:at) // head(at + index(head(at + 1:), nl) + 1:)
-    end function undated
+    end function without
 
     !> Whether a table has a date, as those have whose cases have any number of rows.
     pure logical function is_dated(head)

@@ -413,11 +413,12 @@ class InterruptionTest(SurvivalCase):
         self.assertEqual(first.wait(), 0)
         self.check_complete()
 
-    def test_resume_and_shard_are_for_sweeps(self) -> None:
-        """A trajectory has neither parts nor a journal."""
+    def test_resume_and_shard_are_not_for_all_studies(self) -> None:
+        """A trajectory has no parts, a stability study no journal."""
         scene = self.write()
         self.assertIn("--shard is not for trajectories", self.refuse(scene, "--shard", "1/2"))
-        self.assertIn("--resume is for sweeps", self.refuse(scene, "--resume"))
+        said = self.refuse(scene, "--resume", "--set", "study.kind=stability")
+        self.assertIn("--resume is for sweeps and trajectories", said)
         for shard in ("0/3", "4/3", "3", "1/2/3", "a/b"):
             self.assertIn("--shard takes I/N", self.refuse(self.slow, "--shard", shard))
 

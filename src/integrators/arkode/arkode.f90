@@ -3,8 +3,9 @@
 !>
 !> Reynolds, Gardner, Woodward and Chinomona, ACM TOMS 49 (2023).
 module spintop_arkode
-    use, intrinsic :: iso_c_binding, only: c_int
+    use, intrinsic :: iso_c_binding, only: c_int, c_loc
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_archive, only: archive_t
     use spintop_arkode_memory, only: arkode_memory_t
     use spintop_arkode_tables, only: arkode_table_t, find_arkode_table
     use spintop_compare, only: is_equal
@@ -45,7 +46,13 @@ module spintop_arkode
     type, extends(workspace_t) :: arkode_workspace_t
         type(arkode_memory_t), pointer :: memory => null()
         type(memory_owner_t), allocatable :: owner
+    contains
+        procedure :: may_keep
+        procedure :: carry
     end type arkode_workspace_t
+
+    !> After so many steps ARKODE begins anew, in every run, because its memory cannot be kept.
+    integer(int64), parameter :: steps_of_memory = 20000
 
     !> Factor of the step size after a failure of the right-hand side.
     real(dp), parameter :: cut = 0.25_dp
@@ -105,9 +112,11 @@ contains
         class(workspace_t), intent(inout) :: work !! state and workspace of the run
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
 
+        status = status_ok
         select type (work)
         class is (arkode_workspace_t)
-            call adopt_state(formulation, work, status)
+            if (work%may_keep()) call self%begin(formulation, work, status)
+            if (status == status_ok) call adopt_state(formulation, work, status)
             if (status /= status_ok) return
             if (self%controls%steps > 0) then
                 call advance_on_grid(self, formulation, work, status)
@@ -246,6 +255,19 @@ contains
             call take_counts(work)
         end select
     end function state_within
+
+    !> Whether ARKODE is about to begin anew.
+    logical function may_keep(self)
+        class(arkode_workspace_t), intent(in) :: self
+        may_keep = self%counts%steps > 0 .and. mod(self%counts%steps, steps_of_memory) == 0
+    end function may_keep
+
+    !> Carries the workspace without the memory of ARKODE.
+    subroutine carry(self, archive)
+        class(arkode_workspace_t), target, intent(inout) :: self
+        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        call archive%carry(c_loc(self%t_begin), storage_size(self%workspace_t))
+    end subroutine carry
 
     !> Status for a return value of ARKODE.
     pure integer function status_of(flag)

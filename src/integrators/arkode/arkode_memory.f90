@@ -31,7 +31,7 @@ module spintop_arkode_memory
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     use spintop_kinds, only: dp
     use spintop_status, only: status_ok, status_outside, status_non_finite
-    use spintop_stepper, only: workspace_t, controls_t
+    use spintop_stepper, only: controls_t, counts_t, workspace_t
     use spintop_sundials, only: FN_VDestroy, FN_VGetArrayPointer, FSUNContext_Free, FSUNLinSolFree, FSUNMatDestroy, &
         FSUNNonlinSolFree, FSUNNonlinSolSetConvTestFn, N_Vector, SUNLinearSolver, SUNMatrix, SUNNonlinearSolver, &
         create_context, index_kind, silence
@@ -59,6 +59,8 @@ module spintop_arkode_memory
         real(dp), private :: slope_last(max_states) = 0
         type(dense_output_t), private :: dense
         logical, private :: dense_is_known = .false.
+        !> Cost of the run before this memory was created: ARKODE counts from there.
+        type(counts_t), private :: earlier
         !> Ends the iterations for stages with a fixed step size.
         type(stage_watch_t), private :: stage_watch
         type(c_ptr), private :: context = c_null_ptr, integrator = c_null_ptr
@@ -114,6 +116,7 @@ contains
         self%now%y = work%y
         self%now%slope = work%slope
         self%now%counts = work%counts
+        self%earlier = work%counts
         self%now%projection = work%projection
         self%state = work%y
         call self%dense%set_order(table%order)
@@ -268,10 +271,10 @@ contains
         end if
         ignored = FARKStepGetNumStepAttempts(self%integrator, attempts)
         ignored = FARKStepGetNumSteps(self%integrator, steps)
-        self%now%counts%rejected = attempts(1) - steps(1)
+        self%now%counts%rejected = self%earlier%rejected + attempts(1) - steps(1)
         if (.not. associated(self%linear_solver)) return
         ignored = FARKStepGetNumJacEvals(self%integrator, jacobians)
-        self%now%counts%jacobians = jacobians(1)
+        self%now%counts%jacobians = self%earlier%jacobians + jacobians(1)
     end subroutine take_step
 
     !> Step size of the last trial.

@@ -11,13 +11,15 @@
 !>
 !> Each evaluation counts as work. The search ends when the path allows no more.
 module spintop_events
+    use, intrinsic :: iso_c_binding, only: c_loc
+    use spintop_archive, only: archive_t
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_bracket, only: bracket_t
     use spintop_compare, only: is_equal, is_finite
     use spintop_event, only: event_t
     use spintop_five_values, only: passes_at_most_once, rounding_of
-    use spintop_instants, only: is_short, next_instant
+    use spintop_instants, only: greatest_fall_rate, is_short, next_instant
     use spintop_level_side, only: side_t, sign_of, turns_far
     use spintop_motion, only: motion_t
     use spintop_status, only: status_ok, status_bad_events
@@ -26,7 +28,7 @@ module spintop_events
     use spintop_recent_values, only: recent_values_t
     implicit none
     private
-    public :: event_t, event_watch_t, path_t
+    public :: event_t, event_watch_t, path_t, carry_search
 
     !> Searches for events. An extension defines the quantities, and what happens at an event.
     type, abstract :: event_watch_t
@@ -42,6 +44,8 @@ module spintop_events
         logical :: needs_angles = .true.
         !> Whether phi and psi count their turns up to events; otherwise they are the values nearest to those of the start.
         logical :: needs_turns = .true.
+        !> Whether the path interrupted the last search, which the next goes on with.
+        logical :: is_paused = .false.
         !> Body axis near whose passages of the vertical the quantities vary fast; zero if there is none.
         real(dp) :: pole_axis(3) = 0
         !> Time up to which the motion was searched, s: that of the event that ended it.
@@ -54,7 +58,7 @@ module spintop_events
         real(dp), allocatable, private :: five(:, :), one(:)
         type(recent_values_t), private :: recent
         type(side_t), allocatable, private :: sides(:)
-        real(dp), private :: t_begin = 0, fall_rate = 0, soon = 0
+        real(dp), private :: t_begin = 0, fall_rate = 0, soon = 0, pace = 0
     contains
         procedure(quantities), deferred :: quantities
         procedure(meet), deferred :: meet
@@ -63,14 +67,13 @@ module spintop_events
         procedure :: look
         procedure :: knows
         procedure :: happen
+        procedure :: carry => carry_search
         procedure, private :: search
-        procedure, private :: aim
         procedure, private :: refine
         procedure, private :: measure_rounding
         procedure, private :: take_side
         procedure, private :: find_root
         procedure, private :: value_at
-        procedure, private :: motion_at
     end type event_watch_t
 
     abstract interface
@@ -113,12 +116,7 @@ contains
         class(event_watch_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! the motion at the start
-        real(dp) :: arm(3)
-        associate (r => body%centre_of_mass)
-            arm = sqrt([r(2)**2 + r(3)**2, r(3)**2 + r(1)**2, r(1)**2 + r(2)**2])
-        end associate
-        ! The angular acceleration due to the weight is less than the square of this.
-        self%fall_rate = sqrt(norm2(body%mass * body%gravity * arm / body%inertia))
+        self%fall_rate = greatest_fall_rate(body)
         self%t_begin = motion%t
         self%t = motion%t
         self%here = motion
@@ -126,6 +124,7 @@ contains
         if (norm2(motion%omega) + self%fall_rate > 0) self%soon = start_share / (norm2(motion%omega) + 2 * self%fall_rate)
         self%has_enough = .false.
         self%is_full = .false.
+        self%is_paused = .false.
         if (.not. allocated(self%events)) allocate (self%events(0))
         self%events%count = 0
         if (allocated(self%values)) deallocate (self%values, self%sides, self%five, self%one)
@@ -143,20 +142,25 @@ contains
         class(path_t), intent(inout) :: path !! the motion, which is evaluated as far as needed
         real(dp), intent(in) :: t !! time, s
         type(motion_t) :: there
-        real(dp) :: pace, next
+        real(dp) :: next
         logical :: knows_end
 
         if (.not. t > self%t) return
-        pace = path%greatest_rate
-        knows_end = .not. pace > 0
-        if (knows_end) then
-            call self%motion_at(path, t, there)
-            ! A body that rotates slowly at both ends may have fallen and risen in between.
-            pace = max(norm2(self%here%omega), norm2(there%omega)) + 2 * self%fall_rate
+        knows_end = .false.
+        if (.not. self%is_paused) then
+            self%pace = path%greatest_rate
+            knows_end = .not. self%pace > 0
+            if (knows_end) then
+                call path%motion_at(t, self%needs_angles, there)
+                ! A body that rotates slowly at both ends may have fallen and risen in between.
+                self%pace = max(norm2(self%here%omega), norm2(there%omega)) + 2 * self%fall_rate
+            end if
         end if
         do while (self%t < t .and. .not. self%has_enough)
             if (path%is_spent() .or. self%is_full) exit
-            next = next_instant(self%here, self%pole_axis, self%t, t, pace)
+            self%is_paused = path%wants_pause()
+            if (self%is_paused) exit
+            next = next_instant(self%here, self%pole_axis, self%t, t, self%pace)
             if (knows_end .and. is_equal(next, t)) then
                 call self%search(path, next, there)
             else
@@ -192,6 +196,24 @@ contains
         self%here = motion
     end subroutine happen
 
+    !> Carries the state of the search, after `begin`.
+    subroutine carry_search(self, archive)
+        class(event_watch_t), target, intent(inout) :: self !! the search
+        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        integer :: i
+        call archive%carry(self%t)
+        call archive%carry(c_loc(self%here), storage_size(self%here))
+        call archive%carry(self%has_enough)
+        call archive%carry(self%is_full)
+        call archive%carry(self%is_paused)
+        call archive%carry(self%pace)
+        do i = 1, size(self%events)
+            call archive%carry(self%events(i)%count)
+            call archive%carry(self%values(i))
+            call archive%carry(c_loc(self%sides(i)), storage_size(self%sides))
+        end do
+    end subroutine carry_search
+
     !> Searches for passages from the last instant to the next one, `last` or earlier, and meets them in
     !> order. An event very soon after the start is the start. `motion_last` is the motion at `last`, if known.
     subroutine search(self, path, last, motion_last)
@@ -207,24 +229,26 @@ contains
         self%five(:, 1) = self%values
         b = last
         if (present(motion_last)) there = motion_last
-        if (.not. present(motion_last)) call self%motion_at(path, b, there)
+        if (.not. present(motion_last)) call path%motion_at(b, self%needs_angles, there)
         do
             call self%quantities(there, self%one)
             self%five(:, 5) = self%one
             if (is_short(self%t, b) .or. .not. any(turns_far(self%events, self%five(:, 1), self%five(:, 5)))) exit
             if (path%is_spent()) return
             b = self%t + (b - self%t) / 2
-            call self%motion_at(path, b, there)
+            call path%motion_at(b, self%needs_angles, there)
         end do
         do i = 2, 4
-            call self%motion_at(path, self%t + (b - self%t) * (i - 1) / 4, motion)
+            call path%motion_at(self%t + (b - self%t) * (i - 1) / 4, self%needs_angles, motion)
             call self%quantities(motion, self%one)
             self%five(:, i) = self%one
         end do
         do k = 1, size(self%events)
             before = found%n
             values = self%five(k, :)
-            call self%aim(path, k, b, values)
+            call self%sides(k)%aim(self%events(k), self%t, values)
+            if (any(abs(values - self%sides(k)%level) <= self%sides(k)%rounding)) call self%measure_rounding(path, k, b)
+            if (.not. self%sides(k)%is_measured) self%sides(k)%rounding = 0
             call self%refine(path, k, self%t, b, values - self%sides(k)%level, 0, found)
             call found%merge_from(before + 1)
         end do
@@ -247,23 +271,6 @@ contains
         self%here = there
         self%values = self%five(:, 5)
     end subroutine search
-
-    !> Selects the level of event `k` for the interval that ends at `b`: of several levels the one nearest to
-    !> the quantity, whose five values are given.
-    subroutine aim(self, path, k, b, values)
-        class(event_watch_t), intent(inout) :: self
-        class(path_t), intent(inout) :: path
-        integer, intent(in) :: k
-        real(dp), intent(in) :: b, values(5)
-        associate (side => self%sides(k))
-            call side%aim(self%events(k), self%t, values)
-            if (any(abs(values - side%level) <= side%rounding)) then
-                call self%measure_rounding(path, k, b)
-            else
-                side%rounding = 0
-            end if
-        end associate
-    end subroutine aim
 
     !> Divides the interval from `a` to `b` until the quantity of event `k` passes its level at most once in
     !> each part, and takes the parts in order. `g` contains the distances from the level at five instants.
@@ -377,23 +384,10 @@ contains
         logical :: known
         call self%recent%find(t, k, value, known)
         if (known) return
-        call self%motion_at(path, t, motion)
+        call path%motion_at(t, self%needs_angles, motion)
         call self%quantities(motion, self%one)
         call self%recent%keep(t, self%one)
         value = self%one(k)
     end function value_at
-
-    !> The motion at a time, as far as the quantities need it.
-    subroutine motion_at(self, path, t, motion)
-        class(event_watch_t), intent(in) :: self
-        class(path_t), intent(inout) :: path
-        real(dp), intent(in) :: t
-        type(motion_t), intent(out) :: motion
-        if (self%needs_angles) then
-            call path%at(t, motion)
-        else
-            call path%at_without_angles(t, motion)
-        end if
-    end subroutine motion_at
 
 end module spintop_events

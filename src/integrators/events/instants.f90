@@ -2,13 +2,14 @@
 !> less than `largest_turn`, and an axis moves by less than that fraction of its distance from the vertical.
 module spintop_instants
     use spintop_kinds, only: dp
+    use spintop_body, only: body_t
     use spintop_attitude, only: vertical_from_quaternion
     use spintop_compare, only: is_finite
     use spintop_motion, only: motion_t
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: next_instant, is_short
+    public :: greatest_fall_rate, next_instant, is_short
 
     !> Maximum rotation of the attitude between two instants, rad, and maximum path of the axis relative to
     !> its distance from the vertical.
@@ -19,6 +20,16 @@ module spintop_instants
     real(dp), parameter :: least_spacings = 8
 
 contains
+
+    !> A rate whose square the angular acceleration due to the weight does not exceed, rad/s.
+    pure real(dp) function greatest_fall_rate(body) result(rate)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        real(dp) :: arm(3)
+        associate (r => body%centre_of_mass)
+            arm = sqrt([r(2)**2 + r(3)**2, r(3)**2 + r(1)**2, r(1)**2 + r(2)**2])
+        end associate
+        rate = sqrt(norm2(body%mass * body%gravity * arm / body%inertia))
+    end function greatest_fall_rate
 
     !> The next instant after time `now`, at most `last`; the body turns no faster than `pace`.
     pure real(dp) function next_instant(motion, axis, now, last, pace) result(next)

@@ -13,7 +13,9 @@ module spintop_path
     contains
         procedure(at), deferred :: at
         procedure :: at_without_angles
+        procedure :: motion_at
         procedure :: is_spent
+        procedure :: wants_pause
     end type path_t
 
     abstract interface
@@ -36,6 +38,19 @@ contains
         call self%at(t, motion)
     end subroutine at_without_angles
 
+    !> The motion at a time, with angles and their rates or, where it is cheaper, without.
+    subroutine motion_at(self, t, with_angles, motion)
+        class(path_t), intent(inout) :: self
+        real(dp), intent(in) :: t !! time, s
+        logical, intent(in) :: with_angles !! whether they are needed
+        type(motion_t), intent(out) :: motion !! the motion at that time
+        if (with_angles) then
+            call self%at(t, motion)
+        else
+            call self%at_without_angles(t, motion)
+        end if
+    end subroutine motion_at
+
     !> Whether the allowed number of evaluations is used up; by default there is no limit.
     logical function is_spent(self)
         class(path_t), intent(in) :: self
@@ -43,5 +58,13 @@ contains
         end associate
         is_spent = .false.
     end function is_spent
+
+    !> Whether a search is to be interrupted here, to be gone on with later.
+    logical function wants_pause(self)
+        class(path_t), intent(inout) :: self
+        associate (unused => self)
+        end associate
+        wants_pause = .false.
+    end function wants_pause
 
 end module spintop_path

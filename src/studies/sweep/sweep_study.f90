@@ -11,10 +11,10 @@ module spintop_sweep_study
     use spintop_files, only: replace_file
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
-    use spintop_options, only: options_t, shell_word
+    use spintop_options, only: options_t
     use spintop_plan, only: make_plan
     use spintop_problems, only: problems_t
-    use spintop_process, only: host_name, watch_no_more, watch_signals
+    use spintop_process, only: host_name, watch_no_more
     use spintop_ranks, only: ranks_t
     use spintop_row_table, only: row_table_t
     use spintop_scene, only: scene_t
@@ -190,32 +190,8 @@ contains
         rows = table%rows() + cases(2) - cases(1) + 1
         call team%progress%start(job%name, 'cases', rows, options%quiet, options%progress, before=table%rows())
         if (table%remark /= '') call team%progress%note(table%remark)
-        call announce_signals(job, options, table, rows)
+        call options%announce_signals(job%input, job%output, table, rows)
     end subroutine announce
-
-    !> Sets the message of a signal that ends the run: the number of kept rows, and the command that resumes
-    !> it.
-    subroutine announce_signals(job, options, table, rows)
-        type(job_t), intent(in) :: job
-        type(options_t), intent(in) :: options
-        class(row_table_t), intent(in) :: table
-        integer(int64), intent(in) :: rows
-        character, parameter :: nl = new_line('a')
-        character(:), allocatable :: command
-
-        if (.not. table%is_resumable) then
-            call watch_signals('', 'spintop: interrupted: nothing is kept of ' // job%output // nl, -1_int64)
-            return
-        end if
-        command = 'the same command with --resume'
-        if (options%ranks%count == 1 .and. allocated(options%command)) then
-            command = options%command // ' --resume '
-            if (index(job%input, '-') == 1) command = command // '-- '
-            command = command // shell_word(job%input)
-        end if
-        call watch_signals('spintop: interrupted: ', ' of ' // to_text(rows) // ' rows of ' // job%output // &
-                           ' are kept' // nl // 'to resume: ' // command // nl, table%rows())
-    end subroutine announce_signals
 
     !> Finishes the table, unless its rows could not all be written; after an error it is abandoned.
     subroutine finish_table(table, team, error)

@@ -118,6 +118,7 @@ contains
         type(nutation_rate_lanes_t) :: nutation_rate
         type(vertical_force_lanes_t) :: vertical_force
         type(force_lanes_t) :: force
+        type(energy_lanes_t) :: energy
         class(lane_watch_t), allocatable :: stop_watch
         if (allocated(self%slots)) deallocate (self%slots)
         allocate (self%slots(0))
@@ -133,7 +134,7 @@ contains
         if (wanted%nutation_rate) call append(nutation_rate)
         if (wanted%vertical_force) call append(vertical_force)
         if (wanted%force) call append(force)
-        if (wanted%energy) call append(energy_lanes_t())
+        if (wanted%energy) call append(energy)
         if (wanted%lyapunov .or. wanted%singular) then
             call growth%set(controls, is_singular=wanted%singular, with_exponent=wanted%lyapunov)
             call append(growth)

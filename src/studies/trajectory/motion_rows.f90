@@ -1,7 +1,9 @@
 !> The rows of a motion: the motion is computed, in closed form or step by step, and each of its rows goes to a table,
 !> or is kept.
 module spintop_motion_rows
+    use, intrinsic :: iso_c_binding, only: c_loc
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_archive, only: archive_t
     use spintop_case, only: case_t
     use spintop_errors, only: error_t
     use spintop_event_recorder, only: event_recorder_t, exact_path_t
@@ -39,8 +41,16 @@ module spintop_motion_rows
         logical :: is_undefined = .false.
         real(dp) :: t_undefined = 0
         type(error_t), allocatable :: error
+        !> The search for events, if there is one.
+        type(event_recorder_t), pointer :: watch => null()
+        !> Whether the motion is computed again up to the event that ended it, and how it ended the first time.
+        logical, private :: is_again = .false.
+        type(outcome_t), private :: first
     contains
         procedure :: observe
+        procedure :: wants_state
+        procedure :: carry
+        procedure :: keep
         procedure :: take_columns
         procedure, private :: write_row
     end type writer_t
@@ -73,7 +83,9 @@ contains
         if (plan%exact) then
             call sample_exactly(case, plan, writer, outcome, watch)
         else
-            call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, times, writer, outcome, watch)
+            if (.not. writer%is_again) then
+                call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, times, writer, outcome, watch)
+            end if
             if (allocated(watch)) then
                 if (watch%ended_by > 0 .and. plan%is_adaptive()) then
                     call compute_again(scene, case, plan, times, writer, outcome)
@@ -93,33 +105,35 @@ contains
         real(dp), intent(inout) :: times(:) !! instants of the rows
         type(writer_t), intent(inout) :: writer
         type(outcome_t), intent(inout) :: outcome
-        type(outcome_t) :: first
         integer :: i
 
         if (writer%has_enough) return
-        first = outcome
-        if (.not. allocated(writer%kept)) then
-            call writer%table%discard()
-            call writer%table%create(writer%error)
-            if (allocated(writer%error)) return
+        if (.not. writer%is_again) then
+            writer%is_again = .true.
+            writer%first = outcome
+            if (.not. allocated(writer%kept)) then
+                call writer%table%discard()
+                call writer%table%create(.false., .true., writer%error)
+                if (allocated(writer%error)) return
+            end if
+            writer%rows = 0
+            call writer%columns%set(writer%chosen, case, scene)
         end if
-        writer%rows = 0
-        call writer%columns%set(writer%chosen, case, scene)
-        do i = 1, size(times)
-            times(i) = sample_time(first%t, size(times), i)
-        end do
-        associate (max_steps => plan%stepper%controls%max_steps)
+        associate (max_steps => plan%stepper%controls%max_steps, first => writer%first)
+            do i = 1, size(times)
+                times(i) = sample_time(first%t, size(times), i)
+            end do
             writer%t_stop = first%t
             max_steps = max_steps - first%counts%work()
             call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, &
                            times, writer, outcome)
             max_steps = max_steps + first%counts%work()
+            if (is_good_end(outcome%status)) then
+                outcome%status = first%status
+                outcome%t = first%t
+            end if
+            call outcome%counts%add(first%counts)
         end associate
-        if (is_good_end(outcome%status)) then
-            outcome%status = first%status
-            outcome%t = first%t
-        end if
-        call outcome%counts%add(first%counts)
     end subroutine compute_again
 
     !> Sets the status of a motion with undefined values.
@@ -135,21 +149,32 @@ contains
     subroutine sample_exactly(case, plan, writer, outcome, watch)
         type(case_t), intent(in) :: case
         type(plan_t), intent(in) :: plan
-        type(writer_t), intent(inout) :: writer
+        type(writer_t), target, intent(inout) :: writer
         type(outcome_t), intent(out) :: outcome
         type(event_recorder_t), intent(inout), optional :: watch
         type(exact_path_t) :: path
         type(motion_t) :: motion
         real(dp) :: t_end, t_known, t
-        integer :: i
+        integer :: i, next
 
         call path%begin(case, looks_per_step * plan%max_steps, outcome%status)
         if (outcome%status /= status_ok) return
+        if (writer%keeps_states) path%keeper => writer
+        if (present(watch)) call watch%begin(case%body, path%exact%at(0.0_dp))
+        ! The next row; 0 as long as events are searched for.
+        next = merge(0, 1, present(watch))
+        if (next == 1) call begin_rows()
+        if (allocated(writer%resumed)) call carry(writer%resumed)
         t_end = case%t_end
         t_known = t_end
         if (present(watch)) then
-            call watch%begin(case%body, path%exact%at(0.0_dp))
-            call watch%look(path, t_end)
+            do while (next == 0)
+                call watch%look(path, t_end)
+                if (watch%is_paused) call keep()
+                if (watch%is_paused .and. .not. writer%has_enough) cycle
+                next = 1
+                call begin_rows()
+            end do
             t_known = watch%t
             if (watch%has_enough) then
                 t_end = watch%t
@@ -157,10 +182,8 @@ contains
                 outcome%status = merge(status_too_many_events, status_step_limit, watch%is_full)
             end if
         end if
-        ! The rows have a budget of their own.
-        call path%restart(case, looks_per_step * plan%max_steps + plan%samples)
         path%counts_turns = writer%counts_turns
-        do i = 1, plan%samples
+        do i = next, plan%samples
             t = sample_time(t_end, plan%samples, i)
             if (outcome%status /= status_ok .and. t > t_known) exit
             call path%at(t, motion)
@@ -172,9 +195,65 @@ contains
             call writer%write_row(motion)
             if (writer%has_enough) exit
             outcome%t = t
+            next = i + 1
+            if (path%wants_pause()) call keep()
         end do
         if (outcome%status /= status_ok) outcome%t = t_known
+
+    contains
+
+        !> Returns to the start: the rows have a budget of their own.
+        subroutine begin_rows()
+            call path%restart(case, looks_per_step * plan%max_steps + plan%samples)
+        end subroutine begin_rows
+
+        !> Carries the state of the search, or of the rows.
+        subroutine carry(archive)
+            type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+            call archive%carry(next)
+            call archive%carry(outcome%t)
+            call path%carry(archive)
+            if (present(watch)) call watch%carry(archive)
+        end subroutine carry
+
+        !> Keeps this state.
+        subroutine keep()
+            type(archive_t) :: archive
+            call writer%carry(archive)
+            call carry(archive)
+            call writer%keep(archive)
+        end subroutine keep
+
     end subroutine sample_exactly
+
+    !> Whether it is time to keep the state of the run.
+    logical function wants_state(self)
+        class(writer_t), intent(in) :: self
+        wants_state = self%table%wants_state()
+    end function wants_state
+
+    !> Carries the rows so far, and the record of events.
+    subroutine carry(self, archive)
+        class(writer_t), target, intent(inout) :: self
+        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        call archive%carry(self%rows)
+        call archive%carry(self%is_again)
+        call archive%carry(c_loc(self%first), storage_size(self%first))
+        call archive%carry(c_loc(self%work), size(self%work) * storage_size(self%work))
+        call self%columns%carry(archive)
+        if (associated(self%watch)) call self%watch%carry_record(archive)
+    end subroutine carry
+
+    !> Keeps the state of the run with the rows so far.
+    subroutine keep(self, archive)
+        class(writer_t), intent(inout) :: self
+        type(archive_t), intent(in) :: archive !! the state
+        if (associated(self%watch)) then
+            if (allocated(self%watch%error)) self%error = self%watch%error
+        end if
+        if (.not. allocated(self%error)) call self%table%keep_state(archive, self%error)
+        self%has_enough = allocated(self%error)
+    end subroutine keep
 
     !> Writes the row of a state of a formulation.
     subroutine observe(self, formulation, t, y, near)

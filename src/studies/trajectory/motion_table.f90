@@ -1,18 +1,24 @@
-!> The table of a trajectory, as CSV or NetCDF: a row per sample, and how the motion ended.
+!> The table of a trajectory, as CSV or NetCDF: a row per sample, and how the motion ended. From time to time the state of
+!> the run is written to one of two files in turn, of which the journal names the one that belongs to its rows.
 module spintop_motion_table
+    use spintop_archive, only: archive_t
     use spintop_certificate, only: proof_words
+    use spintop_checksum, only: add_to_checksum, checksum_t, checksum_text
     use spintop_errors, only: error_t
+    use spintop_files, only: file_exists, read_file, remove_file, replace_file
+    use spintop_growing_table, only: growing_table_t, refusal
     use spintop_job, only: job_t
+    use spintop_journal, only: journal_entry_t, journal_of
     use spintop_kinds, only: dp
+    use spintop_netcdf_description, only: netcdf_description_t
     use spintop_netcdf_grid, only: netcdf_axis_t
     use spintop_netcdf_table, only: netcdf_table_t
     use spintop_provenance, only: fact_count, fact_t
     use spintop_row_block, only: row_block_t
+    use spintop_status, only: status_ok
     use spintop_study_head, only: study_facts, study_head
     use spintop_table_column, only: column_of_words, table_column_t
-    use spintop_table_file, only: table_file_t
-    use spintop_text, only: string_t
-    use spintop_text_buffer, only: text_buffer_t
+    use spintop_text, only: string_t, to_text
     use spintop_trajectory_column, only: trajectory_column_t
     implicit none
     private
@@ -24,27 +30,35 @@ module spintop_motion_table
     !> Key of the line, or the attribute, that says how the motion ended; its value for one that is complete.
     character(*), parameter :: status_key = 'status', complete = 'ok'
 
-    !> Rows of a NetCDF table that are passed on at once.
+    !> Rows that are passed on at once.
     integer, parameter :: rows_at_once = 1024
+
+    !> Seconds to the first entry of the journal: shorter runs have none.
+    real(dp), parameter :: first_pause = 0.5_dp
+    !> Bytes of a file that may be a state.
+    integer, parameter :: most_bytes = 1024 * 1024
 
     !> A table that is being written.
     type :: motion_table_t
-        private
-        character(:), allocatable :: path
-        type(table_column_t), allocatable :: columns(:)
-        !> The CSV table and its header, or the NetCDF table and its next rows.
-        type(table_file_t) :: text
-        character(:), allocatable :: head
-        type(netcdf_table_t), allocatable :: netcdf
-        type(row_block_t) :: block
-        integer :: rows = 0
+        !> The table: CSV or NetCDF, with its header.
+        class(growing_table_t), allocatable :: rows_table
+        character(:), allocatable, private :: path, head
+        type(row_block_t), private :: block
+        !> The file of the last state.
+        integer, private :: last_state = 0
     contains
         procedure :: describe
         procedure :: create
         procedure :: add_row
+        procedure :: wants_state
+        procedure :: keep_state
+        procedure :: recall_state
         procedure :: finish
         procedure :: discard
+        procedure :: abandon
         procedure, private :: put_block
+        procedure, private :: state_path
+        procedure, private :: remove_states
     end type motion_table_t
 
 contains
@@ -54,29 +68,42 @@ contains
         class(motion_table_t), intent(inout) :: self
         type(job_t), intent(in) :: job !! the job
         type(trajectory_column_t), intent(in) :: columns(:) !! columns of the table
-        type(fact_t) :: facts(fact_count)
+        type(table_column_t) :: described(size(columns))
         integer :: i
 
         self%path = job%output
-        allocate (self%columns(size(columns)))
         do i = 1, size(columns)
-            self%columns(i) = table_column_t(columns(i)%name, columns(i)%unit, columns(i)%what)
+            described(i) = table_column_t(columns(i)%name, columns(i)%unit, columns(i)%what)
             if (.not. columns(i)%is_proof) cycle
-            self%columns(i)%kind = column_of_words
-            self%columns(i)%words = [string_t(trim(proof_words(0))), string_t(trim(proof_words(1)))]
+            described(i)%kind = column_of_words
+            described(i)%words = [string_t(trim(proof_words(0))), string_t(trim(proof_words(1)))]
         end do
-        if (job%scene%format /= 'netcdf') then
+        if (job%scene%format == 'netcdf') then
+            allocate (netcdf_table_t :: self%rows_table)
+        else
+            allocate (growing_table_t :: self%rows_table)
             self%head = study_head(job, columns)
-            return
         end if
-        allocate (self%netcdf)
-        associate (description => self%netcdf%description)
+        self%rows_table%has_states = .true.
+        allocate (self%rows_table%columns, source=described)
+        select type (table => self%rows_table)
+        type is (netcdf_table_t)
+            call describe_file(table%description)
+            self%head = table%description%head()
+        end select
+
+    contains
+
+        !> The description of a NetCDF file.
+        subroutine describe_file(description)
+            type(netcdf_description_t), intent(inout) :: description
+            type(fact_t) :: facts(fact_count)
             call study_facts(job, facts, description%input)
             allocate (description%facts(fact_count + 1))
             description%facts(:fact_count) = facts
             description%facts(fact_count + 1)%key = status_key
             description%facts(fact_count + 1)%value = complete
-            allocate (description%columns, source=self%columns)
+            allocate (description%columns, source=described)
             allocate (description%axes(1))
             description%axes(1) = netcdf_axis_t(row_dimension, job%plan%samples)
             do i = 1, size(columns)
@@ -86,20 +113,23 @@ contains
             end do
             description%part = ''
             if (job%scene%compression >= 0) description%compression = job%scene%compression
-        end associate
+        end subroutine describe_file
+
     end subroutine describe
 
-    !> Starts the table, or starts it anew after `discard`.
-    subroutine create(self, error)
+    !> Starts the table, or resumes one (`resume`); or starts it anew after `discard`. The rows of an interrupted run are
+    !> discarded only on request (`restart`).
+    subroutine create(self, resume, restart, error)
         class(motion_table_t), intent(inout) :: self
+        logical, intent(in) :: resume, restart !! whether to resume, or to discard, an interrupted run
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        self%rows = 0
-        if (.not. allocated(self%netcdf)) then
-            call self%text%create(self%path, self%head, error)
-            return
-        end if
-        call self%netcdf%start(self%path, self%netcdf%description%head(), .false., .true., error)
-        call self%block%reserve(size(self%netcdf%description%columns), rows_at_once)
+        self%rows_table%counts = 0
+        call self%block%reserve(size(self%rows_table%columns), rows_at_once)
+        call self%rows_table%start(self%path, self%head, resume, restart, error)
+        if (allocated(error) .or. self%rows_table%is_complete) return
+        call self%rows_table%set_pause(first_pause)
+        self%last_state = self%rows_table%resumed%state
+        if (self%last_state == 0) call self%remove_states()
     end subroutine create
 
     !> Adds a row.
@@ -107,67 +137,135 @@ contains
         class(motion_table_t), intent(inout) :: self
         real(dp), intent(in), contiguous :: values(:) !! a number for each column, of a word its number from 0
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        type(text_buffer_t) :: line
-        integer :: i
-
-        if (.not. (allocated(self%netcdf) .or. any(self%columns%kind == column_of_words))) then
-            call self%text%add_row(values, error)
-            return
-        else if (.not. allocated(self%netcdf)) then
-            do i = 1, size(values)
-                if (self%columns(i)%kind == column_of_words) then
-                    call line%put_text(self%columns(i)%words(nint(values(i)) + 1)%text)
-                else
-                    call line%put_reals(values(i:i))
-                end if
-            end do
-            call line%end_row()
-            call self%text%put(line%contents(), error)
-            return
-        end if
-        self%rows = self%rows + 1
         self%block%rows = self%block%rows + 1
         self%block%cells(:, self%block%rows) = values
         if (self%block%rows == rows_at_once) call self%put_block(error)
     end subroutine add_row
 
-    !> Passes the next rows to the NetCDF table.
+    !> Passes the next rows on.
     subroutine put_block(self, error)
         class(motion_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error
-        call self%netcdf%put(self%block, error)
+        self%block%counts(status_ok) = self%block%rows
+        call self%rows_table%format(self%block)
+        call self%rows_table%put(self%block, error)
         call self%block%clear()
     end subroutine put_block
+
+    !> Whether it is time to keep the state of the run.
+    logical function wants_state(self)
+        class(motion_table_t), intent(in) :: self
+        wants_state = self%rows_table%is_due()
+    end function wants_state
+
+    !> Keeps the state of the run with the rows so far.
+    subroutine keep_state(self, archive, error)
+        class(motion_table_t), intent(inout) :: self
+        type(archive_t), intent(in) :: archive !! the state
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(journal_entry_t) :: entry
+        type(checksum_t) :: checksum
+        logical :: due
+
+        call self%put_block(error)
+        call self%rows_table%take_entry(entry, due, error)
+        if (.not. due) return
+        self%last_state = 3 - max(self%last_state, 1)
+        associate (bytes => archive%bytes(:archive%length))
+            call replace_file(self%state_path(self%last_state), bytes, error)
+            call add_to_checksum(checksum, bytes)
+        end associate
+        entry%state = self%last_state
+        entry%state_checksum = checksum_text(checksum)
+        if (.not. allocated(error)) call self%rows_table%keep_entry(entry, error)
+        call self%rows_table%end_entry()
+    end subroutine keep_state
+
+    !> The state with which the kept rows end; not allocated where the motion starts from its beginning.
+    subroutine recall_state(self, archive, error)
+        class(motion_table_t), intent(in) :: self
+        type(archive_t), allocatable, intent(out) :: archive !! gives the state back
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(checksum_t) :: checksum
+        character(:), allocatable :: text
+
+        associate (entry => self%rows_table%resumed)
+            if (entry%state == 0 .and. self%rows_table%rows() == 0) return
+            if (entry%state == 0) then
+                error = refusal(self%path, 'its journal names no state of the motion')
+                return
+            end if
+            call read_file(self%state_path(entry%state), most_bytes, text, error)
+            if (allocated(error)) then
+                error = refusal(self%path, error%message)
+                return
+            end if
+            call add_to_checksum(checksum, text)
+            if (checksum_text(checksum) /= entry%state_checksum) then
+                error = refusal(self%path, self%state_path(entry%state) // ' was changed after it was written')
+                return
+            end if
+        end associate
+        allocate (archive)
+        archive%recalls = .true.
+        call move_alloc(text, archive%bytes)
+    end subroutine recall_state
+
+    !> The path of a state.
+    pure function state_path(self, number) result(path)
+        class(motion_table_t), intent(in) :: self
+        integer, intent(in) :: number
+        character(:), allocatable :: path
+        path = self%path // '.state' // to_text(number)
+    end function state_path
+
+    !> Removes the states.
+    subroutine remove_states(self)
+        class(motion_table_t), intent(inout) :: self
+        type(error_t), allocatable :: ignored
+        integer :: i
+        do i = 1, 2
+            if (file_exists(self%state_path(i))) call remove_file(self%state_path(i), ignored)
+        end do
+        self%last_state = 0
+    end subroutine remove_states
 
     !> Finishes the table, with how the motion ended.
     subroutine finish(self, status, error)
         class(motion_table_t), intent(inout) :: self
         character(*), intent(in) :: status !! `ok`, or the reason and the time of the end
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        type(string_t) :: trailer(1)
 
-        if (.not. allocated(self%netcdf)) then
-            trailer(1)%text = status_key // ': ' // status
-            call self%text%finish(trailer, error)
-            return
-        end if
         call self%put_block(error)
         if (allocated(error)) return
-        associate (description => self%netcdf%description)
-            description%facts(size(description%facts))%value = status
-            description%axes(1)%length = self%rows
-        end associate
-        call self%netcdf%finish(error)
+        self%rows_table%trailer = [string_t(status_key // ': ' // status)]
+        select type (table => self%rows_table)
+        type is (netcdf_table_t)
+            table%description%facts(size(table%description%facts))%value = status
+            table%description%axes(1)%length = int(table%rows())
+        end select
+        call self%rows_table%finish(error)
+        if (.not. allocated(error)) call self%remove_states()
     end subroutine finish
 
     !> Discards the table: nothing of it is left.
     subroutine discard(self)
         class(motion_table_t), intent(inout) :: self
-        if (allocated(self%netcdf)) then
-            call self%netcdf%discard()
-        else
-            call self%text%discard()
-        end if
+        call self%rows_table%discard()
+        call self%remove_states()
     end subroutine discard
+
+    !> Keeps what a later run can resume, and adds that to the message of the error; if there is nothing, nothing is left.
+    subroutine abandon(self, is_kept, error)
+        class(motion_table_t), intent(inout) :: self
+        logical, intent(out) :: is_kept !! whether a later run can resume it
+        type(error_t), intent(inout) :: error !! its message is completed
+        is_kept = file_exists(journal_of(self%path))
+        if (is_kept) then
+            call self%rows_table%abandon(error)
+        else
+            call self%discard()
+        end if
+    end subroutine abandon
 
 end module spintop_motion_table

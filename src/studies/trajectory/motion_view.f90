@@ -1,6 +1,8 @@
 !> A motion as the columns of a trajectory see it: in the axes in which the body was given, beside the
 !> start and the exact motion. What several columns need is computed once per motion, when one of them asks.
 module spintop_motion_view
+    use, intrinsic :: iso_c_binding, only: c_loc
+    use spintop_archive, only: archive_t
     use spintop_attitude, only: to_space
     use spintop_body, only: body_t
     use spintop_case, only: case_t
@@ -42,6 +44,7 @@ module spintop_motion_view
     contains
         procedure :: set
         procedure :: look
+        procedure :: carry
         procedure :: energies
         procedure :: energy_change
         procedure :: energy_error
@@ -86,6 +89,15 @@ contains
         self%has_residuals = .false.
         self%has_exact = .false.
     end subroutine look
+
+    !> Carries what the next motions take from those before.
+    subroutine carry(self, archive)
+        class(motion_view_t), target, intent(inout) :: self
+        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        call archive%carry(c_loc(self%near), size(self%near) * storage_size(self%near))
+        call archive%carry(c_loc(self%work), size(self%work) * storage_size(self%work))
+        call archive%carry(c_loc(self%proof%rows), size(self%proof%rows) * storage_size(self%proof%rows))
+    end subroutine carry
 
     !> Replaces the attitude and the rates of a formulation by the given values. Rates that do not exist at a
     !> pole are not replaced.

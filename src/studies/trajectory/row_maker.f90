@@ -1,5 +1,6 @@
 !> The rows of a trajectory table, and the quantities of events: values of chosen columns.
 module spintop_row_maker
+    use spintop_archive, only: archive_t
     use spintop_case, only: case_t
     use spintop_certificate, only: proof_words
     use spintop_compare, only: is_finite
@@ -26,6 +27,7 @@ module spintop_row_maker
         procedure :: row
         procedure :: is_defined
         procedure :: come_near
+        procedure :: carry
         procedure :: put
         procedure :: proof_summary
         procedure :: close
@@ -90,6 +92,13 @@ contains
         class(row_maker_t), intent(in) :: other !! the other object of this type
         self%view%near = other%view%near
     end subroutine come_near
+
+    !> Carries what the next rows take from those before.
+    subroutine carry(self, archive)
+        class(row_maker_t), intent(inout) :: self
+        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        call self%view%carry(archive)
+    end subroutine carry
 
     !> Adds the values of a row to a text, those of words as words.
     subroutine put(self, values, text)

@@ -13,6 +13,7 @@ module spintop_trajectory
     use spintop_options, only: options_t
     use spintop_plan, only: sample_time
     use spintop_plain_text, only: escaped
+    use spintop_process, only: watch_no_more
     use spintop_status, only: is_good_end, status_at_rest, status_ok, status_name, status_meaning
     use spintop_study_head, only: study_head
     use spintop_summary, only: summary_t, decimal, rounded
@@ -26,8 +27,8 @@ module spintop_trajectory
 
 contains
 
-    !> Computes a trajectory and writes its table. A motion that fails has the rows up to the failure;
-    !> `status` is the reason of its end.
+    !> Computes a trajectory, or the rest of one that was interrupted, and writes its table. A motion that fails has the rows
+    !> up to the failure; `status` is the reason of its end.
     subroutine run_trajectory(job, options, summary, status, error)
         type(job_t), intent(inout) :: job !! the job
         type(options_t), intent(in) :: options !! options of the command line
@@ -35,7 +36,7 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(writer_t) :: writer
-        type(event_recorder_t), allocatable :: watch
+        type(event_recorder_t), allocatable, target :: watch
         type(outcome_t) :: outcome
         real(dp), allocatable :: times(:)
         real(dp) :: began, elapsed
@@ -47,6 +48,11 @@ contains
         if (allocated(error)) return
         call begin_tables(job, options, writer, watch, error)
         if (allocated(error)) return
+        if (writer%table%rows_table%is_complete) then
+            call summary%headline(job%input // ': trajectory -> ' // job%output)
+            call summary%add('note', writer%table%rows_table%remark)
+            return
+        end if
         began = seconds()
         call compute_motion(job%scene, job%case, job%plan, times, writer, outcome, watch)
         if (allocated(writer%kept)) call add_sensitivities(job, writer, missing)
@@ -55,20 +61,21 @@ contains
         call finish_tables(job, outcome, writer, watch, error)
         if (allocated(error)) return
         call describe_run(job, writer%rows, outcome, elapsed, watch, summary)
+        if (writer%table%rows_table%remark /= '') call summary%add('note', writer%table%rows_table%remark)
         if (missing > 0) call summary%add('note', to_text(missing) // ' derivatives do not converge: they are nan')
         if (writer%columns%proof_summary() /= '') call summary%add('proof', writer%columns%proof_summary())
         call writer%columns%close()
     end subroutine run_trajectory
 
-    !> Begins the table of the motion, and that of its events if there is to be one. `watch` looks for the events; it
-    !> is not allocated where there are none to look for. After an error there is no table.
+    !> Begins the table of the motion, and that of its events if there is to be one, or returns to those of an interrupted
+    !> run. `watch` looks for the events; it is not allocated where there are none to look for. After an error there is no
+    !> table, or that of the interrupted run.
     subroutine begin_tables(job, options, writer, watch, error)
         type(job_t), intent(in) :: job
         type(options_t), intent(in) :: options
         type(writer_t), intent(inout) :: writer
-        type(event_recorder_t), allocatable, intent(out) :: watch
+        type(event_recorder_t), allocatable, target, intent(out) :: watch
         type(error_t), allocatable, intent(out) :: error
-
         type(trajectory_column_t), allocatable :: columns(:), derivatives(:), all_columns(:)
 
         writer%total = job%plan%samples
@@ -83,17 +90,58 @@ contains
         end if
         call writer%progress%start(job%name, 'rows', writer%total, options%quiet, options%progress)
         call writer%table%describe(job, all_columns)
-        call writer%table%create(error)
-        if (allocated(error)) return
-        if (size(job%events) > 0) then
-            allocate (watch)
-            call watch%set(job%events, job%stop_after, job%case)
+        call writer%table%create(options%resume, options%restart, error)
+        if (allocated(error) .or. writer%table%rows_table%is_complete) return
+        ! The derivatives take longer than the rows, which are in memory until then.
+        writer%keeps_states = job%sensitivities%count == 0
+        writer%table%rows_table%is_resumable = writer%keeps_states
+        call writer%table%recall_state(writer%resumed, error)
+        if (.not. allocated(error)) call begin_events(job, columns, writer, watch, error)
+        if (.not. allocated(error) .and. allocated(writer%resumed)) then
+            call writer%carry(writer%resumed)
+            if (allocated(watch)) call move_alloc(watch%error, error)
         end if
+        if (allocated(error)) then
+            call abandon_tables(writer, watch, error)
+            return
+        end if
+        associate (table => writer%table%rows_table)
+            if (table%remark /= '') call writer%progress%note(table%remark)
+            call options%announce_signals(job%input, job%output, table, writer%total)
+        end associate
+    end subroutine begin_tables
+
+    !> Begins the search for events, and their table.
+    subroutine begin_events(job, columns, writer, watch, error)
+        type(job_t), intent(in) :: job
+        type(trajectory_column_t), intent(in) :: columns(:)
+        type(writer_t), intent(inout) :: writer
+        type(event_recorder_t), allocatable, target, intent(inout) :: watch
+        type(error_t), allocatable, intent(out) :: error
+
+        if (size(job%events) == 0) return
+        allocate (watch)
+        call watch%set(job%events, job%stop_after, job%case)
+        writer%watch => watch
         if (job%event_output == '') return
         call watch%open_table(job%event_output, study_head(job, [event_columns, columns%column_t]), columns, &
-                              job%case, job%scene, error)
-        if (allocated(error)) call writer%table%discard()
-    end subroutine begin_tables
+                              job%case, job%scene, allocated(writer%resumed), error)
+    end subroutine begin_events
+
+    !> Ends the tables after an error: they are kept where a later run can resume them, and discarded otherwise.
+    subroutine abandon_tables(writer, watch, error)
+        type(writer_t), intent(inout) :: writer
+        type(event_recorder_t), allocatable, intent(inout) :: watch
+        type(error_t), intent(inout) :: error
+        logical :: is_kept
+        call writer%table%abandon(is_kept, error)
+        if (.not. allocated(watch)) return
+        if (is_kept) then
+            call watch%abandon_table()
+        else
+            call watch%discard_table()
+        end if
+    end subroutine abandon_tables
 
     !> Columns by their indices in the list of all columns.
     subroutine chosen_columns(places, chosen)
@@ -147,7 +195,7 @@ contains
         end do
     end subroutine add_sensitivities
 
-    !> Finishes the tables with a line on how the motion ended; after an error they are discarded.
+    !> Finishes the tables with a line on how the motion ended; after an error they are abandoned.
     subroutine finish_tables(job, outcome, writer, watch, error)
         type(job_t), intent(in) :: job
         type(outcome_t), intent(in) :: outcome
@@ -163,9 +211,8 @@ contains
             if (job%event_output /= '') call watch%close_table(trailer, error)
             if (.not. allocated(error)) call writer%table%finish(ending_of(outcome), error)
         end if
-        if (.not. allocated(error)) return
-        if (allocated(watch)) call watch%discard_table()
-        call writer%table%discard()
+        call watch_no_more()
+        if (allocated(error)) call abandon_tables(writer, watch, error)
     end subroutine finish_tables
 
     !> The summary: plan, motion, events, cost, and how the motion ended.

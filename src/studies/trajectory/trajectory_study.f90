@@ -40,7 +40,8 @@ contains
     function info()
         type(study_info_t) :: info
         info = study_info_t(trim(study_kinds(kind_trajectory)), 'a trajectory', 'trajectories', '', &
-                            'one motion: a row per sample in time', takes_columns=.true., has_netcdf=.true., has_events=.true.)
+                            'one motion: a row per sample in time', takes_columns=.true., has_netcdf=.true., has_events=.true., &
+                            resumes=.true.)
     end function info
 
     !> All columns.

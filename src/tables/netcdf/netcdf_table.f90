@@ -9,13 +9,13 @@ module spintop_netcdf_table
     use spintop_checksum, only: add_reals_to_checksum, checksum_t, checksum_text
     use spintop_errors, only: error_t
     use spintop_files, only: output_file_t, remove_file, rename_file, sync_folder_of
-    use spintop_growing_table, only: changed_after, difference_from, growing_table_t
-    use spintop_journal, only: journal_entry_t, remove_journal
+    use spintop_growing_table, only: difference_from, growing_table_t
+    use spintop_journal, only: journal_entry_t
     use spintop_kinds, only: dp
     use spintop_netcdf_description, only: netcdf_description_t
     use spintop_netcdf_file, only: netcdf_file_t
     use spintop_row_block, only: row_block_t
-    use spintop_table_file, only: part_of
+    use spintop_table_file, only: changed_after, part_of
     use spintop_text, only: string_t
     implicit none
     private
@@ -219,13 +219,12 @@ contains
         call self%growing_table_t%abandon(error)
     end subroutine abandon
 
-    !> Removes part and journal: nothing is to be resumed.
+    !> Removes part and journal.
     subroutine discard(self)
         class(netcdf_table_t), intent(inout) :: self
         type(error_t), allocatable :: ignored
         call self%file%close(ignored)
-        call remove_journal(self%table%path, ignored)
-        call self%table%discard()
+        call self%growing_table_t%discard()
     end subroutine discard
 
 end module spintop_netcdf_table

@@ -23,7 +23,7 @@ from manual.pages import (  # noqa: E402
 )
 from manual.tables import registries, renewed  # noqa: E402
 from mpi_test import ENVIRONMENT  # noqa: E402
-from program_test import PROGRAM, ROOT  # noqa: E402
+from program_test import IS_OPTIMISED, PROGRAM, ROOT  # noqa: E402
 
 MPI_PROGRAM = os.environ.get("SPINTOP_MPI_EXE", str(ROOT / "build/mpi/spintop"))
 FOLDERS = "app|doc|input|packaging|python|scripts|src|test"
@@ -62,6 +62,7 @@ SKIPPED = {
         "scripts/film input/tip_loop.nml",
         "scripts/film --dark --arrow momentum --seconds 20 -o top.webm input/slow_top.nml",
         "scripts/film -o top.gif input/damped_top.nml",
+        ".venv/bin/python test/measure_live_page.py",
     ],
     "packaging.md": [
         "scripts/wheel",
@@ -400,6 +401,7 @@ class CommandsTest(ManualCase):
                 self.assertEqual(result.returncode, 2)
                 self.assertRegex(result.stderr, rf"{reason}(?!, \w)")
 
+    @unittest.skipUnless(IS_OPTIMISED, "does not use the program under test")
     def test_the_library(self) -> None:
         """The program of the library's page is built by fpm, and prints what the page says."""
         parts = {block.tags: block.text for block in BLOCKS if block.page.name == "library.md"}

@@ -80,7 +80,7 @@ const spintop_column *spintop_top_columns(const spintop_top *top);
  *
  * A closed form takes any times. Other methods take increasing times from 0, and integrate up to the last one; those
  * with steps of fixed size take them over the span of the input, and have the times of steps only. After a failure the
- * rows that were not reached are NaN. */
+ * rows that were not reached are NaN. phi and psi have all their turns since the start. */
 int spintop_top_at(const spintop_top *top, size_t n, const double *t, double *cells, spintop_error **error);
 
 /* A table. */

@@ -185,7 +185,11 @@ contains
         looks = 0
         most_looks = looks_per_step * top%plan%max_steps + size(sampler%samples)
         do i = 1, size(sampler%samples)
-            call top%exact%follow(last, sampler%samples(i), motion, looks, most_looks)
+            if (top%counts_turns .or. .not. top%case%turn%exchanges_axes()) then
+                call top%exact%follow(last, sampler%samples(i), motion, looks, most_looks)
+            else
+                motion = top%exact%at(sampler%samples(i))
+            end if
             if (looks >= most_looks) then
                 status = status_step_limit
                 return
@@ -225,6 +229,7 @@ contains
         class(sampler_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion
         real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
+        type(motion_t) :: motion
 
         do while (self%next < size(self%samples))
             if (self%samples(self%next) >= t - self%slack) exit
@@ -234,7 +239,9 @@ contains
         if (self%next > size(self%samples)) return
         ! The end of the equations, which is shown too, is not a sample.
         if (abs(self%samples(self%next) - t) > self%slack) return
-        call self%put(formulation%motion(t, y, near))
+        motion = formulation%motion(t, y, near)
+        motion%given_angle = self%given_angle
+        call self%put(motion)
         self%has_enough = self%has_enough .or. self%next > size(self%samples)
     end subroutine observe
 

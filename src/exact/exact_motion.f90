@@ -6,9 +6,10 @@
 module spintop_exact_motion
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp, no_number
-    use spintop_attitude, only: angles_from_quaternion, follow_angles, may_meet_pole
+    use spintop_attitude, only: angles_from_quaternion, follow_angles, may_meet_pole, vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite, is_zero
+    use spintop_given_axes, only: given_axes_t
     use spintop_free_motion, only: free_motion_t, prepare_free_motion
     use spintop_motion, only: motion_t
     use spintop_status, only: status_non_finite, status_ok, status_unsuitable
@@ -22,6 +23,10 @@ module spintop_exact_motion
     type, extends(symmetric_motion_t) :: exact_motion_t
         !> The motion of a free body that is not a symmetric top.
         type(free_motion_t), allocatable :: free
+        !> The axes in which the body was given, its angles there at the start, rad, and a bound of its angular velocity,
+        !> rad/s, where they differ from those of the solution.
+        type(given_axes_t), private :: given
+        real(dp), private :: given_angle(3) = 0, greatest_rate = 0
     contains
         procedure :: at
         procedure :: quaternion_at
@@ -58,11 +63,34 @@ contains
             call prepare_free_motion(body, start, exact%free, status)
             if (status /= status_ok) deallocate (exact%free)
         end if
+        if (status /= status_ok .or. .not. body%given%differ) return
+        exact%given = body%given
+        exact%given_angle = start%given_angle
+        exact%greatest_rate = greatest_rate(exact, body, start)
     end subroutine prepare_exact_motion
+
+    !> A bound of the angular velocity in the given axes, rad/s. That across the axis of a top is largest where the axis
+    !> hangs down.
+    pure real(dp) function greatest_rate(exact, body, start)
+        type(exact_motion_t), intent(in) :: exact
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        real(dp) :: height
+        if (allocated(exact%free)) then
+            greatest_rate = exact%free%greatest_rate
+        else
+            associate (gamma => vertical_from_quaternion(start%quaternion))
+                height = 1 + gamma(3)
+            end associate
+            greatest_rate = sqrt(sum(start%omega**2) + 2 * body%mgl() * max(height, 0.0_dp) / body%inertia(1))
+        end if
+        greatest_rate = greatest_rate + abs(body%given%phi_shift) + abs(body%given%psi_shift)
+    end function greatest_rate
 
     !> The motion at time t, s, or at an array of times. Its attitude is NaN at a time that is not finite, and
     !> for a solution that was not prepared. phi and psi have all their turns since the start; those of a free
-    !> body that is not a symmetric top are the values nearest to the start, and `follow` counts their turns.
+    !> body that is not a symmetric top are the values nearest to the start, and `follow` counts their turns. Where the body
+    !> was given in other axes, `given_angle` are the angles there at the start, and `follow` gives those of the time.
     elemental type(motion_t) function at(self, t) result(motion)
         class(exact_motion_t), intent(in) :: self
         real(dp), intent(in) :: t !! time, s
@@ -71,6 +99,7 @@ contains
         else
             motion = self%symmetric_motion_t%at(t)
         end if
+        if (self%given%differ) motion%given_angle = self%given_angle
     end function at
 
     !> The unit quaternion at time t, s.
@@ -86,8 +115,8 @@ contains
     end function quaternion_at
 
     !> The motion at time t, s. The turns of phi and psi are those of `last`, an instant of the same solution, and
-    !> those since then. For a free body these are counted by steps of a fraction of a turn; if more than
-    !> `most_steps` were needed, the angles are NaN.
+    !> those since then, and so are those of the angles in other given axes. For a free body, and in other axes, these are
+    !> counted by steps of a fraction of a turn; if more than `most_steps` were needed, the angles are NaN.
     pure subroutine follow(self, last, t, motion, steps, most_steps)
         class(exact_motion_t), intent(in) :: self
         type(motion_t), intent(in) :: last !! an instant of the motion
@@ -102,21 +131,26 @@ contains
         logical :: sure
 
         motion = self%at(t)
-        if (.not. allocated(self%free)) return
+        if (.not. (allocated(self%free) .or. self%given%differ)) return
         now = last
-        pace = longest / max(self%free%greatest_rate, tiny(pace))
+        if (self%given%differ) then
+            pace = longest / max(self%greatest_rate, tiny(pace))
+        else
+            pace = longest / max(self%free%greatest_rate, tiny(pace))
+        end if
         step = pace
         do while (abs(t - now%t) > 0)
             next = motion
             if (step < abs(t - now%t)) then
                 if (steps >= most_steps) then
                     motion%angle = no_number
+                    motion%given_angle = no_number
                     return
                 end if
                 steps = steps + 1
-                next = self%free%at(now%t + sign(step, t - now%t))
+                next = self%at(now%t + sign(step, t - now%t))
             end if
-            call count_turns(now, next, sure)
+            call count_turns(self, now, next, sure)
             if (sure .or. step < shortest * pace) then
                 now = next
                 step = min(2 * step, pace)
@@ -128,11 +162,17 @@ contains
     end subroutine follow
 
     !> Gives the angles at `next` the turns of those at `now`, and those in between.
-    pure subroutine count_turns(now, next, sure)
+    pure subroutine count_turns(self, now, next, sure)
+        type(exact_motion_t), intent(in) :: self
         type(motion_t), intent(in) :: now
         type(motion_t), intent(inout) :: next
         logical, intent(out) :: sure  !! whether the turns are certain
         real(dp) :: angle(3), h
+        logical :: also_sure
+        also_sure = .true.
+        if (self%given%differ) call self%given%follow(now, next, also_sure)
+        sure = also_sure
+        if (.not. allocated(self%free)) return
         angle = now%angle
         h = abs(next%t - now%t)
         if (may_meet_pole(now%quaternion, now%omega, next%quaternion, next%omega, h)) then
@@ -142,6 +182,7 @@ contains
             call follow_angles(now%quaternion, now%omega, next%quaternion, next%omega, h, angle, sure)
         end if
         next%angle = angles_from_quaternion(next%quaternion, angle)
+        sure = sure .and. also_sure
     end subroutine count_turns
 
 end module spintop_exact_motion

@@ -18,6 +18,8 @@ module spintop_observer
         !> Whether the work of effects is wanted; then it is set before each motion is observed, J, by its parts.
         logical :: wants_work = .false.
         real(dp) :: work(works) = 0
+        !> Where the body was given in other axes, the angles there, set before each motion is observed, rad.
+        real(dp) :: given_angle(3) = 0
         !> Whether the state of the run is kept from time to time, so that it can be resumed; and the state from which this
         !> run goes on.
         logical :: keeps_states = .false.

@@ -85,7 +85,7 @@ contains
             end if
             is_idle = .not. self%observer%counts_turns
             if (present(watch)) is_idle = is_idle .and. .not. watch%needs_turns
-            self%follower = follower_t(0.0_dp, work%y, start%angle, is_idle)
+            self%follower = follower_t(0.0_dp, work%y, start%angle, start%given_angle, is_idle)
             call self%show_until(0.0_dp)
             call self%leave_rest()
             call stepper%begin(formulation, work, status)
@@ -94,7 +94,7 @@ contains
             path%formulation => self%formulation
             path%stepper => self%stepper
             path%work => self%work
-            call watch%begin(body, formulation%motion(work%t, work%y, self%follower%angle))
+            call watch%begin(body, self%follower%motion(formulation))
         end associate
     end subroutine begin_run
 
@@ -167,12 +167,15 @@ contains
         class(run_t), intent(inout) :: self
         logical, intent(out) :: ends !! whether the run ends here
         class(event_watch_t), intent(inout), optional :: watch !! search for events
+        type(motion_t) :: motion
         ends = .false.
         associate (work => self%work)
             self%account%t = max(self%account%t, work%t)
             if (work%t > self%follower%t) call self%follower%go_to(self%formulation, work%t, work%y)
             if (present(watch)) then
-                call watch%happen(self%rest%occasion, self%formulation%motion(work%t, work%y, self%follower%angle))
+                motion = self%formulation%motion(work%t, work%y, self%follower%angle)
+                motion%given_angle = self%follower%given_angle
+                call watch%happen(self%rest%occasion, motion)
                 ends = watch%has_enough
             end if
             if (self%shown < work%t .and. (ends .or. .not. work%t < work%t_end)) call self%show()
@@ -265,6 +268,7 @@ contains
             call self%account%go_to(self%formulation, self%stepper, self%work, self%follower%t)
             self%observer%work = self%account%total
         end if
+        self%observer%given_angle = self%follower%given_angle
         call self%observer%observe(self%formulation, self%follower%t, self%follower%y, self%follower%angle)
         self%shown = self%follower%t
     end subroutine show

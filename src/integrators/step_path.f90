@@ -12,10 +12,14 @@ module spintop_step_path
     !> The angles, followed through every step, or constant.
     type :: follower_t
         real(dp) :: t = 0, y(max_states) = 0, angle(3) = 0
+        !> Those in the axes in which the body was given, where they differ.
+        real(dp) :: given_angle(3) = 0
         logical :: is_idle = .false.
     contains
         procedure :: go_to
         procedure :: walk_to
+        procedure :: motion => motion_of_follower
+        procedure, private :: try
     end type follower_t
 
     !> The motion within the last step, by dense output.
@@ -47,7 +51,7 @@ contains
         self%work%counts%looks = self%work%counts%looks + 1
         call follower%walk_to(self%formulation, self%stepper, self%work, t, &
                               self%stepper%interpolate(self%formulation, self%work, t))
-        motion = self%formulation%motion(t, follower%y, follower%angle)
+        motion = follower%motion(self%formulation)
         if (t > self%seen(3)%t) self%seen(2:3) = [self%seen(3), follower]
     end subroutine motion_in_step
 
@@ -59,6 +63,7 @@ contains
         self%work%counts%looks = self%work%counts%looks + 1
         motion = self%formulation%motion_without_angles(t, self%stepper%interpolate(self%formulation, self%work, t), &
                                                         self%seen(1)%angle)
+        motion%given_angle = self%seen(1)%given_angle
     end subroutine attitude_in_step
 
     !> Whether the allowed work of the case is used up.
@@ -72,8 +77,11 @@ contains
         class(follower_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+        real(dp) :: angle(3), given_angle(3)
         logical :: sure
-        if (.not. self%is_idle) call formulation%follow(self%t, self%y, t, y, self%angle, sure)
+        call self%try(formulation, t, y, angle, given_angle, sure)
+        self%angle = angle
+        self%given_angle = given_angle
         self%t = t
         self%y = y
     end subroutine go_to
@@ -86,18 +94,17 @@ contains
         class(stepper_t), intent(in) :: stepper !! the method that took the step
         class(workspace_t), intent(inout) :: work !! its workspace
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
-        real(dp) :: angle(3), middle
+        real(dp) :: angle(3), given_angle(3), middle
         logical :: sure
 
-        angle = self%angle
-        sure = self%is_idle
-        if (.not. sure) call formulation%follow(self%t, self%y, t, y, angle, sure)
+        call self%try(formulation, t, y, angle, given_angle, sure)
         if (.not. sure) sure = t - self%t <= max(shortest_pace * (work%t - work%t_last), 2 * spacing(t)) &
                                .or. work%is_spent(stepper%controls%max_steps)
         if (sure) then
             self%t = t
             self%y = y
             self%angle = angle
+            self%given_angle = given_angle
         else
             middle = self%t + (t - self%t) / 2
             work%counts%looks = work%counts%looks + 1
@@ -106,5 +113,36 @@ contains
             call self%walk_to(formulation, stepper, work, t, y)
         end if
     end subroutine walk_to
+
+    !> The angles at a later time and state.
+    subroutine try(self, formulation, t, y, angle, given_angle, sure)
+        class(follower_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: t, y(max_states)
+        real(dp), intent(out) :: angle(3), given_angle(3)
+        logical, intent(out) :: sure  !! whether the turns are certain
+        type(motion_t) :: last, next
+        logical :: also_sure
+        angle = self%angle
+        given_angle = self%given_angle
+        sure = .true.
+        if (self%is_idle) return
+        call formulation%follow(self%t, self%y, t, y, angle, sure)
+        if (.not. formulation%body%given%differ) return
+        last = formulation%motion_without_angles(self%t, self%y, angle)
+        last%given_angle = given_angle
+        next = formulation%motion_without_angles(t, y, angle)
+        call formulation%body%given%follow(last, next, also_sure)
+        given_angle = next%given_angle
+        sure = sure .and. also_sure
+    end subroutine try
+
+    !> The motion at the time of the follower.
+    type(motion_t) function motion_of_follower(self, formulation) result(motion)
+        class(follower_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        motion = formulation%motion(self%t, self%y, self%angle)
+        motion%given_angle = self%given_angle
+    end function motion_of_follower
 
 end module spintop_step_path

@@ -63,8 +63,8 @@ module spintop_event_recorder
     !> The exact solution as a path; its evaluations are counted.
     type, extends(path_t) :: exact_path_t
         type(exact_motion_t) :: exact
-        !> Whether phi and psi count their turns, which takes steps of their own for a free body; otherwise its
-        !> angles are the values nearest to those of the start.
+        !> Whether phi and psi count their turns, which takes steps of their own for a free body and for one that was given
+        !> in other axes; otherwise its angles are the values nearest to those of the start.
         logical :: counts_turns = .true.
         integer(int64) :: looks = 0, most_looks = huge(1_int64)
         !> The last instant; the turns of the angles are counted from there.
@@ -205,7 +205,6 @@ contains
         type(text_buffer_t) :: line
 
         if (self%is_listed(number)) then
-            call self%row%come_near(self%quantity)
             call line%put_text(trim(self%events(number)%name))
             call line%put_integer(int(self%events(number)%count, int64))
             call self%row%put(self%row%row(motion), line)

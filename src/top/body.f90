@@ -3,6 +3,7 @@ module spintop_body
     use spintop_kinds, only: dp
     use spintop_compare, only: is_equal, is_zero
     use spintop_effects, only: effects_t
+    use spintop_given_axes, only: given_axes_t
     use spintop_vectors, only: cross
     implicit none
     private
@@ -25,6 +26,8 @@ module spintop_body
         real(dp) :: damping(3) = 0
         !> Effects beside gravity and damping; not allocated if there are none.
         type(effects_t), allocatable :: effects
+        !> The axes in which the body was given, where they differ from these.
+        type(given_axes_t) :: given
     contains
         procedure :: mgl
         procedure :: weight_moment

@@ -14,9 +14,9 @@ module spintop_body_turn
         angles_from_quaternion, rates_from_omega, to_space, vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_compare, only: is_zero
+    use spintop_given_axes, only: about_z, components, given_axes_t, unshifted
     use spintop_motion, only: motion_t, motion_from_angles, motion_from_quaternion
     use spintop_principal_axes, only: clear_rounding, find_principal_axes
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: body_turn_t, find_body_turn, turn_to_principal_axes
@@ -130,6 +130,7 @@ contains
         turned = body
         if (self%to_principal_axes) call turn_to_principal_axes(body, turned, unused)
         if (self%is_shifted()) deallocate (turned%effects)
+        if (self%exchanges_axes()) turned%given = given_axes_t(.true., self%p, self%phi_shift, self%psi_shift)
         if (self%axis == 0) return
         turned%inertia = exchanged(self%axis, turned%inertia)
         turned%damping = exchanged(self%axis, turned%damping)
@@ -214,6 +215,7 @@ contains
             turned = motion_from_quaternion(motion%t, &
                 quaternion_product(motion%quaternion, conjugate_quaternion(self%p)), &
                 self%vector(motion%omega), motion%angle)
+            turned%given_angle = motion%angle
             turned%gives_quaternion = .true.
             turned%gives_omega = .true.
         else if (self%axis == 3) then
@@ -245,39 +247,6 @@ contains
         other%omega = components(other%omega, -psi)
     end function shifted
 
-    !> The reverse, with the angular acceleration.
-    pure type(motion_t) function unshifted(self, motion) result(other)
-        type(body_turn_t), intent(in) :: self
-        type(motion_t), intent(in) :: motion
-        real(dp) :: phi, psi, gamma(3), total(3)
-        other = motion
-        phi = self%phi_shift * motion%t
-        psi = self%psi_shift * motion%t
-        other%angle = motion%angle - [phi, 0.0_dp, psi]
-        other%rate = motion%rate - [self%phi_shift, 0.0_dp, self%psi_shift]
-        other%quaternion = quaternion_product(about_z(-phi), quaternion_product(motion%quaternion, about_z(-psi)))
-        gamma = vertical_from_quaternion(other%quaternion)
-        total = components(motion%omega, psi)
-        other%omega = total - self%phi_shift * gamma
-        other%omega(3) = other%omega(3) - self%psi_shift
-        other%omega_rate = components(motion%omega_rate, psi) + self%psi_shift * [-total(2), total(1), 0.0_dp] &
-            - self%phi_shift * cross(gamma, other%omega)
-    end function unshifted
-
-    !> The rotation about z by an angle.
-    pure function about_z(angle) result(q)
-        real(dp), intent(in) :: angle
-        real(dp) :: q(4)
-        q = [cos(angle / 2), 0.0_dp, 0.0_dp, sin(angle / 2)]
-    end function about_z
-
-    !> Components of a vector in axes that are turned back about z by an angle.
-    pure function components(v, angle) result(w)
-        real(dp), intent(in) :: v(3), angle
-        real(dp) :: w(3)
-        w = [v(1) * cos(angle) - v(2) * sin(angle), v(1) * sin(angle) + v(2) * cos(angle), v(3)]
-    end function components
-
     !> A motion in rotated axes, expressed in the axes in which the body was given. phi and psi are the values
     !> nearest to those of `near`.
     pure type(motion_t) function back(self, motion, near) result(seen)
@@ -285,7 +254,7 @@ contains
         type(motion_t), intent(in) :: motion !! in rotated axes
         real(dp), intent(in) :: near(3) !! angles near the result, rad
         seen = motion
-        if (self%is_shifted()) seen = unshifted(self, motion)
+        if (self%is_shifted()) seen = unshifted(self%phi_shift, self%psi_shift, motion)
         if (.not. (self%axis > 0 .or. self%to_principal_axes)) return
         seen%quaternion = quaternion_product(seen%quaternion, self%p)
         seen%omega = given_vector(seen%omega)

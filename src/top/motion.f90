@@ -23,6 +23,9 @@ module spintop_motion
         real(dp) :: quaternion(4) = [1, 0, 0, 0]
         !> Norm error abs(q) - 1 of the computed quaternion; 0 if the motion was computed by other means.
         real(dp) :: norm_error = 0
+        !> phi, theta, psi in the axes in which the body was given, or angles near them, rad; only where these differ from
+        !> the axes of the computation (spintop_given_axes).
+        real(dp) :: given_angle(3) = 0
         !> For a start: which quantities were given and are exact. The others are computed from them and
         !> rounded. With `gives_quaternion` the quaternion is exact, not the angles; with `gives_omega` omega,
         !> with `gives_omega3` omega3 alone, not the rates.

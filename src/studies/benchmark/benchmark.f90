@@ -164,12 +164,15 @@ contains
         type(figure_t), intent(in) :: wanted(:)
         real(dp) :: values(size(wanted))
         type(motion_view_t) :: view
+        type(motion_t) :: seen
         type(trajectory_column_t) :: column
         logical :: found
         integer :: k
 
         call view%set(case)
-        call view%look(motion, is_start=.false.)
+        seen = motion
+        seen%given_angle = case%start%given_angle
+        call view%look(seen, is_start=.false.)
         do k = 1, size(wanted)
             call find_trajectory_column(trim(wanted(k)%column), column, found)
             values(k) = column%value(view)

@@ -1,7 +1,6 @@
 !> The residuals of measurements of a motion as a function of numbers of its scene.
 module spintop_fit_model
     use, intrinsic :: iso_c_binding, only: c_loc
-    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t, make_case
     use spintop_compare, only: is_equal, is_finite
     use spintop_event_recorder, only: event_recorder_t, exact_path_t
@@ -17,6 +16,7 @@ module spintop_fit_model
     use spintop_row_maker, only: row_maker_t
     use spintop_scene, only: scene_t
     use spintop_sensitivity, only: sensitive_key_t
+    use spintop_stepper, only: looks_per_step
     use spintop_status, only: status_ok
     implicit none
     private
@@ -120,11 +120,12 @@ contains
         type(motion_t) :: motion
         integer :: i, status
 
-        call path%begin(self%case, huge(1_int64), status)
+        call path%begin(self%case, looks_per_step * self%plan%max_steps + size(values, 2), status)
         if (status /= status_ok) return
         call self%maker%set(self%measured%columns, self%case)
         do i = 1, size(values, 2)
             call path%at(self%measured%t(i), motion)
+            if (path%is_spent()) return
             values(:, i) = self%maker%row(motion)
         end do
     end subroutine take_exactly

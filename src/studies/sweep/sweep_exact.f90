@@ -101,7 +101,13 @@ contains
         if (wanted%period) then
             call put_azimuth(block%t_period(lane) > 0, block%phi_at_period(lane), values, note)
         end if
-        if (wanted%end .or. wanted%energy) call unload_end(case, block, lane, values)
+        if (wanted%end .or. wanted%energy) then
+            call unload_end(case, block, lane, wanted, max_steps, values, status)
+            if (status /= status_ok) then
+                call note%explain(trim(status_meanings(status)))
+                return
+            end if
+        end if
         values%evaluations = 0
         values%orientation_error = 0
         if (wanted%details) call put_details(case, values, note)
@@ -135,24 +141,31 @@ contains
     end subroutine unload_nutation
 
     !> The end of the span.
-    subroutine unload_end(case, block, lane, values)
+    subroutine unload_end(case, block, lane, wanted, max_steps, values, status)
         type(case_t), intent(in) :: case
         type(exact_block_t), intent(in) :: block
         integer, intent(in) :: lane
+        type(sweep_work_t), intent(in) :: wanted
+        integer(int64), intent(inout) :: max_steps
         type(sweep_result_t), intent(inout) :: values
+        integer, intent(out) :: status
         type(motion_t) :: last
-        call find_end(case, block, lane, last)
-        call put_end(case, last, block%energy_error(lane), values)
+        call find_end(case, block, lane, wanted, max_steps, last, status)
+        if (status == status_ok) call put_end(case, last, block%energy_error(lane), values)
     end subroutine unload_end
 
     !> The motion at the end of the span, as far as a sweep table needs it.
-    subroutine find_end(case, block, lane, motion)
+    subroutine find_end(case, block, lane, wanted, max_steps, motion, status)
         type(case_t), intent(in) :: case
         type(exact_block_t), intent(in) :: block
         integer, intent(in) :: lane
+        type(sweep_work_t), intent(in) :: wanted
+        integer(int64), intent(inout) :: max_steps
         type(motion_t), intent(out) :: motion
+        integer, intent(out) :: status
+        status = status_ok
         if (case%turn%exchanges_axes()) then
-            call find_whole_end(case, motion)
+            call find_whole_end(case, wanted%turns, max_steps, motion, status)
         else
             motion%t = case%t_end
             motion%angle = [block%phi_end(lane), block%theta_end(lane), block%psi_end(lane)]
@@ -160,14 +173,26 @@ contains
         end if
     end subroutine find_end
 
-    !> The same with the whole attitude, which is needed for angles about another axis.
-    subroutine find_whole_end(case, motion)
+    !> The same with the whole attitude, which is needed for angles about another axis. Counting their turns is work of
+    !> the case.
+    subroutine find_whole_end(case, counts_turns, max_steps, motion, status)
         type(case_t), intent(in) :: case
+        logical, intent(in) :: counts_turns
+        integer(int64), intent(inout) :: max_steps
         type(motion_t), intent(out) :: motion
+        integer, intent(out) :: status
         type(exact_motion_t) :: exact
-        integer :: status
+        integer(int64) :: steps
         call prepare_exact_motion(case%body, case%start, exact, status)
-        motion = exact%at(case%t_end)
+        steps = 0
+        if (counts_turns .and. status == status_ok) then
+            call exact%follow(case%start, case%t_end, motion, steps, max_steps)
+            if (steps >= max_steps) status = status_step_limit
+            max_steps = max_steps - steps
+        else
+            motion = exact%at(case%t_end)
+            status = status_ok
+        end if
     end subroutine find_whole_end
 
 end module spintop_sweep_exact

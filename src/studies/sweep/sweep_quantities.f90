@@ -171,7 +171,7 @@ contains
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
         values%energy_error_max = energy_error
         if (case%turn%is_turned()) then
-            call put_seen(case%turn%back(motion, case%given_start%angle))
+            call put_seen(case%turn%back(motion, motion%given_angle))
         else
             call put_seen(motion)
         end if

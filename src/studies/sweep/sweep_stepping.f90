@@ -159,6 +159,7 @@ contains
             plan%stepper%controls%max_steps = all_steps
             if (is_good_end(outcome%status)) then
                 witness%last = plan%formulation%motion(witness%t, witness%y, witness%near)
+                witness%last%given_angle = witness%given_angle
             end if
         end if
         status = outcome%status

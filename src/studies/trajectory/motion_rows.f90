@@ -260,7 +260,10 @@ contains
         class(writer_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion
         real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
-        call self%write_row(formulation%motion(t, y, near))
+        type(motion_t) :: motion
+        motion = formulation%motion(t, y, near)
+        motion%given_angle = self%given_angle
+        call self%write_row(motion)
     end subroutine observe
 
     !> Writes the row of a motion.

@@ -31,7 +31,7 @@ module spintop_motion_view
         !> Energy and vertical momentum at the start, and the scale of the energy error.
         real(dp), private :: energy_of_start = 0, momentum_of_start = 0, energy_scale = 1
         type(case_t), private :: case
-        !> Angles of the last motion; those of the next are continuous with them.
+        !> Angles of the last motion.
         real(dp) :: near(3) = 0
         !> The proof of the numbers, where it is wanted.
         type(row_proof_t) :: proof
@@ -80,7 +80,7 @@ contains
         type(motion_t), intent(in) :: computed !! in the axes of the computation
         logical, intent(in) :: is_start !! whether it is the start
         self%computed = computed
-        self%motion = self%case%turn%back(computed, self%near)
+        self%motion = self%case%turn%back(computed, computed%given_angle)
         if (is_start) call take_start(self%case%given_start, self%motion)
         if (any(self%proof%wanted)) call prove(self%proof, self%motion)
         self%near = self%motion%angle

@@ -26,7 +26,6 @@ module spintop_row_maker
         procedure :: set
         procedure :: row
         procedure :: is_defined
-        procedure :: come_near
         procedure :: carry
         procedure :: put
         procedure :: proof_summary
@@ -85,13 +84,6 @@ contains
         end do
         is_defined = .true.
     end function is_defined
-
-    !> The angles of the next row are continuous with those of another maker's last one.
-    subroutine come_near(self, other)
-        class(row_maker_t), intent(inout) :: self
-        class(row_maker_t), intent(in) :: other !! the other object of this type
-        self%view%near = other%view%near
-    end subroutine come_near
 
     !> Carries what the next rows take from those before.
     subroutine carry(self, archive)

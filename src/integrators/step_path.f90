@@ -20,6 +20,7 @@ module spintop_step_path
         procedure :: walk_to
         procedure :: motion => motion_of_follower
         procedure, private :: try
+        procedure, private :: try_given
     end type follower_t
 
     !> The motion within the last step, by dense output.
@@ -121,21 +122,30 @@ contains
         real(dp), intent(in) :: t, y(max_states)
         real(dp), intent(out) :: angle(3), given_angle(3)
         logical, intent(out) :: sure  !! whether the turns are certain
-        type(motion_t) :: last, next
-        logical :: also_sure
         angle = self%angle
         given_angle = self%given_angle
         sure = .true.
         if (self%is_idle) return
         call formulation%follow(self%t, self%y, t, y, angle, sure)
-        if (.not. formulation%body%given%differ) return
-        last = formulation%motion_without_angles(self%t, self%y, angle)
-        last%given_angle = given_angle
-        next = formulation%motion_without_angles(t, y, angle)
-        call formulation%body%given%follow(last, next, also_sure)
-        given_angle = next%given_angle
-        sure = sure .and. also_sure
+        if (formulation%body%given%differ) call self%try_given(formulation, t, y, given_angle, sure)
     end subroutine try
+
+    !> The same for the angles in the axes of the input.
+    subroutine try_given(self, formulation, t, y, angle, sure)
+        class(follower_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: t, y(max_states)
+        real(dp), intent(inout) :: angle(3)
+        logical, intent(inout) :: sure
+        type(motion_t) :: last, next
+        logical :: also_sure
+        last = formulation%motion_without_angles(self%t, self%y, self%angle)
+        last%given_angle = angle
+        next = formulation%motion_without_angles(t, y, self%angle)
+        call formulation%body%given%follow(last, next, also_sure)
+        angle = next%given_angle
+        sure = sure .and. also_sure
+    end subroutine try_given
 
     !> The motion at the time of the follower.
     type(motion_t) function motion_of_follower(self, formulation) result(motion)

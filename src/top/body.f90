@@ -27,7 +27,7 @@ module spintop_body
         !> Effects beside gravity and damping; not allocated if there are none.
         type(effects_t), allocatable :: effects
         !> The axes in which the body was given, where they differ from these.
-        type(given_axes_t) :: given
+        type(given_axes_t) :: given = given_axes_t()
     contains
         procedure :: mgl
         procedure :: weight_moment

@@ -18,6 +18,8 @@ PARAMETERS = {
     "initial.theta_rate": r"initial nutation rate $\dot\theta_0$",
     "initial.phi_rate": r"initial precession rate $\dot\phi_0$",
     "initial.psi_rate": r"initial spin rate $\dot\psi_0$",
+    "effects.vibration_rate": r"rate of the vibration $W$",
+    "effects.vibration_amplitude(3)": r"amplitude of the vibration $A_3$",
 }
 """How parameters are written, in words and then a symbol; the others stand by their keys."""
 

@@ -19,7 +19,7 @@ TOP = """\
 &initial theta_deg = 20, psi_rate = 12, theta_rate = 0.3 /
 """
 DATE = "2026-01-01T00:00:00Z"
-FRICTION = "&effects friction_torque = 0.0005, drag_moment = 3*0.0001 /\n"
+FRICTION = "&effects friction_torque = 0.00005, drag_moment = 3*0.00001 /\n"
 
 
 def motion(body: str, span: str, integration: str, output: str = "") -> str:

@@ -34,6 +34,9 @@ static atomic_int has_keeper;
 static atomic_int wanted;
 static const struct itimerval longest_wait = {.it_value = {.tv_usec = 900000}};
 
+// Whether the process was started with SIGHUP ignored, where the program has looked before its libraries were begun.
+int spintop_hangup_is_ignored = 0;
+
 // Signals that end a process from outside and leave it time for a message.
 static const int ending_signals[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
 
@@ -120,6 +123,7 @@ void spintop_begin_process(void) {
     memset(&ending, 0, sizeof ending);
     ending.sa_handler = answer;
     ending.sa_flags = SA_RESTART;
+    if (spintop_hangup_is_ignored) sigaction(SIGHUP, &ignored, NULL);
     for (i = 0; i < sizeof ending_signals / sizeof *ending_signals; ++i) {
         // What the parent has had ignored (nohup) stays so. A library may have set a handler: UCX, which comes with
         // Open MPI, has one for SIGHUP that does not end the process.

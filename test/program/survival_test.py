@@ -335,41 +335,48 @@ class InterruptionTest(SurvivalCase):
         self.assertEqual(run.returncode, -number)
         return said
 
-    def test_a_handler_of_a_library_does_not_keep_a_signal(self) -> None:
-        """A library that is loaded with the program has a handler for SIGHUP, as UCX does."""
+    def begin(self, prepare: Callable[[], object], **environment: str) -> subprocess.Popen[str]:
+        """Begin the slow sweep in a process that is prepared so; return when it has rows."""
+        run = subprocess.Popen(
+            [PROGRAM, self.slow, "--threads", "1"],
+            cwd=self.folder,
+            env={**os.environ, **environment},
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+            preexec_fn=prepare,
+        )
+        self.wait_for_rows(run, 1)
+        return run
+
+    def library_with_a_handler(self) -> dict[str, str]:
+        """Have a library loaded with the program that has a handler for SIGHUP, as UCX does."""
         compiler = shutil.which("gcc") or shutil.which("cc")
         if compiler is None:
             self.skipTest("no C compiler is found")
         source, library = self.write(SHIM, "shim.c"), self.folder / "shim.so"
         subprocess.run([compiler, "-shared", "-fPIC", source, "-o", library], check=True)
-        run = subprocess.Popen(
-            [PROGRAM, self.slow, "--threads", "1"],
-            cwd=self.folder,
-            env={**os.environ, "LD_PRELOAD": f"./{library.name}"},  # spaces would separate names
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
-            preexec_fn=lambda: begin_patiently(signal.SIGHUP),
-        )
-        self.wait_for_rows(run, 1)
+        return {"LD_PRELOAD": f"./{library.name}"}  # spaces would separate names
+
+    def test_a_handler_of_a_library_does_not_keep_a_signal(self) -> None:
+        """A hangup ends the run."""
+        library = self.library_with_a_handler()
+        run = self.begin(lambda: begin_patiently(signal.SIGHUP), **library)
         run.send_signal(signal.SIGHUP)
         said = run.communicate(timeout=PATIENCE)[1]
         self.assertEqual(run.returncode, -signal.SIGHUP, said)
         self.assertIn("spintop: interrupted: ", said)
 
     def test_a_signal_that_is_ignored_stays_so(self) -> None:
-        """nohup has SIGHUP ignored."""
-        run = subprocess.Popen(
-            [PROGRAM, self.slow, "--threads", "1"],
-            cwd=self.folder,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN),
-        )
-        self.wait_for_rows(run, 1)
-        run.send_signal(signal.SIGHUP)
-        self.assertEqual(run.wait(timeout=PATIENCE), 0)
-        self.check_complete()
+        """nohup has SIGHUP ignored, whatever handlers the libraries of the program have."""
+        for environment in ({}, self.library_with_a_handler()):
+            with self.subTest(environment):
+                run = self.begin(lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN), **environment)
+                run.send_signal(signal.SIGHUP)
+                said = run.communicate(timeout=PATIENCE)[1]
+                self.assertEqual(run.returncode, 0, said)
+                self.check_complete()
+                shutil.rmtree(self.folder / "output")
 
     def test_damage_and_strangers_are_refused(self) -> None:
         """With the reason, exit code 2, and all as it was."""

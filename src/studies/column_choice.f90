@@ -21,9 +21,10 @@ contains
 
     !> Selects the columns of a job: the named ones, all, or the default set, as indices in the list of all
     !> columns of the study; problems are reported.
-    subroutine choose_columns(study, job, problems)
+    subroutine choose_columns(study, job, is_whole, problems)
         class(study_t), intent(in) :: study !! the kind of study
         type(job_t), target, intent(inout) :: job !! with a plan
+        logical, intent(in) :: is_whole !! whether the scene is all that the input says: it could be read without errors
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(study_info_t) :: info
         type(study_column_t), allocatable :: known(:)
@@ -53,14 +54,14 @@ contains
                 if (job%scene%stop_at == '') columns = pack(columns, columns /= place_of(known, 't_end'))
             else if (named(1) == 'all') then
                 columns = pack([(i, i=1, size(known))], known%group /= proof_group .and. &
-                               [(study%has_column(job%case, i), i=1, size(known))])
+                               [(study%unmet_need(job%case, i) == '', i=1, size(known))])
             else
                 columns = [integer ::]
                 do i = 1, size(named)
                     if (is_sensitivity(named(i))) then
-                        call take_sensitivity(study, job, known, i, problems)
+                        call take_sensitivity(study, job, known, i, is_whole, problems)
                     else if (named(i) /= '') then
-                        call take_column(study, job, known, i, columns, problems)
+                        call take_column(study, job, known, i, columns, is_whole, problems)
                     end if
                 end do
             end if
@@ -81,12 +82,13 @@ contains
     end subroutine check_certified
 
     !> Adds the column that element `i` of the list in the scene names.
-    subroutine take_column(study, job, known, i, columns, problems)
+    subroutine take_column(study, job, known, i, columns, is_whole, problems)
         class(study_t), intent(in) :: study
         type(job_t), intent(in) :: job
         type(study_column_t), intent(in) :: known(:) !! all columns of the study
         integer, intent(in) :: i
         integer, allocatable, intent(inout) :: columns(:)
+        logical, intent(in) :: is_whole
         type(problems_t), intent(inout) :: problems
         character(:), allocatable :: name, key
         integer :: place
@@ -101,22 +103,18 @@ contains
         else if (known(place)%group == proof_group .and. .not. has_balls()) then
             call problems%add(key, "column '" // name // "': " // balls_missing, balls_hint)
         else
-            if (.not. problems%any()) then
-                if (.not. study%has_column(job%case, place)) then
-                    call problems%add(key, "column '" // name // "' needs the exact &
-                        &solution, which this body does not have", 'omit it')
-                end if
-            end if
+            if (is_whole) call check_column(study, job, key, place, name, 'omit it', problems)
             columns = [columns, place]
         end if
     end subroutine take_column
 
     !> Adds the derivative of a column that element `i` of the list in the scene names.
-    subroutine take_sensitivity(study, job, known, i, problems)
+    subroutine take_sensitivity(study, job, known, i, is_whole, problems)
         class(study_t), intent(in) :: study
         type(job_t), target, intent(inout) :: job
         type(study_column_t), intent(in) :: known(:) !! all columns of the study
         integer, intent(in) :: i
+        logical, intent(in) :: is_whole
         type(problems_t), intent(inout) :: problems
         character(:), allocatable :: column, name_of_key, key, problem, hint
         integer :: place, place_of_key
@@ -130,11 +128,8 @@ contains
         else if (.not. study%has_sensitivity(place)) then
             call problems%add(key, "column '" // column // "' has no derivatives", 'name a column of numbers')
             place = 0
-        else if (.not. problems%any()) then
-            if (.not. study%has_column(job%case, place)) then
-                call problems%add(key, "column '" // column // "' needs the exact solution, which this body does not have", &
-                                  'omit its derivative')
-            end if
+        else if (is_whole) then
+            call check_column(study, job, key, place, column, 'omit its derivative', problems)
         end if
         call job%sensitivities%find_key(name_of_key, job%scene, job%table, job%axes, place_of_key, problem, hint)
         if (problem /= '') call problems%add(key, problem, hint)
@@ -142,6 +137,19 @@ contains
         call job%sensitivities%add(place, known(place), place_of_key, is_new)
         if (.not. is_new) call problems%add(key, "column '" // trim(job%scene%columns(i)) // "' is named twice", 'name it once')
     end subroutine take_sensitivity
+
+    !> Reports a column that the case cannot have, unless other problems leave open what it is.
+    subroutine check_column(study, job, key, place, name, hint, problems)
+        class(study_t), intent(in) :: study
+        type(job_t), intent(in) :: job
+        character(*), intent(in) :: key, name, hint
+        integer, intent(in) :: place
+        type(problems_t), intent(inout) :: problems
+        character(:), allocatable :: need
+        if (problems%any()) return
+        need = study%unmet_need(job%case, place)
+        if (need /= '') call problems%add(key, "column '" // name // "' needs " // need // ', which this body does not have', hint)
+    end subroutine check_column
 
     !> Reports an unknown column: the study that has it, its unit, or a similar name.
     subroutine refuse_unknown(study, known, key, name, problems)

@@ -103,7 +103,7 @@ contains
         call check_job(study, job, problems, diagnostics)
         call refuse_parts(info, options, problems)
         call refuse_netcdf(info, job, problems)
-        call choose_columns(study, job, problems)
+        call choose_columns(study, job, .not. diagnostics%has_errors(), problems)
         call study%complete(job, problems)
         call choose_events(info, job%scene, job%case, job%events, problems)
         if (job%scene%stop_after /= unset_integer) job%stop_after = job%scene%stop_after

@@ -55,7 +55,7 @@ module spintop_study
         procedure(run_i), deferred :: run
         procedure :: cases
         procedure :: default_columns
-        procedure :: has_column
+        procedure :: unmet_need
         procedure :: has_sensitivity
         procedure :: complete
         procedure :: remark
@@ -127,18 +127,19 @@ contains
         integer, allocatable :: places(:)
         integer :: i
         places = [(i, i=1, size(self%columns()))]
-        places = pack(places, [(self%has_column(case, i), i=1, size(places))])
+        places = pack(places, [(self%unmet_need(case, i) == '', i=1, size(places))])
     end function default_columns
 
-    !> Whether the table of a case can have a column; all columns unless the kind overrides this.
-    logical function has_column(self, case, place)
+    !> What a column of the table needs and the case does not have; nothing unless the kind overrides this.
+    function unmet_need(self, case, place) result(need)
         class(study_t), intent(in) :: self
         type(case_t), intent(in) :: case !! body, start and span
         integer, intent(in) :: place !! index of the column in the list of all columns
+        character(:), allocatable :: need
         associate (unused => self, also_unused => case, nor_used => place)
         end associate
-        has_column = .true.
-    end function has_column
+        need = ''
+    end function unmet_need
 
     !> Whether a column has derivatives with respect to numbers of the input; none unless the kind overrides this.
     logical function has_sensitivity(self, place)

@@ -114,6 +114,19 @@ class HintTest(ProgramCase):
         owners = "stability studies, work-precision studies and studies of benchmarks have it"
         self.assertIn(f"a trajectory has no column 'time_s': {owners}", said)
 
+    def test_what_a_column_needs(self) -> None:
+        """A column of work needs effects; an unknown effect is one error, not two."""
+        scene = self.write(CLOSED)
+        needs = "column 'work_friction' needs effects, which this body does not have"
+        self.assertIn(needs, self.refuse(scene, "--set", "output.columns=work_friction"))
+        error = self.refuse(
+            self.write(CLOSED + "&effects no_friction = 1 /\n"),
+            "--set",
+            "output.columns=work_friction",
+        )
+        self.assertIn("unknown key 'no_friction'", error)
+        self.assertNotIn("work_friction", error)
+
     def test_the_length_of_a_quaternion(self) -> None:
         """The message names it."""
         text = GOOD.replace("theta = 0.19634954084936207", "quaternion = 1, 0, 0.1, 0")

@@ -30,7 +30,7 @@ module spintop_trajectory_study
         procedure :: explain
         procedure :: run
         procedure :: default_columns
-        procedure :: has_column
+        procedure :: unmet_need
         procedure :: has_sensitivity
     end type trajectory_study_t
 
@@ -101,7 +101,7 @@ contains
         integer :: i
         allocate (known, source=trajectory_columns())
         places = pack([(i, i=1, size(known))], known%is_default)
-        places = pack(places, [(self%has_column(case, places(i)), i=1, size(places))])
+        places = pack(places, [(self%unmet_need(case, places(i)) == '', i=1, size(places))])
     end function default_columns
 
     !> Bounds and what is proved have no derivatives.
@@ -116,16 +116,18 @@ contains
     end function has_sensitivity
 
     !> Columns that compare with the exact solution require that it exists, those of work that there are effects.
-    logical function has_column(self, case, place)
+    function unmet_need(self, case, place) result(need)
         class(trajectory_study_t), intent(in) :: self
         type(case_t), intent(in) :: case !! body, start and span
         integer, intent(in) :: place !! index of the column in the list of all columns
+        character(:), allocatable :: need
         type(trajectory_column_t), allocatable :: known(:)
         associate (unused => self)
         end associate
         allocate (known, source=trajectory_columns())
-        has_column = case%body%has_closed_form() .or. .not. known(place)%needs_exact_motion
-        if (known(place)%needs_effects) has_column = allocated(case%given_body%effects)
-    end function has_column
+        need = ''
+        if (known(place)%needs_exact_motion .and. .not. case%body%has_closed_form()) need = 'the exact solution'
+        if (known(place)%needs_effects .and. .not. allocated(case%given_body%effects)) need = 'effects'
+    end function unmet_need
 
 end module spintop_trajectory_study

@@ -15,14 +15,14 @@ module spintop_sweep_quantities
     use spintop_status, only: status_ok, status_non_finite, status_meanings
     use spintop_sweep_notes, only: note_t, note_no_period, note_no_turns, note_no_nutation, note_no_class, &
         note_no_fast_top, note_no_details, note_no_azimuth, note_no_exact_motion, note_no_momentum_period, &
-        note_no_precession_period, note_not_free
+        note_no_precession_period, note_not_free, note_not_stuck
     use spintop_sweep_result, only: sweep_result_t, sweep_work_t
     use spintop_vectors, only: cross
     implicit none
     private
     public :: put_nutation, put_measured, put_fast_top, put_azimuth, put_end, put_details, precession_period, &
         lowest_height
-    public :: explain_no_period, explain_no_exact_motion, explain_no_inherent_error
+    public :: explain_no_period, explain_no_exact_motion, explain_no_inherent_error, explain_not_stuck
     public :: find_free_constants, put_free_constants
 
 contains
@@ -212,6 +212,15 @@ contains
             call note%add(note_no_exact_motion, 'the body is damped')
         end if
     end subroutine explain_no_exact_motion
+
+    !> Notes that a body was not stopped.
+    subroutine explain_not_stuck(case, note)
+        type(case_t), intent(in) :: case !! body, start and span
+        type(note_t), intent(inout) :: note !! notes on the case
+        associate (unused => case)
+        end associate
+        call note%add(note_not_stuck)
+    end subroutine explain_not_stuck
 
     !> Notes why a top has no inherent error. Of other bodies that was noted where it was sought.
     subroutine explain_no_inherent_error(case, note)

@@ -276,8 +276,10 @@ contains
         type(note_t), intent(inout) :: note
         integer :: i
         do i = 1, size(columns)
-            if (.not. associated(columns(i)%explain)) cycle
-            if (.not. is_finite(cells(i))) call columns(i)%explain(case, note)
+            if (.not. associated(columns(i)%explain) .or. is_finite(cells(i))) cycle
+            ! An infinite bound says itself what it is.
+            if (columns(i)%group == proof_group .and. abs(cells(i)) > huge(cells)) cycle
+            call columns(i)%explain(case, note)
         end do
     end subroutine explain_missing
 

@@ -9,7 +9,8 @@ module spintop_sweep_columns
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_free_columns, only: sweep_free_columns
     use spintop_sweep_proof_columns, only: sweep_proof_columns
-    use spintop_sweep_quantities, only: explain_no_exact_motion, explain_no_inherent_error, explain_no_period
+    use spintop_sweep_quantities, only: explain_no_exact_motion, explain_no_inherent_error, explain_no_period, &
+        explain_not_stuck
     use spintop_sweep_result, only: sweep_result_t, sweep_work_t
     implicit none
     private
@@ -85,7 +86,7 @@ contains
             sweep_column_t('t_end', 's', 'end of the span, or time of the event that ended the motion', &
                            'end', fill_t_end, is_default=.true., always_exists=.true.), &
             sweep_column_t('t_stuck', 's', 'time at which dry friction stopped the body, to the end of the span', &
-                           'end', fill_t_stuck), &
+                           'end', fill_t_stuck, explain=explain_not_stuck), &
             sweep_column_t('growth_rate', '1/s', 'growth rate of perturbations of a steady motion', &
                            'growth', fill_growth_rate), &
             sweep_column_t('lyapunov_exponent', '1/s', &

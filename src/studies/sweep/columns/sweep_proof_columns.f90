@@ -1,9 +1,11 @@
 !> The columns of a sweep table that prove its numbers: upper bounds of their errors (spintop_certificate).
 module spintop_sweep_proof_columns
     use spintop_certificate, only: proof_of_period, proof_of_phi, proof_of_precession, proof_of_psi, proof_of_theta
+    use spintop_case, only: case_t
     use spintop_kinds, only: dp
     use spintop_study_column, only: proof_group
     use spintop_sweep_column, only: sweep_column_t
+    use spintop_sweep_notes, only: note_nothing_to_bound, note_t
     use spintop_sweep_result, only: sweep_result_t
     implicit none
     private
@@ -16,18 +18,27 @@ contains
         type(sweep_column_t), allocatable :: columns(:)
         columns = [ &
             sweep_column_t('theta_end_bound', 'rad', 'upper bound of the error of theta_end, proved', &
-                           proof_group, fill_theta_end_bound), &
+                           proof_group, fill_theta_end_bound, explain=explain_no_number), &
             sweep_column_t('phi_end_bound', 'rad', 'upper bound of the error of phi_end, proved', &
-                           proof_group, fill_phi_end_bound), &
+                           proof_group, fill_phi_end_bound, explain=explain_no_number), &
             sweep_column_t('psi_end_bound', 'rad', 'upper bound of the error of psi_end, proved', &
-                           proof_group, fill_psi_end_bound), &
+                           proof_group, fill_psi_end_bound, explain=explain_no_number), &
             sweep_column_t('nutation_period_bound', 's', 'upper bound of the error of nutation_period, proved', &
-                           proof_group, fill_nutation_period_bound), &
+                           proof_group, fill_nutation_period_bound, explain=explain_no_number), &
             sweep_column_t('precession_per_nutation_bound', 'rad', 'upper bound of the error of precession_per_nutation, proved', &
-                           proof_group, fill_precession_per_nutation_bound), &
+                           proof_group, fill_precession_per_nutation_bound, explain=explain_no_number), &
             sweep_column_t('proof', '', 'proved, or unproved if a bound is infinite (categorical)', &
                            proof_group, fill_proof, is_proof=.true.)]
     end function sweep_proof_columns
+
+    !> Notes that there is nothing to bound.
+    subroutine explain_no_number(case, note)
+        type(case_t), intent(in) :: case
+        type(note_t), intent(inout) :: note
+        associate (unused => case)
+        end associate
+        if (note%flags == 0) call note%add(note_nothing_to_bound)
+    end subroutine explain_no_number
 
     pure subroutine fill_theta_end_bound(results, cells)
         type(sweep_result_t), intent(in) :: results(:)

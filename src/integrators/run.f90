@@ -66,7 +66,7 @@ contains
 
     !> Begins the run: the state at the start, the samples there, and the search for events.
     subroutine begin_run(self, body, start, path, status, watch)
-        class(run_t), intent(inout) :: self
+        class(run_t), target, intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         type(step_path_t), intent(inout) :: path !! the path that `watch` searches
@@ -94,6 +94,7 @@ contains
             path%formulation => self%formulation
             path%stepper => self%stepper
             path%work => self%work
+            if (self%account%is_open) path%account => self%account
             call watch%begin(body, self%follower%motion(formulation))
         end associate
     end subroutine begin_run
@@ -175,7 +176,7 @@ contains
             if (present(watch)) then
                 motion = self%formulation%motion(work%t, work%y, self%follower%angle)
                 motion%given_angle = self%follower%given_angle
-                call watch%happen(self%rest%occasion, motion)
+                call watch%happen(self%rest%occasion, motion, self%account%total)
                 ends = watch%has_enough
             end if
             if (self%shown < work%t .and. (ends .or. .not. work%t < work%t_end)) call self%show()
@@ -214,7 +215,7 @@ contains
             call watch%look(path, knot)
             if (watch%has_enough .or. watch%t < knot) exit
             call path%at(knot, motion)
-            call watch%happen(occasion_knot, motion)
+            call watch%happen(occasion_knot, motion, path%work_until(knot))
         end do
     end subroutine look_to_knots
 

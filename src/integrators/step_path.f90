@@ -3,8 +3,10 @@ module spintop_step_path
     use spintop_events, only: path_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
+    use spintop_loads, only: works
     use spintop_motion, only: motion_t
     use spintop_stepper, only: stepper_t, workspace_t
+    use spintop_work_account, only: work_account_t
     implicit none
     private
     public :: follower_t, step_path_t
@@ -28,12 +30,15 @@ module spintop_step_path
         class(formulation_t), pointer :: formulation => null()
         class(stepper_t), pointer :: stepper => null()
         class(workspace_t), pointer :: work => null()
+        !> The work of effects up to the start of the step, if it is wanted.
+        type(work_account_t), pointer :: account => null()
         !> Angles at the start of the step, and at the two latest times of evaluation. They are followed to a
         !> new time from the latest of these before it.
         type(follower_t) :: seen(3)
     contains
         procedure :: at => motion_in_step
         procedure :: at_without_angles => attitude_in_step
+        procedure :: work_until => work_in_step
         procedure :: is_spent => step_is_spent
     end type step_path_t
 
@@ -66,6 +71,19 @@ contains
                                                         self%seen(1)%angle)
         motion%given_angle = self%seen(1)%given_angle
     end subroutine attitude_in_step
+
+    !> The work of effects up to a time within the last step.
+    function work_in_step(self, t) result(work)
+        class(step_path_t), intent(inout) :: self
+        real(dp), intent(in) :: t !! s
+        real(dp) :: work(works)
+        type(work_account_t) :: account
+        work = 0
+        if (.not. associated(self%account)) return
+        account = self%account
+        call account%go_to(self%formulation, self%stepper, self%work, t)
+        work = account%total
+    end function work_in_step
 
     !> Whether the allowed work of the case is used up.
     logical function step_is_spent(self)

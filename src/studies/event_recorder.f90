@@ -116,7 +116,6 @@ contains
         logical, intent(in) :: resumes !! whether an interrupted run is resumed
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call self%row%set(columns, case, scene)
-        if (allocated(case%given_body%effects)) call self%row%forget_work()
         if (resumes) then
             ! The interrupted run may have finished this table, before that of the motion.
             if (.not. file_exists(part_of(path)) .and. file_exists(path)) call rename_file(path, part_of(path), error)
@@ -207,7 +206,7 @@ contains
         if (self%is_listed(number)) then
             call line%put_text(trim(self%events(number)%name))
             call line%put_integer(int(self%events(number)%count, int64))
-            call self%row%put(self%row%row(motion), line)
+            call self%row%put(self%row%row(motion, work=self%work), line)
             call line%end_row()
             call self%file%put(line%contents(), self%error)
             self%rows = self%rows + 1

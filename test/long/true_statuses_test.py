@@ -119,7 +119,7 @@ def growth_of(folder: Path, name: str, case: dict[str, str] | None = None) -> fl
     between grow most. `case` are the parameters of a row of a sweep.
     """
     text = (folder / name).read_text(encoding="utf-8")
-    for group in ("integration", "output", "sweep", "study"):
+    for group in ("integration", "output", "statistics", "sweep", "study"):
         text = re.sub(rf"^&{group}\n.*?^/\n", "", text, flags=re.M | re.S)
     columns = ", ".join(f"'{column}'" for column in ("t", *ATTITUDE, *VELOCITY))
     text += "&study kind = 'trajectory' /\n&integration method = 'exact' /\n"

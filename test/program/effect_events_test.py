@@ -113,6 +113,29 @@ def test_end_of_a_motion(folder: Path, event: str, end: float) -> None:
         assert last["work_torque"] > 0.1
 
 
+@pytest.mark.parametrize("method", ["taylor", "dop853"])
+def test_work_until_events(folder: Path, method: str) -> None:
+    """At events of all sorts the account is closed, whatever rows lie between them."""
+    text = (
+        DRIVEN.replace("length = 0", "length = 0.5").replace("theta = 1", "theta_deg = 40")
+        + "&span t_end = 10 /\n"
+        + "&output columns = 't', 'kinetic', 'potential', 'work', 'energy_error'"
+        + "  events = 'slip', 'stuck', 'knot', 'turning_points', 'omega3 = 0.1' /\n"
+        + f"&integration method = '{method}'  relative_tolerance = 1e-12 /\n"
+    )
+    for samples in ("2", "101"):
+        done = run(folder, text, "--set", f"span.samples={samples}")
+        assert done.returncode in (0, 3), done.stderr
+        start = rows_of(folder / "scene.csv")[0]
+        rows = rows_of(folder / "scene.events.csv")
+        assert len(rows) > 3
+        for row in rows:
+            change = sum(float(row[key]) - float(start[key]) for key in ("kinetic", "potential"))
+            assert float(row["work"]) == pytest.approx(change, abs=1e-9), row
+            assert abs(float(row["energy_error"])) < 1e-9
+        assert any(abs(float(row["work"])) > 0.1 for row in rows)
+
+
 def test_rest_of_a_spin_down(folder: Path) -> None:
     """Where nothing depends on time there is one rest, at the time of the closed form."""
     text = SPIN_DOWN + "&span t_end = 30 /\n"

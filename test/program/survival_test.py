@@ -369,9 +369,13 @@ class InterruptionTest(SurvivalCase):
 
     def test_a_signal_that_is_ignored_stays_so(self) -> None:
         """nohup has SIGHUP ignored, whatever handlers the libraries of the program have."""
+
+        def ignore() -> None:
+            signal.signal(signal.SIGHUP, signal.SIG_IGN)
+
         for environment in ({}, self.library_with_a_handler()):
             with self.subTest(environment):
-                run = self.begin(lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN), **environment)
+                run = self.begin(ignore, **environment)
                 run.send_signal(signal.SIGHUP)
                 said = run.communicate(timeout=PATIENCE)[1]
                 self.assertEqual(run.returncode, 0, said)

@@ -21,6 +21,7 @@ module spintop_events
     use spintop_five_values, only: passes_at_most_once, rounding_of
     use spintop_instants, only: greatest_fall_rate, is_short, next_instant
     use spintop_level_side, only: side_t, sign_of, turns_far
+    use spintop_loads, only: works
     use spintop_motion, only: motion_t
     use spintop_status, only: status_ok, status_bad_events
     use spintop_passages, only: passages_t
@@ -50,6 +51,8 @@ module spintop_events
         real(dp) :: pole_axis(3) = 0
         !> Time up to which the motion was searched, s: that of the event that ended it.
         real(dp) :: t = 0
+        !> For `meet`: the work of effects from the start to the event, by its parts, J.
+        real(dp) :: work(works) = 0
         !> The motion at that time; if `needs_angles`, with the angles and their rates.
         type(motion_t) :: here
         !> The quantities at that time, and their sides.
@@ -177,13 +180,15 @@ contains
     end function knows
 
     !> Meets the events of an occasion, at the motion at that instant.
-    subroutine happen(self, occasion, motion)
+    subroutine happen(self, occasion, motion, work)
         class(event_watch_t), intent(inout) :: self
         integer, intent(in) :: occasion !! one of those of `spintop_event`
         type(motion_t), intent(in) :: motion !! the motion then
+        real(dp), intent(in) :: work(works) !! the work of effects from the start to then, J
         integer :: k
 
         if (motion%t - self%t_begin <= self%soon) return
+        self%work = work
         do k = 1, size(self%events)
             if (self%events(k)%occasion /= occasion) cycle
             self%is_full = self%events(k)%count >= self%most_events
@@ -257,6 +262,7 @@ contains
         do i = 1, found%n
             if (found%t(i) - self%t_begin <= self%soon) cycle
             call path%at(found%t(i), motion)
+            self%work = path%work_until(found%t(i))
             k = found%event(i)
             self%is_full = self%events(k)%count >= self%most_events
             if (self%is_full) return

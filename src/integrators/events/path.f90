@@ -1,6 +1,7 @@
 !> The interface of a motion that can be evaluated at any time within an interval.
 module spintop_path
     use spintop_kinds, only: dp
+    use spintop_loads, only: works
     use spintop_motion, only: motion_t
     implicit none
     private
@@ -14,6 +15,7 @@ module spintop_path
         procedure(at), deferred :: at
         procedure :: at_without_angles
         procedure :: motion_at
+        procedure :: work_until
         procedure :: is_spent
         procedure :: wants_pause
     end type path_t
@@ -50,6 +52,16 @@ contains
             call self%at_without_angles(t, motion)
         end if
     end subroutine motion_at
+
+    !> The work of effects from the start to a time, by its parts, J; by default there are none.
+    function work_until(self, t) result(work)
+        class(path_t), intent(inout) :: self
+        real(dp), intent(in) :: t !! time, s
+        real(dp) :: work(works)
+        associate (unused => self, also_unused => t)
+        end associate
+        work = 0
+    end function work_until
 
     !> Whether the allowed number of evaluations is used up; by default there is no limit.
     logical function is_spent(self)

@@ -4,7 +4,7 @@ module spintop_row_maker
     use spintop_case, only: case_t
     use spintop_certificate, only: proof_words
     use spintop_compare, only: is_finite
-    use spintop_kinds, only: dp, no_number
+    use spintop_kinds, only: dp
     use spintop_loads, only: works
     use spintop_motion, only: motion_t
     use spintop_motion_view, only: motion_view_t
@@ -30,7 +30,6 @@ module spintop_row_maker
         procedure :: put
         procedure :: proof_summary
         procedure :: close
-        procedure :: forget_work
     end type row_maker_t
 
 contains
@@ -120,11 +119,5 @@ contains
         class(row_maker_t), intent(inout) :: self
         call self%view%proof%close()
     end subroutine close
-
-    !> Rows without the work of effects: their columns of work are not a number.
-    subroutine forget_work(self)
-        class(row_maker_t), intent(inout) :: self
-        self%view%work = no_number
-    end subroutine forget_work
 
 end module spintop_row_maker

@@ -85,7 +85,7 @@ contains
     pure function describe() result(info)
         type(formulation_info_t) :: info
         info = formulation_info_t('rigid_body', &
-            'quaternion and body momentum, for any body with damping; no pole is singular', 7, &
+            'quaternion and body momentum, for any body, damped or not; no pole is singular', 7, &
             symmetric_only=.false., singular_at_poles=.false., invariants=4, quaternion=1)
     end function describe
 

@@ -6,10 +6,10 @@
 module spintop_exact_motion
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp, no_number
-    use spintop_attitude, only: angles_from_quaternion, follow_angles, may_meet_pole, vertical_from_quaternion
+    use spintop_attitude, only: angles_from_quaternion, vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite, is_zero
-    use spintop_given_axes, only: given_axes_t
+    use spintop_given_axes, only: follow_motion, given_axes_t
     use spintop_free_motion, only: free_motion_t, prepare_free_motion
     use spintop_motion, only: motion_t
     use spintop_status, only: status_non_finite, status_ok, status_unsuitable
@@ -167,20 +167,14 @@ contains
         type(motion_t), intent(in) :: now
         type(motion_t), intent(inout) :: next
         logical, intent(out) :: sure  !! whether the turns are certain
-        real(dp) :: angle(3), h
+        real(dp) :: angle(3)
         logical :: also_sure
         also_sure = .true.
         if (self%given%differ) call self%given%follow(now, next, also_sure)
         sure = also_sure
         if (.not. allocated(self%free)) return
         angle = now%angle
-        h = abs(next%t - now%t)
-        if (may_meet_pole(now%quaternion, now%omega, next%quaternion, next%omega, h)) then
-            call follow_angles(now%quaternion, now%omega, next%quaternion, next%omega, h, angle, sure, &
-                               reshape([now%omega_rate, next%omega_rate], [3, 2]))
-        else
-            call follow_angles(now%quaternion, now%omega, next%quaternion, next%omega, h, angle, sure)
-        end if
+        call follow_motion(now, next, angle, sure)
         next%angle = angles_from_quaternion(next%quaternion, angle)
         sure = sure .and. also_sure
     end subroutine count_turns

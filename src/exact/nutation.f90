@@ -75,14 +75,15 @@ module spintop_nutation
 contains
 
     !> Finds the complete quantities of a start. `status` as in `prepare_exact_motion`.
-    pure subroutine find_nutation(body, start, nutation, status)
+    pure subroutine find_nutation(body, start, nutation, status, rotor)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         type(nutation_t), intent(out) :: nutation !! quantities of the nutation
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        real(dp), intent(in), optional :: rotor !! constant momentum of a rotor about body z, kg m^2/s
         type(regular_start_t) :: regular
         type(turning_points_t) :: points
-        call find_checked_start(body, start, regular, status)
+        call find_checked_start(body, start, regular, status, rotor)
         if (status /= status_ok) return
         points = find_turning_points(regular)
         nutation = describe_nutation(regular, points, prepare_theta_motion(regular, points))

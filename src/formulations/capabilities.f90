@@ -8,6 +8,7 @@ module spintop_capabilities
     use spintop_body, only: body_t
     use spintop_loads, only: works
     use spintop_motion, only: motion_t
+    use spintop_powers, only: instants
     implicit none
     private
     public :: capability_t, flows_t, group_action_t, series_t, quadruple_series_t, ends_t, reset_t, action_t
@@ -86,22 +87,23 @@ module spintop_capabilities
         !> series of a plane motion ends where it turns; whether any effect does work.
         logical :: may_stick = .false., may_slip = .false., may_turn = .false., does_work = .true.
     contains
-        procedure(find_power), deferred :: power
+        procedure(find_powers), deferred :: find_powers
         procedure(next_knot), deferred :: next_knot
         procedure(find_speed), deferred :: find_speed
+        procedure(find_omega), deferred :: angular_velocity
         procedure(at_rest), deferred :: at_rest
         procedure(excess), deferred :: excess
         procedure(pause), deferred :: pause
     end type action_t
 
     abstract interface
-        !> Power of each part of the work (`spintop_loads`), W.
-        pure function find_power(self, t, y) result(power)
-            import :: action_t, dp, max_states, works
+        !> Power of each part of the work (`spintop_loads`) at several instants, W.
+        pure subroutine find_powers(self, t, y, power)
+            import :: action_t, dp, instants, max_states, works
             class(action_t), intent(in) :: self
-            real(dp), intent(in) :: t, y(max_states) !! time, s, and state
-            real(dp) :: power(works)
-        end function find_power
+            real(dp), intent(in) :: t(instants), y(instants, max_states) !! times, s, and states
+            real(dp), intent(out) :: power(instants, works)
+        end subroutine find_powers
 
         !> The first time after `t` at which f is not smooth, s; `huge` if there is none.
         pure real(dp) function next_knot(self, t)
@@ -119,6 +121,14 @@ module spintop_capabilities
             real(dp), intent(out) :: speed, slowing !! rad/s, rad/s^2
             logical, intent(out) :: is_plane !! whether the angular acceleration is along the angular velocity
         end subroutine find_speed
+
+        !> Angular velocity in body axes, rad/s.
+        pure function find_omega(self, t, y) result(omega)
+            import :: action_t, dp, max_states
+            class(action_t), intent(in) :: self
+            real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+            real(dp) :: omega(3)
+        end function find_omega
 
         !> The state at rest at a time, with the attitude that the motion in a state reaches after `left` seconds of
         !> constant deceleration to rest.

@@ -19,7 +19,7 @@ module spintop_lane_series
     private
     public :: expand, lanes, parts, quotient, numerator, rows, share, share_rest
 
-    !> Number of lanes: that of doubles in the widest vectors of current processors. lane_series.c repeats it.
+    !> Number of lanes: that of doubles in the widest vectors of current processors. lane_rows.h repeats it.
     integer, parameter :: lanes = 8
     !> Components of a state: omega, Gamma, xi; they are followed by the quotient Q and omega1 Gamma1 + omega2 Gamma2.
     integer, parameter :: parts = 7, quotient = 8, numerator = 9, rows = numerator

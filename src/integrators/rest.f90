@@ -8,20 +8,13 @@ module spintop_rest
     use spintop_event, only: occasion_none, occasion_slip, occasion_stuck
     use spintop_formulation, only: formulation_t, max_states, structure_none
     use spintop_kinds, only: dp
+    use spintop_powers, only: instants
     use spintop_status, only: status_non_finite, status_ok, status_step_too_small
+    use spintop_lying, only: lying_t
     use spintop_stepper, only: method_info_t, stepper_t, workspace_t
     implicit none
     private
     public :: rest_t
-
-    !> Rest: the attitude is kept.
-    type, extends(stepper_t) :: rest_stepper_t
-    contains
-        procedure :: new_workspace
-        procedure :: begin => begin_rest
-        procedure :: advance => lie
-        procedure :: state_within
-    end type rest_stepper_t
 
     !> What happens beside the steps of the method.
     type :: rest_t
@@ -126,7 +119,7 @@ contains
         self%is_other = self%is_resting
         if (self%is_resting) then
             if (allocated(self%stepper)) deallocate (self%stepper)
-            allocate (rest_stepper_t :: self%stepper)
+            allocate (lying_t :: self%stepper)
             self%stepper%controls = stepper%controls
             call self%advance_by_other(formulation, work, status)
             return
@@ -140,6 +133,9 @@ contains
             end if
         end if
         call stepper%advance(formulation, work, status)
+        if (status == status_ok .and. needs_series(stepper) .and. formulation%action%may_stick) then
+            call end_before_reversal(formulation, stepper, work, status)
+        end if
         if (needs_series(stepper) .and. (status == status_non_finite .or. status == status_step_too_small)) then
             self%is_other = .true.
             if (allocated(self%stepper)) deallocate (self%stepper)
@@ -150,6 +146,37 @@ contains
         end if
         work%t_end = t_end
     end subroutine advance
+
+    !> Ends a step by series before the angular velocity reverses in it. There a plane motion comes to rest, and the friction
+    !> is another one beyond; but the series, in which its direction is constant, goes on.
+    subroutine end_before_reversal(formulation, stepper, work, status)
+        class(formulation_t), intent(in) :: formulation
+        class(stepper_t), intent(in) :: stepper
+        class(workspace_t), intent(inout) :: work
+        integer, intent(inout) :: status
+        real(dp) :: span, times(instants), y(instants, max_states), before(3), now(3)
+        integer :: i
+
+        span = work%t - work%t_last
+        do
+            times = work%t_last + span * [(real(i, dp) / instants, i=1, instants)]
+            call stepper%states_within(formulation, work, times, y)
+            before = formulation%action%angular_velocity(work%t_last, work%y_last)
+            do i = 1, instants
+                now = formulation%action%angular_velocity(times(i), y(i, :))
+                if (dot_product(before, now) < 0) exit
+                before = now
+            end do
+            ! Not within the first part, or at once.
+            if (i > 1 .or. .not. times(1) > work%t_last) exit
+            span = span / instants
+        end do
+        if (i == 1 .or. i > instants) return
+        work%t = times(i - 1)
+        work%y = y(i - 1, :)
+        work%rest = 0
+        call stepper%begin(formulation, work, status)
+    end subroutine end_before_reversal
 
     !> Takes a step of the other stepper from the state of the method.
     subroutine advance_by_other(self, formulation, work, status)
@@ -242,90 +269,5 @@ contains
         call archive%carry(self%seen_speed)
         call archive%carry(self%seen_slowing)
     end subroutine carry
-
-    !> A workspace.
-    subroutine new_workspace(self, work)
-        class(rest_stepper_t), intent(in) :: self
-        class(workspace_t), allocatable, intent(out) :: work !! workspace of the type that the method needs
-        associate (unused => self)
-        end associate
-        allocate (workspace_t :: work)
-    end subroutine new_workspace
-
-    !> Nothing to prepare.
-    subroutine begin_rest(self, formulation, work, status)
-        class(rest_stepper_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
-        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        associate (unused => self, also_unused => formulation)
-        end associate
-        work%slope = 0
-        status = status_ok
-    end subroutine begin_rest
-
-    !> Lies still until the torques exceed the friction, or to the end; with a fixed step size over one step.
-    subroutine lie(self, formulation, work, status)
-        class(rest_stepper_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
-        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        real(dp) :: t
-
-        t = work%t_end
-        if (formulation%action%may_slip) then
-            t = min(t, work%t + formulation%action%pause(work%t))
-            if (exceeds(t)) t = root(work%t, t)
-        end if
-        if (self%controls%steps > 0) then
-            work%grid = work%grid + 1
-            t = work%t_end
-            if (work%grid < self%controls%steps) t = work%t_begin + (work%t_end - work%t_begin) * work%grid / self%controls%steps
-        end if
-        work%t_last = work%t
-        work%y_last = work%y
-        work%y = formulation%action%at_rest(t, work%y, 0.0_dp)
-        work%t = t
-        work%counts%steps = work%counts%steps + 1
-        status = status_ok
-
-    contains
-
-        !> Whether the torques exceed the friction at a time.
-        logical function exceeds(time)
-            real(dp), intent(in) :: time
-            exceeds = formulation%action%excess(time, formulation%action%at_rest(time, work%y, 0.0_dp)) > 0
-        end function exceeds
-
-        !> The first time at which they do between two times, by bisection, just beyond.
-        real(dp) function root(before, after)
-            real(dp), intent(in) :: before, after
-            real(dp) :: low, middle
-            low = before
-            root = after
-            do
-                middle = low + (root - low) / 2
-                if (.not. (middle > low .and. middle < root)) exit
-                if (exceeds(middle)) then
-                    root = middle
-                else
-                    low = middle
-                end if
-            end do
-        end function root
-
-    end subroutine lie
-
-    !> The state at rest.
-    function state_within(self, formulation, work, t) result(y)
-        class(rest_stepper_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
-        real(dp), intent(in) :: t !! time, s
-        real(dp) :: y(max_states)
-        associate (unused => self)
-        end associate
-        y = formulation%action%at_rest(t, work%y_last, 0.0_dp)
-    end function state_within
 
 end module spintop_rest

@@ -9,6 +9,7 @@ module spintop_stepper
     use spintop_kinds, only: dp
     use spintop_error_weight, only: error_weight_t
     use spintop_formulation, only: formulation_t, max_states, structure_none
+    use spintop_powers, only: instants
     use spintop_projection, only: projection_t, project_nothing
     use spintop_status, only: status_ok, status_non_finite
     implicit none
@@ -126,6 +127,7 @@ module spintop_stepper
         procedure(begin), deferred :: begin
         procedure(advance), deferred :: advance
         procedure(state_within), deferred :: state_within
+        procedure :: states_within
         procedure, non_overridable :: interpolate
         procedure :: order
         procedure :: set_weight
@@ -195,6 +197,19 @@ contains
             y = work%y
         end if
     end function interpolate
+
+    !> The states at several times within the last step.
+    subroutine states_within(self, formulation, work, t, y)
+        class(stepper_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        real(dp), intent(in) :: t(instants) !! times, s
+        real(dp), intent(out) :: y(instants, max_states) !! states
+        integer :: i
+        do i = 1, instants
+            y(i, :) = self%state_within(formulation, work, t(i))
+        end do
+    end subroutine states_within
 
     !> The work that counts towards `max_steps`.
     pure integer(int64) function work_done(self)

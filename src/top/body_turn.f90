@@ -130,7 +130,9 @@ contains
         turned = body
         if (self%to_principal_axes) call turn_to_principal_axes(body, turned, unused)
         if (self%is_shifted()) deallocate (turned%effects)
-        if (self%exchanges_axes()) turned%given = given_axes_t(.true., self%p, self%phi_shift, self%psi_shift)
+        if (self%exchanges_axes() .or. self%is_shifted()) then
+            turned%given = given_axes_t(self%exchanges_axes(), self%p, self%phi_shift, self%psi_shift)
+        end if
         if (self%axis == 0) return
         turned%inertia = exchanged(self%axis, turned%inertia)
         turned%damping = exchanged(self%axis, turned%damping)

@@ -10,7 +10,7 @@ module spintop_given_axes
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: given_axes_t, about_z, components, unshifted
+    public :: given_axes_t, about_z, components, follow_motion, unshifted
 
     !> The axes in which a body was given.
     type :: given_axes_t
@@ -46,24 +46,33 @@ contains
         !> Rotation that attitudes tell, rad; one that is followed in no case.
         real(dp), parameter :: largest_turn = 1.0_dp, endless_turn = 1.0e4_dp
         type(motion_t) :: here, there
-        real(dp) :: h, turn, angle(3)
+        real(dp) :: turn, angle(3)
 
         here = self%seen(last)
         there = self%seen(next)
-        h = abs(next%t - last%t)
-        turn = h * sqrt(max(sum(here%omega**2), sum(there%omega**2)))
+        turn = abs(next%t - last%t) * sqrt(max(sum(here%omega**2), sum(there%omega**2)))
         ! Of both quaternions of an attitude, the one that the motion reaches.
         if (turn <= largest_turn .and. dot_product(here%quaternion, there%quaternion) < 0) there%quaternion = -there%quaternion
         angle = last%given_angle
-        if (may_meet_pole(here%quaternion, here%omega, there%quaternion, there%omega, h)) then
-            call follow_angles(here%quaternion, here%omega, there%quaternion, there%omega, h, angle, sure, &
-                               reshape([here%omega_rate, there%omega_rate], [3, 2]))
-        else
-            call follow_angles(here%quaternion, here%omega, there%quaternion, there%omega, h, angle, sure)
-        end if
+        call follow_motion(here, there, angle, sure)
         sure = sure .and. .not. (turn > largest_turn .and. turn <= endless_turn)
         next%given_angle = angles_from_quaternion(there%quaternion, angle)
     end subroutine follow
+
+    !> Continues angles from an instant of a motion to another one.
+    pure subroutine follow_motion(last, next, angle, sure)
+        type(motion_t), intent(in) :: last, next !! the instants
+        real(dp), intent(inout) :: angle(3) !! phi, theta, psi at the first on entry, at the second on return, rad
+        logical, intent(out) :: sure !! whether the turns are certain
+        real(dp) :: h
+        h = abs(next%t - last%t)
+        if (may_meet_pole(last%quaternion, last%omega, next%quaternion, next%omega, h)) then
+            call follow_angles(last%quaternion, last%omega, next%quaternion, next%omega, h, angle, sure, &
+                               reshape([last%omega_rate, next%omega_rate], [3, 2]))
+        else
+            call follow_angles(last%quaternion, last%omega, next%quaternion, next%omega, h, angle, sure)
+        end if
+    end subroutine follow_motion
 
     !> A motion whose rates of phi and psi are smaller, with the angular acceleration.
     pure type(motion_t) function unshifted(phi_shift, psi_shift, motion) result(other)

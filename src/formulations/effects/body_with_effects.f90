@@ -15,6 +15,7 @@ module spintop_body_with_effects
     use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, total_momentum, works
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_motion_scales, only: motion_scales_t, motion_scales
+    use spintop_powers, only: find_powers, instants
     use spintop_rigid_body, only: body_turns_t, rigid_body_t
     use spintop_smooth_effects_series, only: smooth_series_t
     use spintop_status, only: status_ok
@@ -75,9 +76,10 @@ module spintop_body_with_effects
         type(effects_t) :: effects
     contains
         procedure :: set => set_action
-        procedure :: power
+        procedure :: find_powers => find_powers_of_action
         procedure :: next_knot
         procedure :: find_speed
+        procedure :: angular_velocity
         procedure :: at_rest
         procedure :: excess
         procedure :: pause
@@ -286,14 +288,12 @@ contains
     end subroutine set_action
 
     !> Power of each part of the work.
-    pure function power(self, t, y)
+    pure subroutine find_powers_of_action(self, t, y, power)
         class(effects_action_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states)
-        real(dp) :: power(works)
-        type(loads_t) :: loads
-        call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
-        power = loads%power()
-    end function power
+        real(dp), intent(in) :: t(instants), y(instants, max_states)
+        real(dp), intent(out) :: power(instants, works)
+        call find_powers(self%body, self%effects, t, y(:, 1:4), y(:, 5:7), power)
+    end subroutine find_powers_of_action
 
     !> The next knot of the table of torques.
     pure real(dp) function next_knot(self, t)
@@ -321,6 +321,16 @@ contains
         slowing = -dot_product(loads%omega / speed, rate)
         is_plane = norm2(cross(loads%omega / speed, rate)) <= parallel * norm2(rate)
     end subroutine find_speed
+
+    !> w.
+    pure function angular_velocity(self, t, y) result(omega)
+        class(effects_action_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states)
+        real(dp) :: omega(3)
+        type(loads_t) :: loads
+        call find_kinematics(self%body, self%effects, t, y(1:4), y(5:7), loads)
+        omega = loads%omega
+    end function angular_velocity
 
     !> The state at rest.
     pure function at_rest(self, t, y, left) result(resting)

@@ -22,7 +22,7 @@ module spintop_lane_effects
     public :: more_rows, most_drags, row_frame, row_torque, row_push, row_drags, rows_of_drag, row_moment
 
     !> Further rows of a term, and the first of some of them: rotation of the frame, torque in space axes, acceleration of
-    !> the pivot, drags; of a drag, v = y u is from its row `row_moment` on. lane_effects.c repeats them.
+    !> the pivot, drags; of a drag, v = y u is from its row `row_moment` on. lane_rows.h repeats them.
     integer, parameter :: more_rows = 33, most_drags = 2
     integer, parameter :: row_frame = 1, row_torque = 4, row_push = 7, row_drags = 16, rows_of_drag = 9, row_moment = 6
 

@@ -9,20 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-// As many lanes, rows and more rows as in lane_series.f90 and lane_effects.f90; a row holds one number of each lane.
-enum { lanes = 8, rows = 9, term = lanes * rows, more_rows = 33, more = lanes * more_rows };
-
-// Terms of the series whose share is more than one number.
-enum { exact_shares = 8 };
-
-// The rows of a term of the series.
-enum { w1, w2, w3, g1, g2, g3, angle, quotient, numerator };
-
-// Further rows: rotation of the frame, torque in space axes, acceleration of the pivot and its other part, the angular
-// velocity with that of the frame, drags; and of a drag: u = Q w, s = w.u, j s_j, y = s^b, v = y u.
-enum { frame, torque = 3, push = 6, pull_back = 9, total = 12, drags = 15, of_drag = 9 };
-enum { drag_u, drag_s = 3, drag_t, drag_y, drag_v };
-enum { most_drags = 2, most_turning = 4 };
+#include "lane_rows.h"
 
 // Drag of the air: the moment -moment v. lane_effects.f90 repeats this type and the next.
 struct lane_drag {
@@ -37,11 +24,6 @@ struct lane_effects {
     double frame_rate[3][lanes], torque_space[3][lanes];
     double amplitude[3][lanes], phase[3][lanes], rate[lanes];
     struct lane_drag drag[most_drags];
-};
-
-// Which effects there are, the same in all lanes.
-struct lane_kinds {
-    int turns, twists, vibrates, drags;
 };
 
 typedef void expand_affected_t(int order, const struct lane_kinds *has, const struct lane_effects *e, const double *t,
@@ -70,20 +52,13 @@ void spintop_expand_affected_lanes(int order, const struct lane_kinds *has, cons
 
 #else
 
-#define width LEVEL(width)
-#define vector LEVEL(vector)
-#define share_of LEVEL(share_of)
 #define start LEVEL(start)
 #define drag_sums LEVEL(drag_sums)
 #define sums LEVEL(sums)
-#define get LEVEL(get)
-#define put LEVEL(put)
-#define scaled LEVEL(scaled)
 #define add_cross LEVEL(add_cross)
 #define add_products LEVEL(add_products)
 #define add_speeds LEVEL(add_speeds)
 #define list_turning LEVEL(list_turning)
-#define bits LEVEL(bits)
 #define find_circle LEVEL(find_circle)
 #define begin_drag LEVEL(begin_drag)
 #define find_pushes LEVEL(find_pushes)
@@ -95,22 +70,7 @@ void spintop_expand_affected_lanes(int order, const struct lane_kinds *has, cons
 #define expand_with LEVEL(expand_with)
 #define expand_affected LEVEL(expand_affected)
 
-// As many lanes at once as the processor has room for in a vector.
-typedef double vector __attribute__((vector_size(8 * width)));
-typedef long long bits __attribute__((vector_size(8 * width)));
-
-#define inlined static inline __attribute__((always_inline))
-#if defined(__clang__)
-#define for_all(i, n) _Pragma("clang loop unroll(full)") for (int i = 0; i < (n); ++i)
-#else
-#define for_all(i, n) _Pragma("GCC unroll 8") for (int i = 0; i < (n); ++i)
-#endif
-
-// 1/k as the sum of two numbers, or as one.
-struct share_of {
-    double first, rest;
-    int is_sum;
-};
+#include "lane_vectors.h"
 
 // What the terms of a step have in common: the factor of the quotient, 1/s and y of drags in term 0, the momentum of the
 // rotor.
@@ -126,21 +86,6 @@ struct sums {
     vector row[1 + most_turning][3], gyro[3], numerator[2], quotient;
     struct drag_sums drag[most_drags];
 };
-
-inlined vector get(const double *rows_of_lanes, int row) {
-    vector value;
-    memcpy(&value, rows_of_lanes + lanes * row, sizeof value);
-    return value;
-}
-
-inlined void put(double *rows_of_lanes, int row, vector value) {
-    memcpy(rows_of_lanes + lanes * row, &value, sizeof value);
-}
-
-inlined vector scaled(vector rate, struct share_of s) {
-    const vector value = s.first * rate;
-    return s.is_sum ? value + s.rest * rate : value;
-}
 
 // The further rows that turn as the vertical does.
 inlined int list_turning(const struct lane_kinds *has, int row[most_turning]) {
@@ -248,7 +193,7 @@ inlined void finish_drag(int k, int lane, const struct lane_drag *d, const doubl
 
 // Finds the term behind the k-th, and the quotient and the drags of the k-th, as in lane_series.c.
 inlined void append(const struct lane_kinds *has, int k, int lane, const struct lane_effects *e, const struct start *of,
-                    struct share_of s, double *c, double *x) {
+                    struct share s, double *c, double *x) {
     double *now = c + term * k, *next = now + term, *z = x + more * k, *z_next = z + more;
     struct sums sum = {0};
     int turning[most_turning], i = (k + 1) / 2 - 1, j = k - i;
@@ -310,11 +255,11 @@ inlined void expand_with(const struct lane_kinds *has, int order, const struct l
         begin_rows(has, lane, e, get(t + lane, 0), get(side + lane, 0), c + lane, &of, x + lane);
     }
     for (int k = 0; k < few; ++k) {
-        const struct share_of s = {share[k], share_rest[k], 1};
+        const struct share s = {share[k], share_rest[k], 1};
         for (int lane = 0; lane < lanes; lane += width) append(has, k, lane, e, &of, s, c + lane, x + lane);
     }
     for (int k = few; k < order; ++k) {
-        const struct share_of s = {share[k] + share_rest[k], 0, 0};
+        const struct share s = {share[k] + share_rest[k], 0, 0};
         for (int lane = 0; lane < lanes; lane += width) append(has, k, lane, e, &of, s, c + lane, x + lane);
     }
 }
@@ -340,32 +285,5 @@ static void expand_affected(int order, const struct lane_kinds *which, const str
     try_kinds(0, 0, 0, 1);
     expand_with(&any, order, e, t, side, state, share, share_rest, c, x);
 }
-
-#undef for_all
-#undef inlined
-#undef width
-#undef vector
-#undef share_of
-#undef start
-#undef drag_sums
-#undef sums
-#undef get
-#undef put
-#undef scaled
-#undef add_cross
-#undef add_products
-#undef add_speeds
-#undef list_turning
-#undef bits
-#undef find_circle
-#undef begin_drag
-#undef find_pushes
-#undef begin_rows
-#undef prepare_term
-#undef find_linear_rates
-#undef finish_drag
-#undef append
-#undef expand_with
-#undef expand_affected
 
 #endif

@@ -9,29 +9,16 @@
 
 #include <string.h>
 
-// As many lanes and rows as in lane_series.f90; a row holds one number of each lane.
-enum { lanes = 8, rows = 9, term = lanes * rows };
-
-// Terms of the series whose share is more than one number.
-enum { exact_shares = 8 };
+#include "lane_rows.h"
 
 // Components of a perturbation, those of a force on it, and terms at most, as in lane_tangents.f90.
 enum { components = 6, forces = 3, most_terms = 30 };
-
-// The rows of a term of the series.
-enum { w1, w2, w3, g1, g2, g3, angle, quotient, numerator };
 
 // The rows of a term of a perturbation: of omega, and the rotation.
 enum { d1, d2, d3, r1, r2, r3 };
 
 struct body { // a row of lanes for each number
     const double *coupling, *decay, *pull, *swing;
-};
-
-// 1/k as the sum of two numbers, or as one.
-struct share {
-    double first, rest;
-    int is_sum;
 };
 
 typedef void expand_lanes_t(int order, const double *coupling, const double *decay, const double *pull,
@@ -87,43 +74,19 @@ int spintop_expand_lanes_at(int level, int order, const double *coupling, const 
 
 #else
 
-#define width LEVEL(width)
-#define vector LEVEL(vector)
-#define get LEVEL(get)
-#define put LEVEL(put)
-#define scaled LEVEL(scaled)
 #define append LEVEL(append)
 #define expand LEVEL(expand)
-#define bits LEVEL(bits)
 #define append_tangent LEVEL(append_tangent)
 #define magnitude LEVEL(magnitude)
 #define size_of LEVEL(size_of)
 #define carry LEVEL(carry)
 
-// As many lanes at once as the processor has room for in a vector.
-typedef double vector __attribute__((vector_size(8 * width)));
-typedef long long bits __attribute__((vector_size(8 * width)));
-
-static inline vector get(const double *rows_of_lanes, int row) {
-    vector value; // may lie anywhere
-    memcpy(&value, rows_of_lanes + lanes * row, sizeof value);
-    return value;
-}
-
-static inline void put(double *rows_of_lanes, int row, vector value) {
-    memcpy(rows_of_lanes + lanes * row, &value, sizeof value);
-}
-
-static inline vector scaled(vector rate, struct share s) {
-    const vector value = s.first * rate;
-    return s.is_sum ? value + s.rest * rate : value;
-}
+#include "lane_vectors.h"
 
 // Finds the term behind `now`, the k-th from `c` on, and the quotient of `now`. The sums of products start with
 // the term in the middle, if there is one, and go on to pairs of an older and a newer one; the newest
 // pair comes last, as its numbers have just been found. A quotient that is not known yet is zero.
-static inline __attribute__((always_inline)) void append(int k, int lane, struct body b, vector inverse, struct share s,
-                                                         double *c) {
+inlined void append(int k, int lane, struct body b, vector inverse, struct share s, double *c) {
     double *now = c + term * k, *next = now + term;
     const double *middle = c + term * (k / 2), *older, *newer;
     vector w12 = {0}, w23 = w12, w31 = w12, n1 = w12, n2 = w12, g3q = w12;
@@ -197,8 +160,7 @@ static void expand(int order, const double *coupling, const double *decay, const
 
 // Finds the term behind the k-th of a perturbation. The products are those of two series of different kind, so that
 // no pair is found twice.
-static inline __attribute__((always_inline)) void append_tangent(int k, int lane, struct body b, const double *c,
-                                                                 const double *force, double *z) {
+inlined void append_tangent(int k, int lane, struct body b, const double *c, const double *force, double *z) {
     vector p1 = {0}, p2 = p1, p3 = p1, e1 = p1, e2 = p1, e3 = p1, t1 = p1, t2 = p1, t3 = p1;
     const double *base = c + term * k, *now = z;
     const double share = 1.0 / (k + 1);
@@ -237,10 +199,10 @@ static inline __attribute__((always_inline)) void append_tangent(int k, int lane
     put(next, r3, share * (x3 + e3));
 }
 
-static inline vector magnitude(vector x) { return (vector)((bits)x & 0x7fffffffffffffffLL); }
+inlined vector magnitude(vector x) { return (vector)((bits)x & 0x7fffffffffffffffLL); }
 
 // Sum of the magnitudes of a term; those of omega in units of `pace`.
-static inline vector size_of(const double *z, vector pace) {
+inlined vector size_of(const double *z, vector pace) {
     return (magnitude(get(z, d1)) + magnitude(get(z, d2)) + magnitude(get(z, d3))) / pace
            + (magnitude(get(z, r1)) + magnitude(get(z, r2)) + magnitude(get(z, r3)));
 }
@@ -272,18 +234,5 @@ static void carry(int order, const double *coupling, const double *decay, const 
         put(last + lane, 0, power * (size_of(newest - step, p) + h * size_of(newest, p)));
     }
 }
-
-#undef width
-#undef vector
-#undef get
-#undef put
-#undef scaled
-#undef append
-#undef expand
-#undef bits
-#undef append_tangent
-#undef magnitude
-#undef size_of
-#undef carry
 
 #endif

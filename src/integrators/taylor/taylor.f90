@@ -6,6 +6,7 @@
 !> The state is summed with compensation.
 module spintop_taylor
     use spintop_kinds, only: dp
+    use spintop_powers, only: instants
     use spintop_formulation, only: formulation_t, max_series_order, max_states
     use spintop_status, only: status_ok, status_non_finite, status_step_too_small
     use spintop_stepper, only: stepper_t, workspace_t
@@ -20,6 +21,7 @@ module spintop_taylor
         procedure :: begin
         procedure :: advance
         procedure :: state_within
+        procedure :: states_within
         procedure :: order
     end type taylor_t
 
@@ -201,5 +203,37 @@ contains
             y = work%y_last + change
         end select
     end function state_within
+
+    !> The states at several times within the last step, all by the same instructions.
+    subroutine states_within(self, formulation, work, t, y)
+        class(taylor_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        real(dp), intent(in) :: t(instants) !! times, s
+        real(dp), intent(out) :: y(instants, max_states) !! states
+        real(dp) :: h(instants), change(max_states)
+        integer :: i, k, n
+
+        associate (unused => self)
+        end associate
+        y = 0
+        select type (work)
+        class is (taylor_workspace_t)
+            h = t - work%t_last
+            do k = work%order, 1, -1
+                do n = 1, max_states
+                    !$omp simd
+                    do i = 1, instants
+                        y(i, n) = (y(i, n) + work%coefficient(n, k)) * h(i)
+                    end do
+                end do
+            end do
+            do i = 1, instants
+                change = y(i, :)
+                call formulation%series%unfold(work%y_last, h(i), change)
+                y(i, :) = work%y_last + change
+            end do
+        end select
+    end subroutine states_within
 
 end module spintop_taylor

@@ -208,6 +208,8 @@ contains
             call note%add(note_no_exact_motion, trim(status_meanings(status_non_finite)))
         else if (.not. case%body%is_symmetric()) then
             call note%add(note_no_exact_motion, 'the body is not symmetric')
+        else if (allocated(case%body%effects)) then
+            call note%add(note_no_exact_motion, 'the effects on the body do more than shift phi and psi')
         else
             call note%add(note_no_exact_motion, 'the body is damped')
         end if

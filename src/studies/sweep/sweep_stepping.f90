@@ -229,6 +229,10 @@ contains
         type(note_t), intent(inout) :: note
         real(dp) :: error
         integer :: status
+        if (allocated(case%body%effects)) then
+            call note%add(note_no_inherent, 'it is not measured for bodies with effects that do not only shift phi and psi')
+            return
+        end if
         call find_inherent_error(case%body, case%start, t, error, status, max_steps)
         if (status == status_ok) then
             values%inherent_error = error

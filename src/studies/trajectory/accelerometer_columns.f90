@@ -24,25 +24,28 @@ contains
     !> Reading along body x, m/s^2.
     real(dp) function value_of_accelerometer1(now) result(value)
         type(motion_view_t), intent(inout) :: now
-        real(dp) :: reading(3)
-        reading = now%accelerometer()
-        value = reading(1)
+        value = reading_along(1, now)
     end function value_of_accelerometer1
 
     !> Reading along body y, m/s^2.
     real(dp) function value_of_accelerometer2(now) result(value)
         type(motion_view_t), intent(inout) :: now
-        real(dp) :: reading(3)
-        reading = now%accelerometer()
-        value = reading(2)
+        value = reading_along(2, now)
     end function value_of_accelerometer2
 
     !> Reading along body z, m/s^2.
     real(dp) function value_of_accelerometer3(now) result(value)
         type(motion_view_t), intent(inout) :: now
+        value = reading_along(3, now)
+    end function value_of_accelerometer3
+
+    !> Reading along a body axis, m/s^2.
+    real(dp) function reading_along(axis, now) result(value)
+        integer, intent(in) :: axis
+        type(motion_view_t), intent(in) :: now
         real(dp) :: reading(3)
         reading = now%accelerometer()
-        value = reading(3)
-    end function value_of_accelerometer3
+        value = reading(axis)
+    end function reading_along
 
 end module spintop_accelerometer_columns

@@ -1,0 +1,27 @@
+// The rows of the terms of motions in lanes, one number of each lane in a row, as lane_series.f90 and lane_effects.f90 have
+// them.
+
+enum { lanes = 8, rows = 9, term = lanes * rows, more_rows = 33, more = lanes * more_rows };
+
+// The rows of a term of the series.
+enum { w1, w2, w3, g1, g2, g3, angle, quotient, numerator };
+
+// Further rows: rotation of the frame, torque in space axes, acceleration of the pivot and its other part, the angular
+// velocity with that of the frame, drags; and of a drag: u = Q w, s = w.u, j s_j, y = s^b, v = y u.
+enum { frame, torque = 3, push = 6, pull_back = 9, total = 12, drags = 15, of_drag = 9 };
+enum { drag_u, drag_s = 3, drag_t, drag_y, drag_v };
+enum { most_drags = 2, most_turning = 4 };
+
+// Which effects there are, the same in all lanes.
+struct lane_kinds {
+    int turns, twists, vibrates, drags;
+};
+
+// Terms of the series whose share is more than one number.
+enum { exact_shares = 8 };
+
+// 1/k as the sum of two numbers, or as one.
+struct share {
+    double first, rest;
+    int is_sum;
+};

@@ -41,7 +41,7 @@ module spintop_c_top
     !> Puts the motion at each sample into a row.
     type, extends(observer_t) :: sampler_t
         type(row_maker_t) :: maker
-        real(dp), pointer :: samples(:) => null(), cells(:, :) => null()
+        real(dp), pointer, contiguous :: samples(:) => null(), cells(:, :) => null()
         !> The row.
         real(dp), allocatable :: values(:)
         !> Index of the next sample, how far a sample of a fixed-step method may be from its step, and whether one was
@@ -54,6 +54,7 @@ module spintop_c_top
     contains
         procedure :: observe
         procedure :: put
+        procedure :: put_values
     end type sampler_t
 
     !> A sample of a fixed-step method within this fraction of a step is at the step.
@@ -157,6 +158,8 @@ contains
         if (.not. all(is_finite(sampler%samples))) then
             status = status_bad_samples
             t_reached = 0
+        else if (top%plan%exact .and. top%maker%wants_angles_of(top%exact)) then
+            call evaluate_angles(top, sampler, status, t_reached)
         else if (top%plan%exact) then
             call evaluate(top, sampler, status, t_reached)
         else
@@ -169,7 +172,27 @@ contains
         code = hand_status(status, t_reached, error)
     end function find_motion
 
-    !> The exact solution at the times of the samples. phi and psi have all their turns.
+    !> The exact solution at the times of the samples, for columns of angles and where no turns have to be counted.
+    subroutine evaluate_angles(top, sampler, status, t_reached)
+        type(top_t), intent(in) :: top
+        type(sampler_t), intent(inout) :: sampler
+        integer, intent(out) :: status
+        real(dp), intent(out) :: t_reached
+        integer :: i
+
+        status = status_ok
+        t_reached = 0
+        do i = 1, size(sampler%samples)
+            associate (t => sampler%samples(i))
+                call sampler%maker%put_exact_row(top%exact, t, is_zero(t), sampler%values)
+                call sampler%put_values(t)
+                if (sampler%has_enough) return
+                t_reached = t
+            end associate
+        end do
+    end subroutine evaluate_angles
+
+    !> The same for all columns. phi and psi have all their turns.
     subroutine evaluate(top, sampler, status, t_reached)
         type(top_t), intent(in) :: top
         type(sampler_t), intent(inout) :: sampler
@@ -177,16 +200,19 @@ contains
         real(dp), intent(out) :: t_reached
         type(motion_t) :: last, motion
         integer(int64) :: looks, most_looks
+        logical :: follows
         integer :: i
 
         status = status_ok
         t_reached = 0
+        follows = top%exact%has_to_follow() .and. (top%counts_turns .or. .not. top%case%turn%exchanges_axes())
         last = top%case%start
         looks = 0
         most_looks = looks_per_step * top%plan%max_steps + size(sampler%samples)
         do i = 1, size(sampler%samples)
-            if (top%counts_turns .or. .not. top%case%turn%exchanges_axes()) then
+            if (follows) then
                 call top%exact%follow(last, sampler%samples(i), motion, looks, most_looks)
+                last = motion
             else
                 motion = top%exact%at(sampler%samples(i))
             end if
@@ -196,7 +222,6 @@ contains
             end if
             call sampler%put(motion)
             if (sampler%has_enough) return
-            last = motion
             t_reached = motion%t
         end do
     end subroutine evaluate
@@ -250,14 +275,21 @@ contains
         class(sampler_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion !! the motion
         self%values(:) = self%maker%row(motion, is_start=is_zero(motion%t))
+        call self%put_values(motion%t)
+    end subroutine put
+
+    !> Puts the row, which is of time t, into the cells of its sample.
+    subroutine put_values(self, t)
+        class(sampler_t), intent(inout) :: self
+        real(dp), intent(in) :: t !! time, s
         if (self%maker%is_defined(self%values)) then
             self%cells(self%next, :) = self%values
         else
-            self%t_undefined = motion%t
+            self%t_undefined = t
             self%has_enough = .true.
         end if
         self%next = self%next + 1
-    end subroutine put
+    end subroutine put_values
 
     !> Deletes a top.
     subroutine delete_top(handle) bind(C, name='spintop_top_delete')

@@ -29,7 +29,9 @@ module spintop_exact_motion
         real(dp), private :: given_angle(3) = 0, greatest_rate = 0
     contains
         procedure :: at
+        procedure :: find_angles
         procedure :: quaternion_at
+        procedure :: has_to_follow
         procedure :: follow
     end type exact_motion_t
 
@@ -102,6 +104,21 @@ contains
         if (self%given%differ) motion%given_angle = self%given_angle
     end function at
 
+    !> The angles and their rates at time t, s, as `at` gives them. For a symmetric top this is faster.
+    pure subroutine find_angles(self, t, angle, rate)
+        class(exact_motion_t), intent(in) :: self
+        real(dp), intent(in) :: t !! time, s
+        real(dp), intent(out) :: angle(3), rate(3) !! phi, theta, psi, rad, and their rates, rad/s
+        type(motion_t) :: motion
+        if (allocated(self%free)) then
+            motion = self%free%at(t)
+            angle = motion%angle
+            rate = motion%rate
+        else
+            call self%symmetric_motion_t%find_angles(t, angle, rate)
+        end if
+    end subroutine find_angles
+
     !> The unit quaternion at time t, s.
     pure function quaternion_at(self, t) result(q)
         class(exact_motion_t), intent(in) :: self
@@ -113,6 +130,12 @@ contains
             q = self%symmetric_motion_t%quaternion_at(t)
         end if
     end function quaternion_at
+
+    !> Whether turns of phi and psi are counted by `follow`. Otherwise `at` gives all of them.
+    pure logical function has_to_follow(self)
+        class(exact_motion_t), intent(in) :: self
+        has_to_follow = allocated(self%free) .or. self%given%differ
+    end function has_to_follow
 
     !> The motion at time t, s. The turns of phi and psi are those of `last`, an instant of the same solution, and
     !> those since then, and so are those of the angles in other given axes. For a free body, and in other axes, these are
@@ -131,7 +154,7 @@ contains
         logical :: sure
 
         motion = self%at(t)
-        if (.not. (allocated(self%free) .or. self%given%differ)) return
+        if (.not. self%has_to_follow()) return
         now = last
         if (self%given%differ) then
             pace = longest / max(self%greatest_rate, tiny(pace))

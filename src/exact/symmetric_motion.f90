@@ -54,6 +54,7 @@ module spintop_symmetric_motion
         real(dp) :: side = 1
     contains
         procedure :: at
+        procedure :: find_angles
         procedure :: quaternion_at
     end type symmetric_motion_t
 
@@ -213,8 +214,18 @@ contains
                                          aimag(attitude%lower), aimag(attitude%upper)]
         motion%omega = [real(swing, dp), aimag(swing), self%omega3]
         motion%omega_rate = [real(swing_rate, dp), aimag(swing_rate), 0.0_dp]
-        call add_angles(self, attitude, motion)
+        call put_angles(self, attitude, motion%angle, motion%rate)
     end function at
+
+    !> The angles and their rates at time t, s, as `at` gives them. Without the attitude it is faster.
+    pure subroutine find_angles(self, t, angle, rate)
+        class(symmetric_motion_t), intent(in) :: self
+        real(dp), intent(in) :: t !! time, s
+        real(dp), intent(out) :: angle(3), rate(3) !! phi, theta, psi, rad, and their rates, rad/s
+        type(attitude_t) :: attitude
+        call find_thetas(self, t, attitude)
+        call put_angles(self, attitude, angle, rate)
+    end subroutine find_angles
 
     !> The unit quaternion at time t, s.
     pure function quaternion_at(self, t) result(q)
@@ -232,9 +243,8 @@ contains
         type(symmetric_motion_t), intent(in) :: self
         real(dp), intent(in) :: t
         type(attitude_t), intent(out) :: now
-        real(dp) :: z, from_top
 
-        now%elapsed = t - self%time
+        call find_thetas(self, t, now)
         if (self%theta%regime == regime_resting) then
             now%upper = self%upper * unit(self%upper_rate * now%elapsed)
             now%lower = self%lower * unit(self%lower_rate * now%elapsed)
@@ -242,9 +252,6 @@ contains
         end if
 
         associate (clock => self%theta%clock)
-            call self%theta%locate(now%elapsed, z, from_top, now%nutations)
-            call self%theta%evaluate(z, from_top, now%theta)
-            now%rising = z >= 0
             now%upper_turn = unit(self%upper_phase + self%upper_rate * now%elapsed &
                                   + now%nutations * clock%upper_step) &
                              * (clock%upper_amplitude / now%theta%divisor)
@@ -255,6 +262,20 @@ contains
             now%lower = now%lower_turn * now%theta%lower
         end associate
     end subroutine find_attitude
+
+    !> The theta functions at time t, of which the axis at rest has none, and what else does not depend on the phases.
+    pure subroutine find_thetas(self, t, now)
+        type(symmetric_motion_t), intent(in) :: self
+        real(dp), intent(in) :: t
+        type(attitude_t), intent(inout) :: now
+        real(dp) :: z, from_top
+
+        now%elapsed = t - self%time
+        if (self%theta%regime == regime_resting) return
+        call self%theta%locate(now%elapsed, z, from_top, now%nutations)
+        call self%theta%evaluate(z, from_top, now%theta)
+        now%rising = z >= 0
+    end subroutine find_thetas
 
     !> omega1 + i omega2 = 2 [conj(upper) lower' - conj(upper') lower], rad/s. The derivative of the divisor
     !> and the spin that is linear in time cancel and are omitted.
@@ -272,19 +293,19 @@ contains
     end function swing_of
 
     !> Angles, with all turns of phi and psi, and their rates.
-    pure subroutine add_angles(self, attitude, motion)
+    pure subroutine put_angles(self, attitude, angle, rate)
         type(symmetric_motion_t), intent(in) :: self
         type(attitude_t), intent(in) :: attitude
-        type(motion_t), intent(inout) :: motion
+        real(dp), intent(out) :: angle(3), rate(3)
         real(xp) :: total, difference
         real(dp) :: sn2, cn2, one_minus_u, one_plus_u, u, y, sine, dn, upper, lower, turn, phi_rate
 
         total = self%upper_phase + self%lower_phase + self%sum_rate * attitude%elapsed
         difference = self%upper_phase - self%lower_phase + self%difference_rate * attitude%elapsed
         if (self%theta%regime == regime_resting) then
-            motion%angle = [real(total, dp), 2 * atan2(abs(self%lower), abs(self%upper)), &
+            angle = [real(total, dp), 2 * atan2(abs(self%lower), abs(self%upper)), &
                             real(difference, dp)]
-            motion%rate = [0.0_dp, 0.0_dp, self%omega3]
+            rate = [0.0_dp, 0.0_dp, self%omega3]
             return
         end if
 
@@ -301,7 +322,7 @@ contains
             difference = difference + attitude%nutations * (clock%upper_step - clock%lower_step)
             upper = argument(theta%upper)
             lower = argument(theta%lower)
-            motion%angle = [real(total + (upper + lower), dp), argument(cmplx(u, sine, dp)), &
+            angle = [real(total + (upper + lower), dp), argument(cmplx(u, sine, dp)), &
                             real(difference + (upper - lower), dp)]
 
             y = merge(self%y1 + self%u2_minus_u1 * sn2, self%y2 - self%u2_minus_u1 * cn2, sn2 < cn2)
@@ -309,16 +330,16 @@ contains
             if (sine > 0) then
                 dn = sqrt(self%complement_squared + self%k_squared * cn2)
                 phi_rate = turn / (one_minus_u * one_plus_u)
-                motion%rate(2) = -2 * self%u2_minus_u1 * self%frequency * theta%sn * theta%cn &
+                rate(2) = -2 * self%u2_minus_u1 * self%frequency * theta%sn * theta%cn &
                                  * (dn / sine)
             else
                 phi_rate = 0
-                motion%rate(2) = sqrt(self%swing_squared - 2 * self%half_beta * y)
+                rate(2) = sqrt(self%swing_squared - 2 * self%half_beta * y)
             end if
-            motion%rate(1) = phi_rate
-            motion%rate(3) = self%omega3 - phi_rate * u
+            rate(1) = phi_rate
+            rate(3) = self%omega3 - phi_rate * u
         end associate
-    end subroutine add_angles
+    end subroutine put_angles
 
     !> phi' sin(theta)^2 = b - a u, rad/s, in the form that cancels least.
     pure real(dp) function turn_at(self, y, one_minus_u, one_plus_u) result(turn)

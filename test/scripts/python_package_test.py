@@ -59,6 +59,7 @@ class MotionTest(unittest.TestCase):
         table = by_program(TOP.input(span=span, output=output))
         t = np.array([float(cell) for cell in table["t"]])
         self.compare(TOP.exact(t, columns), table)
+        self.compare(TOP.exact(t, columns[:5]), {name: table[name] for name in columns[:5]})
         grid = TOP.exact(t[:300].reshape(20, 15), ["theta"]).theta
         self.assertEqual(grid.shape, (20, 15))
         self.assertEqual(grid.ravel().tolist(), TOP.exact(t[:300]).theta.tolist())

@@ -44,6 +44,7 @@ module spintop_motion_view
     contains
         procedure :: set
         procedure :: look
+        procedure :: look_at_angles
         procedure :: carry
         procedure :: energies
         procedure :: energy_change
@@ -83,12 +84,31 @@ contains
         self%motion = self%case%turn%back(computed, computed%given_angle)
         if (is_start) call take_start(self%case%given_start, self%motion)
         if (any(self%proof%wanted)) call prove(self%proof, self%motion)
+        call forget(self)
+    end subroutine look
+
+    !> Looks at the time, the angles and their rates of the next motion alone. The axes are those of the computation, and no
+    !> number is to be proved.
+    subroutine look_at_angles(self, t, angle, rate, is_start)
+        class(motion_view_t), intent(inout) :: self
+        real(dp), intent(in) :: t, angle(3), rate(3) !! time, s; phi, theta, psi, rad; their rates, rad/s
+        logical, intent(in) :: is_start !! whether it is the start
+        self%motion%t = t
+        self%motion%angle = angle
+        self%motion%rate = rate
+        if (is_start) call take_start(self%case%given_start, self%motion)
+        call forget(self)
+    end subroutine look_at_angles
+
+    !> Forgets what columns asked of the motion before.
+    subroutine forget(self)
+        type(motion_view_t), intent(inout) :: self
         self%near = self%motion%angle
         self%has_energies = .false.
         self%has_force = .false.
         self%has_residuals = .false.
         self%has_exact = .false.
-    end subroutine look
+    end subroutine forget
 
     !> Carries what the next motions take from those before.
     subroutine carry(self, archive)

@@ -5,7 +5,10 @@ module spintop_trajectory_column
     use spintop_study_column, only: study_column_t
     implicit none
     private
-    public :: trajectory_column_t
+    public :: trajectory_column_t, angle_group
+
+    !> The group of the columns of the time, the angles and their rates, which need nothing else of a motion.
+    character(*), parameter :: angle_group = 'angles'
 
     !> A column of a trajectory.
     type, extends(study_column_t) :: trajectory_column_t

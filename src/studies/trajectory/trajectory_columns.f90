@@ -10,7 +10,7 @@ module spintop_trajectory_columns
         vertical_momentum
     use spintop_proof_columns, only: proof_columns
     use spintop_study_column, only: place_of, proof_group
-    use spintop_trajectory_column, only: trajectory_column_t
+    use spintop_trajectory_column, only: angle_group, trajectory_column_t
     use spintop_work_columns, only: work_columns
     implicit none
     private
@@ -22,19 +22,19 @@ contains
     function trajectory_columns() result(columns)
         type(trajectory_column_t), allocatable :: columns(:)
         columns = [ &
-            trajectory_column_t('t', 's', 'time', 'angles', value_of_t, &
+            trajectory_column_t('t', 's', 'time', angle_group, value_of_t, &
                                 is_default=.true., varies_near_poles=.true.), &
-            trajectory_column_t('phi', 'rad', 'precession angle, continuous', 'angles', value_of_phi, &
+            trajectory_column_t('phi', 'rad', 'precession angle, continuous', angle_group, value_of_phi, &
                                 is_default=.true., varies_near_poles=.true.), &
-            trajectory_column_t('theta', 'rad', 'inclination of body z to the vertical', 'angles', value_of_theta, &
+            trajectory_column_t('theta', 'rad', 'inclination of body z to the vertical', angle_group, value_of_theta, &
                                 is_default=.true., varies_near_poles=.true.), &
-            trajectory_column_t('psi', 'rad', 'spin angle, continuous', 'angles', value_of_psi, &
+            trajectory_column_t('psi', 'rad', 'spin angle, continuous', angle_group, value_of_psi, &
                                 is_default=.true., varies_near_poles=.true.), &
-            trajectory_column_t('phi_rate', 'rad/s', 'precession rate', 'angles', value_of_phi_rate, &
+            trajectory_column_t('phi_rate', 'rad/s', 'precession rate', angle_group, value_of_phi_rate, &
                                 is_default=.true., varies_near_poles=.true., ends_at_poles=.true.), &
-            trajectory_column_t('theta_rate', 'rad/s', 'nutation rate', 'angles', value_of_theta_rate, &
+            trajectory_column_t('theta_rate', 'rad/s', 'nutation rate', angle_group, value_of_theta_rate, &
                                 is_default=.true., varies_near_poles=.true.), &
-            trajectory_column_t('psi_rate', 'rad/s', 'spin rate', 'angles', value_of_psi_rate, &
+            trajectory_column_t('psi_rate', 'rad/s', 'spin rate', angle_group, value_of_psi_rate, &
                                 is_default=.true., varies_near_poles=.true., ends_at_poles=.true.), &
             trajectory_column_t('omega1', 'rad/s', 'angular velocity about body x', 'rates', value_of_omega1), &
             trajectory_column_t('omega2', 'rad/s', 'angular velocity about body y', 'rates', value_of_omega2), &

@@ -102,7 +102,7 @@ module spintop_capabilities
             import :: action_t, dp, instants, max_states, works
             class(action_t), intent(in) :: self
             real(dp), intent(in) :: t(instants), y(instants, max_states) !! times, s, and states
-            real(dp), intent(out) :: power(instants, works)
+            real(dp), intent(out) :: power(instants, works) !! of each part at each instant
         end subroutine find_powers
 
         !> The first time after `t` at which f is not smooth, s; `huge` if there is none.

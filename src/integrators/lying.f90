@@ -51,12 +51,9 @@ contains
         t = work%t_end
         if (formulation%action%may_slip) then
             t = min(t, work%t + formulation%action%pause(work%t))
-            if (excess(t) > 0) then
-                t = root(work%t, t)
-            else
-                peak = highest(work%t, t)
-                if (excess(peak) > 0) t = root(work%t, peak)
-            end if
+            peak = t
+            if (.not. excess(formulation, work%y, t) > 0) peak = highest(formulation, work%y, work%t, t)
+            if (excess(formulation, work%y, peak) > 0) t = root(formulation, work%y, work%t, peak)
         end if
         if (self%controls%steps > 0) then
             work%grid = work%grid + 1
@@ -69,63 +66,64 @@ contains
         work%t = t
         work%counts%steps = work%counts%steps + 1
         status = status_ok
-
-    contains
-
-        !> By how much the torques exceed the friction at a time, N m.
-        real(dp) function excess(time)
-            real(dp), intent(in) :: time
-            excess = formulation%action%excess(time, formulation%action%at_rest(time, work%y, 0.0_dp))
-        end function excess
-
-        !> The time between two times at which they exceed it most, by golden sections; one of the two where a parabola has
-        !> no peak between them that may reach the friction.
-        real(dp) function highest(before, after)
-            real(dp), intent(in) :: before, after
-            real(dp), parameter :: golden = 0.61803398874989485_dp, resolved = 1.0e-8_dp
-            real(dp) :: low, high, x(2), f(2), ends(2), middle, bend
-            highest = after
-            ends = [excess(before), excess(after)]
-            middle = excess(before + (after - before) / 2)
-            bend = 2 * middle - sum(ends)
-            if (.not. abs(ends(2) - ends(1)) < 2 * bend .or. middle + bend < 0) return
-            low = before
-            high = after
-            x = [high - golden * (high - low), low + golden * (high - low)]
-            f = [excess(x(1)), excess(x(2))]
-            do while (high - low > resolved * (after - before))
-                if (f(1) < f(2)) then
-                    low = x(1)
-                    x = [x(2), low + golden * (high - low)]
-                    f = [f(2), excess(x(2))]
-                else
-                    high = x(2)
-                    x = [high - golden * (high - low), x(1)]
-                    f = [excess(x(1)), f(1)]
-                end if
-                if (.not. (x(1) > low .and. x(2) < high)) exit
-            end do
-            highest = x(merge(1, 2, f(1) > f(2)))
-        end function highest
-
-        !> The first time at which they do between two times, by bisection, just beyond.
-        real(dp) function root(before, after)
-            real(dp), intent(in) :: before, after
-            real(dp) :: low, middle
-            low = before
-            root = after
-            do
-                middle = low + (root - low) / 2
-                if (.not. (middle > low .and. middle < root)) exit
-                if (excess(middle) > 0) then
-                    root = middle
-                else
-                    low = middle
-                end if
-            end do
-        end function root
-
     end subroutine lie
+
+    !> By how much the torques exceed the friction at a time, N m, with the attitude of a state.
+    real(dp) function excess(formulation, y, time)
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: y(max_states), time
+        excess = formulation%action%excess(time, formulation%action%at_rest(time, y, 0.0_dp))
+    end function excess
+
+    !> The time between two times at which they exceed it most, by golden sections; the later one where a parabola has no peak
+    !> between them that may reach the friction.
+    real(dp) function highest(formulation, y, before, after)
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: y(max_states), before, after
+        real(dp), parameter :: golden = 0.61803398874989485_dp, resolved = 1.0e-8_dp
+        real(dp) :: low, high, x(2), f(2), ends(2), middle, bend
+
+        highest = after
+        ends = [excess(formulation, y, before), excess(formulation, y, after)]
+        middle = excess(formulation, y, before + (after - before) / 2)
+        bend = 2 * middle - sum(ends)
+        if (.not. abs(ends(2) - ends(1)) < 2 * bend .or. middle + bend < 0) return
+        low = before
+        high = after
+        x = [high - golden * (high - low), low + golden * (high - low)]
+        f = [excess(formulation, y, x(1)), excess(formulation, y, x(2))]
+        do while (high - low > resolved * (after - before))
+            if (f(1) < f(2)) then
+                low = x(1)
+                x = [x(2), low + golden * (high - low)]
+                f = [f(2), excess(formulation, y, x(2))]
+            else
+                high = x(2)
+                x = [high - golden * (high - low), x(1)]
+                f = [excess(formulation, y, x(1)), f(1)]
+            end if
+            if (.not. (x(1) > low .and. x(2) < high)) exit
+        end do
+        highest = x(merge(1, 2, f(1) > f(2)))
+    end function highest
+
+    !> The first time at which they exceed it between two times, of which they do at the second, by bisection, just beyond.
+    real(dp) function root(formulation, y, before, after)
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: y(max_states), before, after
+        real(dp) :: low, middle
+        low = before
+        root = after
+        do
+            middle = low + (root - low) / 2
+            if (.not. (middle > low .and. middle < root)) exit
+            if (excess(formulation, y, middle) > 0) then
+                root = middle
+            else
+                low = middle
+            end if
+        end do
+    end function root
 
     !> The state at rest.
     function state_within(self, formulation, work, t) result(y)

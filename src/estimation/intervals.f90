@@ -14,8 +14,6 @@ module spintop_intervals
     !> The profile is followed to an end until it is met to this part of the width, in so many steps at most.
     real(dp), parameter :: end_slack = 1.0e-4_dp
     integer, parameter :: most_steps = 30
-    !> Factor of the tolerances of the searches along the profile.
-    real(dp), parameter :: ease = 1.0e3_dp
 
     !> The parameters and their uncertainty.
     type :: estimate_t
@@ -41,7 +39,7 @@ contains
         logical, intent(in) :: wants_profile !! whether the profile intervals are sought
         real(dp), intent(in) :: level !! quantile that belongs to the intervals: 1.96 for a known deviation
         type(estimate_t), intent(out) :: estimate !! the parameters and their uncertainty
-        real(dp), allocatable :: jacobian(:, :), vectors(:, :), norms(:)
+        real(dp), allocatable :: jacobian(:, :), scaled(:, :), vectors(:, :), norms(:)
         integer :: i, k, m, n
         logical :: is_valid
 
@@ -59,10 +57,11 @@ contains
         call find_jacobian(model, minimum%x, [(i, i=1, n)], minimum%residuals, .true., jacobian, is_valid)
         if (.not. is_valid) return
         norms = norm2(jacobian, dim=1)
+        scaled = jacobian
         do k = 1, n
-            jacobian(:, k) = jacobian(:, k) / merge(norms(k), 1.0_dp, norms(k) > 0)
+            scaled(:, k) = jacobian(:, k) / merge(norms(k), 1.0_dp, norms(k) > 0)
         end do
-        call decompose(jacobian, estimate%singular_values, vectors)
+        call decompose(scaled, estimate%singular_values, vectors)
         estimate%is_identifiable = all(norms > 0) .and. estimate%singular_values(n) > singular * estimate%singular_values(1)
         if (.not. estimate%is_identifiable) return
         do k = 1, n
@@ -72,8 +71,8 @@ contains
         estimate%standard_error = [(sqrt(estimate%covariance(k, k)), k=1, n)]
         if (.not. wants_profile) return
         do k = 1, n
-            call find_end(model, minimum, estimate, k, -level, estimate%lower(k))
-            call find_end(model, minimum, estimate, k, level, estimate%upper(k))
+            call find_end(model, minimum, jacobian, estimate, k, -level, estimate%lower(k))
+            call find_end(model, minimum, jacobian, estimate, k, level, estimate%upper(k))
         end do
     end subroutine describe_minimum
 
@@ -91,17 +90,19 @@ contains
 
     !> An end of the interval of a parameter: where the least sum of squares of the others, over the variance, exceeds the
     !> minimum by the square of the level. Its square root is almost linear in the parameter, which is followed by the
-    !> method of regula falsi in the form of Illinois; infinite if it is not met.
-    subroutine find_end(model, minimum, estimate, k, level, place)
+    !> method of regula falsi in the form of Illinois; infinite if it is not met. The others begin on the line of the linear
+    !> model, where they often need no step: the derivatives at the minimum tell.
+    subroutine find_end(model, minimum, jacobian, estimate, k, level, place)
         class(residuals_t), intent(inout) :: model
         type(minimum_t), intent(in) :: minimum
+        real(dp), intent(in) :: jacobian(:, :)
         type(estimate_t), intent(in) :: estimate
         integer, intent(in) :: k
         real(dp), intent(in) :: level !! negative for the lower end
         real(dp), intent(out) :: place
         type(minimum_t) :: point
         logical :: free(size(minimum%x))
-        real(dp) :: inside, outside, excess_inside, excess_outside, next, excess, start(size(minimum%x)), root
+        real(dp) :: inside, outside, excess_inside, excess_outside, next, excess, start(size(minimum%x)), root, rise_at_end
         integer :: i
 
         free = .true.
@@ -112,12 +113,12 @@ contains
             outside = 0
             excess_outside = -1
             next = width
-            start = minimum%x
+            rise_at_end = (level * estimate%deviation)**2
             do i = 1, most_steps
-                ! The others begin on the line of the linear model.
                 start = minimum%x + estimate%covariance(:, k) * (next / estimate%covariance(k, k))
                 start(k) = best + next
-                call minimize(model, start, size(minimum%residuals), free, point, ease)
+                call minimize(model, start, size(minimum%residuals), free, point, &
+                              end_slack * rise_at_end / (minimum%sum_of_squares + rise_at_end), jacobian)
                 root = no_number
                 associate (rise => point%sum_of_squares - minimum%sum_of_squares)
                     if (point%has_converged) root = sqrt(max(rise, 0.0_dp)) / estimate%deviation

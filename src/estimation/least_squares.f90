@@ -65,15 +65,16 @@ module spintop_least_squares
 contains
 
     !> Finds the least sum of squares near `x`. Parameters that are not free keep their values.
-    subroutine minimize(model, x, m, free, minimum, ease)
+    subroutine minimize(model, x, m, free, minimum, goal, jacobian)
         class(residuals_t), intent(inout) :: model !! the residuals
         real(dp), intent(in) :: x(:) !! the parameters at the beginning
         integer, intent(in) :: m !! number of residuals, at least that of the free parameters
         logical, intent(in) :: free(:) !! the parameters that are sought
         type(minimum_t), intent(out) :: minimum !! where the search ended
-        real(dp), intent(in), optional :: ease !! factor of the tolerances (1)
+        real(dp), intent(in), optional :: goal !! the search ends if no more than this part of the sum of squares can be gained
+        real(dp), intent(in), optional :: jacobian(:, :) !! derivatives near x by all parameters: whether x will do
         type(search_t) :: search
-        logical :: is_valid
+        logical :: is_valid, knows_jacobian
         integer :: i
 
         minimum%x = x
@@ -85,17 +86,26 @@ contains
         search%free = pack([(i, i=1, size(x))], free)
         search%n = size(search%free)
         minimum%has_converged = search%n == 0
+        knows_jacobian = present(jacobian)
         associate (n => search%n)
             allocate (search%jacobian(m, n), search%scales(n), search%norms(n), search%qtf(n), search%step(n))
             allocate (search%pivot(n), search%work(max(m, n), 4))
         end associate
         do while (.not. minimum%has_converged .and. minimum%evaluations < most_evaluations * search%n)
-            call find_jacobian(model, minimum%x, search%free, minimum%residuals, .false., search%jacobian, is_valid)
-            minimum%evaluations = minimum%evaluations + search%n
+            if (knows_jacobian) then
+                search%jacobian = jacobian(:, search%free)
+            else
+                call find_jacobian(model, minimum%x, search%free, minimum%residuals, .false., search%jacobian, is_valid)
+                minimum%evaluations = minimum%evaluations + search%n
+            end if
             if (.not. is_valid) return
             call factorize(search, minimum)
-            call take_step(model, search, minimum, is_valid, ease)
+            ! This is what the step to the minimum of the linear model would gain.
+            if (present(goal)) minimum%has_converged = sum(search%qtf**2) <= goal * minimum%sum_of_squares
+            if (minimum%has_converged) return
+            if (.not. knows_jacobian) call take_step(model, search, minimum, is_valid, goal)
             if (.not. is_valid) return
+            knows_jacobian = .false. ! steps are made with the derivatives at their place
         end do
     end subroutine minimize
 
@@ -166,18 +176,18 @@ contains
     end subroutine factorize
 
     !> Takes one step: steps that do not reduce the sum of squares are shortened until one does.
-    subroutine take_step(model, search, minimum, is_valid, ease)
+    subroutine take_step(model, search, minimum, is_valid, goal)
         class(residuals_t), intent(inout) :: model
         type(search_t), intent(inout) :: search
         type(minimum_t), intent(inout) :: minimum
         logical, intent(out) :: is_valid
-        real(dp), intent(in), optional :: ease
+        real(dp), intent(in), optional :: goal
         real(dp) :: x(size(minimum%x)), residuals(size(minimum%residuals)), norm, new_norm, length, actual, predicted, &
-            slope, ratio, factor, goal
+            slope, ratio, factor, least
         logical :: exists
 
-        goal = tolerance
-        if (present(ease)) goal = tolerance * ease
+        least = tolerance
+        if (present(goal)) least = goal
         norm = sqrt(minimum%sum_of_squares)
         is_valid = norm > 0
         minimum%has_converged = .not. is_valid
@@ -218,8 +228,8 @@ contains
                 minimum%sum_of_squares = new_norm**2
                 minimum%steps = minimum%steps + 1
             end if
-            minimum%has_converged = (abs(actual) <= goal .and. predicted <= goal) .or. &
-                                    search%bound <= goal * norm2(search%scales * minimum%x(search%free))
+            minimum%has_converged = (abs(actual) <= least .and. predicted <= least) .or. &
+                                    search%bound <= tolerance * norm2(search%scales * minimum%x(search%free))
             if (minimum%has_converged .or. ratio >= 1.0e-4_dp) return
             is_valid = minimum%evaluations < most_evaluations * search%n
         end do

@@ -15,6 +15,7 @@ module spintop_parameters
     use spintop_number_slot, only: number_slot_t
     use spintop_parameter, only: all_elements, any_elements, kind_integer, kind_real, leading_elements, &
         one_per_group, parameter_t, quoted, unset, unset_integer
+    use spintop_parameter_move, only: move_parameter
     use spintop_ranges, only: parse_range
     use spintop_text, only: did_you_mean, split, string_t, to_text
     implicit none
@@ -22,8 +23,7 @@ module spintop_parameters
     public :: parameter_table_t, unit_hint
     public :: unset, unset_integer, all_elements, leading_elements, any_elements, one_per_group
 
-    !> Suffix of the name of an angle in degrees.
-    character(*), parameter :: degrees = '_deg'
+    character(*), parameter :: degrees = '_deg' !! suffix of the name of an angle in degrees
 
     !> A group of the input, and the place where it was given.
     type :: group_t
@@ -198,7 +198,7 @@ contains
 
         known = size(self%parameters)
         allocate (more(known + 1))
-        more(:known) = self%parameters
+        call move_parameter(self%parameters, more(:known))
         more(known + 1) = parameter
         call move_alloc(more, self%parameters)
         if (ends_in_degrees(name)) then

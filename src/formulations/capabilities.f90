@@ -11,7 +11,7 @@ module spintop_capabilities
     use spintop_powers, only: instants
     implicit none
     private
-    public :: capability_t, flows_t, group_action_t, series_t, quadruple_series_t, ends_t, reset_t, action_t
+    public :: capability_t, flows_t, stages_t, group_action_t, series_t, quadruple_series_t, ends_t, reset_t, action_t
     public :: max_states, max_series_order
     public :: structure_none, structure_split, structure_group, structure_series, &
         structure_quadruple, structure_names
@@ -45,6 +45,13 @@ module spintop_capabilities
         procedure(flow), deferred :: kick
         procedure :: compose => compose_flows
     end type flows_t
+
+    !> The stages of an explicit Runge-Kutta step in one call, cheaper than one by one. Equations with these do not
+    !> depend on t, and hold for any state.
+    type, abstract, extends(capability_t) :: stages_t
+    contains
+        procedure(find_stages), deferred :: find
+    end type stages_t
 
     !> The motion as that on a Lie group which acts on the states: y' = d/ds move(y, s xi) at s = 0.
     type, abstract, extends(capability_t) :: group_action_t
@@ -169,6 +176,16 @@ module spintop_capabilities
             real(dp), intent(in) :: y(max_states), h !! state at the beginning of the step; time, s
             real(dp), intent(inout) :: change(max_states) !! since the beginning of the step
         end subroutine flow
+
+        !> Stages of a step of size h from the state y.
+        pure subroutine find_stages(self, from, to, y, h, a, k)
+            import :: stages_t, dp, max_states
+            class(stages_t), intent(in) :: self
+            integer, intent(in) :: from, to !! first and last stage; there is at least one before
+            real(dp), intent(in) :: y(max_states), h !! state at the beginning of the step, and its size, s
+            real(dp), contiguous, intent(in) :: a(:, :) !! column i contains the weights of the stages before stage i
+            real(dp), contiguous, intent(inout) :: k(:, :) !! slopes: column i is that of stage i
+        end subroutine find_stages
 
         !> The element xi of the Lie algebra along which the state `y` moves whose slope is `dy`: finite where
         !> these are.

@@ -6,7 +6,7 @@ module spintop_formulation
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_capabilities, only: action_t, ends_t, flows_t, group_action_t, max_series_order, max_states, &
-        quadruple_series_t, reset_t, series_t, structure_group, structure_names, structure_none, &
+        quadruple_series_t, reset_t, series_t, stages_t, structure_group, structure_names, structure_none, &
         structure_quadruple, structure_series, structure_split
     use spintop_motion, only: motion_t
     implicit none
@@ -58,6 +58,7 @@ module spintop_formulation
         !> Capabilities: those that are allocated. The constructor of a formulation allocates them, its
         !> `prepare` sets them by `set_capabilities`.
         class(flows_t), allocatable :: flows
+        class(stages_t), allocatable :: stages
         class(group_action_t), allocatable :: group
         class(series_t), allocatable :: series
         class(quadruple_series_t), allocatable :: quadruple_series
@@ -141,6 +142,7 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         if (allocated(self%flows)) call self%flows%set(body, start)
+        if (allocated(self%stages)) call self%stages%set(body, start)
         if (allocated(self%group)) call self%group%set(body, start)
         if (allocated(self%series)) call self%series%set(body, start)
         if (allocated(self%quadruple_series)) call self%quadruple_series%set(body, start)

@@ -14,6 +14,7 @@ module spintop_rigid_body
     use spintop_motion_scales, only: motion_scales_t, motion_scales
     use spintop_rigid_body_flows, only: rigid_body_flows_t
     use spintop_rigid_body_series, only: body_series_t, find_quadruple_series
+    use spintop_rigid_body_stages, only: rigid_body_stages_t
     use spintop_status, only: status_ok
     use spintop_vectors, only: cross
     implicit none
@@ -76,6 +77,7 @@ contains
     function new_rigid_body() result(new)
         type(rigid_body_t) :: new
         allocate (rigid_body_flows_t :: new%flows)
+        allocate (rigid_body_stages_t :: new%stages)
         allocate (body_turns_t :: new%group)
         allocate (rigid_body_series_t :: new%series)
         allocate (rigid_body_quadruple_t :: new%quadruple_series)

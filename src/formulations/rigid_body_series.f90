@@ -71,13 +71,7 @@ contains
         real(dp), intent(in) :: y(max_states) !! state
         integer, intent(in) :: order !! order of the highest coefficient
         real(dp), intent(out) :: coefficient(max_states, 0:max_series_order) !! column k is the coefficient of h^k
-        real(dp) :: upper, lower, inverse, gamma(3)
-
-        upper = y(1)**2 + y(4)**2
-        lower = y(2)**2 + y(3)**2
-        inverse = 1 / (upper + lower)
-        gamma = inverse * [2 * (y(2) * y(4) - y(1) * y(3)), 2 * (y(3) * y(4) + y(1) * y(2)), upper - lower]
-        call c_expand(order, self%of, [y(1:7), 0.0_dp, gamma, 0.0_dp], share, coefficient)
+        call c_expand(order, self%of, y, share, coefficient)
     end subroutine find_series
 
     !> Taylor coefficients of the motion in quadruple precision.

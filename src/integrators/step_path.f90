@@ -116,6 +116,11 @@ contains
         real(dp) :: angle(3), given_angle(3), middle
         logical :: sure
 
+        if (self%is_idle) then
+            self%t = t
+            self%y = y
+            return
+        end if
         call self%try(formulation, t, y, angle, given_angle, sure)
         if (.not. sure) sure = t - self%t <= max(shortest_pace * (work%t - work%t_last), 2 * spacing(t)) &
                                .or. work%is_spent(stepper%controls%max_steps)

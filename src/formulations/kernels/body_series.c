@@ -49,19 +49,30 @@ int spintop_expand_body_at(int level, int order, const struct body *body, const 
 #else
 
 #define expand LEVEL(expand)
+#define find_first_term LEVEL(find_first_term)
 
 #include "body_vectors.h"
+
+// The quaternion, the momentum and the vertical in body axes, of a quaternion of any length.
+inlined void find_first_term(const double *state, half_vector *q, half_vector *momentum, half_vector *vertical) {
+    const double q0 = state[0], q1 = state[1], q2 = state[2], q3 = state[3];
+    const double upper = q0 * q0 + q3 * q3, lower = q1 * q1 + q2 * q2, inverse = 1 / (upper + lower);
+    const half_vector g = {2 * (q1 * q3 - q0 * q2), 2 * (q2 * q3 + q0 * q1), upper - lower, 0};
+    memcpy(q, state, sizeof *q), memcpy(momentum, state + half, sizeof *momentum);
+    *vertical = inverse * g;
+}
 
 static void expand(int order, const struct body *body, const double *state, const double *share, double *c) {
     struct factors row[most_terms], start, next, f;
     vector first[parts], second[parts], third[parts], decay[parts], pull[parts], swing[parts];
-    vector now[parts], rate[parts], ahead[parts], torque[2][parts], by_torque[2][parts], s1[parts], s2[parts];
-    half_vector q, q_ahead = {0}, momentum;
+    vector now[parts], both[parts], rate[parts], ahead[parts], torque[2][parts], by_torque[2][parts];
+    vector s1[parts], s2[parts];
+    half_vector q, momentum, vertical;
 
     get(first, body->first), get(second, body->second), get(third, body->third);
     get(decay, body->decay), get(pull, body->pull), get(swing, body->swing);
-    get(now, state + half);
-    memcpy(&q, state, sizeof q);
+    find_first_term(state, &q, &momentum, &vertical);
+    from_halves(&momentum, &vertical, now);
     memcpy(c, state, numbers * sizeof *c);
     arrange(now, &q, &f, torque);
     for_parts {
@@ -77,21 +88,23 @@ static void expand(int order, const struct body *body, const double *state, cons
     add_last_half(rate, s1);
     for_parts now[p] = rate[p];
     q = sum_of_halves(s1, s2);
+    for_parts s1[p] = s2[p] = (vector){0};
 
     for (int k = 1;; ++k) {
-        // `now` and `q` are term k; `ahead` and `q_ahead` the products of the terms 1 to k - 1.
+        // `now` and `q` are term k; `ahead`, `s1` and `s2` the products of the terms 1 to k - 1.
         arrange(now, &q, &f, torque);
         momentum = first_half(now);
-        put(c + numbers * k, &q), put(c + numbers * k + half, &momentum);
+        from_halves(&q, &momentum, both);
+        for_parts memcpy(c + numbers * k + width * p, &both[p], sizeof *both);
         if (k == order) return;
         for_parts {
+            s1[p] += start.b1[p] * f.b1[p], s2[p] += start.b2[p] * f.b2[p];
+            s1[p] += start.a1[p] * f.a1[p], s2[p] += start.a2[p] * f.a2[p];
             rate[p] = ((ahead[p] - decay[p] * now[p]) + start.a0[p] * f.a0[p] + by_torque[1][p] * torque[1][p])
                       + (start.b0[p] * f.b0[p] + by_torque[0][p] * torque[0][p]);
-            s1[p] = start.b1[p] * f.b1[p] + start.a1[p] * f.a1[p];
-            s2[p] = start.b2[p] * f.b2[p] + start.a2[p] * f.a2[p];
             now[p] = share[k] * rate[p];
         }
-        q = share[k] * (sum_of_halves(s1, s2) + q_ahead);
+        q = share[k] * sum_of_halves(s1, s2);
         // What the next term needs of those before it does not wait for that.
         if (k + 1 == order) continue;
         if (k == 1) {
@@ -103,7 +116,6 @@ static void expand(int order, const struct body *body, const double *state, cons
                 s1[p] = next.a1[p] * f.a1[p], s2[p] = next.a2[p] * f.a2[p];
             }
             add_last_half(ahead, s1);
-            q_ahead = sum_of_halves(s1, s2);
             continue;
         }
         for_parts {
@@ -115,7 +127,6 @@ static void expand(int order, const struct body *body, const double *state, cons
         for_parts f.a0[p] *= first[p], f.a1[p] *= second[p], f.a2[p] *= third[p];
         row[k] = f;
         add_last_half(ahead, s1);
-        q_ahead = sum_of_halves(s1, s2);
     }
 }
 

@@ -11,6 +11,7 @@
 #define arrange LEVEL(arrange)
 #define first_half LEVEL(first_half)
 #define last_half LEVEL(last_half)
+#define from_halves LEVEL(from_halves)
 #define sum_of_halves LEVEL(sum_of_halves)
 #define add_last_half LEVEL(add_last_half)
 #define add_inner_products LEVEL(add_inner_products)
@@ -101,6 +102,19 @@ inlined half_vector last_half(const vector *v) {
     return shuffle(v[0], v[0], 4, 5, 6, 7);
 #else
     return first_half(v + parts / 2);
+#endif
+}
+
+// A row of two halves.
+inlined void from_halves(const half_vector *first, const half_vector *last, vector *to) {
+    const half_vector low = *first, high = *last;
+#if defined(__AVX512F__)
+    to[0] = shuffle(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+#elif defined(__AVX__)
+    to[0] = low, to[1] = high;
+#else
+    to[0] = shuffle(low, low, 0, 1), to[1] = shuffle(low, low, 2, 3);
+    to[2] = shuffle(high, high, 0, 1), to[3] = shuffle(high, high, 2, 3);
 #endif
 }
 

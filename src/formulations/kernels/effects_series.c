@@ -62,7 +62,6 @@ void spintop_expand_effects(int order, const struct effects *e, const double *st
 #define series LEVEL(series)
 #define drag_terms LEVEL(drag_terms)
 #define get_half LEVEL(get_half)
-#define from_halves LEVEL(from_halves)
 #define cross LEVEL(cross)
 #define apply LEVEL(apply)
 #define first_terms LEVEL(first_terms)
@@ -116,18 +115,6 @@ inlined half_vector get_half(const double *from) {
     half_vector value;
     memcpy(&value, from, sizeof value);
     return value;
-}
-
-inlined void from_halves(const half_vector *first, const half_vector *last, vector *to) {
-    const half_vector low = *first, high = *last;
-#if defined(__AVX512F__)
-    to[0] = shuffle(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
-#elif defined(__AVX__)
-    to[0] = low, to[1] = high;
-#else
-    to[0] = shuffle(low, low, 0, 1), to[1] = shuffle(low, low, 2, 3);
-    to[2] = shuffle(high, high, 0, 1), to[3] = shuffle(high, high, 2, 3);
-#endif
 }
 
 #define component(v, i) shuffle(v, v, i, i, i, i)

@@ -5,7 +5,6 @@
 !> The state is summed with compensation, so that small steps at tight tolerances lose no digits.
 module spintop_dop853
     use spintop_kinds, only: dp
-    use spintop_compare, only: is_finite
     use spintop_dop853_table, only: dop853_table_t, main_stages, new_slope, all_stages
     use spintop_fixed_step, only: fixed_step_t, advance_on_grid, begin_on_grid, longest_step
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
@@ -123,8 +122,8 @@ contains
         class(formulation_t), intent(in) :: formulation
         class(dop853_workspace_t), intent(inout) :: work
         integer, intent(out) :: status
-        real(dp) :: h, h_smallest, h_left, t_new, change(max_states), y_new(max_states), slope(max_states)
-        real(dp) :: error, growth
+        real(dp) :: h, h_smallest, h_left, t_new, error, growth
+        real(dp), dimension(max_states) :: change, y_new, slope, error5, error3
         logical :: was_rejected, changed
 
         h_smallest = smallest_spacings * spacing(work%t)
@@ -138,12 +137,15 @@ contains
             if (1.01_dp * h >= work%t_end - work%t .and. h < h_left) t_new = work%t_end
             t_new = min(t_new, work%t_end)
             h = t_new - work%t
-            call self%step(formulation, work, h, change, status)
+            work%k(:, 1) = work%slope
+            call find_stages(self, formulation, work, work%t, work%y, h, 2, main_stages, status)
             error = 0
             if (status == status_ok) then
+                call sum_stages(self%table, work%k, change, error5, error3)
+                change = h * change
                 y_new = work%y + (change + work%rest)
-                error = error_estimate(self%table, work, h, y_new)
-                if (.not. is_finite(error)) status = status_non_finite
+                error = error_estimate(work, h, y_new, error5, error3)
+                if (.not. abs(error) <= huge(error)) status = status_non_finite
             end if
             ! The slope at the new state must exist: it begins the next step.
             if (status == status_ok .and. error <= 1) then
@@ -156,7 +158,7 @@ contains
                 return
             end if
             growth = 0.5_dp
-            if (status == status_ok) growth = max(largest_cut, safety * error**(-1 / power))
+            if (status == status_ok) growth = max(largest_cut, growth_for(error))
             work%h = max(h * growth, h_smallest)
             was_rejected = .true.
         end do
@@ -164,7 +166,7 @@ contains
         work%slope = slope
         if (changed) call work%evaluate(formulation, work%t, work%y, work%slope, status)
         growth = largest_growth
-        if (error > 0) growth = min(growth, max(largest_cut, safety * error**(-1 / power)))
+        if (error > 0) growth = min(growth, max(largest_cut, growth_for(error)))
         if (was_rejected) growth = min(growth, 1.0_dp)
         work%h = h * growth
     end subroutine advance_adaptively
@@ -177,37 +179,103 @@ contains
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(out) :: change(max_states) !! change of the state
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        real(dp) :: stage(max_states)
-        integer :: i
 
-        status = status_ok
         change = 0
+        status = status_ok
         select type (work)
         class is (dop853_workspace_t)
             work%k(:, 1) = work%slope
-            do i = 2, main_stages
-                stage = moved(work%y, h, work%k, self%table%a(:, i), i - 1)
-                call work%evaluate(formulation, work%t + self%table%c(i) * h, stage, work%k(:, i), status)
-                if (status /= status_ok) return
-            end do
+            call find_stages(self, formulation, work, work%t, work%y, h, 2, main_stages, status)
+            if (status /= status_ok) return
             change = h * (weighted(work%k, self%table%b, main_stages) &
                           + weighted(work%k, self%table%b_rest, main_stages))
         end select
     end subroutine step
 
-    !> Error of a step in units of the tolerance: the errors of the embedded methods of orders 5 and 3,
-    !> combined to an estimate of order h^8.
-    pure real(dp) function error_estimate(table, work, h, y_new) result(error)
+    !> Stages of a step of size h from a time and a state: at once where the formulation offers this.
+    subroutine find_stages(self, formulation, work, t, y, h, from, to, status)
+        class(dop853_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(dop853_workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: t, y(max_states), h
+        integer, intent(in) :: from, to
+        integer, intent(out) :: status
+        real(dp) :: stage(max_states)
+        integer :: i
+
+        status = status_ok
+        if (allocated(formulation%stages)) then
+            call formulation%stages%find(from, to, y, h, self%table%a, work%k)
+            work%counts%evaluations = work%counts%evaluations + (to - from + 1)
+            ! What is no number in a stage is none in those after it.
+            if (.not. all(abs(work%k(:, to)) <= huge(1.0_dp))) status = status_non_finite
+            return
+        end if
+        do i = from, to
+            stage = moved(y, h, work%k, self%table%a(:, i), i - 1)
+            call work%evaluate(formulation, t + self%table%c(i) * h, stage, work%k(:, i), status)
+            if (status /= status_ok) return
+        end do
+    end subroutine find_stages
+
+    !> The sums of the stages that make the change of the state, and the errors of the embedded methods of orders 5 and
+    !> 3, each over h. In one loop, as each sum waits for its last term.
+    pure subroutine sum_stages(table, k, change, error5, error3)
         type(dop853_table_t), intent(in) :: table
+        real(dp), intent(in) :: k(max_states, all_stages)
+        real(dp), dimension(max_states), intent(out) :: change, error5, error3
+        real(dp), dimension(max_states) :: main, rest, fifth, third
+        integer :: i, j
+        main = 0
+        rest = 0
+        fifth = 0
+        third = 0
+        do i = 1, main_stages
+            !$omp simd
+            do j = 1, max_states
+                main(j) = main(j) + table%b(i) * k(j, i)
+                rest(j) = rest(j) + table%b_rest(i) * k(j, i)
+                fifth(j) = fifth(j) + table%error5(i) * k(j, i)
+                third(j) = third(j) + table%error3(i) * k(j, i)
+            end do
+        end do
+        change = main + rest
+        error5 = fifth
+        error3 = third
+    end subroutine sum_stages
+
+    !> Error of a step in units of the tolerance: the errors of the embedded methods, combined to an estimate of
+    !> order h^8.
+    pure real(dp) function error_estimate(work, h, y_new, error5, error3) result(error)
         class(dop853_workspace_t), intent(in) :: work
-        real(dp), intent(in) :: h, y_new(max_states)
-        real(dp) :: allowed(max_states), error5, error3
-        allowed = work%weight%allowed(work%y, y_new)
-        error5 = sum((weighted(work%k, table%error5, main_stages) / allowed)**2)
-        error3 = sum((weighted(work%k, table%error3, main_stages) / allowed)**2)
+        real(dp), intent(in) :: h, y_new(max_states), error5(max_states), error3(max_states)
+        real(dp) :: share(max_states), fifth(max_states), third(max_states), square5, square3
+        integer :: i
+        associate (w => work%weight)
+            !$omp simd
+            do i = 1, max_states
+                share(i) = 1 / (w%absolute(i) + w%relative(i) * max(abs(work%y(i)), abs(y_new(i))))
+                fifth(i) = (error5(i) * share(i))**2
+                third(i) = (error3(i) * share(i))**2
+            end do
+        end associate
+        square5 = total(fifth)
+        square3 = total(third)
         error = 0
-        if (error5 > 0) error = h * error5 / sqrt((error5 + 0.01_dp * error3) * work%states)
+        if (square5 > 0) error = h * square5 / sqrt((square5 + 0.01_dp * square3) * work%states)
     end function error_estimate
+
+    !> Sum of all components, in pairs, which do not wait for one another.
+    pure real(dp) function total(x)
+        real(dp), intent(in) :: x(max_states)
+        total = ((x(1) + x(5)) + (x(2) + x(6))) + ((x(3) + x(7)) + (x(4) + x(8)))
+    end function total
+
+    !> Growth of the step that an error in units of the tolerance allows, which goes with the power 8 of the step.
+    pure real(dp) function growth_for(error) result(growth)
+        real(dp), intent(in) :: error
+        growth = safety / sqrt(sqrt(sqrt(error)))
+    end function growth_for
 
     !> Sum of the first n stages with the weights given.
     pure function weighted(k, weight, n) result(total)
@@ -265,7 +333,7 @@ contains
         class(dop853_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
         class(dop853_workspace_t), intent(inout) :: work
-        real(dp) :: h, stage(max_states)
+        real(dp) :: h
         integer :: i, status
 
         h = work%t - work%t_last
@@ -276,11 +344,8 @@ contains
         work%term(:, 3) = h * work%k(:, 1) - work%term(:, 2)
         work%term(:, 4) = work%term(:, 2) - h * work%slope - work%term(:, 3)
         work%term(:, 5:8) = 0
-        do i = new_slope + 1, all_stages
-            stage = moved(work%y_last, h, work%k, self%table%a(:, i), i - 1)
-            call work%evaluate(formulation, work%t_last + self%table%c(i) * h, stage, work%k(:, i), status)
-            if (status /= status_ok) return
-        end do
+        call find_stages(self, formulation, work, work%t_last, work%y_last, h, new_slope + 1, all_stages, status)
+        if (status /= status_ok) return
         do i = 1, 4
             work%term(:, 4 + i) = h * weighted(work%k, self%table%dense(:, i), all_stages)
         end do

@@ -5,6 +5,7 @@
 !> 1 - ln(tolerance)/2, but here coefficients of high order are cheap). The series is its own dense output.
 !> The state is summed with compensation.
 module spintop_taylor
+    use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_kinds, only: dp
     use spintop_powers, only: instants
     use spintop_formulation, only: formulation_t, max_series_order, max_states
@@ -44,9 +45,26 @@ module spintop_taylor
     real(dp), parameter :: smallest_spacings = 16
     !> A step is stretched to the end if this factor suffices.
     real(dp), parameter :: stretch = 1.01_dp
-    !> 1/k.
-    integer :: term
-    real(dp), parameter :: inverse(max_series_order) = [(1.0_dp / term, term=1, max_series_order)]
+
+    interface
+        !> The time at which the larger of the last two terms reaches the admissible error, s.
+        pure real(c_double) function c_length(order, coefficient, absolute, relative, scale, least, h) &
+            bind(C, name='spintop_length_of_step')
+            import :: c_double, c_int
+            integer(c_int), value :: order
+            real(c_double), intent(in) :: coefficient(*), absolute(*), relative(*), scale(*)
+            real(c_double), value :: least, h
+        end function c_length
+
+        !> Change of the variables of the series after a time h.
+        pure subroutine c_add_terms(order, coefficient, h, change) bind(C, name='spintop_add_terms')
+            import :: c_double, c_int
+            integer(c_int), value :: order
+            real(c_double), intent(in) :: coefficient(*)
+            real(c_double), value :: h
+            real(c_double), intent(out) :: change(*)
+        end subroutine c_add_terms
+    end interface
 
 contains
 
@@ -122,7 +140,7 @@ contains
             work%h = h
             t_new = work%t + h
             if (stretch * h >= work%t_end - work%t) t_new = work%t_end
-            change = sum_of_terms(work, t_new - work%t)
+            call c_add_terms(work%order, work%coefficient, t_new - work%t, change)
             call formulation%series%unfold(work%y, t_new - work%t, change)
             ! Terms that are NaN do not show in the largest magnitude.
             status = status_non_finite
@@ -139,52 +157,15 @@ contains
         if (is_too_small) is_too_small = h <= smallest_spacings * spacing(t)
     end function is_too_small
 
-    !> The time at which one of the last two terms reaches the tolerance.
-    pure real(dp) function length_of_step(work) result(h)
+    !> The time at which one of the last two terms reaches the tolerance. Near a zero of a component the magnitude one
+    !> step away is used.
+    real(dp) function length_of_step(work) result(h)
         type(taylor_workspace_t), intent(in) :: work
-        real(dp) :: allowed, last, before, share, growth
-        integer :: i
-
-        last = 0
-        before = 0
-        associate (c => work%coefficient, p => work%order, w => work%weight, least => work%least)
-            !$omp simd reduction(max: last, before)
-            do i = 1, max_states
-                ! Near a zero of a component the magnitude one step away is used.
-                allowed = w%absolute(i) + w%relative(i) * (abs(c(i, 0)) + min(abs(c(i, 1)) * work%h, w%scale(i)))
-                share = 1 / allowed
-                last = max(last, max(abs(c(i, p)), least) * share)
-                before = max(before, max(abs(c(i, p - 1)), least) * share)
-            end do
-            growth = -huge(growth)
-            if (last > 0) growth = log(last) * inverse(p)
-            if (before > 0) growth = max(growth, log(before) * inverse(p - 1))
-            h = min(largest_growth * work%h, safety * exp(-growth))
-            if (.not. (last <= huge(last) .and. before <= huge(before))) h = last + before
+        associate (w => work%weight)
+            h = safety * c_length(work%order, work%coefficient, w%absolute, w%relative, w%scale, work%least, work%h)
         end associate
+        if (abs(h) <= huge(h)) h = min(largest_growth * work%h, h)
     end function length_of_step
-
-    !> Change of the variables of the series after a time h, by Horner's rule. Terms of odd and of even order
-    !> are summed separately, because each waits for the previous one.
-    pure function sum_of_terms(work, h) result(change)
-        type(taylor_workspace_t), intent(in) :: work
-        real(dp), intent(in) :: h
-        real(dp) :: change(max_states), odd(max_states), even(max_states), square
-        integer :: i, k
-        square = h**2
-        associate (c => work%coefficient, pairs => work%order / 2)
-            odd = merge(c(:, work%order), 0.0_dp, 2 * pairs < work%order)
-            even = 0
-            do k = pairs, 1, -1
-                !$omp simd
-                do i = 1, max_states
-                    odd(i) = odd(i) * square + c(i, 2 * k - 1)
-                    even(i) = even(i) * square + c(i, 2 * k)
-                end do
-            end do
-        end associate
-        change = odd * h + even * square
-    end function sum_of_terms
 
     !> The state at a time within the last step.
     function state_within(self, formulation, work, t) result(y)
@@ -198,7 +179,7 @@ contains
         y = work%y
         select type (work)
         class is (taylor_workspace_t)
-            change = sum_of_terms(work, t - work%t_last)
+            call c_add_terms(work%order, work%coefficient, t - work%t_last, change)
             call formulation%series%unfold(work%y_last, t - work%t_last, change)
             y = work%y_last + change
         end select

@@ -31,6 +31,8 @@ module spintop_rest
         real(dp), private :: largest = 0, steepest = 0
         !> What `find_slowing` found last, and when, s: the end of a step is the beginning of the next.
         real(dp), private :: seen_at = -1, seen_speed = 0, seen_slowing = 0
+        !> Whether the direction of the angular velocity was constant there.
+        logical, private :: seen_plane = .false.
     contains
         procedure :: begin
         procedure :: advance
@@ -48,8 +50,9 @@ module spintop_rest
     real(dp), parameter :: turning = 1.0e-6_dp
     !> Steps to rest are limited to this share of the time left.
     real(dp), parameter :: share = 0.5_dp
-    !> Tolerance of the steps where there is no series, if that of the method is not smaller.
-    real(dp), parameter :: crossing_tolerance = 1.0e-12_dp
+    !> Tolerance of the steps where there is no series, if that of the method is not smaller; and the smallest, for steps in
+    !> double precision.
+    real(dp), parameter :: crossing_tolerance = 1.0e-12_dp, finest_tolerance = 1.0e-14_dp
 
 contains
 
@@ -65,8 +68,8 @@ contains
         if (.not. speed > 0) call self%check_rest(formulation, work%t, work%y)
     end subroutine begin
 
-    !> The angular velocity and how fast it decreases; zero where it need not come to rest: without dry friction
-    !> but for plane motions whose series end where they turn.
+    !> The angular velocity and how fast it decreases; zero where nothing depends on its direction: without dry friction, but
+    !> for series under a drag, which end near where the motion turns.
     subroutine find_slowing(self, formulation, stepper, work, speed, slowing)
         class(rest_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
@@ -83,10 +86,11 @@ contains
         self%largest = max(self%largest, speed)
         self%steepest = max(self%steepest, slowing)
         if (.not. (formulation%action%may_stick &
-                   .or. (is_plane .and. needs_series(stepper) .and. slowing > turning * self%steepest))) slowing = 0
+                   .or. (needs_series(stepper) .and. slowing > turning * self%steepest))) slowing = 0
         self%seen_at = work%t
         self%seen_speed = speed
         self%seen_slowing = slowing
+        self%seen_plane = is_plane
     end subroutine find_slowing
 
     !> Whether a method steps by series.
@@ -133,22 +137,42 @@ contains
             end if
         end if
         call stepper%advance(formulation, work, status)
-        if (status == status_ok .and. needs_series(stepper) .and. formulation%action%may_stick) then
-            call end_before_reversal(formulation, stepper, work, status)
+        if (status == status_ok .and. needs_series(stepper)) then
+            if (may_reverse(formulation, stepper, work)) call end_before_reversal(formulation, stepper, work, status)
         end if
         if (needs_series(stepper) .and. (status == status_non_finite .or. status == status_step_too_small)) then
             self%is_other = .true.
             if (allocated(self%stepper)) deallocate (self%stepper)
             allocate (self%stepper, source=dop853_t(table=dop853_table(), info=method_info_t('dop853')))
-            self%stepper%controls%relative_tolerance = min(crossing_tolerance, stepper%controls%relative_tolerance)
-            self%stepper%controls%absolute_tolerance = min(crossing_tolerance, stepper%controls%absolute_tolerance)
+            associate (own => self%stepper%controls, given => stepper%controls)
+                own%relative_tolerance = max(finest_tolerance, min(crossing_tolerance, given%relative_tolerance))
+                own%absolute_tolerance = max(finest_tolerance, min(crossing_tolerance, given%absolute_tolerance))
+            end associate
             call self%advance_by_other(formulation, work, status)
         end if
         work%t_end = t_end
     end subroutine advance
 
-    !> Ends a step by series before the angular velocity reverses in it. There a plane motion comes to rest, and the friction
-    !> is another one beyond; but the series, in which its direction is constant, goes on.
+    !> Whether friction or drag may change its direction in a step: always under friction, and under a drag where the angular
+    !> velocity turns by more than a right angle in half of the step.
+    logical function may_reverse(formulation, stepper, work)
+        class(formulation_t), intent(in) :: formulation
+        class(stepper_t), intent(in) :: stepper
+        class(workspace_t), intent(inout) :: work
+        real(dp) :: middle, omega(3)
+        may_reverse = formulation%action%may_stick
+        if (may_reverse .or. .not. formulation%action%may_turn) return
+        middle = work%t_last + (work%t - work%t_last) / 2
+        associate (action => formulation%action)
+            omega = action%angular_velocity(middle, stepper%interpolate(formulation, work, middle))
+            may_reverse = dot_product(omega, action%angular_velocity(work%t_last, work%y_last)) < 0 .or. &
+                dot_product(omega, action%angular_velocity(work%t, work%y)) < 0
+        end associate
+    end function may_reverse
+
+    !> Ends a step by series before the angular velocity reverses in it. There a plane motion comes to rest, and friction or
+    !> drag is another one beyond; but the series, in which its direction is constant, goes on. That of a motion that is
+    !> nearly plane does so too, as far as its terms can tell.
     subroutine end_before_reversal(formulation, stepper, work, status)
         class(formulation_t), intent(in) :: formulation
         class(stepper_t), intent(in) :: stepper
@@ -222,7 +246,7 @@ contains
                 self%is_resting = .false.
                 allowed = nearly_still * self%largest
                 if (stepper%controls%steps > 0) allowed = max(allowed, slowing * work%h)
-                if (slowing > 0 .and. speed <= allowed) then
+                if (slowing > 0 .and. speed <= allowed .and. (formulation%action%may_stick .or. self%seen_plane)) then
                     left = min(speed / slowing, work%t_end - work%t)
                     call stop_at_rest(left)
                 end if
@@ -268,6 +292,7 @@ contains
         call archive%carry(self%seen_at)
         call archive%carry(self%seen_speed)
         call archive%carry(self%seen_slowing)
+        call archive%carry(self%seen_plane)
     end subroutine carry
 
 end module spintop_rest

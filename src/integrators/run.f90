@@ -159,11 +159,12 @@ contains
         path%stepper => stepper
         path%work => work
         if (status == status_ok) call self%rest%settle(self%formulation, stepper, work, status)
+        ! The work of a last instant before rest or reversal, the square of a negligible angular velocity, is zero.
+        self%account%t = max(self%account%t, work%t)
         if (status == status_ok .and. self%rest%occasion /= occasion_none) call self%meet_occasion(ends, watch)
     end subroutine end_step
 
-    !> Meets the events of rest and departure at the end of a step. The work of the last instant before rest, the square
-    !> of a negligible angular velocity, is zero.
+    !> Meets the events of rest and departure at the end of a step.
     subroutine meet_occasion(self, ends, watch)
         class(run_t), intent(inout) :: self
         logical, intent(out) :: ends !! whether the run ends here
@@ -171,7 +172,6 @@ contains
         type(motion_t) :: motion
         ends = .false.
         associate (work => self%work)
-            self%account%t = max(self%account%t, work%t)
             if (work%t > self%follower%t) call self%follower%go_to(self%formulation, work%t, work%y)
             if (present(watch)) then
                 motion = self%formulation%motion(work%t, work%y, self%follower%angle)

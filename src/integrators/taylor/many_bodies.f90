@@ -33,8 +33,8 @@ contains
     !> outcomes. phi and psi count all their turns. `controls` contains the tolerances and the maximum number
     !> of steps per case. Any body is possible, damped or undamped, in any attitude, and with effects but dry friction and
     !> tables of torques (`status_unsuitable`). The result of a case does not depend on the others. A case that fails
-    !> returns the last motion that it reached, also where a drag has no series because a speed is zero
-    !> (`status_non_finite`, `status_step_too_small`); a case that is refused (`status_non_finite`, `status_bad_body`,
+    !> returns the last motion that it reached, also where a drag has no series because a speed is zero, or nearly so while the
+    !> body reverses (`status_non_finite`, `status_step_too_small`); a case that is refused (`status_non_finite`, `status_bad_body`,
     !> `status_bad_start`, `status_bad_span`) returns its start. All cases are refused if the settings are not valid, or if
     !> the sizes of the arrays differ.
     subroutine integrate_many(controls, bodies, starts, t_end, ends, outcomes, watches)

@@ -62,6 +62,8 @@ module spintop_taylor_lanes
         !> `status_ok`, or the reason why a lane does not continue.
         integer :: status(lanes) = status_ok
         integer(int64) :: steps(lanes) = 0
+        !> Whether there is a drag on a lane that changes its direction with that of the angular velocity at once.
+        logical, private :: has_cusps(lanes) = .false.
         type(controls_t), private :: controls
         !> Memory for both.
         real(dp), allocatable, private :: room(:)
@@ -155,7 +157,10 @@ contains
             now%pull(lane, :) = cshift(moment, -1) / inertia
             now%swing(lane, :) = cshift(moment, 1) / inertia
         end associate
-        if (allocated(self%effects)) call self%effects%put(lane, body)
+        if (allocated(self%effects)) then
+            call self%effects%put(lane, body)
+            self%has_cusps(lane) = body%effects%has_cusps()
+        end if
         self%steps(lane) = 0
         self%status(lane) = status_ok
     end subroutine load
@@ -176,6 +181,7 @@ contains
             end if
             call choose_durations(self%order, self%controls, c, now%scale, now%t, now%t_end, self%steps, &
                                   now%h, now%duration, trouble, worst)
+            if (any(self%has_cusps)) call find_reversals(self, trouble, worst)
             if (worst > 0) call end_lanes(self, trouble)
             call add_terms(self%order, c, now%duration, now%t_end, now%t_last, now%t, now%state, now%rest, self%steps)
             now%side_last = now%side
@@ -196,6 +202,28 @@ contains
             end do
         end associate
     end subroutine advance
+
+    !> Finds the lanes whose angular velocity turns by more than a right angle in half of the coming step, under a drag with
+    !> cusps: it may reverse there, and the series goes on with the drag of the old direction.
+    pure subroutine find_reversals(self, trouble, worst)
+        class(taylor_lanes_t), intent(in) :: self
+        integer(int64), intent(inout) :: trouble(lanes), worst
+        real(dp), dimension(lanes, 3) :: middle, end
+        integer :: k, i
+
+        middle = self%c(:, :3, self%order)
+        end = middle
+        do k = self%order - 1, 0, -1
+            do i = 1, 3
+                middle(:, i) = middle(:, i) * (self%now%duration / 2) + self%c(:, i, k)
+                end(:, i) = end(:, i) * self%now%duration + self%c(:, i, k)
+            end do
+        end do
+        where (self%has_cusps .and. (sum(middle * self%c(:, :3, 0), 2) < 0 .or. sum(middle * end, 2) < 0))
+            trouble = max(trouble, non_finite)
+        end where
+        worst = max(worst, maxval(trouble))
+    end subroutine find_reversals
 
     !> Ends a lane at a time within the last step: its motion is that then.
     pure subroutine stop_lane(self, lane, t)

@@ -86,7 +86,7 @@ inlined void find_moment(int part, const struct lane_kinds *has, int k, int lane
 }
 
 // The integral over the step, but for its length, of the product of two series of so many terms.
-inlined vector integral(int terms, const series a, const series b) {
+inlined vector integral(int terms, vector a[][3], vector b[][3]) {
     vector sum[3] = {{0}};
     for (int i = 0; i < terms; i += block) {
         vector s[block][3] = {{{0}}};
@@ -103,17 +103,17 @@ inlined vector integral(int terms, const series a, const series b) {
 }
 
 // The same of a constant moment.
-inlined vector linear_work(int terms, const series a, int lane, const double (*moment)[lanes]) {
+inlined vector linear_work(int terms, vector a[][3], const double *moment) {
     vector sum[3] = {{0}}, work = {0};
     for (int i = 0; i < terms; ++i) {
         for_all(m, 3) sum[m] += share[i] * a[i][m];
     }
-    for_all(m, 3) work += get(moment[m] + lane, 0) * sum[m];
+    for_all(m, 3) work += get(moment, m) * sum[m];
     return work;
 }
 
 // The same of the moment of a part of the work.
-inlined vector work_of(int part, const struct lane_kinds *has, int terms, const vector power[room], const series w, int lane,
+inlined vector work_of(int part, const struct lane_kinds *has, int terms, const vector *power, vector w[][3], int lane,
                        const struct lane_work *of, const double *c, const double *x) {
     series moment;
     for (int k = 0; k < terms; ++k) {
@@ -145,13 +145,13 @@ static void add_lane_work(int order, const struct lane_kinds *has, const int *ac
         if (has->twists) {
             add(sum, by_torque, h * work_of(by_torque, has, order, power, w, lane, of, c, x));
         } else if (acts[by_torque]) {
-            add(sum, by_torque, h * linear_work(order, w, lane, of->torque));
+            add(sum, by_torque, h * linear_work(order, w, of->torque[0] + lane));
         }
         if (acts[by_rotor]) {
             for (int k = 0; k < order && has->turns; ++k) {
                 for_all(m, 3) w[k][m] += power[k] * get(x + more * k + lane, frame + m);
             }
-            add(sum, by_rotor, -h * linear_work(order, w, lane, of->drive));
+            add(sum, by_rotor, -h * linear_work(order, w, of->drive[0] + lane));
         }
     }
 }

@@ -6,8 +6,8 @@ module spintop_extreme_lanes
     use spintop_formulation, only: max_series_order
     use spintop_lane_series, only: numerator, parts
     use spintop_motion, only: motion_t
-    use spintop_lane_products, only: add_squares, multiply, multiply_slopes
-    use spintop_root_watch, only: of_interval, root_watch_t, rounding, states_at
+    use spintop_lane_products, only: add_squares, multiply, multiply_slopes, square
+    use spintop_root_watch, only: find_derivatives, find_powers, find_row, of_interval, root_watch_t, rounding, states_at
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
     private
@@ -82,19 +82,16 @@ contains
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
             !! coefficients, and a bound of their rounding errors
-        real(dp) :: n(lanes, 0:max_series_order), d(lanes, 0:max_series_order), rounded(lanes)
+        real(dp), dimension(lanes, 0:max_series_order) :: power, n, d
         integer :: k
         associate (unused => self)
         end associate
-        degree = run%order - 1
-        do k = 0, degree
-            n(:, k) = run%c(:, numerator, k)
-        end do
+        degree = run%order - 2
         ! On the unit interval, so that no power overflows.
-        call of_interval(degree, run%now%t - run%now%t_last, n, rounded)
-        call find_sine2(run, degree, d)
-        call multiply_slopes(degree - 1, n, d, a)
-        degree = degree - 1
+        call find_powers(degree + 1, run%now%t - run%now%t_last, power)
+        call find_row(run%order, run%c, numerator, degree + 1, power, n)
+        call find_sine2(run, degree + 1, power, d)
+        call multiply_slopes(degree, n, d, a)
         noise = 0
         do k = 0, degree
             noise = noise + rounding * abs(a(:, k))
@@ -154,24 +151,22 @@ contains
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
             !! coefficients, and a bound of their rounding errors
-        real(dp), dimension(lanes, 0:max_series_order) :: height, w, w_rate, w2, d, product
+        real(dp), dimension(lanes, 0:max_series_order) :: power, height, w, w_rate, w2, d, product
         integer :: k
         associate (unused => self)
         end associate
         degree = run%order - 2
-        do k = 0, run%order
-            height(:, k) = run%c(:, 6, k)
-        end do
-        call of_interval(run%order, run%now%t - run%now%t_last, height, noise)
-        do k = 0, run%order - 1
+        call find_powers(degree + 2, run%now%t - run%now%t_last, power)
+        call find_row(run%order, run%c, 6, degree + 2, power, height)
+        do k = 0, degree + 1
             w(:, k) = (k + 1) * height(:, k + 1)
         end do
         do k = 0, degree
             w_rate(:, k) = (k + 1) * w(:, k + 1)
         end do
-        call find_sine2(run, degree, d)
+        call find_sine2(run, degree, power, d)
         call multiply(degree, w_rate, d, a)
-        call multiply(degree, w, w, w2)
+        call square(degree, w, w2)
         call multiply(degree, height, w2, product)
         noise = 0
         do k = 0, degree
@@ -217,19 +212,14 @@ contains
     end subroutine find_nutation_rates
 
     !> The series of Gamma1^2 + Gamma2^2 over the unit interval.
-    subroutine find_sine2(run, degree, d)
+    subroutine find_sine2(run, degree, power, d)
         type(taylor_lanes_t), intent(in) :: run
         integer, intent(in) :: degree
+        real(dp), intent(in) :: power(lanes, 0:max_series_order)
         real(dp), intent(out) :: d(lanes, 0:max_series_order)
         real(dp), dimension(lanes, 0:max_series_order) :: first, second
-        real(dp) :: rounded(lanes)
-        integer :: k
-        do k = 0, degree
-            first(:, k) = run%c(:, 4, k)
-            second(:, k) = run%c(:, 5, k)
-        end do
-        call of_interval(degree, run%now%t - run%now%t_last, first, rounded)
-        call of_interval(degree, run%now%t - run%now%t_last, second, rounded)
+        call find_row(run%order, run%c, 4, degree, power, first)
+        call find_row(run%order, run%c, 5, degree, power, second)
         call add_squares(degree, first, second, d)
     end subroutine find_sine2
 
@@ -254,16 +244,8 @@ contains
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
             !! coefficients, and a bound of their rounding errors
-        integer :: i, k
         degree = run%order - 1
-        associate (r => self%centre, c => run%c)
-            do k = 0, degree
-                !$omp simd
-                do i = 1, lanes
-                    a(i, k) = (k + 1) * (r(i, 1) * c(i, 4, k + 1) + r(i, 2) * c(i, 5, k + 1) + r(i, 3) * c(i, 6, k + 1))
-                end do
-            end do
-        end associate
+        call find_derivatives(run%order, run%c, self%centre, 1, degree, a)
         call of_interval(degree, run%now%t - run%now%t_last, a, noise)
     end subroutine find_height_slopes
 

@@ -9,18 +9,27 @@ module spintop_force_lanes
     use spintop_body, only: body_t
     use spintop_formulation, only: max_series_order
     use spintop_kinds, only: dp
-    use spintop_lane_products, only: add_squares, multiply
-    use spintop_lane_series, only: parts
+    use spintop_lane_products, only: add_squares, multiply, square
+    use spintop_lane_series, only: parts, rows
     use spintop_motion, only: motion_t
-    use spintop_root_watch, only: of_interval, root_watch_t, rounding, states_at
+    use spintop_root_watch, only: find_derivatives, find_powers, of_interval, root_watch_t, rounding, states_at
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
+    use spintop_vectors, only: cross
     implicit none
     private
     public :: vertical_force_lanes_t, force_lanes_t
 
+    !> Degree of the slope of the squared force, as a share of the order of the states, and at least: the products cost as
+    !> the square of it. Where the slope is off by e, relative to its size, an extreme is off by e^2 only. Not so for
+    !> rates of angles, which peak next to a pole.
+    real(dp), parameter :: degree_share = 0.7_dp
+    integer, parameter :: least_degree = 12
+
     !> What both watches know of the bodies.
     type, abstract, extends(root_watch_t) :: body_watch_t
         real(dp), private :: mass(lanes) = 1, gravity(lanes) = 0, centre(lanes, 3) = 0
+        !> Unit vectors, two beside r and one along it, and |r|.
+        real(dp), private :: axes(lanes, 3, 3) = 0, arm(lanes) = 0
         real(dp), dimension(lanes), private :: least = 0, largest = 0
     contains
         procedure :: begin
@@ -76,10 +85,25 @@ contains
         self%mass(lane) = body%mass
         self%gravity(lane) = body%gravity
         self%centre(lane, :) = body%centre_of_mass
+        self%axes(lane, :, :) = axes_along(body%centre_of_mass)
+        self%arm(lane) = norm2(body%centre_of_mass)
         call self%forces(run, run%now%state, force)
         self%least(lane) = force(lane)
         self%largest(lane) = force(lane)
     end subroutine begin
+
+    !> Two unit vectors and that along a vector, at right angles and right-handed.
+    pure function axes_along(r) result(axes)
+        real(dp), intent(in) :: r(3)
+        real(dp) :: axes(3, 3), other(3)
+        axes(:, 3) = [0.0_dp, 0.0_dp, 1.0_dp]
+        if (norm2(r) > 0) axes(:, 3) = r / norm2(r)
+        other = 0
+        other(minloc(abs(axes(:, 3)), dim=1)) = 1
+        axes(:, 1) = cross(axes(:, 3), other)
+        axes(:, 1) = axes(:, 1) / norm2(axes(:, 1))
+        axes(:, 2) = cross(axes(:, 3), axes(:, 1))
+    end function axes_along
 
     !> Takes extremes.
     subroutine take(self, run, u, slope)
@@ -150,69 +174,88 @@ contains
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
             !! coefficients, and a bound of their rounding errors
-        integer :: i, k
         degree = run%order - 3
-        associate (r => self%centre, c => run%c)
-            do k = 0, degree
-                !$omp simd
-                do i = 1, lanes
-                    a(i, k) = ((k + 1) * (k + 2) * (k + 3)) &
-                        * (r(i, 1) * c(i, 4, k + 3) + r(i, 2) * c(i, 5, k + 3) + r(i, 3) * c(i, 6, k + 3))
-                end do
-            end do
-        end associate
+        call find_derivatives(run%order, run%c, self%centre, 3, degree, a)
         call of_interval(degree, run%now%t - run%now%t_last, a, noise)
     end subroutine find_vertical_slopes
 
-    !> The slope of the square of the force over the mass.
+    !> The slope of the square of the force over the mass. With omega = (u, v, w) in the axes beside r and along it, there the
+    !> force over the mass is
+    !>
+    !>     f = |r| (w u + v', w v - u', -u^2 - v^2) + g Gamma.
     subroutine find_total_slopes(self, run, degree, a, noise)
         class(force_lanes_t), intent(in) :: self
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
             !! coefficients, and a bound of their rounding errors
-        real(dp), dimension(lanes, 0:max_series_order) :: along, rate2, total
-        real(dp), dimension(lanes, 0:max_series_order, 3) :: w, slope, f
-        integer :: k, m, next, last
+        real(dp), dimension(lanes, 0:max_series_order) :: power, product, total
+        real(dp), dimension(lanes, 0:max_series_order, 3) :: w, f
+        integer :: k, m
 
-        degree = run%order - 2
-        do m = 1, 3
-            do k = 0, run%order - 1
-                w(:, k, m) = run%c(:, m, k)
-                slope(:, k, m) = (k + 1) * run%c(:, m, k + 1)
-            end do
-            ! On the unit interval, so that no power overflows.
-            call of_interval(run%order - 1, run%now%t - run%now%t_last, w(:, :run%order - 1, m), noise)
-            call of_interval(run%order - 1, run%now%t - run%now%t_last, slope(:, :run%order - 1, m), noise)
-        end do
-        call add_squares(degree + 1, w(:, :, 1), w(:, :, 2), rate2)
-        call multiply(degree + 1, w(:, :, 3), w(:, :, 3), total)
-        do k = 0, degree + 1
-            rate2(:, k) = rate2(:, k) + total(:, k)
-            along(:, k) = self%centre(:, 1) * w(:, k, 1) + self%centre(:, 2) * w(:, k, 2) + self%centre(:, 3) * w(:, k, 3)
-        end do
-        do m = 1, 3
-            next = mod(m, 3) + 1
-            last = mod(m + 1, 3) + 1
-            call multiply(degree + 1, w(:, :, m), along, f(:, :, m))
-            a(:, :degree + 1) = run%c(:, 3 + m, :degree + 1)
-            call of_interval(degree + 1, run%now%t - run%now%t_last, a, noise)
+        degree = min(max(nint(degree_share * run%order), least_degree), run%order - 2)
+        ! On the unit interval, so that no power overflows.
+        call find_powers(degree + 1, run%now%t - run%now%t_last, power)
+        call turn_rows(self%axes, run%order, run%c, 1, degree + 2, w)
+        call turn_rows(self%axes, run%order, run%c, 4, degree + 1, f)
+        associate (arm => self%arm)
             do k = 0, degree + 1
-                f(:, k, m) = f(:, k, m) + slope(:, k, next) * self%centre(:, last) &
-                    - slope(:, k, last) * self%centre(:, next) - self%centre(:, m) * rate2(:, k) + self%gravity * a(:, k)
+                f(:, k, 1) = power(:, k) * (self%gravity * f(:, k, 1) + (k + 1) * arm * w(:, k + 1, 2))
+                f(:, k, 2) = power(:, k) * (self%gravity * f(:, k, 2) - (k + 1) * arm * w(:, k + 1, 1))
+                f(:, k, 3) = power(:, k) * self%gravity * f(:, k, 3)
+                do m = 1, 3
+                    w(:, k, m) = power(:, k) * w(:, k, m)
+                end do
             end do
-        end do
+            call multiply(degree + 1, w(:, :, 3), w(:, :, 1), product)
+            call add_to(f(:, :, 1), 1.0_dp)
+            call multiply(degree + 1, w(:, :, 3), w(:, :, 2), product)
+            call add_to(f(:, :, 2), 1.0_dp)
+            call add_squares(degree + 1, w(:, :, 1), w(:, :, 2), product)
+            call add_to(f(:, :, 3), -1.0_dp)
+        end associate
         call add_squares(degree + 1, f(:, :, 1), f(:, :, 2), total)
-        call multiply(degree + 1, f(:, :, 3), f(:, :, 3), along)
-        total(:, :degree + 1) = total(:, :degree + 1) + along(:, :degree + 1)
+        call square(degree + 1, f(:, :, 3), product)
         noise = 0
         do k = 0, degree
-            a(:, k) = (k + 1) * total(:, k + 1)
+            a(:, k) = (k + 1) * (total(:, k + 1) + product(:, k + 1))
             noise = noise + rounding * abs(a(:, k))
         end do
         ! The square of the force itself is known to rounding.
-        noise = noise + rounding * abs(total(:, 0))
+        noise = noise + rounding * (total(:, 0) + product(:, 0))
+
+    contains
+
+        !> Adds the product, times |r| and a sign, to a component of the force.
+        subroutine add_to(component, sign)
+            real(dp), intent(inout) :: component(lanes, 0:max_series_order)
+            real(dp), intent(in) :: sign
+            do k = 0, degree + 1
+                component(:, k) = component(:, k) + sign * self%arm * product(:, k)
+            end do
+        end subroutine add_to
+
     end subroutine find_total_slopes
+
+    !> The series of a vector in the axes beside r and along it, from its three rows of the states.
+    pure subroutine turn_rows(axes, order, c, row, degree, x)
+        integer, intent(in) :: order, row, degree
+        real(dp), intent(in) :: axes(lanes, 3, 3), c(lanes, rows, 0:order)
+        real(dp), intent(inout) :: x(lanes, 0:max_series_order, 3)
+        real(dp) :: c1, c2, c3
+        integer :: i, k
+        do k = 0, degree
+            !$omp simd private(c1, c2, c3)
+            do i = 1, lanes
+                c1 = c(i, row, k)
+                c2 = c(i, row + 1, k)
+                c3 = c(i, row + 2, k)
+                x(i, k, 1) = axes(i, 1, 1) * c1 + axes(i, 2, 1) * c2 + axes(i, 3, 1) * c3
+                x(i, k, 2) = axes(i, 1, 2) * c1 + axes(i, 2, 2) * c2 + axes(i, 3, 2) * c3
+                x(i, k, 3) = axes(i, 1, 3) * c1 + axes(i, 2, 3) * c2 + axes(i, 3, 3) * c3
+            end do
+        end do
+    end subroutine turn_rows
 
     !> Makes room for so many cases.
     subroutine prepare_vertical(self, cases)

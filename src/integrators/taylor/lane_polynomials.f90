@@ -85,6 +85,7 @@ contains
             end do
         end do
         near = 0
+        if (.not. maxval(place) > 0) return
         do i = 1, lanes
             j = nint(place(i))
             if (j > 0) near(i) = (j - abs(b(i, j)) / (abs(b(i, j)) + abs(b(i, j - 1)))) / n

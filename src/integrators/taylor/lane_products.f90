@@ -5,7 +5,7 @@ module spintop_lane_products
     use spintop_lane_series, only: lanes
     implicit none
     private
-    public :: multiply, add_squares, multiply_slopes
+    public :: multiply, square, add_squares, multiply_slopes
 
     !> Index in the table below.
     integer :: i
@@ -35,8 +35,48 @@ contains
                 product(i, 2 * half + 1) = odd
             end do
         end do
-        if (mod(degree, 2) == 0) product(:, degree) = sum(x * y(:, degree:0:-1), dim=2)
+        if (mod(degree, 2) == 1) return
+        !$omp simd private(even, j)
+        do i = 1, lanes
+            even = 0
+            do j = 0, max(degree, 0)
+                even = even + x(i, j) * y(i, degree - j)
+            end do
+            product(i, degree) = even
+        end do
     end subroutine multiply
+
+    !> The square of a series: its products are equal in pairs.
+    pure subroutine square(degree, x, product)
+        integer, intent(in) :: degree !! last term of the square
+        real(dp), intent(in) :: x(lanes, 0:degree) !! coefficients of the series
+        real(dp), intent(out) :: product(lanes, 0:degree) !! those of the square
+        real(dp) :: even, odd
+        integer :: i, j, half
+        product(:, 0) = x(:, 0)**2
+        do half = 1, degree / 2
+            !$omp simd private(even, odd, j)
+            do i = 1, lanes
+                even = 0
+                odd = 0
+                do j = 0, max(half - 1, 0)
+                    odd = odd + x(i, j) * x(i, 2 * half - 1 - j)
+                    even = even + x(i, j) * x(i, 2 * half - j)
+                end do
+                product(i, 2 * half - 1) = 2 * odd
+                product(i, 2 * half) = 2 * even + x(i, half)**2
+            end do
+        end do
+        if (mod(degree, 2) == 0) return
+        !$omp simd private(odd, j)
+        do i = 1, lanes
+            odd = 0
+            do j = 0, max((degree - 1) / 2, 0)
+                odd = odd + x(i, j) * x(i, degree - j)
+            end do
+            product(i, degree) = 2 * odd
+        end do
+    end subroutine square
 
     !> The sum of the squares of two series.
     pure subroutine add_squares(degree, x, y, product)
@@ -59,7 +99,15 @@ contains
                 product(i, 2 * half) = 2 * even + (x(i, half)**2 + y(i, half)**2)
             end do
         end do
-        if (mod(degree, 2) == 1) product(:, degree) = sum(x * x(:, degree:0:-1) + y * y(:, degree:0:-1), dim=2)
+        if (mod(degree, 2) == 0) return
+        !$omp simd private(odd, j)
+        do i = 1, lanes
+            odd = 0
+            do j = 0, max((degree - 1) / 2, 0)
+                odd = odd + (x(i, j) * x(i, degree - j) + y(i, j) * y(i, degree - j))
+            end do
+            product(i, degree) = 2 * odd
+        end do
     end subroutine add_squares
 
     !> The series of x' y - x y': its term k is the sum over i + j = k + 1 of (i - j) x_i y_j.

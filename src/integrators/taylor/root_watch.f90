@@ -7,13 +7,13 @@ module spintop_root_watch
     use spintop_kinds, only: dp
     use spintop_formulation, only: max_series_order
     use spintop_lane_polynomials, only: count_changes, find_roots, most_roots, refine_root, to_bernstein
-    use spintop_lane_series, only: parts
+    use spintop_lane_series, only: parts, rows
     use spintop_lane_steps, only: terms_at
     use spintop_lane_watch, only: lane_watch_t
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
     private
-    public :: root_watch_t, of_interval, rounding, states_at
+    public :: root_watch_t, find_derivatives, find_powers, find_row, of_interval, rounding, states_at
 
     !> Rounding of a polynomial, in units of its terms.
     real(dp), parameter :: rounding = 8 * epsilon(1.0_dp)
@@ -84,6 +84,58 @@ contains
         end do
     end subroutine look
 
+    !> Powers of the durations of the steps.
+    pure subroutine find_powers(degree, step, power)
+        integer, intent(in) :: degree !! last power, 1 or more
+        real(dp), intent(in) :: step(lanes) !! durations of the steps, s
+        real(dp), intent(out) :: power(lanes, 0:degree) !! their powers
+        real(dp) :: last
+        integer :: i, k
+        !$omp simd private(last, k)
+        do i = 1, lanes
+            last = 1
+            power(i, 0) = 1
+            do k = 1, max(degree, 1)
+                last = last * step(i)
+                power(i, k) = last
+            end do
+        end do
+    end subroutine find_powers
+
+    !> A row of the series over the steps as the unit interval. Here and below the series come as an array of known shape:
+    !> behind a pointer they would be read number by number.
+    pure subroutine find_row(order, c, row, degree, power, x)
+        integer, intent(in) :: order, row, degree !! order of the series, index of the row, last term
+        real(dp), intent(in) :: c(lanes, rows, 0:order), power(lanes, 0:degree) !! series; powers of the durations
+        real(dp), intent(out) :: x(lanes, 0:degree) !! coefficients of the row
+        integer :: i, k
+        do k = 0, degree
+            !$omp simd
+            do i = 1, lanes
+                x(i, k) = c(i, row, k) * power(i, k)
+            end do
+        end do
+    end subroutine find_row
+
+    !> The series of a derivative of r.Gamma, by the time since the step began.
+    pure subroutine find_derivatives(order, c, r, n, degree, x)
+        integer, intent(in) :: order, n, degree !! order of the series, of the derivative, last term
+        real(dp), intent(in) :: c(lanes, rows, 0:order), r(lanes, 3) !! series; constant vectors in body axes
+        real(dp), intent(out) :: x(lanes, 0:degree) !! coefficients of the derivative
+        real(dp) :: factor
+        integer :: i, k, m
+        do k = 0, degree
+            factor = 1
+            do m = 1, n
+                factor = factor * (k + m)
+            end do
+            !$omp simd
+            do i = 1, lanes
+                x(i, k) = factor * (r(i, 1) * c(i, 4, k + n) + r(i, 2) * c(i, 5, k + n) + r(i, 3) * c(i, 6, k + n))
+            end do
+        end do
+    end subroutine find_derivatives
+
     !> A polynomial of the time since the step began, over the step as the unit interval; and rounding of that, from its
     !> largest terms.
     pure subroutine of_interval(degree, step, a, noise)
@@ -110,14 +162,21 @@ contains
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         real(dp), intent(in) :: t(lanes) !! times since the beginning of the step, s
         real(dp), intent(out) :: states(lanes, parts) !! the states
-        integer :: i, m
         call terms_at(run%order, run%c, t, states)
+        call add_changes(run%c, t, states)
+    end subroutine states_at
+
+    !> Adds the first terms of the series to changes of the states over the times t, which are divided by these.
+    pure subroutine add_changes(c, t, states)
+        real(dp), intent(in) :: c(lanes, rows, 0:0), t(lanes)
+        real(dp), intent(inout) :: states(lanes, parts)
+        integer :: i, m
         do m = 1, parts
             !$omp simd
             do i = 1, lanes
-                states(i, m) = run%c(i, m, 0) + t(i) * states(i, m)
+                states(i, m) = c(i, m, 0) + t(i) * states(i, m)
             end do
         end do
-    end subroutine states_at
+    end subroutine add_changes
 
 end module spintop_root_watch

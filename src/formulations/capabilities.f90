@@ -91,7 +91,7 @@ module spintop_capabilities
     !> What effects do beside changing y' = f(t, y): their work, breaks of f, and rest under dry friction.
     type, abstract, extends(capability_t) :: action_t
         !> Whether dry friction may hold the body, and whether it may let it go again by itself; whether the
-        !> series of a plane motion ends where it turns; whether any effect does work.
+        !> series of a motion ends where it reverses; whether any effect does work.
         logical :: may_stick = .false., may_slip = .false., may_turn = .false., does_work = .true.
     contains
         procedure(find_powers), deferred :: find_powers
@@ -119,14 +119,13 @@ module spintop_capabilities
             real(dp), intent(in) :: t !! s
         end function next_knot
 
-        !> Magnitude of the angular velocity, and how fast it decreases; `is_plane` reports whether its direction is
-        !> constant.
-        pure subroutine find_speed(self, t, y, speed, slowing, is_plane)
+        !> Magnitude of the angular velocity, and how fast it decreases; `across` is the part of it across the acceleration,
+        !> which is left where a motion reverses.
+        pure subroutine find_speed(self, t, y, speed, slowing, across)
             import :: action_t, dp, max_states
             class(action_t), intent(in) :: self
             real(dp), intent(in) :: t, y(max_states) !! time, s, and state
-            real(dp), intent(out) :: speed, slowing !! rad/s, rad/s^2
-            logical, intent(out) :: is_plane !! whether the angular acceleration is along the angular velocity
+            real(dp), intent(out) :: speed, slowing, across !! rad/s, rad/s^2, rad/s
         end subroutine find_speed
 
         !> Angular velocity in body axes, rad/s.

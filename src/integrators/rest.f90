@@ -30,9 +30,7 @@ module spintop_rest
         !> Largest angular velocity so far, rad/s, and deceleration, rad/s^2.
         real(dp), private :: largest = 0, steepest = 0
         !> What `find_slowing` found last, and when, s: the end of a step is the beginning of the next.
-        real(dp), private :: seen_at = -1, seen_speed = 0, seen_slowing = 0
-        !> Whether the direction of the angular velocity was constant there.
-        logical, private :: seen_plane = .false.
+        real(dp), private :: seen_at = -1, seen_speed = 0, seen_slowing = 0, seen_across = 0
     contains
         procedure :: begin
         procedure :: advance
@@ -45,6 +43,8 @@ module spintop_rest
 
     !> A body whose angular velocity is below this share of its largest value comes to rest.
     real(dp), parameter :: nearly_still = 1.0e-8_dp
+    !> The same share of what remains of an angular velocity in a plane motion that reverses.
+    real(dp), parameter :: rounding = 1.0e-13_dp
     !> A plane motion under drag turns where it slows down at least with this share of its largest deceleration: a
     !> motion that dies away does not.
     real(dp), parameter :: turning = 1.0e-6_dp
@@ -61,9 +61,8 @@ contains
         class(rest_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         class(workspace_t), intent(in) :: work !! at the start
-        real(dp) :: speed, slowing
-        logical :: is_plane
-        call formulation%action%find_speed(work%t, work%y, speed, slowing, is_plane)
+        real(dp) :: speed, slowing, across
+        call formulation%action%find_speed(work%t, work%y, speed, slowing, across)
         self%largest = speed
         if (.not. speed > 0) call self%check_rest(formulation, work%t, work%y)
     end subroutine begin
@@ -76,13 +75,13 @@ contains
         class(stepper_t), intent(in) :: stepper
         class(workspace_t), intent(in) :: work
         real(dp), intent(out) :: speed, slowing
-        logical :: is_plane
+        real(dp) :: across
         if (.not. abs(work%t - self%seen_at) > 0) then
             speed = self%seen_speed
             slowing = self%seen_slowing
             return
         end if
-        call formulation%action%find_speed(work%t, work%y, speed, slowing, is_plane)
+        call formulation%action%find_speed(work%t, work%y, speed, slowing, across)
         self%largest = max(self%largest, speed)
         self%steepest = max(self%steepest, slowing)
         if (.not. (formulation%action%may_stick &
@@ -90,7 +89,7 @@ contains
         self%seen_at = work%t
         self%seen_speed = speed
         self%seen_slowing = slowing
-        self%seen_plane = is_plane
+        self%seen_across = across
     end subroutine find_slowing
 
     !> Whether a method steps by series.
@@ -246,7 +245,8 @@ contains
                 self%is_resting = .false.
                 allowed = nearly_still * self%largest
                 if (stepper%controls%steps > 0) allowed = max(allowed, slowing * work%h)
-                if (slowing > 0 .and. speed <= allowed .and. (formulation%action%may_stick .or. self%seen_plane)) then
+                if (slowing > 0 .and. speed <= allowed .and. &
+                    (formulation%action%may_stick .or. self%seen_across <= rounding * self%largest)) then
                     left = min(speed / slowing, work%t_end - work%t)
                     call stop_at_rest(left)
                 end if
@@ -292,7 +292,7 @@ contains
         call archive%carry(self%seen_at)
         call archive%carry(self%seen_speed)
         call archive%carry(self%seen_slowing)
-        call archive%carry(self%seen_plane)
+        call archive%carry(self%seen_across)
     end subroutine carry
 
 end module spintop_rest

@@ -88,10 +88,11 @@ contains
             .or. .not. all(is_zero([self%drag_moment, self%torque_body, self%torque_space]))
     end function do_work
 
-    !> Whether the air acts with a power of a speed that is not smooth where the speed is zero.
+    !> Whether the air acts with a power of a speed that is not smooth where the speed is zero; or dry friction, which is
+    !> smoothed, but changes there as fast as one likes.
     pure logical function has_cusps(self)
         class(effects_t), intent(in) :: self
-        has_cusps = self%drag_force > 0
+        has_cusps = self%drag_force > 0 .or. (self%has_friction() .and. .not. self%is_dry())
         if (any(self%drag_moment > 0)) has_cusps = has_cusps .or. &
             .not. (is_zero(self%drag_exponent - 1) .or. is_zero(self%drag_exponent - 3))
     end function has_cusps

@@ -304,22 +304,20 @@ contains
     end function next_knot
 
     !> |w| and -|w|'.
-    pure subroutine find_speed(self, t, y, speed, slowing, is_plane)
+    pure subroutine find_speed(self, t, y, speed, slowing, across)
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states)
-        real(dp), intent(out) :: speed, slowing
-        logical, intent(out) :: is_plane
-        real(dp), parameter :: parallel = 1.0e-9_dp
+        real(dp), intent(out) :: speed, slowing, across
         real(dp) :: rate(3)
         type(loads_t) :: loads
         call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
         rate = acceleration(self%body, loads)
         speed = norm2(loads%omega)
         slowing = 0
-        is_plane = .false.
-        if (.not. speed > 0) return
+        across = speed
+        if (.not. (speed > 0 .and. norm2(rate) > 0)) return
         slowing = -dot_product(loads%omega / speed, rate)
-        is_plane = norm2(cross(loads%omega / speed, rate)) <= parallel * norm2(rate)
+        across = norm2(cross(loads%omega, rate / norm2(rate)))
     end subroutine find_speed
 
     !> w.

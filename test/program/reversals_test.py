@@ -1,0 +1,98 @@
+"""Motions that reverse, exactly or nearly, under forces against the velocity.
+
+There the Taylor series goes on with the force of the old direction; so it does in a motion that is
+nearly plane, as far as its terms can tell. What must agree: the motion by Runge-Kutta, which needs
+no series, that by Taylor's method in double and quadruple precision, and the end of a sweep's case.
+"""
+
+import csv
+import math
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+EXE = Path(os.environ["SPINTOP_EXE"]).resolve()
+TOP = "&top mass = 1  inertia = 0.9, 0.9, 0.25  length = 0.3  gravity = 9.81 /\n"
+FREE = TOP.replace("9.81", "0")
+SWING = TOP + "&initial theta = 0.5  psi = 0.7  theta_rate = 1  omega3 = {} /\n"
+SPIN = TOP + "&initial theta = 0  omega3 = {} /\n"
+TABLE = "t,m1,m2,m3\n0,0,0,0.1\n1,0,0,-1\n3,0,0,-2\n"
+SPLINE = "t,m1,m2,m3\n0,0,0,0\n1,0,0,0.3\n2,0,0,0\n3,0,0,-0.3\n4,0,0,0\n6,0,0,0\n"
+SCENES = {
+    "drag": (SWING, "drag_moment = 0.1, 0.1, 0.1", 8),
+    "drag 1.5": (SWING, "drag_moment = 0.1, 0.1, 0.1  drag_exponent = 1.5", 5),
+    "force": (SWING, "drag_force = 5", 8),
+    "vibration": (
+        SWING,
+        "drag_moment = 0.1, 0.1, 0.1  vibration_amplitude = 0, 0, 0.1  vibration_rate = 15",
+        4,
+    ),
+    "smoothed": (SWING, "friction_torque = 0.1  friction_smoothing = 1e-6", 5),
+    "dry": (
+        SWING,
+        "friction_torque = 0.4  vibration_amplitude = 0, 0, 0.04  vibration_rate = 17",
+        4,
+    ),
+    "spin": (SPIN, "drag_moment = 0, 0, 0.05  torque_body = 0, 0, -0.2", 6),
+    "table": (
+        FREE + "&initial theta = 1  omega3 = 0.3 /\n",
+        "friction_torque = 0.1  torque_table = 'table.csv'",
+        3,
+    ),
+    "spline": (
+        FREE + "&initial theta = 1  omega3 = 0 /\n",
+        "friction_torque = 0.1  torque_table = 'spline.csv'  torque_interpolation = 'spline'",
+        6,
+    ),
+}
+SPINS = {SWING: ("0", "1e-9", "1e-6", "1e-3", "0.1"), SPIN: ("2",)}
+CASES = [(name, spin) for name, (start, *_) in SCENES.items() for spin in SPINS.get(start, ("",))]
+TOLERANCE = 3e-9
+"""Of Taylor's method with its default tolerance, 1e-9."""
+
+
+def last_row(folder: Path, text: str) -> dict[str, float]:
+    """The last row of the table of an input."""
+    (folder / "scene.nml").write_text(text)
+    (folder / "table.csv").write_text(TABLE)
+    (folder / "spline.csv").write_text(SPLINE)
+    command = [EXE, "--quiet", "--threads", "1", "-o", folder, folder / "scene.nml"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    lines = (folder / "scene.csv").read_text().splitlines()
+    *_, row = csv.DictReader(line for line in lines if not line.startswith("#"))
+    words = ("status", "notes")
+    return {key: float(cell) for key, cell in row.items() if key not in words}
+
+
+def between(a: float, b: float) -> float:
+    """Two angles apart, but for half turns: a plane motion goes through poles."""
+    return abs(math.remainder(a - b, math.pi))
+
+
+@pytest.mark.parametrize(("name", "spin"), CASES)
+def test_all_ways_agree(tmp_path: Path, name: str, spin: str) -> None:
+    """The end of the motion; and the account of the energy is closed."""
+    start, effects, t_end = SCENES[name]
+    scene = start.format(spin) + f"&effects {effects} /\n&span t_end = {t_end}  samples = 2 /\n"
+    columns = "&output columns = 't', 'theta', 'psi', 'omega3', 'energy_error' /\n"
+    ends = {}
+    for method, tolerance in (("dop853", 1e-13), ("taylor", 1e-9), ("taylor_quadruple", 1e-20)):
+        how = f"&integration method = '{method}'  relative_tolerance = {tolerance} /\n"
+        ends[method] = last_row(tmp_path, scene + how + columns)
+    for method, end in ends.items():
+        assert end["theta"] == pytest.approx(ends["dop853"]["theta"], abs=TOLERANCE), method
+        assert between(end["psi"], ends["dop853"]["psi"]) < TOLERANCE, method
+        assert end["omega3"] == pytest.approx(ends["dop853"]["omega3"], abs=TOLERANCE), method
+        assert abs(end["energy_error"]) < TOLERANCE, method
+    scene = scene.replace("  samples = 2", "") + (
+        "&study kind = 'sweep' /\n"
+        f"&sweep parameter(1) = 'span.t_end'  values(1,:) = {t_end / 2}, {t_end} /\n"
+        "&output columns = 'theta_end', 'psi_end', 'energy_error_max' /\n"
+    )
+    end = last_row(tmp_path, scene)
+    assert end["theta_end"] == pytest.approx(ends["dop853"]["theta"], abs=TOLERANCE)
+    assert between(end["psi_end"], ends["dop853"]["psi"]) < TOLERANCE
+    assert end["energy_error_max"] < TOLERANCE

@@ -128,10 +128,9 @@ static void angles_of(arb_ptr answer, slong bits)
     acb_clear(upper), acb_clear(lower), acb_clear(product), arb_clear(pi);
 }
 
-int ball_counts_turns(const top_motion *m)
-{
-    return m->regime < ROTATING && m->body_axis == 2 && !m->meets_pole;
-}
+int ball_has_turns(const top_motion *m) { return m->regime >= ROTATING || m->body_axis != 2; }
+
+int ball_knows_turns(const top_motion *m) { return !ball_has_turns(m) && !m->meets_pole; }
 
 int ball_attitude(arb_ptr answer, const top_motion *m, double t)
 {
@@ -158,7 +157,7 @@ int ball_attitude(arb_ptr answer, const top_motion *m, double t)
         arb_atan2(answer + ANGLE_THETA, low, high, bits);
         arb_mul_2exp_si(answer + ANGLE_THETA, answer + ANGLE_THETA, 1);
     }
-    if (!ball_counts_turns(m)) angles_of(answer, bits);
+    if (!ball_knows_turns(m)) angles_of(answer, bits);
     acb_clear(upper), acb_clear(lower);
     _arb_vec_clear(w, 5);
     return is_known ? PROVED : UNDECIDED_BRANCH;
@@ -170,6 +169,7 @@ void ball_periods(arb_ptr answer, const top_motion *m)
     arb_ptr period = answer + PERIOD, turn = answer + PRECESSION;
     arb_t pi;
     arb_init(pi), arb_const_pi(pi, bits);
+    arb_set(answer + MOMENTUM_PERIOD, BALL(m, momentum_period)), arb_set(answer + MOMENTUM_TURN, BALL(m, momentum_turn));
     if (m->regime >= ROTATING) { /* the axis of a symmetric body goes round the momentum; of others nothing is known */
         arb_set(period, BALL(m, period));
         arb_add(turn, BALL(m, jump_plus), BALL(m, jump_minus), bits);

@@ -14,6 +14,7 @@ typedef struct {
     int has_radii;
     top_motion *motion[LEVELS];
     int reason[LEVELS];
+    ball_turns turns; /* of phi and psi, counted so far */
 } top_proof;
 
 void *spintop_proof_open(const double value[DATA], const double radius[DATA], int given)
@@ -113,15 +114,33 @@ static int are_narrow(arb_srcptr answer, int which)
     return 1;
 }
 
-/* An angle that is known but for whole turns, with those of the printed one. */
-static void take_turns(arb_t angle, double printed, slong bits)
+/* An angle that is known but for whole turns, with those of another one. */
+static void take_turns(arb_t angle, double near, slong bits)
 {
     arb_t turn;
-    const double off = printed - arf_get_d(arb_midref(angle), ARF_RND_NEAR);
+    const double off = near - arf_get_d(arb_midref(angle), ARF_RND_NEAR);
     if (!(fabs(off) < 1e15)) return;
     arb_init(turn), arb_const_pi(turn, bits), arb_mul_2exp_si(turn, turn, 1);
     arb_addmul_si(angle, turn, (slong)floor(off / 6.283185307179586 + 0.5), bits);
     arb_clear(turn);
+}
+
+/* phi and psi with their whole turns: those that are counted, or on a way over a pole those of the printed angles.
+ * Returns why they are not known. */
+static int find_turns(arb_ptr answer, top_proof *proof, const top_motion *m, double t, const int wanted[],
+                      const double printed[])
+{
+    int reason = NO_ANGLES, i;
+    if (ball_knows_turns(m) || !(wanted[ANGLE_PHI] || wanted[ANGLE_PSI])) return PROVED;
+    if (!(arb_is_finite(answer + ANGLE_PHI) && arb_is_finite(answer + ANGLE_PSI))) return NO_ANGLES;
+    if (ball_has_turns(m)) reason = ball_count_turns(&proof->turns, m, &proof->data, t);
+    if (reason != PROVED && reason != NO_ANGLES) return reason;
+    for (i = ANGLE_PHI; i <= ANGLE_PSI; i++) {
+        if (mag_cmp_2exp_si(arb_radref(answer + i), 0) > 0) return TOO_WIDE;
+        if (reason == NO_ANGLES) take_turns(answer + i, printed[i], m->bits);
+        else take_turns(answer + i, i == ANGLE_PHI ? proof->turns.phi : proof->turns.psi, m->bits);
+    }
+    return PROVED;
 }
 
 /* The bound of a printed number; with `certified` the number is the middle of its ball. */
@@ -154,11 +173,13 @@ static double width(arb_srcptr answer, const int wanted[])
     return sum;
 }
 
-/* Whether a quantity does not exist, whatever the precision. */
-static int reason_of_absence(const top_motion *m, arb_srcptr answer, int which)
+/* Whether a quantity does not exist, whatever the precision; `turns` is what is known of the turns of phi and psi. */
+static int reason_of_absence(const top_motion *m, arb_srcptr answer, int which, int turns)
 {
+    if (which == ANGLE_PHI || which == ANGLE_PSI) return turns;
     if (arb_is_finite(answer + which)) return PROVED;
-    if ((which == ANGLE_PHI || which == ANGLE_PSI) && !ball_counts_turns(m)) return NO_ANGLES;
+    if (which == MOMENTUM_PERIOD || which == MOMENTUM_TURN)
+        return m->regime == TUMBLING && !arb_is_zero(BALL(m, tau)) ? PROVED : NO_CIRCULATION;
     if (which == PERIOD && m->regime == SLEEPING) return NO_PERIOD;
     if ((which == PERIOD || which == PRECESSION) && m->regime >= ROTATING && !arb_is_finite(answer + PERIOD)) return NOT_PERIODIC;
     return PROVED;
@@ -169,8 +190,15 @@ static int needs_attitude(const int wanted[])
 {
     int i;
     for (i = 0; i < QUANTITIES; i++)
-        if (wanted[i] && i != PERIOD && i != PRECESSION) return 1;
+        if (wanted[i] && (i < PERIOD || i == ORIENTATION)) return 1;
     return 0;
+}
+
+/* Whether no other precision is to be tried. */
+static int is_final(int reason)
+{
+    return reason == PROVED || reason == NO_ANGLES || reason == NO_PERIOD || reason == NOT_PERIODIC || reason == TOO_MANY_TURNS
+        || reason == NO_CIRCULATION;
 }
 
 /* Bounds of the wanted quantities at a time. A reason other than PROVED goes with an infinite bound. Returns the
@@ -178,7 +206,7 @@ static int needs_attitude(const int wanted[])
 int spintop_proof_bounds(top_proof *proof, double t, const int wanted[QUANTITIES], int certified, int most_bits,
                          double printed[QUANTITIES], double bound[QUANTITIES], int reason[QUANTITIES])
 {
-    int level, i, open = 1, used = 0, is_last;
+    int level, i, open = 1, used = 0, is_last, turns = PROVED;
     double last_width = INFINITY, now_width;
     arb_ptr answer = _arb_vec_init(QUANTITIES);
     for (i = 0; i < QUANTITIES; i++) bound[i] = INFINITY, reason[i] = wanted[i] ? TOO_WIDE : PROVED;
@@ -189,8 +217,7 @@ int spintop_proof_bounds(top_proof *proof, double t, const int wanted[QUANTITIES
         used = (int)m->bits, is_last = 0, open = 0;
         if (why == PROVED) ball_periods(answer, m);
         if (why == PROVED && needs_attitude(wanted)) why = ball_attitude(answer, m, t);
-        for (i = ANGLE_PHI; i <= ANGLE_PSI && why == PROVED; i++)
-            if (wanted[i] && !ball_counts_turns(m)) take_turns(answer + i, printed[i], m->bits);
+        if (why == PROVED) turns = find_turns(answer, proof, m, t, wanted, printed);
         if (why == PROVED && proof->has_radii) {
             now_width = width(answer, wanted);
             is_last = now_width > 0.5 * last_width, last_width = now_width;
@@ -198,15 +225,15 @@ int spintop_proof_bounds(top_proof *proof, double t, const int wanted[QUANTITIES
         if (proof->has_radii && level >= LEVELS_OF_RADII) is_last = 1;
         for (i = 0; i < QUANTITIES; i++) {
             int absent;
-            if (reason[i] == PROVED || reason[i] == NO_ANGLES || reason[i] == NO_PERIOD || reason[i] == NOT_PERIODIC) continue;
-            absent = why == PROVED ? reason_of_absence(m, answer, i) : PROVED;
+            if (!wanted[i] || is_final(reason[i])) continue;
+            absent = why == PROVED ? reason_of_absence(m, answer, i, turns) : PROVED;
             reason[i] = why != PROVED ? why : absent != PROVED ? absent : TOO_WIDE;
-            if (reason[i] == TOO_WIDE && (are_narrow(answer, i) || (is_last && (i == ORIENTATION
+            if (reason[i] == TOO_WIDE && absent == PROVED && (are_narrow(answer, i) || (is_last && (i == ORIENTATION
                 || arb_is_finite(answer + i))))) {
                 bound[i] = bound_of(answer, i, printed, certified, m->bits);
                 reason[i] = isfinite(bound[i]) ? PROVED : TOO_WIDE;
             }
-            open = open || reason[i] == TOO_WIDE || (why != PROVED);
+            open = open || !is_final(reason[i]);
         }
         if (is_last) break;
     }

@@ -184,6 +184,20 @@ static void find_argument(top_motion *m, arb_ptr t)
     arb_mul_si(BALL(m, jump_plus), t + POLE, -2 * side, bits); /* of the phase, by half period of form b */
 }
 
+/* The period of the momentum in the body, which does not circulate on the separatrix, and the turn about it. */
+static void find_period(top_motion *m, arb_ptr t)
+{
+    const slong bits = m->bits;
+    const int side = m->is_turning ? -1 : 1;
+    arb_ptr period = BALL(m, momentum_period), turn = BALL(m, momentum_turn), pi = t + TERM;
+    if (arb_is_zero(t + EXCESS)) return;
+    arb_div(period, t + K_OF_K, t + RATE, bits), arb_mul_2exp_si(period, period, 2);
+    arb_const_pi(pi, bits), arb_mul(turn, BALL(m, kappa_plus), period, bits);
+    arb_addmul_si(turn, pi, side, bits);
+    if (m->is_dual) arb_addmul_si(turn, BALL(m, jump_plus), 2, bits);
+    arb_mul_2exp_si(turn, turn, 1);
+}
+
 /* The attitude relative to the momentum, in the axes x, y, z. */
 static void relative(arb_ptr q, const top_motion *m, const arb_t time)
 {
@@ -201,6 +215,15 @@ static void relative(arb_ptr q, const top_motion *m, const arb_t time)
     arb_set(q, acb_realref(plus)), arb_set(q + 3, acb_imagref(plus));
     arb_set(q + 1, acb_realref(minus)), arb_set(q + 2, acb_imagref(minus));
     acb_clear(plus), acb_clear(minus), acb_clear(phase), arb_clear(z), arb_clear(angle), fmpz_clear(turns);
+}
+
+void ball_circulation(top_motion *m, const arb_t along, const arb_t across, const arb_t spin, const arb_t momentum)
+{
+    const slong bits = m->bits;
+    arb_ptr period = BALL(m, momentum_period), turn = BALL(m, momentum_turn);
+    arb_sub(turn, along, across, ARF_PREC_EXACT), arb_mul(turn, turn, spin, bits), arb_abs(turn, turn);
+    arb_const_pi(period, bits), arb_mul_2exp_si(period, period, 1), arb_div(period, period, turn, bits);
+    arb_mul(turn, period, momentum, bits), arb_mul(period, period, across, bits);
 }
 
 /* The period in which the axis of a symmetric body goes round the momentum, and by how much phi turns in it: by 2 pi if
@@ -225,6 +248,8 @@ static void find_coning(top_motion *m, int axis)
     arb_mul(BALL(m, period), BALL(m, period), BALL(m, i1) + (axis + 1) % 3, bits);
     arb_div(BALL(m, period), BALL(m, period), size, bits);
     arb_add(jump[0], height, momentum + axis, bits), arb_sub(jump[1], height, momentum + axis, bits);
+    if (m->regime == CONING)
+        ball_circulation(m, BALL(m, i1) + axis, BALL(m, i1) + (axis + 1) % 3, BALL(m, omega1) + axis, size);
     for (i = 0; i < 2; i++) {
         const int sign = arb_is_zero(jump[i]) ? 0 : ball_sign(jump[i]);
         if (arb_contains_zero(jump[i]) && !arb_is_zero(jump[i])) {
@@ -248,14 +273,15 @@ int ball_free_body(top_motion *m, const top_data *data)
         if (are_same(data, (i + 1) % 3, (i + 2) % 3)) same++, m->axis[2] = i;
     }
     m->regime = same == 3 || zeros > 1 ? ROTATING : same == 1 ? CONING : TUMBLING;
+    arb_indeterminate(BALL(m, momentum_period)), arb_indeterminate(BALL(m, momentum_turn));
     arb_indeterminate(BALL(m, period)), arb_zero(BALL(m, jump_plus)), arb_indeterminate(BALL(m, jump_minus));
-    if (same) find_coning(m, same == 3 ? 2 : m->axis[2]);
     if (m->regime == CONING && arb_is_zero(BALL(m, omega1) + m->axis[2])) m->regime = ROTATING;
+    if (same) find_coning(m, same == 3 ? 2 : m->axis[2]);
     if (m->regime != TUMBLING) return PROVED;
     t = _arb_vec_init(CONSTANTS);
     reason = find_class(m, t);
     if (reason == PROVED) {
-        find_constants(t, m->bits), find_phases(t, m->bits), find_argument(m, t);
+        find_constants(t, m->bits), find_phases(t, m->bits), find_argument(m, t), find_period(m, t);
         arb_zero(t), relative(BALL(m, r0), m, t);
         for (i = 1; i < 4; i++) arb_neg(BALL(m, r0) + i, BALL(m, r0) + i);
     }

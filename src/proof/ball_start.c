@@ -170,6 +170,14 @@ int ball_start(top_motion *m, const top_data *data)
         arb_mul(term, BALL(m, phi_rate), BALL(m, u0), bits);
         arb_sub(BALL(m, spin), BALL(m, omega3), term, bits); /* psi' */
     }
+    arb_indeterminate(BALL(m, momentum_period)), arb_indeterminate(BALL(m, momentum_turn));
+    if (m->regime == FREE || (m->regime == STEADY && arb_is_zero(BALL(m, weight)))) {
+        arb_mul(term, BALL(m, i1), BALL(m, i1), bits), arb_mul(BALL(m, omega), term, BALL(m, swing), bits);
+        arb_mul(term, BALL(m, i3), BALL(m, omega3), bits), arb_addmul(BALL(m, omega), term, term, bits);
+        arb_sqrt(term, BALL(m, omega), bits);
+        if (!arb_is_zero(BALL(m, swing)))
+            ball_circulation(m, BALL(m, i3), BALL(m, i1), BALL(m, omega3), term);
+    }
     arb_clear(term);
     return !is_known ? UNDECIDED_BRANCH : arb_contains_zero(BALL(m, i1)) ? UNDECIDED_SIGN : PROVED;
 }

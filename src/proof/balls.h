@@ -14,9 +14,11 @@ enum { INERTIA1, INERTIA3, MASS, GRAVITY, LENGTH, PHI, THETA, PSI, PHI_RATE, THE
 enum { BY_OMEGA3 = 1, BY_OMEGA = 2, BY_QUATERNION = 4, FREE_BODY = 8, AXIS_X = 16, AXIS_Y = 32,
        GIVEN_OTHERWISE = BY_OMEGA | BY_QUATERNION | AXIS_X | AXIS_Y };
 /* The quantities that are enclosed. */
-enum { Q0, Q1, Q2, Q3, ANGLE_THETA, ANGLE_PHI, ANGLE_PSI, PERIOD, PRECESSION, ORIENTATION, QUANTITIES };
+enum { Q0, Q1, Q2, Q3, ANGLE_THETA, ANGLE_PHI, ANGLE_PSI, PERIOD, PRECESSION, ORIENTATION, MOMENTUM_PERIOD, MOMENTUM_TURN,
+       QUANTITIES };
 /* Why something is not proved; certificate.f90 has the sentences. */
-enum { PROVED, TOO_WIDE, NO_ANGLES, NO_PERIOD, NOT_PERIODIC, UNDECIDED_SIGN, UNDECIDED_ROOTS, UNDECIDED_BRANCH, NO_LIBRARY };
+enum { PROVED, TOO_WIDE, NO_ANGLES, NO_PERIOD, NOT_PERIODIC, UNDECIDED_SIGN, UNDECIDED_ROOTS, UNDECIDED_BRANCH, TOO_MANY_TURNS,
+       NO_CIRCULATION, NO_LIBRARY };
 
 #ifdef SPINTOP_FLINT
 #if SPINTOP_FLINT >= 3
@@ -45,7 +47,7 @@ typedef struct {
     X(u0) X(sh) X(ch) X(s2) X(sine) X(cosine) X(a) X(beta) X(half) X(swing) X(b_minus_a) X(b_plus_a) \
     X(sum) X(difference) X(g0) X(g1) X(g2) X(y1) X(y2) X(y3) X(nu_plus) X(nu_minus) X(zeta) X(z0) X(height) \
     X(jump_plus) X(jump_minus) X(slope_plus) X(slope_minus) X(kappa_plus) X(kappa_minus) X(period) X(omega) X(start_rate) \
-    X(tau) X(nome)
+    X(tau) X(nome) X(momentum_period) X(momentum_turn)
 #define AS_INDEX(name) ball_##name,
 enum { BALL_NAMES(AS_INDEX) BALLS };
 #define BALL(m, name) ((m)->ball + ball_##name)
@@ -81,6 +83,13 @@ typedef struct {
     top_components first;             /* at the start */
 } top_motion;
 
+/* Whole turns along a motion: where they are counted up to, phi and psi there, and q0 + i q3 and q1 + i q2 by their
+ * arguments, without turns, and their distances from zero. */
+typedef struct {
+    int is_begun, steps;
+    double time, phi, psi, angle[2], distance[2];
+} ball_turns;
+
 /* A number of the data. */
 void ball_datum(arb_t x, const top_data *data, int which);
 /* ball_given.c: q0 .. q3 and omega1 .. omega3 at the start. 0 if they are not known. */
@@ -113,9 +122,15 @@ void ball_tumbling_start(top_motion *m, const arb_t nu, int side);
 void ball_tumbling(acb_t plus, acb_t minus, fmpz_t turns, const top_motion *m, const arb_t z);
 /* ball_attitude.c: q0 .. q3, theta, phi, psi at a time; phi and psi are NaN on a pole. */
 int ball_attitude(arb_ptr answer, const top_motion *m, double t);
-/* Whether phi and psi are known with all their turns, or but for whole turns. */
-int ball_counts_turns(const top_motion *m);
-/* The same of all times: period, precession per nutation. */
+/* Whether the closed form gives phi and psi with all their turns; else, whether these can be counted along the motion. */
+int ball_knows_turns(const top_motion *m);
+int ball_has_turns(const top_motion *m);
+/* ball_turns.c: continues a count of turns to a time. NO_ANGLES if a pole is on the way. */
+int ball_count_turns(ball_turns *turns, const top_motion *m, const top_data *data, double t);
+/* The period of the momentum of a free symmetric body in its axes, and the turn about it, from the moments along and
+ * across its axis, omega along it and the size of the momentum. */
+void ball_circulation(top_motion *m, const arb_t along, const arb_t across, const arb_t spin, const arb_t momentum);
+/* The same of all times: periods, precession per nutation, turn about the momentum. */
 void ball_periods(arb_ptr answer, const top_motion *m);
 
 /* 1 or -1 as the sign of a ball, 1 for an exact zero; 0 if it is not decided. */

@@ -1,6 +1,6 @@
 !> Proved bounds of printed numbers of a symmetric top without damping, with or without a rotor, or of a free body. Balls
 !> (FLINT) enclose the exact motion of the data, which are doubles; the bound of a number is at least its distance from
-!> the true value. Where phi and psi are known but for whole turns, their bounds leave these out.
+!> the true value. Where phi and psi jump on a pole, their bounds leave whole turns out.
 !>
 !>     call certificate%open(body, start)
 !>     call certificate%bound(t, wanted, printed, bounds, reasons)
@@ -20,19 +20,20 @@ module spintop_certificate
     private
     public :: certificate_t, has_balls, balls_missing, balls_hint
     public :: proof_of_q0, proof_of_q1, proof_of_q2, proof_of_q3, proof_of_theta, proof_of_phi, proof_of_psi
-    public :: proof_of_period, proof_of_precession, proof_of_orientation, proof_count, proof_names
+    public :: proof_of_period, proof_of_precession, proof_of_orientation, proof_of_momentum_period, proof_of_momentum_turn
+    public :: proof_count, proof_names
     public :: proved, proof_words, proof_reasons, last_reason, most_proof_bits, radius_count
 
     !> The quantities that have bounds, in the order of balls.h.
     integer, parameter :: proof_of_q0 = 1, proof_of_q1 = 2, proof_of_q2 = 3, proof_of_q3 = 4, proof_of_theta = 5, &
         proof_of_phi = 6, proof_of_psi = 7, proof_of_period = 8, proof_of_precession = 9, proof_of_orientation = 10, &
-        proof_count = 10
+        proof_of_momentum_period = 11, proof_of_momentum_turn = 12, proof_count = 12
     !> Their names in tables.
     character(*), parameter :: proof_names(proof_count) = [character(23) :: 'q0', 'q1', 'q2', 'q3', 'theta', 'phi', &
-        'psi', 'nutation_period', 'precession_per_nutation', 'orientation']
+        'psi', 'nutation_period', 'precession_per_nutation', 'orientation', 'momentum_period', 'momentum_turn']
 
     !> Outcomes: proved, or the reason why not; those up to `no_library` are in balls.h.
-    integer, parameter :: proved = 0, no_library = 8, no_top = 9, no_principal_axes = 10, other_radii = 11, no_memory = 12
+    integer, parameter :: proved = 0, no_library = 10, no_top = 11, no_principal_axes = 12, other_radii = 13, no_memory = 14
     integer, parameter :: last_reason = no_memory
     character(*), parameter :: proof_reasons(0:last_reason) = [character(88) :: &
         'proved', &
@@ -43,6 +44,8 @@ module spintop_certificate
         'the balls do not decide a sign', &
         'the balls do not decide on which side of the separatrix the motion is', &
         'the balls do not decide a phase', &
+        'phi and psi turn too often for their turns to be counted', &
+        'the momentum does not circulate in the body, or the body is not free', &
         'this build has no FLINT', &
         'the body is neither a symmetric top nor free, or it has damping, or effects but a rotor', &
         'the body axes are not principal axes', &

@@ -1,5 +1,6 @@
 """`spintop verify` on tables of all kinds: parts of sweeps, free bodies, damaged ones."""
 
+import math
 import sys
 from pathlib import Path
 
@@ -65,7 +66,7 @@ class VerifyTest(ProgramCase):
         self.assertIn(f"{sum(map(int, counted))} numbers proved, 0 unproved, 0 wrong", whole)
 
     def test_free_body(self) -> None:
-        """The quaternion is proved with its sign; phi and psi are, but for whole turns."""
+        """The quaternion is proved with its sign; phi and psi are with their turns."""
         scene = self.write(FREE)
         self.compute(scene)
         self.assertIn("25 numbers proved, 0 unproved, 0 wrong", self.verify("scene"))
@@ -77,6 +78,11 @@ class VerifyTest(ProgramCase):
         self.assertIn("first wrong  row 5, q0 = ", self.verify("turned", code=3))
         self.compute(scene, "output.columns=t,theta,phi,psi")
         self.assertIn("15 numbers proved, 0 unproved, 0 wrong", self.verify("scene"))
+        lines = (self.folder / "output/scene.csv").read_text().splitlines(keepends=True)
+        cells = lines[-2].split(",")
+        lines[-2] = ",".join([*cells[:2], str(float(cells[2]) + 2 * math.pi), *cells[3:]])
+        self.put("turned", "".join(lines))
+        self.assertIn("first wrong  row 5, phi = ", self.verify("turned", code=3))
 
     def test_axis_x(self) -> None:
         """A top about body x that hangs: bounds, and certified numbers."""

@@ -7,7 +7,7 @@ module spintop_verification
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t, make_case
     use spintop_certificate, only: balls_hint, balls_missing, has_balls, last_reason, proof_count, proof_names, &
-        proof_of_precession, proof_of_psi, proof_of_q0, proof_reasons, proved
+        proof_of_orientation, proof_of_psi, proof_reasons, proved
     use spintop_claims, only: claim_of
     use spintop_compare, only: is_finite
     use spintop_conditioning, only: inherent_error
@@ -86,7 +86,8 @@ contains
         allocate (found%printed(proof_count, rows), found%bounds(proof_count, rows))
         found%printed = no_number
         found%bounds = no_number
-        do k = proof_of_q0, proof_of_precession
+        do k = 1, proof_count
+            if (k == proof_of_orientation) cycle
             found%names(k) = proof_names(k)
             if (found%is_sweep .and. k <= proof_of_psi) found%names(k) = trim(proof_names(k)) // '_end'
             call take_column(found%table, trim(found%names(k)), found%printed(k, :), error)

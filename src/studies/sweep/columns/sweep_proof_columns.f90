@@ -1,7 +1,8 @@
 !> The columns of a sweep table that prove its numbers: upper bounds of their errors (spintop_certificate).
 module spintop_sweep_proof_columns
-    use spintop_certificate, only: proof_of_period, proof_of_phi, proof_of_precession, proof_of_psi, proof_of_theta
     use spintop_case, only: case_t
+    use spintop_certificate, only: proof_of_momentum_period, proof_of_momentum_turn, proof_of_period, proof_of_phi, &
+        proof_of_precession, proof_of_psi, proof_of_theta
     use spintop_kinds, only: dp
     use spintop_study_column, only: proof_group
     use spintop_sweep_column, only: sweep_column_t
@@ -27,6 +28,10 @@ contains
                            proof_group, fill_nutation_period_bound, explain=explain_no_number), &
             sweep_column_t('precession_per_nutation_bound', 'rad', 'upper bound of the error of precession_per_nutation, proved', &
                            proof_group, fill_precession_per_nutation_bound, explain=explain_no_number), &
+            sweep_column_t('momentum_period_bound', 's', 'upper bound of the error of momentum_period, proved', &
+                           proof_group, fill_momentum_period_bound, explain=explain_no_number), &
+            sweep_column_t('momentum_turn_bound', 'rad', 'upper bound of the error of momentum_turn, proved', &
+                           proof_group, fill_momentum_turn_bound, explain=explain_no_number), &
             sweep_column_t('proof', '', 'proved, or unproved if a bound is infinite (categorical)', &
                            proof_group, fill_proof, is_proof=.true.)]
     end function sweep_proof_columns
@@ -69,6 +74,18 @@ contains
         real(dp), intent(out) :: cells(:)
         cells = results%bounds(proof_of_precession)
     end subroutine fill_precession_per_nutation_bound
+
+    pure subroutine fill_momentum_period_bound(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%bounds(proof_of_momentum_period)
+    end subroutine fill_momentum_period_bound
+
+    pure subroutine fill_momentum_turn_bound(results, cells)
+        type(sweep_result_t), intent(in) :: results(:)
+        real(dp), intent(out) :: cells(:)
+        cells = results%bounds(proof_of_momentum_turn)
+    end subroutine fill_momentum_turn_bound
 
     pure subroutine fill_proof(results, cells)
         type(sweep_result_t), intent(in) :: results(:)

@@ -1,5 +1,6 @@
 !> Measures the nutation of a motion without a closed form by events: the turning points of theta, the maxima
-!> of the precession rate, and the minima of the height of the centre of mass.
+!> of the precession rate, and the minima of the height of the centre of mass. All are those of body z as it was given,
+!> which is another axis than that of the computation where the body was given by an inertia tensor.
 module spintop_nutation_watch
     use spintop_kinds, only: dp, no_number, pi
     use spintop_body, only: body_t
@@ -66,6 +67,7 @@ module spintop_nutation_watch
         procedure :: meet
         procedure :: nutation
         procedure :: take_end
+        procedure, private :: seen
         procedure, private :: take_extremes
         procedure, private :: take_forces
     end type nutation_watch_t
@@ -86,10 +88,18 @@ contains
         self%own = measures%events()
         self%events = [self%events, (event_t(own_names(self%own(k)), own_directions(self%own(k))), k=1, size(self%own))]
         ! The precession is fastest near a pole.
-        if (measures%fastest .or. measures%nutation_rate) self%pole_axis = [0.0_dp, 0.0_dp, 1.0_dp]
-        self%starts_turning = is_zero(axis_height_rate(case%start))
+        if (measures%fastest .or. measures%nutation_rate) self%pole_axis = case%turn%vector([0.0_dp, 0.0_dp, 1.0_dp])
+        self%starts_turning = is_zero(axis_height_rate(self%seen(case%start)))
         call self%take_extremes(case%start)
     end subroutine measure_nutation
+
+    !> A motion of the computation in the axes in which the body was given.
+    pure type(motion_t) function seen(self, motion)
+        class(nutation_watch_t), intent(in) :: self
+        type(motion_t), intent(in) :: motion
+        seen = motion
+        if (self%case%body%given%differ) seen = self%case%turn%back(motion, motion%given_angle)
+    end function seen
 
     !> Whether the nutation rate or the support force is measured.
     pure logical function has_forces(self)
@@ -112,22 +122,24 @@ contains
         type(motion_t), intent(in) :: motion !! the motion at an instant
         real(dp), intent(out) :: values(:) !! one value for each event
         real(dp) :: own(largest_force), gamma(3), gamma_rate(3)
+        type(motion_t) :: there
         integer :: k, n
 
         n = size(values)
         if (allocated(self%own)) then
             own = 0
             n = n - size(self%own)
+            there = self%seen(motion)
+            gamma = vertical_from_quaternion(there%quaternion)
+            gamma_rate = cross(gamma, there%omega)
+            own([upper, lower]) = gamma_rate(3)
+            if (self%measures%fastest) own(fastest) = precession_slope(gamma, gamma_rate, there%omega, there%omega_rate)
+            if (self%measures%nutation_rate) then
+                own(fastest_nutation) = nutation_slope(gamma, gamma_rate, there%omega, there%omega_rate)
+            end if
             gamma = vertical_from_quaternion(motion%quaternion)
             gamma_rate = cross(gamma, motion%omega)
-            own([upper, lower]) = gamma_rate(3)
             if (self%measures%lowest) own(lowest_centre) = dot_product(self%case%body%centre_of_mass, gamma_rate)
-            if (self%measures%fastest) then
-                own(fastest) = precession_slope(gamma, gamma_rate, motion%omega, motion%omega_rate)
-            end if
-            if (self%measures%nutation_rate) then
-                own(fastest_nutation) = nutation_slope(gamma, gamma_rate, motion%omega, motion%omega_rate)
-            end if
             if (self%measures%vertical_force .or. self%measures%force) then
                 call find_force_slopes(self%case%body, gamma, gamma_rate, motion%omega, motion%omega_rate, own)
             end if
@@ -192,9 +204,9 @@ contains
         if (kind /= upper .and. kind /= lower) return
         ! A start at a turning point is not an event, but it is a turning point of the other kind than the
         ! first event.
-        if (self%starts_turning) call self%turns(upper + lower - kind)%take(self%case%start)
+        if (self%starts_turning) call self%turns(upper + lower - kind)%take(self%seen(self%case%start))
         self%starts_turning = .false.
-        call self%turns(kind)%take(motion)
+        call self%turns(kind)%take(self%seen(motion))
     end subroutine meet
 
     !> Includes the end of the motion, where the precession rate and the height may have their extremes.
@@ -212,9 +224,9 @@ contains
     subroutine take_extremes(self, motion)
         class(nutation_watch_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion
-        if (is_finite(motion%rate(1)) .and. abs(motion%rate(1)) > abs(self%phi_rate_max)) then
-            self%phi_rate_max = motion%rate(1)
-        end if
+        type(motion_t) :: there
+        there = self%seen(motion)
+        if (is_finite(there%rate(1)) .and. abs(there%rate(1)) > abs(self%phi_rate_max)) self%phi_rate_max = there%rate(1)
         self%com_z_min = min(self%com_z_min, dot_product(self%case%body%centre_of_mass, &
                                                          vertical_from_quaternion(motion%quaternion)))
         if (self%measures%has_forces()) call self%take_forces(motion)
@@ -237,12 +249,14 @@ contains
         self%force_max = max(self%force_max, norm2(force))
         self%force_z_min = min(self%force_z_min, force(3))
         self%force_z_max = max(self%force_z_max, force(3))
+        here = self%seen(motion)
+        gamma = vertical_from_quaternion(here%quaternion)
         sine = hypot(gamma(1), gamma(2))
         ! At a pole theta' has two signs, and a limit.
         if (sine > 0) then
-            self%theta_rate_max = max(self%theta_rate_max, abs(axis_height_rate(motion)) / sine)
+            self%theta_rate_max = max(self%theta_rate_max, abs(axis_height_rate(here)) / sine)
         else
-            self%theta_rate_max = max(self%theta_rate_max, hypot(motion%omega(1), motion%omega(2)))
+            self%theta_rate_max = max(self%theta_rate_max, hypot(here%omega(1), here%omega(2)))
         end if
     end subroutine take_forces
 

@@ -58,8 +58,8 @@ contains
         type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
         goes_in_batch = .false.
         if (plan%exact .or. case%body%is_lagrange()) return
-        ! Lanes count no turns in other axes.
-        if (case%body%given%differ .and. wanted%turns) return
+        ! Lanes count no turns in other axes, and measure nothing there.
+        if (case%body%given%differ .and. (wanted%turns .or. wanted%measured .or. wanted%range)) return
         if (job%axes%varies('integration')) return
         if (.not. ends_in_lanes(job%events, case)) return
         if (plan%stepper%controls%project /= project_nothing) return

@@ -41,7 +41,7 @@ contains
         type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
         goes_in_free_block = plan%exact .and. case%body%is_free() .and. .not. case%body%is_lagrange() &
                              .and. size(job%events) == 0 .and. .not. wanted%measured &
-                             .and. .not. (case%body%given%differ .and. wanted%turns)
+                             .and. .not. (case%body%given%differ .and. (wanted%turns .or. wanted%range))
     end function goes_in_free_block
 
     !> Adds a case, the k-th of its block.

@@ -141,7 +141,11 @@ contains
             call note%add(note_no_details, trim(status_meanings(status)))
             return
         end if
-        values%motion_class = nutation%class
+        if (abs(case%turn%phi_shift) > 0) then
+            call note%add(note_no_class, 'it is not found relative to a frame that turns')
+        else
+            values%motion_class = nutation%class
+        end if
         if (case%turn%is_shifted()) nutation%spin = nutation%spin - case%turn%psi_shift * nutation%period
         values%spin_per_nutation = merge(-1, 1, case%turn%flipped) * nutation%spin
         values%theta_rate_max = nutation%theta_rate_max
@@ -245,7 +249,11 @@ contains
             return
         end if
         if (.not. (wanted%free .or. (wanted%range .and. .not. case%body%is_lagrange()))) return
-        call prepare_free_motion(case%given_body, case%given_start, free, status)
+        if (case%turn%to_principal_axes) then
+            call prepare_free_motion(case%body, case%start, free, status)
+        else
+            call prepare_free_motion(case%given_body, case%given_start, free, status)
+        end if
         if (status /= status_ok) then
             call note%add(note_not_free, trim(status_meanings(status)))
             return
@@ -274,7 +282,8 @@ contains
                 values%momentum_turn = free%turn
             end if
         end if
-        if (.not. wanted%range .or. case%body%is_lagrange()) return
+        ! The range of an axis that is not a principal axis was measured.
+        if (.not. wanted%range .or. case%body%is_lagrange() .or. case%body%given%differ) return
         momentum = case%given_body%inertia * case%given_start%omega
         range = case%given_start%angle(2)
         if (any(abs(momentum) > 0)) then

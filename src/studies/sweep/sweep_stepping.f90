@@ -82,7 +82,7 @@ contains
         if (wanted%fast_top) call put_fast_top(case, values, note)
 
         measures = (wanted%nutation .or. wanted%details) .and. .not. case%body%is_lagrange()
-        if (case%body%is_free()) measures = measures .and. wanted%measured
+        if (case%body%is_free()) measures = measures .and. (wanted%measured .or. case%body%given%differ)
         if (.not. (measures .or. wanted%period .or. wanted%end .or. wanted%energy .or. wanted%oracle .or. &
                    wanted%cost .or. wanted%inherent)) then
             call find_free_constants(case, wanted, values, note)

@@ -1,0 +1,73 @@
+"""Quantities of sweeps are those of body z as it was given, whatever axes compute them.
+
+A body that is given by an inertia tensor is computed in its principal axes. The rows of its
+trajectory are in the axes of the input; their extremes are those of the sweep.
+"""
+
+import csv
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+EXE = Path(os.environ["SPINTOP_EXE"]).resolve()
+BODY = """\
+&top mass = 2  inertia_tensor(1,:) = 0.7, 0.12, -0.1  inertia_tensor(2,2:3) = 0.9, 0.15
+     inertia_tensor(3,3) = 0.6  centre_of_mass = 0.1, -0.15, 0.3  {} /
+&initial theta = 1  psi = 0.3  phi_rate = 1  psi_rate = 5 /
+&span t_end = 4 {} /
+&integration relative_tolerance = 1e-12 /
+"""
+SWEEP = "&study kind = 'sweep' /\n&sweep parameter(1) = 'span.t_end'  values(1,:) = 4 /\n"
+EXTREMES = "theta_min", "theta_max", "theta_rate_max", "phi_rate_max"
+
+
+def rows_of(folder: Path, text: str, columns: tuple[str, ...]) -> list[dict[str, str]]:
+    """The rows of the table of an input."""
+    names = ", ".join(f"'{name}'" for name in columns)
+    (folder / "scene.nml").write_text(text + f"&output columns = {names} /\n")
+    command = [EXE, "--quiet", "-o", folder, folder / "scene.nml"]
+    subprocess.run(command, check=True, capture_output=True)
+    lines = (folder / "scene.csv").read_text().splitlines()
+    return list(csv.DictReader(line for line in lines if not line.startswith("#")))
+
+
+@pytest.mark.parametrize("gravity", ["", "gravity = 0"])
+def test_extremes(tmp_path: Path, gravity: str) -> None:
+    """Each alone and all together, against many rows of the trajectory."""
+    sweep = BODY.format(gravity, "") + SWEEP
+    (found,) = rows_of(tmp_path, sweep, EXTREMES)
+    for name in EXTREMES:
+        (alone,) = rows_of(tmp_path, sweep, (name,))
+        assert float(alone[name]) == pytest.approx(float(found[name]), rel=1e-9), name
+    columns = "t", "theta", "theta_rate", "phi_rate"
+    rows = rows_of(tmp_path, BODY.format(gravity, "samples = 20001"), columns)
+    theta, theta_rate, phi_rate = ([float(row[name]) for row in rows] for name in columns[1:])
+    near = pytest.approx
+    assert float(found["theta_min"]) == near(min(theta), abs=1e-4)
+    assert float(found["theta_max"]) == near(max(theta), abs=1e-6)
+    assert float(found["theta_rate_max"]) == near(max(map(abs, theta_rate)), rel=1e-3)
+    if not gravity:
+        assert float(found["phi_rate_max"]) == near(max(phi_rate, key=abs), rel=1e-5)
+
+
+def test_constants_of_a_free_body(tmp_path: Path) -> None:
+    """They do not depend on what else is asked for."""
+    sweep = BODY.format("gravity = 0", "") + SWEEP
+    constants = "momentum_period", "momentum_turn", "omega_max"
+    (alone,) = rows_of(tmp_path, sweep, constants)
+    (beside,) = rows_of(tmp_path, sweep, (*constants, "phi_rate_max", "com_z_min"))
+    for name in constants:
+        assert float(alone[name]) == pytest.approx(float(beside[name]), rel=1e-14), name
+
+
+@pytest.mark.parametrize("latitude", [90, -90])
+def test_class_in_a_frame_that_turns(tmp_path: Path, latitude: int) -> None:
+    """That of the motion as seen from outside would be another one."""
+    text = "&top mass = 1  inertia = 0.875, 0.875, 0.25  length = 0.866 /\n"
+    text += "&initial theta = 0.5  omega3 = 10 /\n&span t_end = 4 /\n"
+    text += f"&effects earth_rate = 0.1  latitude_deg = {latitude} /\n"
+    (found,) = rows_of(tmp_path, text + SWEEP, ("motion_class",))
+    assert found["motion_class"] in ("none", "cusp"), found
+    assert found["notes"].startswith("no class") or found["motion_class"] == "cusp"

@@ -102,7 +102,10 @@ class ReadBackCase(ProgramCase):
 
     def draw(self, names: Sequence[str], cases: int) -> list[list[float]]:
         """Values of parameters at random."""
-        return [[self.random.uniform(*(ANY_BODY | ANY_TENSOR)[name]) for name in names] for _ in range(cases)]
+        return [
+            [self.random.uniform(*(ANY_BODY | ANY_TENSOR)[name]) for name in names]
+            for _ in range(cases)
+        ]
 
     def sweep(self, scene: Path, *arguments: str, kind: str = "csv") -> Path:
         """Run a sweep; every case must end well."""

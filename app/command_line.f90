@@ -4,7 +4,7 @@ module spintop_command_line
     use spintop_listing, only: topic_names
     use spintop_options, only: options_t, shell_word
     use spintop_line_list, only: line_list_t
-    use spintop_shard, only: read_shard
+    use spintop_shard, only: most_shards, read_shard
     use spintop_text, only: string_t, did_you_mean, to_text
     implicit none
     private
@@ -174,7 +174,8 @@ contains
             request%options%restart = .true.
         case ('--shard')
             call read_shard(value, request%options%shard, valid)
-            if (.not. valid) error = wrong("--shard takes I/N, part I of N, as in 2/3, not '" // value // "'")
+            if (.not. valid) error = wrong('--shard takes I/N, part I of N, as in 2/3, with N up to ' // &
+                                            to_text(most_shards) // ", not '" // value // "'")
         case ('--quiet')
             request%options%quiet = .true.
         case ('--progress')

@@ -14,16 +14,20 @@ module spintop_intervals
     !> The profile is followed to an end until it is met to this part of the width, in so many steps at most.
     real(dp), parameter :: end_slack = 1.0e-4_dp
     integer, parameter :: most_steps = 30
+    !> Factor of the rounding of the residuals, which is that of what they are differences of, below
+    !> which the profile is lost in rounding.
+    real(dp), parameter :: lost = 100
 
     !> The parameters and their uncertainty.
     type :: estimate_t
         real(dp), allocatable :: x(:), standard_error(:), covariance(:, :)
-        !> Ends of the 95 % intervals; infinite where the profile does not rise enough, NaN where they were not sought.
+        !> Ends of the 95 % intervals; infinite where the profile does not rise enough, those of the linear model where
+        !> the residuals are at rounding, NaN where they were not sought.
         real(dp), allocatable :: lower(:), upper(:)
         !> Singular values of the Jacobian whose columns are divided by their norms, from the largest; a small one tells
         !> of a combination of parameters that the data do not determine.
         real(dp), allocatable :: singular_values(:)
-        !> Standard deviation of the residuals: given (1), or estimated from them.
+        !> Standard deviation of the residuals: given (1), or estimated from them, and then not below their rounding.
         real(dp) :: deviation = 1
         logical :: is_identifiable = .false.
     end type estimate_t
@@ -40,6 +44,7 @@ contains
         real(dp), intent(in) :: level !! quantile that belongs to the intervals: 1.96 for a known deviation
         type(estimate_t), intent(out) :: estimate !! the parameters and their uncertainty
         real(dp), allocatable :: jacobian(:, :), scaled(:, :), vectors(:, :), norms(:)
+        real(dp) :: rounding, width
         integer :: i, k, m, n
         logical :: is_valid
 
@@ -57,6 +62,9 @@ contains
         call find_jacobian(model, minimum%x, [(i, i=1, n)], minimum%residuals, .true., jacobian, is_valid)
         if (.not. is_valid) return
         norms = norm2(jacobian, dim=1)
+        rounding = epsilon(rounding) / sqrt(real(m, dp)) &
+                   * maxval([(norms(k) * model%step_scale(k, minimum%x(k)), k=1, n)])
+        if (.not. knows_deviation) estimate%deviation = max(estimate%deviation, rounding)
         scaled = jacobian
         do k = 1, n
             scaled(:, k) = jacobian(:, k) / merge(norms(k), 1.0_dp, norms(k) > 0)
@@ -71,6 +79,12 @@ contains
         estimate%standard_error = [(sqrt(estimate%covariance(k, k)), k=1, n)]
         if (.not. wants_profile) return
         do k = 1, n
+            if (estimate%deviation <= lost * rounding) then
+                width = max(level * estimate%standard_error(k), spacing(minimum%x(k)))
+                estimate%lower(k) = minimum%x(k) - width
+                estimate%upper(k) = minimum%x(k) + width
+                cycle
+            end if
             call find_end(model, minimum, jacobian, estimate, k, -level, estimate%lower(k))
             call find_end(model, minimum, jacobian, estimate, k, level, estimate%upper(k))
         end do

@@ -155,6 +155,7 @@ contains
             reason = 'must be finite'
         else if (.not. self%range%contains(value)) then
             reason = 'must be ' // self%rule
+            if (scan(self%rule, '[(') == 1) reason = 'must be in ' // self%rule
         else if (associated(self%integer_value)) then
             if (.not. is_equal(value, anint(value))) then
                 reason = 'must be a whole number'

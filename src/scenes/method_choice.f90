@@ -40,7 +40,10 @@ contains
             if (names(i) == '') cycle
             slash = index(trim(names(i)) // '/', '/')
             place = findloc(known%name == names(i)(:slash - 1), .true., dim=1)
-            if (place == 0) then
+            if (place == 0 .and. names(i)(:slash - 1) == 'exact') then
+                call problems%add(key // '(' // to_text(i) // ')', 'the exact solution is not among the compared methods', &
+                                  'name methods of integration')
+            else if (place == 0) then
                 call refuse_name(key // '(' // to_text(i) // ')', 'method', names(i)(:slash - 1), known%name, problems)
             else if (slash < len_trim(names(i))) then
                 formulation = names(i)(slash + 1:)

@@ -57,6 +57,12 @@ contains
                                   'give the body by its mass properties')
             end if
         end if
+        associate (radii => scene%uncertainty%inertia)
+            if (all(is_set(radii)) .and. abs(radii(1) - radii(2)) > 0) then
+                call problems%add('uncertainty.top.inertia', 'the first two radii are not equal', &
+                                  'give the first two moments of inertia one radius')
+            end if
+        end associate
         call need(scene%uncertainty%mass, scene%mass, 'top.mass')
         call need(scene%uncertainty%length, scene%length, 'top.length')
         call need(scene%uncertainty%omega3, scene%omega3, 'initial.omega3')

@@ -107,7 +107,7 @@ contains
                 case (column_of_integers)
                     call self%text%put_integer(nint(self%cells(i, k), int64))
                 case (column_of_words)
-                    call self%text%put_text(columns(i)%words(nint(self%cells(i, k)) + 1)%text)
+                    call self%text%put_name(columns(i)%words(nint(self%cells(i, k)) + 1)%text)
                 case (column_of_notes)
                     if (allocated(self%notes(k)%text)) then
                         call self%text%put_text(self%notes(k)%text)

@@ -4,7 +4,7 @@ module spintop_shard
     use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: shard_t, read_shard, read_shard_line
+    public :: shard_t, read_shard, read_shard_line, most_shards
 
     !> Maximum number of parts of a sweep.
     integer, parameter :: most_shards = 1000000
@@ -66,8 +66,11 @@ contains
         class(shard_t), intent(in) :: self
         integer(int64), intent(in) :: cases !! of the whole
         character(:), allocatable :: line
-        line = 'part ' // to_text(self%number) // ' of ' // to_text(self%count) // ': cases ' // &
-               to_text(self%first(cases)) // ' to ' // to_text(self%last(cases)) // ' of ' // to_text(cases)
+        line = 'no cases'
+        if (self%last(cases) >= self%first(cases)) then
+            line = 'cases ' // to_text(self%first(cases)) // ' to ' // to_text(self%last(cases))
+        end if
+        line = 'part ' // to_text(self%number) // ' of ' // to_text(self%count) // ': ' // line // ' of ' // to_text(cases)
     end function line
 
     !> The last line of its table, where a case has any number of rows: the table is complete.

@@ -3,7 +3,8 @@
 module spintop_table_head
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: input_file_t
-    use spintop_text, only: join, string_t
+    use spintop_text, only: string_t
+    use spintop_text_buffer, only: text_buffer_t
     implicit none
     private
     public :: table_head, comment_lines, read_head, first_line_of, compare_heads, is_dated
@@ -24,7 +25,13 @@ contains
         type(string_t), intent(in) :: comments(:) !! without the `#`
         character(*), intent(in) :: columns(:) !! names of the columns
         character(:), allocatable :: head
-        head = comment_lines(comments) // join(columns, ',') // nl
+        type(text_buffer_t) :: names
+        integer :: i
+        do i = 1, size(columns)
+            call names%put_name(columns(i))
+        end do
+        call names%end_row()
+        head = comment_lines(comments) // names%contents()
     end function table_head
 
     !> Comment lines as in tables.

@@ -21,6 +21,7 @@ module spintop_text_buffer
         procedure :: put_reals
         procedure :: put_integer
         procedure :: put_text
+        procedure :: put_name
         procedure :: end_row
         procedure :: append
         procedure :: contents
@@ -79,6 +80,17 @@ contains
         call self%start_cell()
         call self%append(trim(cell))
     end subroutine put_text
+
+    !> Adds the name of a column or of a parameter as a cell, in quotes if it has a comma, as `part.place(2,1)` has
+    !> (RFC 4180).
+    subroutine put_name(self, name)
+        class(text_buffer_t), intent(inout) :: self
+        character(*), intent(in) :: name !! the name, or another word without quotes
+        call self%start_cell()
+        if (index(name, ',') > 0) call self%append('"')
+        call self%append(trim(name))
+        if (index(name, ',') > 0) call self%append('"')
+    end subroutine put_name
 
     !> Ends the row.
     subroutine end_row(self)

@@ -135,6 +135,14 @@ test("columns are read to the last bit, comments left out", () => {
   equal([phi[0], Object.is(phi[1], -0)], [1e-300, true]);
 });
 
+test("a name with a comma is one name", () => {
+  const name = "theta__top.inertia_tensor(1,2)";
+  const text = `t,"${name}",phi\n0.5,,3\n`;
+  equal([...columnsOf(text, ["phi"]).phi], [3]);
+  const other = columnsOf(`"${name}",t\n2,7\n`, [name, "t"]);
+  equal([other[name][0], other.t[0]], [2, 7]);
+});
+
 test("the row that is nearest to a time", () => {
   const motion = makeMotion(steady, 0.5);
   equal([-1, 0.2, 0.26, 1.9, 9].map((time) => motion.rowNear(time)), [0, 0, 1, 4, 4]);

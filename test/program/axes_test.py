@@ -348,6 +348,11 @@ class TableTest(ProgramCase):
             ("initial.theta,study.kind\n1,1\n", "cases.csv:1:15: ", "is not a number"),
             ("initial.theta,sweep.seed\n1,1\n", "cases.csv:1:15: ", "cannot vary"),
             ("initial.theta,initial.theta\n1,1\n", "cases.csv:1:15: ", "two columns"),
+            (
+                "initial.psi,top.inertia_tensor(1,2)\n1,1\n",
+                "cases.csv:1:13: ",
+                "a comma parts the name",
+            ),
             (good + "0.6\n", "cases.csv:3:1: ", "the row ends before top.mass"),
             (good + "0.6,1,2\n", "cases.csv:3:7: ", "more cells than the table has columns"),
             (good + "0.6,\n", "cases.csv:3:5: ", "no value for top.mass"),

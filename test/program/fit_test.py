@@ -73,6 +73,10 @@ class SyntheticTest(FitCase):
         table = self.compute(self.write(start + FIT))
         for found, true in zip(table.column("estimate"), TRUTH, strict=True):
             self.assertAlmostEqual(found / true, 1, delta=1e-8)
+        for place, true in enumerate(TRUTH):
+            lower, upper = (table.column(name)[place] for name in ("lower", "upper"))
+            self.assertTrue(lower <= table.column("estimate")[place] <= upper)
+            self.assertLess(upper - lower, 1e-12 * true)
         residuals = self.table("scene.residuals")
         self.assertEqual(len(residuals.rows), 61)
         for name in ("phi", "theta", "psi"):

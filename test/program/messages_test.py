@@ -155,6 +155,18 @@ class HintTest(ProgramCase):
         line = text[: text.index("values(1")].count("\n") + 1
         self.assertIn(f"scene.nml:{line}:21: error: top.mass must be > 0", error)
 
+    def test_what_is_there_elsewhere(self) -> None:
+        """The exact solution is a method, but none that a stability study compares."""
+        settings = ["--set", "study.kind=stability", "--set", "stability.methods=rk4,exact"]
+        error = self.refuse(self.write(), *settings)
+        self.assertIn("the exact solution is not among the compared methods", error)
+
+    def test_ranges_of_swept_parameters(self) -> None:
+        """A value of an axis outside an interval must be in it."""
+        text = SWEEP + "&effects drag_moment = 0, 0, 0.1 drag_exponent = 2 /\n"
+        text += "&sweep parameter(1) = 'effects.drag_exponent'\nvalues(1,:) = 1, 4 /\n"
+        self.assertIn("effects.drag_exponent must be in [1, 3]", self.refuse(self.write(text)))
+
     def test_a_tolerance_that_is_not_used(self) -> None:
         """The motion is known in closed form: it is said, and computed all the same."""
         scene = self.write(CLOSED)

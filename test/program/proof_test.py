@@ -134,6 +134,10 @@ class ProofTest(ProgramCase):
             (("uncertainty.top.length=1e-9", "output.certified=.true."), "no certified digits"),
             (("uncertainty.initial.omega3=1", "output.columns=t,q0_bound"), "omega3 is not given"),
             (("uncertainty.top.spin=1", "output.columns=t,q0_bound"), "unknown key"),
+            (
+                ("uncertainty.top.inertia=1e-6,2e-6,1e-6", "output.columns=t,q0_bound"),
+                "the first two radii are not equal",
+            ),
             (("uncertainty.top.mass=-1", "output.columns=t,q0_bound"), "uncertainty.top.mass"),
         ):
             overrides = [part for setting in settings for part in ("--set", setting)]

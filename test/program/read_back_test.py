@@ -1,5 +1,6 @@
 """Tables of sweeps read back: each parameter has the value of its case."""
 
+import csv
 import itertools
 import math
 import random
@@ -42,6 +43,12 @@ ANY_BODY = {
     "integration.relative_tolerance": (1e-9, 1e-6),
     "integration.absolute_tolerance": (1e-12, 1e-9),
 }
+# The same of a body with a tensor, whose names have a comma.
+ANY_TENSOR = {
+    **{name: ends for name, ends in ANY_BODY.items() if not name.startswith(("top.i", "top.d"))},
+    **{f"top.inertia_tensor({i},{i})": (0.9, 1.2) for i in (1, 2, 3)},
+    **{f"top.inertia_tensor({i},{j})": (-0.1, 0.1) for i, j in ((1, 2), (1, 3), (2, 3))},
+}
 # Those that leave a top whose motion is known in closed form.
 LAGRANGE_TOP = [
     *("top.mass", "top.inertia(3)", "top.centre_of_mass(3)", "top.gravity", "span.t_end"),
@@ -57,6 +64,10 @@ SCENE = f"""\
 &output columns = {QUANTITIES} /
 &sweep table = 'cases.csv' /
 """
+TENSOR = SCENE.replace(
+    "inertia = 1, 1, 0.5",
+    "inertia_tensor(1,:) = 1, 0, 0, inertia_tensor(2,2:3) = 1, 0, inertia_tensor(3,3) = 1",
+)
 # Parameters of axes: real ones and a whole one.
 AXES = ("initial.theta", "top.mass", "initial.omega3", "integration.max_steps")
 
@@ -85,12 +96,16 @@ class ReadBackCase(ProgramCase):
 
     def rows_of(self, names: Sequence[str], rows: Sequence[Sequence[float]]) -> None:
         """Write the table of cases."""
-        lines = [",".join(names), *(",".join(map(repr, row)) for row in rows)]
+        quoted = [f'"{name}"' if "," in name else name for name in names]
+        lines = [",".join(quoted), *(",".join(map(repr, row)) for row in rows)]
         (self.folder / "cases.csv").write_text("\n".join(lines) + "\n", encoding="ascii")
 
     def draw(self, names: Sequence[str], cases: int) -> list[list[float]]:
         """Values of parameters at random."""
-        return [[self.random.uniform(*ANY_BODY[name]) for name in names] for _ in range(cases)]
+        return [
+            [self.random.uniform(*(ANY_BODY | ANY_TENSOR)[name]) for name in names]
+            for _ in range(cases)
+        ]
 
     def sweep(self, scene: Path, *arguments: str, kind: str = "csv") -> Path:
         """Run a sweep; every case must end well."""
@@ -124,6 +139,39 @@ class TableOfAnyWidthTest(ReadBackCase):
                 with self.subTest(width=width, kind=kind):
                     path = self.sweep(self.scene_path, "--threads", "2", kind=kind)
                     self.assertEqual(self.parameters(path, names), rows)
+
+    def test_names_with_a_comma(self) -> None:
+        """They stand in quotes, in tables of statistics, too, and in what is merged."""
+        scene = self.write(TENSOR, "tensor.nml")
+        for width in range(1, len(ANY_TENSOR) + 1):
+            names = self.random.sample(list(ANY_TENSOR), width)
+            rows = self.draw(names, CASES)
+            self.rows_of(names, rows)
+            for kind in self.formats:
+                with self.subTest(width=width, kind=kind):
+                    path = self.sweep(scene, "--threads", "2", kind=kind)
+                    self.assertEqual(self.parameters(path, names), rows)
+        names = ["top.inertia_tensor(1,2)", "initial.psi"]
+        self.rows_of(names, rows := self.draw(names, CASES))
+        settings = ["--set", f"statistics.over='{names[0]}'", "--set", "statistics.bins=2"]
+        settings += ["--set", "statistics.from=-0.1", "--set", "statistics.to=0.1"]
+        settings += ["--set", f"statistics.columns='{names[0]}'"]
+        whole = self.sweep(scene, *settings)
+        with whole.open(encoding="utf-8") as file:
+            cells = list(csv.reader(line for line in file if not line.startswith("#")))
+        self.assertEqual(cells[0][:4], ["case", *names, "status"])
+        self.assertEqual([[float(cell) for cell in row[1:3]] for row in cells[1:]], rows)
+        statistics = read_table(whole.with_suffix(".statistics.csv")).rows
+        self.assertEqual(sum(statistics[f"{names[0]}_count"][1:]), CASES)
+        histogram = read_table(whole.with_suffix(".histogram.csv")).rows
+        self.assertEqual(set(histogram["column"]), {names[0]})
+        parts = []
+        for i in (1, 2):
+            table = self.sweep(scene, "--shard", f"{i}/2")
+            parts.append(table.with_name(f"tensor.{i}-of-2.csv"))
+        self.sweep(scene)
+        self.assertEqual(self.run_program("merge", "merged.csv", *parts).returncode, 0)
+        self.assertEqual((self.folder / "merged.csv").read_bytes(), whole.read_bytes())
 
     def test_each_column_is_that_of_the_table_in_closed_form(self) -> None:
         """More cases than are computed at once; up to as many columns as there are."""

@@ -430,8 +430,10 @@ class InterruptionTest(SurvivalCase):
         self.assertIn("--shard is not for trajectories", self.refuse(scene, "--shard", "1/2"))
         said = self.refuse(scene, "--resume", "--set", "study.kind=stability")
         self.assertIn("--resume is for sweeps and trajectories", said)
-        for shard in ("0/3", "4/3", "3", "1/2/3", "a/b"):
-            self.assertIn("--shard takes I/N", self.refuse(self.slow, "--shard", shard))
+        for shard in ("0/3", "4/3", "3", "1/2/3", "a/b", "1/2000000"):
+            said = self.refuse(self.slow, "--shard", shard)
+            self.assertIn("--shard takes I/N", said)
+            self.assertIn("with N up to 1000000", said)
 
 
 class DiskTest(SurvivalCase):

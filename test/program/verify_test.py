@@ -135,6 +135,75 @@ class VerifyTest(ProgramCase):
         self.put("newer", text.replace("omega = ", "spin_vector = "))
         self.assertIn("unknown key 'spin_vector'", self.verify("newer", code=2))
 
+    def test_edited_sweeps(self) -> None:
+        """Wrong: no number, bound, proof, parameter, or rows that are not those of the input."""
+        scene = self.write(SWEEP)
+        self.compute(scene)
+        text = (self.folder / "output/scene.csv").read_text()
+        lines = text.splitlines(keepends=True)
+        first = next(i for i, line in enumerate(lines) if not line.startswith("#"))
+        names = lines[first].strip().split(",")
+        rows = lines[first + 1 :]
+
+        def edited(row: int, name: str, cell: str) -> list[str]:
+            cells = rows[row].split(",")
+            cells[names.index(name)] = cell
+            return [*rows[:row], ",".join(cells), *rows[row + 1 :]]
+
+        for name, changed, words in (
+            ("nan", edited(1, "theta_end", "nan"), "row 2, theta_end = nan: not a finite number"),
+            ("inf", edited(0, "nutation_period", "inf"), "row 1, nutation_period = inf: not a"),
+            ("bound", edited(2, "theta_end_bound", "nan"), "row 3, theta_end_bound is nan"),
+            ("unproved", edited(0, "proof", "unproved"), "row 1, proof = unproved: its bounds"),
+            ("none", edited(0, "proof", "none"), "row 1, proof = none: its bounds"),
+            ("infinite", edited(3, "theta_end_bound", "inf"), "row 4, proof = proved: its bounds"),
+            (
+                "value",
+                edited(3, "initial.psi_rate", "7"),
+                "row 4, initial.psi_rate = 7: the case has 40",
+            ),
+            ("shorter", rows[:-1], "3 rows, where the input has 4 cases"),
+            ("hole", [rows[0], *rows[2:]], "3 rows, where the input has 4 cases"),
+            ("doubled", [rows[0], *rows], "5 rows, where the input has 4 cases"),
+            ("order", [rows[1], rows[0], *rows[2:]], "row 1, case = 2: not the case 1"),
+            ("same", [rows[0], rows[0], *rows[2:]], "row 2, case = 1: not the case 2"),
+            ("empty", [], "0 rows, where the input has 4 cases"),
+        ):
+            with self.subTest(name):
+                self.put(name, "".join([*lines[: first + 1], *changed]))
+                self.assertIn(f"first wrong  {words}", self.verify(name, code=3))
+
+    def test_edited_trajectories(self) -> None:
+        """Rows are at their times, all of them, and an attitude is a number."""
+        self.compute(self.write(FREE))
+        text = (self.folder / "output/scene.csv").read_text()
+        lines = text.splitlines(keepends=True)
+        first = next(i for i, line in enumerate(lines) if not line.startswith("#"))
+        head, rows, status = lines[: first + 1], lines[first + 1 : -1], lines[-1:]
+        for name, changed, words in (
+            ("cut", rows, "the table is cut short: it has no status"),
+            ("hole", [*rows[:2], *rows[3:], *status], "4 rows, where the input asks for 5"),
+            ("none", status, "0 rows, where the input asks for 5"),
+            ("doubled", [rows[0], *rows, *status], "6 rows, where the input asks for 5"),
+            ("same", [*rows[:2], rows[1], *rows[3:], *status], "row 3, t = 5: not after"),
+            (
+                "time",
+                [rows[0], rows[1].replace("5,", "4,", 1), *rows[2:], *status],
+                "row 2, t = 4: not a",
+            ),
+            (
+                "nan",
+                [*rows[:4], "20,nan" + rows[4][rows[4].index(",", 3) :], *status],
+                "row 5, theta = nan",
+            ),
+        ):
+            with self.subTest(name):
+                self.put(name, "".join([*head, *changed]))
+                self.assertIn(f"first wrong  {words}", self.verify(name, code=3))
+        early = FREE.replace("samples = 5", "samples = 5, stop_at = 'theta = 1.2'")
+        self.compute(self.write(early, "early.nml"))
+        self.assertIn(" 0 wrong", self.verify("early"))
+
     def test_damaged_tables(self) -> None:
         self.compute(self.write(FREE))
         text = (self.folder / "output/scene.csv").read_text()

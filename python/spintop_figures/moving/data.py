@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spintop_figures.tables.characters import printable
-from spintop_figures.tables.table import Table
+from spintop_figures.tables.table import Table, line_of
 
 LARGEST_FILE = 64_000_000
 """Bytes of a file that is read once more for its own lines."""
@@ -59,8 +59,8 @@ def lines_of(table: Table) -> tuple[list[str], list[str], list[str]]:
         head = [f"# {key}: {value}" for key, value in table.header.items()]
         head += ["# input:", *(f"#     {line}" for line in table.input.splitlines())]
         cells = [table.rows[name].astype(object) for name in table.rows]
-        rows = [",".join(str(cell) for cell in row) for row in zip(*cells, strict=True)]
-        return [*head, ",".join(table.rows.columns)], rows, []
+        rows = [line_of(row) for row in zip(*cells, strict=True)]
+        return [*head, line_of(table.rows.columns)], rows, []
     lines = path.read_text(encoding="utf-8", errors="replace").split("\n")
     first = next(i for i, line in enumerate(lines) if line and not line.startswith("#"))
     last = max((i for i, line in enumerate(lines) if line and line[0] != "#"), default=first)

@@ -325,7 +325,7 @@ def read_values(text: str) -> list[str]:
 
 def names_of(number: int, line: str) -> list[str]:
     """The names of the columns, which stand in this line."""
-    names = line.split(",")
+    names = cells_in(number, line)
     for place, name in enumerate(names):
         if not name.strip():
             raise TableError(f"line {number}: column {place + 1} has no name")
@@ -334,21 +334,33 @@ def names_of(number: int, line: str) -> list[str]:
     return names
 
 
+def cells_in(number: int, line: str) -> list[str]:
+    """The cells of this line; quotes are around those with a comma."""
+    try:
+        return next(csv.reader([line], strict=True)) if '"' in line else line.split(",")
+    except csv.Error as error:
+        raise TableError(f"line {number}: quotes must be around the whole cell") from error
+
+
+def line_of(cells: Iterable[object]) -> str:
+    """A line with these cells, with quotes around those with a comma."""
+    return ",".join(f'"{cell}"' if "," in str(cell) else str(cell) for cell in cells)
+
+
 def read_rows(names: list[str], body: list[tuple[int, str]]) -> pd.DataFrame:
     """The rows of columns with these names, from lines with their numbers in the file.
 
     A column holds numbers or words, and is read as what its cells are.
     """
     for number, line in body:
-        cells = line.count(",") + 1
+        cells = len(cells_in(number, line)) if '"' in line else line.count(",") + 1
         if cells != len(names):
             raise TableError(f"line {number} has {cells} cells in place of {len(names)}")
     rows = pd.read_csv(
-        io.StringIO("\n".join([",".join(names), *(line for _, line in body)])),
+        io.StringIO("\n".join([line_of(names), *(line for _, line in body)])),
         keep_default_na=False,
         na_values=["nan"],
         low_memory=False,
-        quoting=csv.QUOTE_NONE,
         lineterminator="\n",
     )
     for name in rows if len(rows) else ():

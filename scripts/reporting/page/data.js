@@ -14,14 +14,20 @@ export async function textOf(link) {
   return new Response(packed.pipeThrough(new DecompressionStream("gzip"))).text();
 }
 
+/** The cells of a line; double quotes are around those with a comma. */
+function cellsOf(line) {
+  if (!line.includes('"')) return line.split(",");
+  return line.split(/,(?=(?:[^"]*"[^"]*")*[^"]*$)/).map((cell) => cell.replaceAll('"', ""));
+}
+
 /** Columns of numbers by their names, from the text of a table. */
 export function columnsOf(text, names) {
   const lines = text.split("\n").filter((line) => line && !line.startsWith("#"));
-  const places = lines[0].split(",");
+  const places = cellsOf(lines[0]);
   const wanted = names.map((name) => places.indexOf(name));
   const columns = names.map(() => new Float64Array(lines.length - 1));
   for (let row = 1; row < lines.length; row += 1) {
-    const cells = lines[row].split(",");
+    const cells = cellsOf(lines[row]);
     for (let k = 0; k < names.length; k += 1) columns[k][row - 1] = Number(cells[wanted[k]]);
   }
   return Object.fromEntries(names.map((name, k) => [name, columns[k]]));

@@ -51,7 +51,7 @@ contains
         end if
         if (.not. has_lines) return
         call read_head(walk, scene, table, axes%axis, diagnostics, refused)
-        call read_rows(walk, axes%axis, diagnostics, refused)
+        if (size(axes%axis) > 0) call read_rows(walk, axes%axis, diagnostics, refused)
         if (refused .or. problems%any()) return
         call axes%combine(combine_zip, int(axes%axis(1)%count, int64), int(scene%seed, int64))
     end subroutine read_axes
@@ -69,7 +69,7 @@ contains
         end if
     end subroutine check_scene
 
-    !> Reads the line of names: an axis for each.
+    !> Reads the line of names: an axis for each; none if a comma parts a name.
     subroutine read_head(walk, scene, table, axis, diagnostics, refused)
         type(table_walk_t), intent(inout) :: walk
         type(scene_t), target, intent(in) :: scene
@@ -93,6 +93,14 @@ contains
         do i = 1, columns
             call walk%next_cell()
             axis(i)%name = walk%cell()
+            if (index(axis(i)%name, '(') > 0 .and. index(axis(i)%name, ')') == 0) then
+                call walk%refuse(diagnostics, 'a comma parts the name ' // axis(i)%name, &
+                                 'put a name with a comma in double quotes: "top.inertia_tensor(1,2)"')
+                refused = .true.
+                deallocate (axis)
+                allocate (axis(0))
+                return
+            end if
             call find_swept(axis(i)%name, scene, table, axis(i)%slot, problem, hint)
             axis(i)%whole = axis(i)%slot%is_whole()
             if (any([(axis(k)%slot%is_same(axis(i)%slot), k=1, i - 1)])) then

@@ -66,7 +66,7 @@ contains
         if (allocated(error)) return
         do i = 1, size(keys)
             call cells%clear()
-            call cells%put_text(keys(i)%name)
+            call cells%put_name(keys(i)%name)
             call cells%put_text(keys(i)%unit)
             call cells%put_reals([estimate%x(i), estimate%standard_error(i), estimate%lower(i), estimate%upper(i), start(i), &
                                   estimate%singular_values(i), estimate%covariance(i, :)])

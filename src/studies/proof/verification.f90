@@ -7,7 +7,7 @@ module spintop_verification
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t, make_case
     use spintop_certificate, only: balls_hint, balls_missing, has_balls, last_reason, proof_count, proof_names, &
-        proof_of_orientation, proof_of_psi, proof_reasons, proved
+        proof_of_orientation, proof_of_psi, proof_of_theta, proof_reasons, proved
     use spintop_claims, only: claim_of
     use spintop_compare, only: is_finite
     use spintop_conditioning, only: inherent_error
@@ -21,6 +21,7 @@ module spintop_verification
     use spintop_row_proof, only: row_proof_t
     use spintop_scene, only: scene_t
     use spintop_sweep_axes, only: swept_scene_t
+    use spintop_table_form, only: check_cases, check_proof_cells, check_times, check_values, findings_t, is_nan
     use spintop_text, only: string_t, to_text
     use spintop_uncertainties, only: data_radii, has_radii
     implicit none
@@ -34,14 +35,15 @@ module spintop_verification
         real(dp), allocatable :: printed(:, :), bounds(:, :)
         !> Names of the columns.
         character(32) :: names(proof_count) = ''
-        logical :: is_sweep = .false.
-        integer(int64) :: proved = 0, unproved = 0, wrong = 0
+        logical :: has_number(proof_count) = .false., has_bound(proof_count) = .false.
+        !> Whether it is the table of a sweep, or one of events, whose rows are not known before.
+        logical :: is_sweep = .false., has_events = .false.
+        integer(int64) :: proved = 0, unproved = 0
+        type(findings_t) :: wrong
         !> Unproved cells by reason, and without a claim.
         integer(int64) :: reasons(0:last_reason) = 0
         !> The largest bound of each quantity.
         real(dp) :: largest(proof_count) = 0
-        !> The first wrong cell, as text.
-        character(:), allocatable :: first_wrong
     end type verification_t
 
 contains
@@ -64,13 +66,14 @@ contains
         call read_table(job%input, found%table, error)
         if (.not. allocated(error)) call take_numbers(job, found, error)
         if (allocated(error)) return
+        call check_proof_cells(found%table, job%scene%certified, found%wrong)
         if (found%is_sweep) then
             call verify_sweep(job, found, error)
         else
             call verify_trajectory(job, found, error)
         end if
         if (allocated(error)) return
-        if (found%wrong > 0 .or. (strict .and. found%unproved > 0)) code = exit_failed
+        if (found%wrong%count > 0 .or. (strict .and. found%unproved > 0)) code = exit_failed
         call report(job, found, lines)
     end subroutine verify_table
 
@@ -82,6 +85,7 @@ contains
         integer :: k, rows
 
         found%is_sweep = job%scene%kind == 'sweep'
+        found%has_events = size(found%table%words('event')) > 0
         rows = size(found%table%cells, 2)
         allocate (found%printed(proof_count, rows), found%bounds(proof_count, rows))
         found%printed = no_number
@@ -90,21 +94,24 @@ contains
             if (k == proof_of_orientation) cycle
             found%names(k) = proof_names(k)
             if (found%is_sweep .and. k <= proof_of_psi) found%names(k) = trim(proof_names(k)) // '_end'
-            call take_column(found%table, trim(found%names(k)), found%printed(k, :), error)
-            if (.not. allocated(error)) call take_column(found%table, trim(found%names(k)) // '_bound', found%bounds(k, :), error)
+            call take_column(found%table, trim(found%names(k)), found%printed(k, :), found%has_number(k), error)
+            if (.not. allocated(error)) call take_column(found%table, trim(found%names(k)) // '_bound', found%bounds(k, :), &
+                                                         found%has_bound(k), error)
             if (allocated(error)) return
         end do
     end subroutine take_numbers
 
     !> The numbers of a column, if there is one.
-    subroutine take_column(table, name, values, error)
+    subroutine take_column(table, name, values, is_there, error)
         type(table_t), intent(in) :: table
         character(*), intent(in) :: name
         real(dp), intent(inout) :: values(:)
+        logical, intent(out) :: is_there
         type(error_t), allocatable, intent(out) :: error
         real(dp), allocatable :: numbers(:)
         integer :: i
-        if (.not. any([(table%names(i)%text == name, i=1, size(table%names))])) return
+        is_there = any([(table%names(i)%text == name, i=1, size(table%names))])
+        if (.not. is_there) return
         call table%read_column(name, numbers, error)
         if (.not. allocated(error)) values = numbers
     end subroutine take_column
@@ -119,10 +126,12 @@ contains
         integer :: row, k
 
         call found%table%read_column('t', times, error)
+        if (.not. (allocated(error) .or. found%has_events)) call check_times(job, times, found%wrong, error)
         if (allocated(error)) return
         call proof%open([(any(is_finite(found%printed(k, :))), k=1, proof_count)], .false., job%case%given_body, &
                         job%case%given_start, data_radii(job%scene))
         do row = 1, size(times)
+            call check_cells(found, row, .true.)
             call verify_row(job, job%case, times(row), row, proof, found)
         end do
         call proof%close()
@@ -136,15 +145,24 @@ contains
         type(swept_scene_t), allocatable, target :: swept
         type(row_proof_t) :: proof
         type(case_t) :: case
+        type(string_t), allocatable :: status(:)
         real(dp), allocatable :: cases(:), ends(:)
-        real(dp) :: values(size(job%axes%axis))
-        integer :: row
+        real(dp) :: values(size(job%axes%axis)), printed(size(found%printed, 2), size(job%axes%axis))
+        logical :: is_there(size(job%axes%axis)), has_end
+        integer :: row, i
 
         call found%table%read_column('case', cases, error)
+        if (.not. (allocated(error) .or. found%has_events)) call check_cases(job, cases, found%wrong, error)
         if (allocated(error)) return
         allocate (ends(size(cases)), source=no_number)
-        call take_column(found%table, 't_end', ends, error)
+        call take_column(found%table, 't_end', ends, has_end, error)
+        printed = no_number
+        do i = 1, size(values)
+            if (allocated(error)) return
+            call take_column(found%table, job%axes%axis(i)%name, printed(:, i), is_there(i), error)
+        end do
         if (allocated(error)) return
+        allocate (status, source=found%table%words('status'))
         allocate (swept)
         call swept%copy(job%scene, job%axes)
         do row = 1, size(cases)
@@ -152,8 +170,10 @@ contains
                 error = input_error(escaped(job%input) // ': case ' // to_text(cases(row)) // ' is not a case of its input')
                 return
             end if
-            if (.not. any(is_finite(found%printed(:, row)))) cycle
             call job%axes%find_values(int(cases(row), int64), values)
+            call check_values(job, row, merge(printed(row, :), values, is_there), values, found%wrong)
+            if (size(status) > 0) call check_cells(found, row, status(row)%text == 'ok')
+            if (.not. any(is_finite(found%printed(:, row)))) cycle
             call swept%put(values)
             call make_again(swept%scene, case, error)
             if (allocated(error)) return
@@ -174,6 +194,30 @@ contains
         call make_case(scene, case, problems)
         if (problems%any()) error = input_error('a row with numbers belongs to a case that its input refuses: ' // problems%first())
     end subroutine make_again
+
+    !> Cells of a row that have to be numbers, and are none: bounds, numbers with a finite bound, and the attitude. phi and
+    !> psi do not exist on a pole.
+    subroutine check_cells(found, row, has_ended_well)
+        type(verification_t), intent(inout) :: found
+        integer, intent(in) :: row
+        logical, intent(in) :: has_ended_well
+        logical :: has_to_be
+        integer :: k
+
+        do k = 1, proof_count
+            associate (printed => found%printed(k, row), bound => found%bounds(k, row), name => found%names(k))
+                if (found%has_bound(k) .and. is_nan(bound) .and. is_finite(printed)) then
+                    call found%wrong%add('row ' // to_text(row) // ', ' // trim(name) // '_bound is nan')
+                end if
+                has_to_be = has_ended_well .and. k <= proof_of_theta
+                if (found%has_bound(k)) has_to_be = has_to_be .or. is_finite(bound)
+                if (found%has_number(k) .and. has_to_be .and. .not. is_finite(printed)) then
+                    call found%wrong%add('row ' // to_text(row) // ', ' // trim(name) // ' = ' // to_text(printed) // &
+                                         ': not a finite number')
+                end if
+            end associate
+        end do
+    end subroutine check_cells
 
     !> The numbers of a row.
     subroutine verify_row(job, case, t, row, proof, found)
@@ -207,9 +251,8 @@ contains
                 found%proved = found%proved + 1
             else if (proof%bounds(k) - half_place > claim) then
                 ! A ball is at most half of the last place wide.
-                if (found%wrong == 0) found%first_wrong = 'row ' // to_text(row) // ', ' // trim(found%names(k)) // ' = ' &
-                    // to_text(printed(k)) // ': off by up to ' // to_text(proof%bounds(k)) // ', claimed ' // to_text(claim)
-                found%wrong = found%wrong + 1
+                call found%wrong%add('row ' // to_text(row) // ', ' // trim(found%names(k)) // ' = ' // to_text(printed(k)) &
+                    // ': off by up to ' // to_text(proof%bounds(k)) // ', claimed ' // to_text(claim))
             else
                 found%unproved = found%unproved + 1
                 found%reasons(proved) = found%reasons(proved) + 1
@@ -226,8 +269,8 @@ contains
         integer :: k
 
         call text%add(job%input // ': ' // to_text(found%proved) // ' numbers proved, ' // to_text(found%unproved) &
-                      // ' unproved, ' // to_text(found%wrong) // ' wrong')
-        if (allocated(found%first_wrong)) call text%add('  first wrong  ' // found%first_wrong)
+                      // ' unproved, ' // to_text(found%wrong%count) // ' wrong')
+        if (allocated(found%wrong%first)) call text%add('  first wrong  ' // found%wrong%first)
         do k = 0, last_reason
             if (found%reasons(k) == 0) cycle
             if (k == proved) call text%add('  unproved  ' // to_text(found%reasons(k)) // ': nothing is claimed of them, or &

@@ -56,7 +56,8 @@ contains
             trajectory_column_t('com_z', 'm', 'centre of mass in space axes, z (height above the pivot)', &
                                 'attitude', value_of_com_z, is_default=.true.), &
             trajectory_column_t('kinetic', 'J', 'kinetic energy', 'energy', value_of_kinetic, is_default=.true.), &
-            trajectory_column_t('potential', 'J', 'potential energy above the height of the pivot', &
+            trajectory_column_t('potential', 'J', 'potential energy above the height of the pivot, with -O.IO/2 - O.h &
+                                &where the Earth turns (O its rate, h of a rotor)', &
                                 'energy', value_of_potential, is_default=.true.), &
             trajectory_column_t('energy', 'J', 'total energy', 'energy', value_of_energy, is_default=.true.), &
             trajectory_column_t('energy_error', '', &

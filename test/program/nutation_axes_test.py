@@ -5,6 +5,7 @@ trajectory are in the axes of the input; their extremes are those of the sweep.
 """
 
 import csv
+import math
 import os
 import subprocess
 from pathlib import Path
@@ -71,3 +72,26 @@ def test_class_in_a_frame_that_turns(tmp_path: Path, latitude: int) -> None:
     (found,) = rows_of(tmp_path, text + SWEEP, ("motion_class",))
     assert found["motion_class"] in ("none", "cusp"), found
     assert found["notes"].startswith("no class") or found["motion_class"] == "cusp"
+
+
+@pytest.mark.parametrize("end", [1.2, 2, 12])
+@pytest.mark.parametrize("across", ["0", "1e-12", "1e-8", "1e-7"])
+def test_swing_over_poles(tmp_path: Path, end: float, across: str) -> None:
+    """The nutation rate is largest where the body hangs, in a pole: by the energy."""
+    text = "&top mass = 1  inertia = 0.9, 0.8, 0.25  length = 0.3 /\n"
+    text += f"&initial theta = 1  omega = 1, {across}, 0 /\n&span t_end = {end} /\n"
+    sweep = "&study kind = 'sweep' /\n&sweep parameter(1) = 'span.t_end'  values(1,:) = "
+    (found,) = rows_of(tmp_path, text + sweep + f"{end} /\n", ("theta_rate_max",))
+    largest = math.sqrt(1 + 2 * 9.81 * 0.3 * (1 + math.cos(1)) / 0.9)
+    assert float(found["theta_rate_max"]) == pytest.approx(largest, abs=1e-6 + 3 * float(across))
+
+
+def test_force_on_a_balanced_body(tmp_path: Path) -> None:
+    """It is the weight, all the time."""
+    text = "&top mass = 2  inertia = 0.7, 0.9, 0.6  length = 0 /\n"
+    text += "&initial theta = 1  omega = 1, 2, 3 /\n&span t_end = 4 /\n"
+    names = "force_max", "force_z_min", "force_z_max"
+    (found,) = rows_of(tmp_path, text + SWEEP, names)
+    assert found["status"] == "ok"
+    for name in names:
+        assert float(found[name]) == pytest.approx(2 * 9.81, rel=1e-12), name

@@ -18,7 +18,7 @@ module spintop_nutation_watch
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: nutation_watch_t, measures_t, nutation_of, no_class
+    public :: nutation_watch_t, measures_t, nutation_of, no_class, swings_over_poles
 
     !> Class of a motion whose nutations belong to several classes.
     integer, parameter :: no_class = 0
@@ -86,6 +86,8 @@ contains
         self%needs_angles = size(self%events) > 0
         self%needs_turns = self%needs_angles .or. measures%turning
         self%own = measures%events()
+        ! Without an arm the support force is constant.
+        if (all(is_zero(case%body%centre_of_mass))) self%own = pack(self%own, self%own < vertical_force(1))
         self%events = [self%events, (event_t(own_names(self%own(k)), own_directions(self%own(k))), k=1, size(self%own))]
         ! The precession is fastest near a pole.
         if (measures%fastest .or. measures%nutation_rate) self%pole_axis = case%turn%vector([0.0_dp, 0.0_dp, 1.0_dp])
@@ -100,6 +102,25 @@ contains
         seen = motion
         if (self%case%body%given%differ) seen = self%case%turn%back(motion, motion%given_angle)
     end function seen
+
+    !> Whether a motion is nearly plane, about a principal axis, so that body z goes over the poles. There its nutation rate
+    !> has an extreme at which the function that `nutation_slope` gives, and that of the lanes, is all but zero.
+    pure logical function swings_over_poles(body, start)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! the start
+        real(dp), parameter :: nearly = 1.0e-6_dp
+        real(dp) :: gamma(3), rate(6), axis(3), change(3)
+        gamma = vertical_from_quaternion(start%quaternion)
+        rate = euler_poisson_rate(body, [gamma, body%inertia * start%omega])
+        change = rate(4:6) / body%inertia
+        axis = start%omega
+        if (.not. norm2(axis) > 0) axis = change
+        swings_over_poles = norm2(axis) > 0
+        if (.not. swings_over_poles) return
+        axis = axis / norm2(axis)
+        swings_over_poles = abs(dot_product(axis, gamma)) <= nearly .and. norm2(cross(axis, change)) <= nearly * norm2(change) &
+            .and. norm2(cross(axis, body%inertia * axis)) <= nearly * norm2(body%inertia)
+    end function swings_over_poles
 
     !> Whether the nutation rate or the support force is measured.
     pure logical function has_forces(self)

@@ -6,11 +6,13 @@ module spintop_sweep_batch
     use spintop_body, only: body_t
     use spintop_body_with_effects, only: body_with_effects_t
     use spintop_case, only: case_t
+    use spintop_compare, only: is_zero
     use spintop_exact_block, only: block_size
     use spintop_integration, only: outcome_t
     use spintop_job, only: job_t
     use spintop_many_bodies, only: integrate_many
     use spintop_motion, only: motion_t
+    use spintop_nutation_watch, only: swings_over_poles
     use spintop_plan, only: plan_t
     use spintop_projection, only: project_nothing
     use spintop_rigid_body, only: rigid_body_t
@@ -60,6 +62,11 @@ contains
         if (plan%exact .or. case%body%is_lagrange()) return
         ! Lanes count no turns in other axes, and measure nothing there.
         if (case%body%given%differ .and. (wanted%turns .or. wanted%measured .or. wanted%range)) return
+        ! Nor do they find extremes in poles, or of a force that is constant.
+        if (wanted%nutation_rate) then
+            if (swings_over_poles(case%body, case%start)) return
+        end if
+        if ((wanted%force .or. wanted%vertical_force) .and. all(is_zero(case%body%centre_of_mass))) return
         if (job%axes%varies('integration')) return
         if (.not. ends_in_lanes(job%events, case)) return
         if (plan%stepper%controls%project /= project_nothing) return

@@ -14,7 +14,7 @@ module spintop_sweep_stepping
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, find_nutation
-    use spintop_nutation_watch, only: measures_t, nutation_watch_t
+    use spintop_nutation_watch, only: measures_t, nutation_watch_t, swings_over_poles
     use spintop_plan, only: plan_t, sample_times
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
     use spintop_status, only: is_good_end, status_at_rest, status_ok, status_step_limit, status_too_many_events, status_meanings
@@ -92,7 +92,7 @@ contains
             allocate (watch)
             call watch%set(events, n, case)
             if (measures) then
-                call watch%measure_nutation(case, measures_of(wanted, allocated(case%body%effects)))
+                call watch%measure_nutation(case, measures_of(wanted, case))
                 if (has_extremes(wanted) .and. allocated(case%body%effects)) call note%add(note_no_details, &
                     'extremes of the nutation rate and of the support force are not measured for bodies with effects')
             end if
@@ -117,11 +117,12 @@ contains
     end function has_extremes
 
     !> What is to be measured of the nutation. The nutation rate and the support force are not, with effects.
-    pure type(measures_t) function measures_of(wanted, has_effects) result(measures)
+    pure type(measures_t) function measures_of(wanted, case) result(measures)
         type(sweep_work_t), intent(in) :: wanted
-        logical, intent(in) :: has_effects
+        type(case_t), intent(in) :: case
         measures = measures_t(wanted%turning, wanted%lowest, wanted%fastest)
-        if (has_effects) return
+        if (allocated(case%body%effects)) return
+        if (wanted%nutation_rate) measures%turning = measures%turning .or. swings_over_poles(case%body, case%start)
         measures%nutation_rate = wanted%nutation_rate
         measures%vertical_force = wanted%vertical_force
         measures%force = wanted%force

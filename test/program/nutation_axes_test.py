@@ -86,6 +86,17 @@ def test_swing_over_poles(tmp_path: Path, end: float, across: str) -> None:
     assert float(found["theta_rate_max"]) == pytest.approx(largest, abs=1e-6 + 3 * float(across))
 
 
+@pytest.mark.parametrize(("rate", "kind"), [(1, "libration"), (6, "circulation")])
+def test_class_of_a_swing(tmp_path: Path, rate: float, kind: str) -> None:
+    """A plane motion does not precess, whatever rounding does near the poles."""
+    text = "&top mass = 1  inertia = 0.9, 0.8, 0.25  length = 0.3 /\n"
+    text += f"&initial theta = 1  omega = {rate}, 0, 0 /\n&span t_end = 12 /\n"
+    sweep = "&study kind = 'sweep' /\n&sweep parameter(1) = 'span.t_end'  values(1,:) = 12 /\n"
+    (found,) = rows_of(tmp_path, text + sweep, ("phi_rate_max", "motion_class"))
+    assert float(found["phi_rate_max"]) == 0
+    assert found["motion_class"] == kind
+
+
 def test_force_on_a_balanced_body(tmp_path: Path) -> None:
     """It is the weight, all the time."""
     text = "&top mass = 2  inertia = 0.7, 0.9, 0.6  length = 0 /\n"

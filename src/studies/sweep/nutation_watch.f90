@@ -18,7 +18,7 @@ module spintop_nutation_watch
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: nutation_watch_t, measures_t, nutation_of, no_class, swings_over_poles
+    public :: nutation_watch_t, measures_t, nutation_of, no_class, swings_over_poles, nearly_plane
 
     !> Class of a motion whose nutations belong to several classes.
     integer, parameter :: no_class = 0
@@ -31,6 +31,9 @@ module spintop_nutation_watch
         'fastest', 'fastest nutation', 'fastest nutation', 'vertical force', 'vertical force', 'largest force']
     integer, parameter :: own_directions(largest_force) = [-1, 1, 1, 1, -1, 1, -1, 1, -1, -1]
 
+    !> Directions in a motion that is nearly plane, and in one that is plane to rounding, differ by no more from those of the
+    !> plane, rad.
+    real(dp), parameter :: nearly_plane = 1.0e-6_dp, exactly_plane = 1.0e-14_dp
     !> A precession rate at the upper turning points within this fraction of the largest one, and a range of
     !> theta within this angle, rad, count as zero.
     real(dp), parameter :: class_tolerance = 1.0e-6_dp
@@ -56,7 +59,7 @@ module spintop_nutation_watch
         type(measures_t) :: measures = measures_t(.false., .false., .false.)
         real(dp) :: theta_rate_max = 0, force_max = 0, force_z_min = huge(1.0_dp), force_z_max = -huge(1.0_dp)
         type(case_t), private :: case
-        logical, private :: starts_turning = .false.
+        logical, private :: starts_turning = .false., is_plane = .false.
         !> The measured events.
         integer, allocatable, private :: own(:)
         type(turning_points_t), private :: turns(upper:lower)
@@ -92,6 +95,7 @@ contains
         ! The precession is fastest near a pole.
         if (measures%fastest .or. measures%nutation_rate) self%pole_axis = case%turn%vector([0.0_dp, 0.0_dp, 1.0_dp])
         self%starts_turning = is_zero(axis_height_rate(self%seen(case%start)))
+        self%is_plane = swings_over_poles(case%body, case%start, exactly_plane) .and. .not. case%body%given%differ
         call self%take_extremes(case%start)
     end subroutine measure_nutation
 
@@ -104,11 +108,12 @@ contains
     end function seen
 
     !> Whether a motion is nearly plane, about a principal axis, so that body z goes over the poles. There its nutation rate
-    !> has an extreme at which the function that `nutation_slope` gives, and that of the lanes, is all but zero.
-    pure logical function swings_over_poles(body, start)
+    !> has an extreme at which the function that `nutation_slope` gives, and that of the lanes, is all but zero; and its
+    !> precession rate is zero, or larger than any that a computation resolves.
+    pure logical function swings_over_poles(body, start, nearly)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! the start
-        real(dp), parameter :: nearly = 1.0e-6_dp
+        real(dp), intent(in) :: nearly !! how nearly, such as `nearly_plane` or `exactly_plane`
         real(dp) :: gamma(3), rate(6), axis(3), change(3)
         gamma = vertical_from_quaternion(start%quaternion)
         rate = euler_poisson_rate(body, [gamma, body%inertia * start%omega])
@@ -247,7 +252,9 @@ contains
         type(motion_t), intent(in) :: motion
         type(motion_t) :: there
         there = self%seen(motion)
-        if (is_finite(there%rate(1)) .and. abs(there%rate(1)) > abs(self%phi_rate_max)) self%phi_rate_max = there%rate(1)
+        if (is_finite(there%rate(1)) .and. abs(there%rate(1)) > abs(self%phi_rate_max) .and. .not. self%is_plane) then
+            self%phi_rate_max = there%rate(1)
+        end if
         self%com_z_min = min(self%com_z_min, dot_product(self%case%body%centre_of_mass, &
                                                          vertical_from_quaternion(motion%quaternion)))
         if (self%measures%has_forces()) call self%take_forces(motion)

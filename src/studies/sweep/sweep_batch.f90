@@ -12,7 +12,7 @@ module spintop_sweep_batch
     use spintop_job, only: job_t
     use spintop_many_bodies, only: integrate_many
     use spintop_motion, only: motion_t
-    use spintop_nutation_watch, only: swings_over_poles
+    use spintop_nutation_watch, only: nearly_plane, swings_over_poles
     use spintop_plan, only: plan_t
     use spintop_projection, only: project_nothing
     use spintop_rigid_body, only: rigid_body_t
@@ -63,8 +63,8 @@ contains
         ! Lanes count no turns in other axes, and measure nothing there.
         if (case%body%given%differ .and. (wanted%turns .or. wanted%measured .or. wanted%range)) return
         ! Nor do they find extremes in poles, or of a force that is constant.
-        if (wanted%nutation_rate) then
-            if (swings_over_poles(case%body, case%start)) return
+        if (wanted%nutation_rate .or. wanted%fastest) then
+            if (swings_over_poles(case%body, case%start, nearly_plane)) return
         end if
         if ((wanted%force .or. wanted%vertical_force) .and. all(is_zero(case%body%centre_of_mass))) return
         if (job%axes%varies('integration')) return

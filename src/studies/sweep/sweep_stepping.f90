@@ -14,7 +14,7 @@ module spintop_sweep_stepping
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, find_nutation
-    use spintop_nutation_watch, only: measures_t, nutation_watch_t, swings_over_poles
+    use spintop_nutation_watch, only: measures_t, nearly_plane, nutation_watch_t, swings_over_poles
     use spintop_plan, only: plan_t, sample_times
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
     use spintop_status, only: is_good_end, status_at_rest, status_ok, status_step_limit, status_too_many_events, status_meanings
@@ -122,7 +122,8 @@ contains
         type(case_t), intent(in) :: case
         measures = measures_t(wanted%turning, wanted%lowest, wanted%fastest)
         if (allocated(case%body%effects)) return
-        if (wanted%nutation_rate) measures%turning = measures%turning .or. swings_over_poles(case%body, case%start)
+        if (wanted%nutation_rate) measures%turning = measures%turning .or. &
+            swings_over_poles(case%body, case%start, nearly_plane)
         measures%nutation_rate = wanted%nutation_rate
         measures%vertical_force = wanted%vertical_force
         measures%force = wanted%force

@@ -71,7 +71,7 @@ class TableTest(DamagedCase):
         """Cells that are no numbers, also where all of a column are none."""
         lines = a_trajectory(["t", "theta"], count=2).splitlines()
         first = next(i for i, line in enumerate(lines) if not line.startswith("#"))
-        for cell in ("", "x", "True", "1_0", '"1"', "0x1p3", RED, "\u0663", "1e", "--1"):
+        for cell in ("", "x", "True", "1_0", "0x1p3", RED, "\u0663", "1e", "--1"):
             for rows in ((1,), (1, 2)):
                 damaged = list(lines)
                 for row in rows:
@@ -83,6 +83,21 @@ class TableTest(DamagedCase):
                 self.assertIn(f"line {first + 2}: ", message)
                 self.assertIn("in theta is no number", message)
                 self.check_words(message)
+
+    def test_quotes(self) -> None:
+        """A cell may have quotes around it, as spreadsheets write it, but around all of it."""
+        lines = a_trajectory(["t", "theta"], count=2).splitlines()
+        first = next(i for i, line in enumerate(lines) if not line.startswith("#"))
+        time = lines[first + 1].split(",")[0]
+        for cell in ('"1"', '"1', '1"', '"1"2'):
+            text = "\n".join([*lines[: first + 1], f"{time},{cell}", *lines[first + 2 :]]) + "\n"
+            path = self.put("a.csv", text)
+            with self.subTest(cell=cell):
+                if cell == '"1"':
+                    self.assertEqual(read_table(path).rows["theta"][0], 1)
+                    continue
+                with self.assertRaisesRegex(TableError, f"line {first + 2}"):
+                    read_table(path)
 
     def test_comments_count(self) -> None:
         """A line has its number in the file, whatever stands between the rows."""

@@ -21,7 +21,6 @@ top.inertia(1),top.inertia(2),top.gravity,initial.theta
 """Heavy, upright, free and asymmetric bodies, and one that hangs."""
 SCENES = {
     "plain": TOP + "/\n",
-    "damped": TOP + "damping = 0.1, 0.1, 0.2 /\n",
     "friction": TOP + "/\n&effects friction_torque = 0.3 friction_smoothing = 0 /\n",
     "vibration": TOP + "/\n&effects vibration_amplitude = 0, 0, 0.01 vibration_rate = 60 /\n",
 }

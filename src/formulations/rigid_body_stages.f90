@@ -21,7 +21,7 @@ module spintop_rigid_body_stages
     !> Stages of the state y = (q0, q1, q2, q3, Pi1, Pi2, Pi3).
     type, extends(stages_t) :: rigid_body_stages_t
         private
-        !> Constants of body_stages.c: 1/I, `momentum_coupling`, the moment of the weight, damping/I.
+        !> Constants of body_stages.c: 1/I, `momentum_coupling`, the gravitational torque, damping/I.
         real(dp) :: of(3, 4) = 0
     contains
         procedure :: set

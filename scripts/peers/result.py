@@ -48,6 +48,13 @@ def is_numeric(column: pd.Series) -> bool:
     return pd.api.types.is_numeric_dtype(column)
 
 
+def least(rounds: list[pd.DataFrame]) -> pd.DataFrame:
+    """Each setting of each method and program once, with the least time of all rounds."""
+    rows = pd.concat([rows for rows in rounds if len(rows)], ignore_index=True)
+    rows = rows.sort_values("time_s", kind="stable", na_position="last", ignore_index=True)
+    return rows.drop_duplicates(["program", "method", "formulation", "setting"], ignore_index=True)
+
+
 def join(parts: list[pd.DataFrame]) -> pd.DataFrame:
     """All rows, those of a problem by time, with the front among all programs."""
     rows = pd.concat(parts, ignore_index=True)

@@ -42,17 +42,42 @@ def as_table(header: list[str], lines: list[list[str]]) -> str:
 
 
 def summarise(rows: pd.DataFrame) -> str:
-    """Two tables of each problem: who is cheapest, and by what factor each is dearer."""
-    return "\n\n".join(
-        f"{name}\n\n{tell_problem(group)}" for name, group in rows.groupby("problem", sort=False)
-    )
+    """Of each problem: who is cheapest, by what factor each is dearer; and a table of all."""
+    problems = dict(list(rows.groupby("problem", sort=False)))
+    texts = [f"{name}\n\n{tell_problem(group)}" for name, group in problems.items()]
+    if len(problems) > 1:
+        texts.append(f"all problems\n\n{tell_together(problems)}")
+    return "\n\n".join(texts)
+
+
+def tell_together(problems: dict[str, pd.DataFrame]) -> str:
+    """A column for each problem: spintop's time and the ratio of the cheapest other."""
+    lines = [
+        [f"{error:.0e}", *(as_time_and_ratio(rows, error) for rows in problems.values())]
+        for error in ERRORS
+    ]
+    return as_table(["error, rad", *problems], lines)
+
+
+def as_time_and_ratio(rows: pd.DataFrame, error: float) -> str:
+    """The time of spintop's integration, and how many times as long the cheapest other is."""
+    stepping, others = parts_of(rows)
+    own = cheapest(stepping, error)
+    if own is None:
+        return NONE
+    return f"{as_time(own['time_s'])}, {ratio(cheapest(others, error), own)}"
+
+
+def parts_of(rows: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """spintop's rows but those of the closed form, and the rows of the other programs."""
+    is_own = rows["program"] == OWN
+    return rows[is_own & (rows["method"] != "exact")], rows[~is_own]
 
 
 def tell_problem(rows: pd.DataFrame) -> str:
     """The tables of a problem."""
     exact = rows[rows["method"] == "exact"]
-    stepping = rows[(rows["program"] == OWN) & (rows["method"] != "exact")]
-    others = rows[rows["program"] != OWN]
+    stepping, others = parts_of(rows)
     best = [
         [
             f"{error:.0e}",

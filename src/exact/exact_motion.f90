@@ -181,7 +181,8 @@ contains
                 step = min(step, abs(t - now%t)) / 2
             end if
         end do
-        motion = now
+        motion%angle = now%angle
+        motion%given_angle = now%given_angle
     end subroutine follow
 
     !> Gives the angles at `next` the turns of those at `now`, and those in between.

@@ -1,0 +1,57 @@
+"""The first row of a trajectory is the motion at the start, whatever method computes the others."""
+
+import csv
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+EXE = Path(os.environ["SPINTOP_EXE"]).resolve()
+TENSOR = """inertia_tensor(1,:) = 0.55, -0.3, 0
+     inertia_tensor(2,2:3) = 0.55, 0  inertia_tensor(3,3) = 0.85"""
+BODIES = {
+    "about z": "inertia = 0.875, 0.875, 0.25  centre_of_mass = 0, 0, 0.5",
+    "about -z": "inertia = 0.875, 0.875, 0.25  centre_of_mass = 0, 0, -0.5",
+    "about x": "inertia = 0.25, 0.875, 0.875  centre_of_mass = 0.5, 0, 0",
+    "about y": "inertia = 0.875, 0.25, 0.875  centre_of_mass = 0, 0.5, 0",
+    "given by a tensor": f"{TENSOR}  centre_of_mass = 0.3, 0.3, 0",
+    "free": "inertia = 0.6, 0.5, 0.4  centre_of_mass = 0, 0, 0",
+    "free, about x": "inertia = 0.4, 0.6, 0.6  centre_of_mass = 0, 0, 0",
+    "without gravity": "gravity = 0  inertia = 0.6, 0.5, 0.4  centre_of_mass = 0.1, 0.2, 0.3",
+}
+EFFECTS = ("", "earth_rate = 0.3  latitude_deg = 90", "rotor_momentum = 0, 0, 0.1")
+
+
+def first_row(folder: Path, text: str, integration: str) -> dict[str, float] | None:
+    """The numbers of the first row of all columns; None where the method is refused."""
+    path = folder / "scene.nml"
+    path.write_text(f"{text}&integration {integration} /\n&output columns = 'all' /\n")
+    command = [EXE, "--quiet", "-o", folder, path]
+    done = subprocess.run(command, check=False, capture_output=True, text=True)
+    if done.returncode == 2 and "exact" in done.stderr:
+        return None
+    assert done.returncode == 0, done.stderr
+    lines = (folder / "scene.csv").read_text().splitlines()
+    row = next(csv.DictReader(line for line in lines if not line.startswith("#")))
+    return {name: float(cell) for name, cell in row.items() if cell not in ("", "nan")}
+
+
+@pytest.mark.parametrize("effects", EFFECTS)
+@pytest.mark.parametrize("body", BODIES)
+def test_columns_at_the_start(tmp_path: Path, body: str, effects: str) -> None:
+    """Those that both methods have are equal: angles, rates, forces, energies, residuals."""
+    text = f"&top mass = 1.3  {BODIES[body]} /\n"
+    text += "&initial theta = 0.7  phi = 1.1  psi = -2.3\n"
+    text += "         phi_rate = 0.4  theta_rate = -1.2  psi_rate = 7 /\n"
+    text += "&span t_end = 2  samples = 3 /\n"
+    text += f"&effects {effects} /\n" if effects else ""
+    exact = first_row(tmp_path, text, "method = 'exact'")
+    if exact is None:
+        pytest.skip("no exact motion")
+    stepped = first_row(tmp_path, text, "method = 'taylor'")
+    shared = exact.keys() & stepped.keys()
+    assert {"force_x", "omega1", "com_x"} < shared
+    for name in sorted(shared):
+        near = pytest.approx(stepped[name], rel=1e-11, abs=1e-11)
+        assert exact[name] == near, name

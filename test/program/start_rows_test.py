@@ -55,3 +55,36 @@ def test_columns_at_the_start(tmp_path: Path, body: str, effects: str) -> None:
     for name in sorted(shared):
         near = pytest.approx(stepped[name], rel=1e-11, abs=1e-11)
         assert exact[name] == near, name
+
+
+LEVELS = ("theta", "phi", "psi", "omega1", "omega2", "omega3", "gamma1", "gamma2", "gamma3")
+LEVELS += ("com_z", "l3", "lz", "kinetic", "potential", "energy")
+BODY = """\
+&top mass = 1.3  inertia = 0.6, 0.5, 0.4  centre_of_mass = 0.1, -0.2, 0.3  damping = 0.1, 0.1, 0.1 /
+&initial theta_deg = 90  psi_deg = {}  theta_rate = 1  psi_rate = 3 /
+&span t_end = 2  samples = 2 {} /
+"""
+SWEEP = "&study kind = 'sweep' /\n&sweep parameter(1) = 'top.mass'  values(1,:) = 1.3 /\n"
+
+
+def last_time(folder: Path, text: str, column: str) -> float:
+    """The time in the last row of a table."""
+    path = folder / "scene.nml"
+    path.write_text(text + f"&output columns = '{column}' /\n")
+    subprocess.run([EXE, "--quiet", "-o", folder, path], check=True, capture_output=True)
+    lines = (folder / "scene.csv").read_text().splitlines()
+    *_, row = csv.DictReader(line for line in lines if not line.startswith("#"))
+    return float(row[column])
+
+
+@pytest.mark.parametrize("psi", [0, 90, 180])
+@pytest.mark.parametrize("quantity", LEVELS)
+def test_the_start_is_no_event(tmp_path: Path, quantity: str, psi: int) -> None:
+    """A level that the start has to rounding is passed later, in lanes as in a single motion."""
+    start = first_row(tmp_path, BODY.format(psi, ""), "")
+    for level in {f"{start[quantity]!r}", f"{start[quantity]:.15g}", f"{start[quantity]:.13f}"}:
+        stop = BODY.format(psi, f"stop_at = '{quantity} = {level}'")
+        expected = last_time(tmp_path, stop, "t")
+        assert expected > 1e-3
+        found = last_time(tmp_path, SWEEP + stop.replace("samples = 2", ""), "t_end")
+        assert found == pytest.approx(expected, rel=1e-6), level

@@ -19,7 +19,7 @@ module spintop_events
     use spintop_compare, only: is_equal, is_finite
     use spintop_event, only: event_t
     use spintop_five_values, only: passes_at_most_once, rounding_of
-    use spintop_instants, only: greatest_fall_rate, is_short, next_instant
+    use spintop_instants, only: greatest_fall_rate, is_short, next_instant, time_of_start
     use spintop_level_side, only: side_t, sign_of, turns_far
     use spintop_loads, only: works
     use spintop_motion, only: motion_t
@@ -97,8 +97,6 @@ module spintop_events
         end subroutine meet
     end interface
 
-    !> An event sooner after the start than this fraction of the time of one radian is the start.
-    real(dp), parameter :: start_share = 1.0e-9_dp
     !> After so many halvings of an interval the rounding error is measured, over this fraction of the
     !> interval.
     integer, parameter :: rounding_depth = 8
@@ -123,8 +121,7 @@ contains
         self%t_begin = motion%t
         self%t = motion%t
         self%here = motion
-        self%soon = 0
-        if (norm2(motion%omega) + self%fall_rate > 0) self%soon = start_share / (norm2(motion%omega) + 2 * self%fall_rate)
+        self%soon = time_of_start(body, motion)
         self%has_enough = .false.
         self%is_full = .false.
         self%is_paused = .false.

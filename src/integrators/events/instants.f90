@@ -9,7 +9,7 @@ module spintop_instants
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: greatest_fall_rate, next_instant, is_short
+    public :: greatest_fall_rate, next_instant, is_short, time_of_start
 
     !> Maximum rotation of the attitude between two instants, rad, and maximum path of the axis relative to
     !> its distance from the vertical.
@@ -18,8 +18,20 @@ module spintop_instants
     real(dp), parameter :: through_pole = 1.0e-12_dp
     !> An interval of so many spacings of the time is not divided.
     real(dp), parameter :: least_spacings = 8
+    !> An event sooner after the start than this fraction of the time of one radian is the start.
+    real(dp), parameter :: start_share = 1.0e-9_dp
 
 contains
+
+    !> The time after the start within which an event is the start itself, s.
+    pure real(dp) function time_of_start(body, start) result(time)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! the motion at the start
+        real(dp) :: pace
+        pace = norm2(start%omega) + 2 * greatest_fall_rate(body)
+        time = 0
+        if (pace > 0) time = start_share / pace
+    end function time_of_start
 
     !> A rate whose square the angular acceleration due to the weight does not exceed, rad/s.
     pure real(dp) function greatest_fall_rate(body) result(rate)

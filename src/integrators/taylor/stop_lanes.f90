@@ -3,6 +3,7 @@ module spintop_stop_lanes
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_formulation, only: max_series_order
+    use spintop_instants, only: time_of_start
     use spintop_motion, only: motion_t
     use spintop_quantities, only: axis_height_rate
     use spintop_root_watch, only: of_interval, root_watch_t, rounding
@@ -23,6 +24,8 @@ module spintop_stop_lanes
         logical, private :: rising = .true., falling = .true.
         integer, private :: wanted = 1
         integer, private :: left(lanes) = 0
+        !> Times up to which a passage is the start itself, s.
+        real(dp), private :: started(lanes) = 0
     contains
         procedure :: set_level
         procedure :: set_turning
@@ -84,8 +87,6 @@ contains
         type(body_t), intent(in) :: body !! mass properties of the body
         type(motion_t), intent(in) :: start !! the motion at the start
         real(dp) :: value
-        associate (unused => body)
-        end associate
         value = axis_height_rate(start)
         if (self%is_level) then
             value = run%now%state(lane, 6) - self%level
@@ -93,6 +94,7 @@ contains
         end if
         self%sign(lane) = merge(sign(1.0_dp, value), 0.0_dp, abs(value) > 0)
         self%left(lane) = self%wanted
+        self%started(lane) = start%t + time_of_start(body, start)
     end subroutine begin
 
     !> Gamma3 above the level, or its rate.
@@ -129,16 +131,15 @@ contains
         type(taylor_lanes_t), intent(inout) :: run !! the lanes
         real(dp), intent(in) :: u(lanes), slope(lanes)
             !! roots as fractions of the step; sign of the slope at each, 0 in lanes without a root
+        real(dp) :: t
         integer :: lane
         do lane = 1, lanes
             if (.not. ((slope(lane) > 0 .and. self%rising) .or. (slope(lane) < 0 .and. self%falling))) cycle
-            if (self%left(lane) <= 0) cycle
+            t = run%now%t_last(lane) + u(lane) * (run%now%t(lane) - run%now%t_last(lane))
+            if (self%left(lane) <= 0 .or. t <= self%started(lane)) cycle
             if (.not. self%counts(run, lane, u(lane))) cycle
             self%left(lane) = self%left(lane) - 1
-            if (self%left(lane) /= 0) cycle
-            associate (now => run%now)
-                call run%stop(lane, now%t_last(lane) + u(lane) * (now%t(lane) - now%t_last(lane)))
-            end associate
+            if (self%left(lane) == 0) call run%stop(lane, t)
         end do
     end subroutine take
 

@@ -187,6 +187,8 @@ contains
             !! phi, theta, psi at the earlier state on entry, at the later one on return, rad
         logical, intent(out) :: sure !! whether the turns are certain
         real(dp) :: omega_last(3), omega(3), rate(3, 2)
+        ! The oscillators have these angles minus sigma t.
+        angle(3) = angle(3) - self%sigma * t_last
         omega_last = twice_vector(y_last(1:4), y_last(5:8))
         omega = twice_vector(y(1:4), y(5:8))
         if (may_meet_pole(y_last(1:4), omega_last, y(1:4), omega, t - t_last)) then
@@ -196,7 +198,7 @@ contains
         else
             call follow_angles(y_last(1:4), omega_last, y(1:4), omega, t - t_last, angle, sure)
         end if
-        angle(3) = angle(3) + self%sigma * (t - t_last)
+        angle(3) = angle(3) + self%sigma * t
     end subroutine follow
 
     !> Squared norm of the quaternion and half its rate, momenta over I1 about the axis and the vertical, and

@@ -204,7 +204,8 @@ contains
             !! phi, theta, psi at the earlier state on entry, at the later one on return, rad
         logical, intent(out) :: sure !! whether the turns are certain
         real(dp) :: omega_last(3), omega(3), rate(3, 2)
-        ! The attitude without spin has these angles minus sigma t, for any origin of t.
+        ! The attitude without spin has these angles minus sigma t.
+        angle(3) = angle(3) - self%sigma * t_last
         omega_last = without_spin(self, y_last)
         omega = without_spin(self, y)
         if (may_meet_pole(y_last(3:6), omega_last, y(3:6), omega, t - t_last)) then
@@ -214,7 +215,7 @@ contains
         else
             call follow_angles(y_last(3:6), omega_last, y(3:6), omega, t - t_last, angle, sure)
         end if
-        angle(3) = angle(3) + self%sigma * (t - t_last)
+        angle(3) = angle(3) + self%sigma * t
     end subroutine follow
 
     !> Angular velocity L/I1, in the axes of p.

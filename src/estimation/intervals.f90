@@ -22,7 +22,7 @@ module spintop_intervals
     type :: estimate_t
         real(dp), allocatable :: x(:), standard_error(:), covariance(:, :)
         !> Ends of the 95 % intervals; infinite where the profile does not rise enough, those of the linear model where
-        !> the residuals are at rounding, NaN where they were not sought.
+        !> the residuals are at rounding or at the precision of the model, NaN where they were not sought.
         real(dp), allocatable :: lower(:), upper(:)
         !> Singular values of the Jacobian whose columns are divided by their norms, from the largest; a small one tells
         !> of a combination of parameters that the data do not determine.
@@ -44,7 +44,7 @@ contains
         real(dp), intent(in) :: level !! quantile that belongs to the intervals: 1.96 for a known deviation
         type(estimate_t), intent(out) :: estimate !! the parameters and their uncertainty
         real(dp), allocatable :: jacobian(:, :), scaled(:, :), vectors(:, :), norms(:)
-        real(dp) :: rounding, width
+        real(dp) :: range, rounding, width
         integer :: i, k, m, n
         logical :: is_valid
 
@@ -62,8 +62,8 @@ contains
         call find_jacobian(model, minimum%x, [(i, i=1, n)], minimum%residuals, .true., jacobian, is_valid)
         if (.not. is_valid) return
         norms = norm2(jacobian, dim=1)
-        rounding = epsilon(rounding) / sqrt(real(m, dp)) &
-                   * maxval([(norms(k) * model%step_scale(k, minimum%x(k)), k=1, n)])
+        range = maxval([(norms(k) * model%step_scale(k, minimum%x(k)), k=1, n)]) / sqrt(real(m, dp))
+        rounding = epsilon(rounding) * range
         if (.not. knows_deviation) estimate%deviation = max(estimate%deviation, rounding)
         scaled = jacobian
         do k = 1, n
@@ -79,7 +79,7 @@ contains
         estimate%standard_error = [(sqrt(estimate%covariance(k, k)), k=1, n)]
         if (.not. wants_profile) return
         do k = 1, n
-            if (estimate%deviation <= lost * rounding) then
+            if (estimate%deviation <= max(lost * rounding, model%precision * range)) then
                 width = max(level * estimate%standard_error(k), spacing(minimum%x(k)))
                 estimate%lower(k) = minimum%x(k) - width
                 estimate%upper(k) = minimum%x(k) + width

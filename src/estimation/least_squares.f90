@@ -18,6 +18,8 @@ module spintop_least_squares
 
     !> Residuals as a function of parameters.
     type, abstract :: residuals_t
+        !> Relative error of what the residuals are differences of, where it is above rounding: that of an integration.
+        real(dp) :: precision = 0
     contains
         procedure(evaluate_i), deferred :: evaluate
         procedure(scale_i), deferred :: step_scale

@@ -4,13 +4,16 @@ module spintop_overrides
     use spintop_diagnostics, only: diagnostics_t
     use spintop_parameter, only: kind_text, parameter_t, quoted
     use spintop_parameters, only: parameter_table_t
-    use spintop_scanner, only: scanner_t, token_end, token_equals, token_t, token_word
+    use spintop_scanner, only: scanner_t, token_end, token_equals, token_string, token_t, token_word
     use spintop_suggestions, only: homes_of, suggest_group, suggest_key
     use spintop_text, only: abbreviate, lower_case
     use spintop_value_list, only: read_values
     implicit none
     private
     public :: read_override
+
+    !> Quotes around texts.
+    character(*), parameter :: quotes = '''"'
 
 contains
 
@@ -48,7 +51,7 @@ contains
             end if
             call assignment%begin(parameter, diagnostics)
             rest = scanner%rest()
-            if (parameter%kind == kind_text .and. scan(adjustl(rest), '''"') /= 1) then
+            if (parameter%kind == kind_text .and. scan(adjustl(rest), quotes) /= 1) then
                 call read_plain_words(text, len(text) - len(rest), parameter, assignment, diagnostics)
             else
                 call read_values(scanner, '', table, parameter, assignment, diagnostics)
@@ -84,7 +87,8 @@ contains
         end if
     end subroutine find_parameter
 
-    !> A text without quotes ends at the next comma in a list, or at the end.
+    !> Texts without quotes around the first. In a list each ends at the next comma that is neither within parentheses, as in
+    !> `theta__top.inertia_tensor(1,2)`, nor within quotes.
     subroutine read_plain_words(text, start, parameter, assignment, diagnostics)
         character(*), intent(in) :: text
         integer, intent(in) :: start !! number of bytes before the words
@@ -100,14 +104,64 @@ contains
         do while (last < len(text))
             first = last + 1
             last = len(text) + 1
-            if (parameter%rank > 0) last = first + index(text(first:) // ',', ',') - 1
+            if (parameter%rank > 0) last = end_of_word(text, first)
             word = trim(adjustl(text(first:last - 1)))
             token%kind = token_word
+            token%closed = .true.
             token%place = assignment%place
             token%place%column = first + verify(text(first:last - 1) // '.', ' ') - 1
             token%place%width = len(word)
+            if (parameter%rank > 0 .and. scan(word, quotes) == 1) then
+                call remove_quotes(word, token)
+                if (token%kind /= token_string) then
+                    call assignment%refuse(parameter, diagnostics, token%place, 'text after the closing quote')
+                    return
+                end if
+            end if
             call assignment%put(parameter, token, word, 1, diagnostics)
         end do
     end subroutine read_plain_words
+
+    !> The place of the comma after the text that begins at `first`, or one after the end.
+    pure integer function end_of_word(text, first) result(last)
+        character(*), intent(in) :: text
+        integer, intent(in) :: first
+        character :: here, quote
+        integer :: begin, depth, i
+        logical :: in_quotes
+
+        last = len(text) + 1
+        begin = first + verify(text(first:) // '.', ' ') - 1
+        if (begin > len(text)) return
+        quote = text(begin:begin)
+        in_quotes = .false.
+        depth = 0
+        do i = begin, len(text)
+            here = text(i:i)
+            if (here == quote .and. scan(quote, quotes) == 1) then
+                ! A doubled quote ends the text in quotes, and begins it again.
+                in_quotes = .not. in_quotes
+            else if (.not. in_quotes) then
+                if (here == '(') depth = depth + 1
+                if (here == ')') depth = max(depth - 1, 0)
+                if (here == ',' .and. depth == 0) last = i
+            end if
+            if (last <= len(text)) return
+        end do
+    end function end_of_word
+
+    !> Removes the quotes around a word, which begins with one; the token becomes a string unless text follows.
+    subroutine remove_quotes(word, token)
+        character(:), allocatable, intent(inout) :: word
+        type(token_t), intent(inout) :: token
+        type(scanner_t) :: scanner
+        type(token_t) :: found
+        call scanner%start(word, token%place%source, comments=.false.)
+        call scanner%next(found)
+        if (found%last < len(word)) return
+        token%kind = token_string
+        token%closed = found%closed
+        word = scanner%string(found)
+    end subroutine remove_quotes
 
 end module spintop_overrides

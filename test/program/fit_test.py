@@ -1,5 +1,6 @@
 """Fits: true parameters from synthetic measurements, intervals that cover, what is refused."""
 
+import itertools
 import math
 import random
 import sys
@@ -83,6 +84,25 @@ class SyntheticTest(FitCase):
             self.assertLess(max(map(abs, residuals.column(f"{name}_residual"))), 1e-7)
             self.assertEqual(residuals.column(name), [float(r) for r in residuals.column(name)])
         self.assertEqual(table.last_line, "# status: ok")
+
+    def test_exact_measurements_of_an_integrated_motion(self) -> None:
+        """The same with methods whose tolerance bounds the residuals, from true values and others.
+
+        Equations of symmetric tops keep the body symmetric where I1 alone is sought.
+        """
+        self.measure()
+        self.add_noise(0, 0)
+        others = TOP.replace("0.875, 0.875, 0.25", "0.9, 0.9, 0.24").replace("= 14", "= 14.3")
+        methods = "dop853", "taylor", "ode45' formulation = 'cayley_klein"
+        for method, start in itertools.product(methods, (TOP, others)):
+            control = f"&integration method = '{method}' relative_tolerance = 1e-9 /\n"
+            table = self.compute(self.write(start + control + FIT))
+            self.assertEqual(table.last_line, "# status: ok", (method, start))
+            columns = zip(*map(table.column, ("estimate", "lower", "upper")), TRUTH, strict=True)
+            for found, lower, upper, true in columns:
+                self.assertAlmostEqual(found / true, 1, delta=1e-6)
+                self.assertTrue(lower < found < upper, (method, lower, upper))
+                self.assertLess(upper - lower, 1e-5 * true)
 
     def test_intervals_cover(self) -> None:
         """The true values lie in the 95 % intervals as often as they should: a binomial count."""

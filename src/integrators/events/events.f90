@@ -97,8 +97,8 @@ module spintop_events
         end subroutine meet
     end interface
 
-    !> After so many halvings of an interval the rounding error is measured, over this fraction of the
-    !> interval.
+    !> Each time after so many halvings of an interval the rounding error is measured, over this fraction of what is
+    !> left of it.
     integer, parameter :: rounding_depth = 8
     real(dp), parameter :: rounding_share = 2.0_dp**(-12)
 
@@ -226,6 +226,7 @@ contains
         type(passages_t) :: found
         type(motion_t) :: motion, there
         real(dp) :: b, values(5)
+        logical :: is_near
         integer :: k, i, before
 
         self%five(:, 1) = self%values
@@ -249,8 +250,9 @@ contains
             before = found%n
             values = self%five(k, :)
             call self%sides(k)%aim(self%events(k), self%t, values)
-            if (any(abs(values - self%sides(k)%level) <= self%sides(k)%rounding)) call self%measure_rounding(path, k, b)
-            if (.not. self%sides(k)%is_measured) self%sides(k)%rounding = 0
+            is_near = any(abs(values - self%sides(k)%level) <= self%sides(k)%rounding)
+            self%sides(k)%rounding = 0
+            if (is_near) call self%measure_rounding(path, k, self%t, b)
             call self%refine(path, k, self%t, b, values - self%sides(k)%level, 0, found)
             call found%merge_from(before + 1)
         end do
@@ -286,7 +288,7 @@ contains
         real(dp) :: quarter
 
         if (path%is_spent()) return
-        if (depth == rounding_depth .and. .not. self%sides(k)%is_measured) call self%measure_rounding(path, k, b)
+        if (depth > 0 .and. mod(depth, rounding_depth) == 0) call self%measure_rounding(path, k, a, b)
         if (passes_at_most_once(g) .or. is_short(a, b) .or. .not. any(is_finite(g)) &
             .or. all(abs(g) <= self%sides(k)%rounding)) then
             call self%take_side(path, k, b, g(5), found)
@@ -307,25 +309,23 @@ contains
 
     end subroutine refine
 
-    !> Measures the rounding error of the quantity of event `k` at the beginning of the interval that ends at
-    !> `b`.
-    subroutine measure_rounding(self, path, k, b)
+    !> Measures the rounding error of the quantity of event `k` at the beginning of the interval from `a` to `b`. It may be
+    !> larger there than where it was measured before: near a pole it varies by orders of magnitude.
+    subroutine measure_rounding(self, path, k, a, b)
         class(event_watch_t), intent(inout) :: self
         class(path_t), intent(inout) :: path
         integer, intent(in) :: k
-        real(dp), intent(in) :: b
+        real(dp), intent(in) :: a, b
         real(dp) :: values(9), gap
         integer :: i
 
-        associate (side => self%sides(k), a => self%t)
-            side%is_measured = .true.
-            side%rounding = 0
+        associate (side => self%sides(k))
             gap = max(rounding_share * (b - a), 2 * spacing(max(abs(a), abs(b))))
             if (8 * gap > b - a) return
             do i = 1, 9
                 values(i) = self%value_at(path, k, a + gap * (i - 1))
             end do
-            if (all(is_finite(values))) side%rounding = rounding_of(values)
+            if (all(is_finite(values))) side%rounding = max(side%rounding, rounding_of(values))
         end associate
     end subroutine measure_rounding
 

@@ -16,7 +16,6 @@ module spintop_level_side
         real(dp) :: t = 0, distance = 0
         !> Distance below which the side is unknown: the rounding error, where it was measured.
         real(dp) :: rounding = 0
-        logical :: is_measured = .false.
         !> Largest distance at the instants of the interval.
         real(dp) :: farthest = 0
     contains
@@ -50,7 +49,6 @@ contains
             self%rounding = 0
             if (abs(self%distance) > start_rounding * (abs(values(1)) + abs(level))) self%sign = sign_of(self%distance)
         end if
-        self%is_measured = .false.
         self%farthest = -huge(1.0_dp)
         do i = 1, 5
             if (abs(values(i) - level) <= huge(1.0_dp)) self%farthest = max(self%farthest, abs(values(i) - level))

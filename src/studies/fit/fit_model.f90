@@ -5,6 +5,7 @@ module spintop_fit_model
     use spintop_compare, only: is_equal, is_finite
     use spintop_event_recorder, only: event_recorder_t, exact_path_t
     use spintop_fit_data, only: measurements_t
+    use spintop_formulation, only: formulation_info_t
     use spintop_integration, only: outcome_t
     use spintop_kinds, only: dp, no_number
     use spintop_least_squares, only: residuals_t
@@ -32,7 +33,7 @@ module spintop_fit_model
         !> The sought numbers in the scene, and whether their signs cannot change.
         type(number_slot_t), allocatable, private :: slots(:)
         logical, allocatable, private :: keeps_sign(:)
-        !> Of a symmetric top the sought I1 is also I2.
+        !> In equations of a symmetric top the sought I1 is also I2.
         logical, private :: ties_inertia = .false.
         type(row_maker_t), private :: maker
     contains
@@ -52,6 +53,7 @@ contains
         type(case_t), intent(in) :: case !! body, start and span of the scene
         type(plan_t), intent(in) :: plan !! model and method
         type(measurements_t), intent(in) :: measured !! the measurements
+        type(formulation_info_t) :: form
         integer :: seeks(size(keys)), i
 
         seeks = 0
@@ -67,8 +69,12 @@ contains
             if (keys(i)%name == 'top.inertia(1)') seeks(i) = 1
             if (keys(i)%name == 'top.inertia(2)') seeks(i) = 2
         end do
-        self%ties_inertia = plan%exact .and. any(seeks == 1) .and. all(seeks /= 2) .and. &
-                            is_equal(scene%inertia(1), scene%inertia(2))
+        self%ties_inertia = any(seeks == 1) .and. all(seeks /= 2) .and. is_equal(scene%inertia(1), scene%inertia(2))
+        if (.not. plan%exact) then
+            form = plan%formulation%info()
+            self%ties_inertia = self%ties_inertia .and. form%symmetric_only
+            self%precision = plan%stepper%controls%relative_tolerance
+        end if
         call self%maker%set(measured%columns, case)
     end subroutine prepare
 

@@ -63,6 +63,8 @@ module spintop_nutation_watch
         !> The measured events.
         integer, allocatable, private :: own(:)
         type(turning_points_t), private :: turns(upper:lower)
+        !> The inclination at the start and at the end, rad.
+        real(dp), private :: end_theta(2) = 0
         real(dp), private :: phi_rate_max = 0
     contains
         procedure :: measure_nutation
@@ -70,7 +72,7 @@ module spintop_nutation_watch
         procedure :: meet
         procedure :: nutation
         procedure :: take_end
-        procedure, private :: seen
+        procedure, private :: as_given
         procedure, private :: take_extremes
         procedure, private :: take_forces
     end type nutation_watch_t
@@ -82,6 +84,7 @@ contains
         class(nutation_watch_t), intent(inout) :: self
         type(case_t), intent(in) :: case !! body, start and span
         type(measures_t), intent(in) :: measures !! what is measured
+        type(motion_t) :: given
         integer :: k
         self%measures = measures
         self%case = case
@@ -94,18 +97,20 @@ contains
         self%events = [self%events, (event_t(own_names(self%own(k)), own_directions(self%own(k))), k=1, size(self%own))]
         ! The precession is fastest near a pole.
         if (measures%fastest .or. measures%nutation_rate) self%pole_axis = case%turn%vector([0.0_dp, 0.0_dp, 1.0_dp])
-        self%starts_turning = is_zero(axis_height_rate(self%seen(case%start)))
         self%is_plane = swings_over_poles(case%body, case%start, exactly_plane) .and. .not. case%body%given%differ
-        call self%take_extremes(case%start)
+        given = self%as_given(case%start)
+        self%starts_turning = is_zero(axis_height_rate(given))
+        self%end_theta = given%angle(2)
+        call self%take_extremes(case%start, given)
     end subroutine measure_nutation
 
     !> A motion of the computation in the axes in which the body was given.
-    pure type(motion_t) function seen(self, motion)
+    pure type(motion_t) function as_given(self, motion) result(given)
         class(nutation_watch_t), intent(in) :: self
         type(motion_t), intent(in) :: motion
-        seen = motion
-        if (self%case%body%given%differ) seen = self%case%turn%back(motion, motion%given_angle)
-    end function seen
+        given = motion
+        if (self%case%body%given%differ) given = self%case%turn%back(motion, motion%given_angle)
+    end function as_given
 
     !> Whether a motion is nearly plane, about a principal axis, so that body z goes over the poles. There its nutation rate
     !> has an extreme at which the function that `nutation_slope` gives, and that of the lanes, is all but zero; and its
@@ -148,20 +153,20 @@ contains
         type(motion_t), intent(in) :: motion !! the motion at an instant
         real(dp), intent(out) :: values(:) !! one value for each event
         real(dp) :: own(largest_force), gamma(3), gamma_rate(3)
-        type(motion_t) :: there
+        type(motion_t) :: given
         integer :: k, n
 
         n = size(values)
         if (allocated(self%own)) then
             own = 0
             n = n - size(self%own)
-            there = self%seen(motion)
-            gamma = vertical_from_quaternion(there%quaternion)
-            gamma_rate = cross(gamma, there%omega)
+            given = self%as_given(motion)
+            gamma = vertical_from_quaternion(given%quaternion)
+            gamma_rate = cross(gamma, given%omega)
             own([upper, lower]) = gamma_rate(3)
-            if (self%measures%fastest) own(fastest) = precession_slope(gamma, gamma_rate, there%omega, there%omega_rate)
+            if (self%measures%fastest) own(fastest) = precession_slope(gamma, gamma_rate, given%omega, given%omega_rate)
             if (self%measures%nutation_rate) then
-                own(fastest_nutation) = nutation_slope(gamma, gamma_rate, there%omega, there%omega_rate)
+                own(fastest_nutation) = nutation_slope(gamma, gamma_rate, given%omega, given%omega_rate)
             end if
             gamma = vertical_from_quaternion(motion%quaternion)
             gamma_rate = cross(gamma, motion%omega)
@@ -217,6 +222,7 @@ contains
         class(nutation_watch_t), intent(inout) :: self
         integer, intent(in) :: number !! index of the event in `events`
         type(motion_t), intent(in) :: motion !! the motion at the event
+        type(motion_t) :: given
         integer :: kind
 
         kind = 0
@@ -226,44 +232,47 @@ contains
             return
         end if
         kind = self%own(kind)
-        call self%take_extremes(motion)
+        given = self%as_given(motion)
+        call self%take_extremes(motion, given)
         if (kind /= upper .and. kind /= lower) return
         ! A start at a turning point is not an event, but it is a turning point of the other kind than the
         ! first event.
-        if (self%starts_turning) call self%turns(upper + lower - kind)%take(self%seen(self%case%start))
+        if (self%starts_turning) call self%turns(upper + lower - kind)%take(self%as_given(self%case%start))
         self%starts_turning = .false.
-        call self%turns(kind)%take(self%seen(motion))
+        call self%turns(kind)%take(given)
     end subroutine meet
 
-    !> Includes the end of the motion, where the precession rate and the height may have their extremes.
+    !> Includes the end of the motion, where the quantities may have their extremes.
     subroutine take_end(self)
         class(nutation_watch_t), intent(inout) :: self
+        type(motion_t) :: given
         if (.not. self%needs_angles) then
             associate (here => self%here)
                 self%here = motion_from_quaternion(here%t, here%quaternion, here%omega, here%angle)
             end associate
         end if
-        call self%take_extremes(self%here)
+        given = self%as_given(self%here)
+        self%end_theta(2) = given%angle(2)
+        call self%take_extremes(self%here, given)
     end subroutine take_end
 
-    !> Updates the extremes of the precession rate and of the height of the centre of mass.
-    subroutine take_extremes(self, motion)
+    !> Updates the extremes of the rates, of the height of the centre of mass and of the force by a motion, which is given in
+    !> the axes of the computation and in those of the body as well.
+    subroutine take_extremes(self, motion, given)
         class(nutation_watch_t), intent(inout) :: self
-        type(motion_t), intent(in) :: motion
-        type(motion_t) :: there
-        there = self%seen(motion)
-        if (is_finite(there%rate(1)) .and. abs(there%rate(1)) > abs(self%phi_rate_max) .and. .not. self%is_plane) then
-            self%phi_rate_max = there%rate(1)
+        type(motion_t), intent(in) :: motion, given
+        if (is_finite(given%rate(1)) .and. abs(given%rate(1)) > abs(self%phi_rate_max) .and. .not. self%is_plane) then
+            self%phi_rate_max = given%rate(1)
         end if
         self%com_z_min = min(self%com_z_min, dot_product(self%case%body%centre_of_mass, &
                                                          vertical_from_quaternion(motion%quaternion)))
-        if (self%measures%has_forces()) call self%take_forces(motion)
+        if (self%measures%has_forces()) call self%take_forces(motion, given)
     end subroutine take_extremes
 
     !> Updates the extremes of the nutation rate and of the support force.
-    subroutine take_forces(self, motion)
+    subroutine take_forces(self, motion, given)
         class(nutation_watch_t), intent(inout) :: self
-        type(motion_t), intent(in) :: motion
+        type(motion_t), intent(in) :: motion, given
         type(motion_t) :: here
         real(dp) :: force(3), gamma(3), rate(6), sine
 
@@ -277,49 +286,50 @@ contains
         self%force_max = max(self%force_max, norm2(force))
         self%force_z_min = min(self%force_z_min, force(3))
         self%force_z_max = max(self%force_z_max, force(3))
-        here = self%seen(motion)
-        gamma = vertical_from_quaternion(here%quaternion)
+        gamma = vertical_from_quaternion(given%quaternion)
         sine = hypot(gamma(1), gamma(2))
         ! At a pole theta' has two signs, and a limit.
         if (sine > 0) then
-            self%theta_rate_max = max(self%theta_rate_max, abs(axis_height_rate(here)) / sine)
+            self%theta_rate_max = max(self%theta_rate_max, abs(axis_height_rate(given)) / sine)
         else
-            self%theta_rate_max = max(self%theta_rate_max, hypot(here%omega(1), here%omega(2)))
+            self%theta_rate_max = max(self%theta_rate_max, hypot(given%omega(1), given%omega(2)))
         end if
     end subroutine take_forces
 
-    !> The measured nutation; `seen` reports whether there was a whole one.
-    subroutine nutation(self, measured, seen)
+    !> The measured nutation; `is_whole` reports whether there was a whole one.
+    subroutine nutation(self, measured, is_whole)
         class(nutation_watch_t), intent(in) :: self
         type(nutation_t), intent(out) :: measured !! the nutation as measured
-        logical, intent(out) :: seen !! whether there is a whole nutation
+        logical, intent(out) :: is_whole !! whether there is a whole nutation
         if (self%measures%fastest) then
-            call nutation_of(self%turns, measured, seen, self%phi_rate_max)
+            call nutation_of(self%turns, self%end_theta, measured, is_whole, self%phi_rate_max)
         else
-            call nutation_of(self%turns, measured, seen)
-            measured%phi_rate_max = no_number
+            call nutation_of(self%turns, self%end_theta, measured, is_whole)
         end if
     end subroutine nutation
 
-    !> The nutation between turning points: means over all whole nutations, extremes over all turning points;
-    !> `seen` reports whether there was a whole one. The class is `no_class` if it changes, or if the largest
+    !> The nutation in a span: the extremes of theta; and if `is_whole`, which reports whether there was a whole nutation,
+    !> means over all whole ones between turning points. The class is `no_class` if it changes, or if the largest
     !> precession rate is not given.
-    pure subroutine nutation_of(turns, measured, seen, phi_rate_max)
+    pure subroutine nutation_of(turns, ends, measured, is_whole, phi_rate_max)
         type(turning_points_t), intent(in) :: turns(upper:lower) !! the turning points of both kinds
+        real(dp), intent(in) :: ends(2) !! theta at the start and at the end, rad
         type(nutation_t), intent(out) :: measured !! the nutation as measured
-        logical, intent(out) :: seen !! whether there is a whole nutation
+        logical, intent(out) :: is_whole !! whether there is a whole nutation
         real(dp), intent(in), optional :: phi_rate_max !! precession rate that is largest in magnitude, rad/s
         integer :: kind, whole
 
         measured%class = no_class
-        kind = merge(upper, lower, turns(upper)%n >= turns(lower)%n)
-        whole = turns(kind)%n - 1
-        seen = whole > 0
-        if (.not. seen) return
-        measured%theta_min = min(turns(upper)%theta(1), turns(lower)%theta(1))
-        measured%theta_max = max(turns(upper)%theta(2), turns(lower)%theta(2))
+        measured%phi_rate_max = no_number
+        if (present(phi_rate_max)) measured%phi_rate_max = phi_rate_max
+        measured%theta_min = min(minval(turns%theta(1)), minval(ends))
+        measured%theta_max = max(maxval(turns%theta(2)), maxval(ends))
         measured%delta_u = 2 * sin((measured%theta_max + measured%theta_min) / 2) &
                            * sin((measured%theta_max - measured%theta_min) / 2)
+        kind = merge(upper, lower, turns(upper)%n >= turns(lower)%n)
+        whole = turns(kind)%n - 1
+        is_whole = whole > 0
+        if (.not. is_whole) return
         associate (passed => (turns(kind)%last - turns(kind)%first) / whole)
             measured%period = passed(1)
             measured%precession = passed(2)
@@ -327,28 +337,29 @@ contains
         end associate
         measured%precession_rate = measured%precession / measured%period
         measured%spin_rate = measured%spin / measured%period
-        if (.not. present(phi_rate_max)) return
-        measured%phi_rate_max = phi_rate_max
-        measured%class = class_of(turns(upper)%rate, turns(lower)%rate, measured)
+        if (present(phi_rate_max)) measured%class = class_of(turns, phi_rate_max)
     end subroutine nutation_of
 
-    !> The class, from the extremes of the precession rate at the upper and the lower turning points.
-    pure integer function class_of(above, below, measured) result(found)
-        real(dp), intent(in) :: above(2), below(2)
-        type(nutation_t), intent(in) :: measured
+    !> The class, from the turning points and the largest precession rate.
+    pure integer function class_of(turns, phi_rate_max) result(found)
+        type(turning_points_t), intent(in) :: turns(upper:lower)
+        real(dp), intent(in) :: phi_rate_max
+        real(dp) :: range
         found = no_class
-        if (measured%theta_max - measured%theta_min <= class_tolerance) then
-            found = class_steady
-        else if (is_zero(measured%phi_rate_max)) then
-            found = merge(class_circulation, class_libration, &
-                          measured%theta_max - measured%theta_min >= pi - class_tolerance)
-        else if (all(abs(above) <= class_tolerance * abs(measured%phi_rate_max))) then
-            found = class_cusp
-        else if (all([above, below] > 0) .or. all([above, below] < 0)) then
-            found = class_wave
-        else if (all([above, -below] > 0) .or. all([above, -below] < 0)) then
-            found = class_loop
-        end if
+        range = maxval(turns%theta(2)) - minval(turns%theta(1))
+        associate (above => turns(upper)%rate, below => turns(lower)%rate)
+            if (range <= class_tolerance) then
+                found = class_steady
+            else if (is_zero(phi_rate_max)) then
+                found = merge(class_circulation, class_libration, range >= pi - class_tolerance)
+            else if (all(abs(above) <= class_tolerance * abs(phi_rate_max))) then
+                found = class_cusp
+            else if (all([above, below] > 0) .or. all([above, below] < 0)) then
+                found = class_wave
+            else if (all([above, -below] > 0) .or. all([above, -below] < 0)) then
+                found = class_loop
+            end if
+        end associate
     end function class_of
 
 end module spintop_nutation_watch

@@ -156,7 +156,7 @@ contains
             if (status(k) == status_ok) then
                 ! Without an energy error, which a watch measures if it is wanted.
                 call put_end(cases(k), self%ends(i), (values(k)%energy_error_max), values(k))
-                call self%watches%put(cases(k), wanted, i, values(k), status(k), note(k))
+                call self%watches%put(cases(k), wanted, i, self%ends(i), values(k), status(k), note(k))
                 call find_free_constants(cases(k), wanted, values(k), note(k))
             else
                 call note(k)%explain(trim(status_meanings(status(k))))

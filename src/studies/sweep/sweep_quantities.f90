@@ -20,8 +20,8 @@ module spintop_sweep_quantities
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: put_nutation, put_measured, put_fast_top, put_azimuth, put_end, put_details, precession_period, &
-        lowest_height
+    public :: put_nutation, put_measured, put_measured_nutation, put_fast_top, put_azimuth, put_end, put_details, &
+        precession_period, lowest_height
     public :: explain_no_period, explain_no_exact_motion, explain_no_inherent_error, explain_not_stuck
     public :: find_free_constants, put_free_constants
 
@@ -33,8 +33,15 @@ contains
         type(nutation_t), intent(in) :: nutation !! quantities of the nutation
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
         type(note_t), intent(inout) :: note !! notes on the case
-        real(dp) :: precession_time
+        call put_extremes(case, nutation, values)
+        call put_means(case, nutation, values, note)
+    end subroutine put_nutation
 
+    !> The extremes of theta and of the precession rate.
+    subroutine put_extremes(case, nutation, values)
+        type(case_t), intent(in) :: case
+        type(nutation_t), intent(in) :: nutation
+        type(sweep_result_t), intent(inout) :: values
         values%theta_min = nutation%theta_min
         values%theta_max = nutation%theta_max
         if (case%turn%flipped) then
@@ -43,6 +50,17 @@ contains
         end if
         values%delta_u = nutation%delta_u
         values%phi_rate_max = nutation%phi_rate_max
+        if (case%turn%is_shifted()) values%phi_rate_max = nutation%phi_rate_max - case%turn%phi_shift
+    end subroutine put_extremes
+
+    !> The period, and what happens in it.
+    subroutine put_means(case, nutation, values, note)
+        type(case_t), intent(in) :: case
+        type(nutation_t), intent(in) :: nutation
+        type(sweep_result_t), intent(inout) :: values
+        type(note_t), intent(inout) :: note
+        real(dp) :: precession_time
+
         if (.not. is_finite(nutation%period)) then
             call note%add(note_no_period, 'the axis approaches the upright asymptotically')
             return
@@ -52,7 +70,6 @@ contains
         values%precession_per_nutation = nutation%precession
         values%precession_rate = nutation%precession_rate
         if (case%turn%is_shifted()) then
-            values%phi_rate_max = nutation%phi_rate_max - case%turn%phi_shift
             values%precession_rate = nutation%precession_rate - case%turn%phi_shift
             values%precession_per_nutation = values%precession_rate * nutation%period
         end if
@@ -63,7 +80,7 @@ contains
         end if
         precession_time = precession_period(case%body, case%start)
         if (precession_time > 0) values%nutations_in_period = precession_time / nutation%period
-    end subroutine put_nutation
+    end subroutine put_means
 
     !> The minimum height of the centre of mass of a top, whose largest inclination is known, m.
     pure real(dp) function lowest_height(case, theta_max)
@@ -72,15 +89,15 @@ contains
         lowest_height = case%body%centre_of_mass(3) * cos(theta_max)
     end function lowest_height
 
-    !> The measured nutation.
-    subroutine put_measured(case, watch, has_turning, values, note)
+    !> What was measured along the motion.
+    subroutine put_measured(case, watch, wanted, values, note)
         type(case_t), intent(in) :: case !! body, start and span
         type(nutation_watch_t), intent(in) :: watch !! the measured nutation
-        logical, intent(in) :: has_turning !! whether quantities between turning points are wanted
+        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
         type(note_t), intent(inout) :: note !! notes on the case
         type(nutation_t) :: nutation
-        logical :: seen
+        logical :: is_whole
 
         if (watch%measures%nutation_rate) values%theta_rate_max = watch%theta_rate_max
         if (watch%measures%force) values%force_max = watch%force_max
@@ -88,20 +105,32 @@ contains
             values%force_z_min = watch%force_z_min
             values%force_z_max = watch%force_z_max
         end if
-        if (.not. has_turning) return
-        call watch%nutation(nutation, seen)
-        if (.not. seen) then
+        if (watch%measures%lowest) values%com_z_min = watch%com_z_min
+        call watch%nutation(nutation, is_whole)
+        call put_measured_nutation(case, wanted, nutation, is_whole, values, note)
+    end subroutine put_measured
+
+    !> A measured nutation: extremes over the span, and what needs a whole nutation.
+    subroutine put_measured_nutation(case, wanted, nutation, is_whole, values, note)
+        type(case_t), intent(in) :: case !! body, start and span
+        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
+        type(nutation_t), intent(in) :: nutation !! quantities of the nutation, and of theta in the span
+        logical, intent(in) :: is_whole !! whether there was a whole nutation
+        type(sweep_result_t), intent(inout) :: values !! the quantities of the case
+        type(note_t), intent(inout) :: note !! notes on the case
+        call put_extremes(case, nutation, values)
+        if (.not. wanted%whole) return
+        if (.not. is_whole) then
             call note%add(note_no_nutation)
             return
         end if
-        call put_nutation(case, nutation, values, note)
-        values%com_z_min = watch%com_z_min
+        call put_means(case, nutation, values, note)
         values%spin_per_nutation = nutation%spin
         values%motion_class = nutation%class
-        if (watch%measures%fastest .and. nutation%class == no_class) then
+        if (wanted%fastest .and. nutation%class == no_class) then
             call note%add(note_no_class, 'it changes from nutation to nutation')
         end if
-    end subroutine put_measured
+    end subroutine put_measured_nutation
 
     !> The formulas of the paper for a fast top.
     subroutine put_fast_top(case, values, note)

@@ -23,6 +23,7 @@ module spintop_sweep_result
         logical :: inherent = .false. !! the accuracy that the data allow
         logical :: cost = .false. !! the cost
         logical :: details = .false. !! more of the whole nutation, and extremes of rates and forces
+        logical :: whole = .false. !! what needs a whole nutation
         logical :: turning = .false. !! what follows from turning points
         logical :: growth = .false. !! the stability of the start
         logical :: lyapunov = .false. !! the Lyapunov exponent

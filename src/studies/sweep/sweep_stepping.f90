@@ -102,7 +102,7 @@ contains
         if (stability /= status_ok) status = stability
         if (measures) then
             call watch%take_end()
-            call put_measured(case, watch, wanted%turning, values, note)
+            call put_measured(case, watch, wanted, values, note)
         end if
         call find_free_constants(case, wanted, values, note)
         if (size(events) > 0) then

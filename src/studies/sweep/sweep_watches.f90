@@ -4,7 +4,7 @@ module spintop_sweep_watches
     use spintop_azimuth_lanes, only: azimuth_lanes_t
     use spintop_compare, only: is_equal, is_zero
     use spintop_event_text, only: column_event_t
-    use spintop_kinds, only: dp, pi, no_number
+    use spintop_kinds, only: dp, pi
     use spintop_case, only: case_t
     use spintop_energy_lanes, only: energy_lanes_t
     use spintop_extreme_lanes, only: height_lanes_t, nutation_rate_lanes_t, precession_lanes_t
@@ -13,16 +13,17 @@ module spintop_sweep_watches
     use spintop_growth_lanes, only: growth_lanes_t
     use spintop_inherent_lanes, only: inherent_lanes_t
     use spintop_lane_watch, only: lane_watch_t, watch_slot_t
+    use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t
-    use spintop_nutation_watch, only: no_class, nutation_of
+    use spintop_nutation_watch, only: nutation_of
     use spintop_status, only: status_meanings, status_non_finite, status_ok, status_step_limit
     use spintop_stepper, only: controls_t
     use spintop_stop_lanes, only: stop_lanes_t
-    use spintop_sweep_notes, only: note_no_class, note_no_inherent, note_no_lyapunov, note_no_nutation, &
-        note_no_singular, note_no_stop, note_t
-    use spintop_sweep_quantities, only: put_azimuth, put_nutation
+    use spintop_sweep_notes, only: note_no_inherent, note_no_lyapunov, note_no_singular, note_no_stop, note_t
+    use spintop_sweep_quantities, only: put_azimuth, put_measured_nutation
     use spintop_sweep_result, only: sweep_result_t, sweep_work_t
     use spintop_turning_lanes, only: turning_lanes_t
+    use spintop_turning_record, only: turning_points_t, upper, lower
     implicit none
     private
     public :: sweep_watches_t, ends_in_lanes
@@ -163,23 +164,23 @@ contains
 
     !> Sets the quantities measured of a case of the last run. `status` reports work on perturbations that was not
     !> finished, or overflow.
-    subroutine put(self, case, wanted, i, values, status, note)
+    subroutine put(self, case, wanted, i, last, values, status, note)
         class(sweep_watches_t), intent(in) :: self
         type(case_t), intent(in) :: case !! body, start and span
         type(sweep_work_t), intent(in) :: wanted !! what is to be computed
         integer, intent(in) :: i !! number of the case in the run
+        type(motion_t), intent(in) :: last !! the motion at the end
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
         integer, intent(inout) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(note_t), intent(inout) :: note !! notes on the case
         type(nutation_t) :: nutation
-        real(dp) :: height, rate
-        logical :: seen
+        type(turning_points_t) :: turns(upper:lower)
+        real(dp) :: ends(2), rate
+        logical :: is_whole
         integer :: k
 
-        seen = .false.
-        rate = no_number
-        height = rate
-        do k = size(self%slots), 1, -1 ! the turning points last: they need the others
+        rate = 0
+        do k = size(self%slots), 1, -1 ! the order of the notes
             select type (watch => self%slots(k)%watch)
             class is (stop_lanes_t)
                 if (.not. watch%came(i)) call note%add(note_no_stop)
@@ -188,7 +189,7 @@ contains
             type is (energy_lanes_t)
                 values%energy_error_max = watch%error_max(i)
             type is (height_lanes_t)
-                height = watch%extreme(i)
+                values%com_z_min = watch%extreme(i)
             type is (precession_lanes_t)
                 rate = watch%extreme(i)
             type is (nutation_rate_lanes_t)
@@ -211,20 +212,16 @@ contains
             type is (inherent_lanes_t)
                 call take(values%inherent_error, watch%error(i), watch%status(i), note_no_inherent)
             type is (turning_lanes_t)
-                if (wanted%fastest) then
-                    call nutation_of(watch%turns(:, i), nutation, seen, rate)
-                else
-                    call nutation_of(watch%turns(:, i), nutation, seen)
-                    nutation%phi_rate_max = rate
-                end if
+                turns = watch%turns(:, i)
             end select
         end do
-        if (.not. wanted%turning) return
-        if (seen) then
-            call put_whole_nutation(case, wanted, nutation, height, values, note)
+        ends = [case%start%angle(2), last%angle(2)]
+        if (wanted%fastest) then
+            call nutation_of(turns, ends, nutation, is_whole, rate)
         else
-            call note%add(note_no_nutation)
+            call nutation_of(turns, ends, nutation, is_whole)
         end if
+        call put_measured_nutation(case, wanted, nutation, is_whole, values, note)
 
     contains
 
@@ -242,22 +239,5 @@ contains
         end subroutine take
 
     end subroutine put
-
-    !> The quantities of a case that has a whole nutation, and the minimum height of its centre of mass.
-    subroutine put_whole_nutation(case, wanted, nutation, height, values, note)
-        type(case_t), intent(in) :: case
-        type(sweep_work_t), intent(in) :: wanted
-        type(nutation_t), intent(in) :: nutation
-        real(dp), intent(in) :: height
-        type(sweep_result_t), intent(inout) :: values
-        type(note_t), intent(inout) :: note
-        call put_nutation(case, nutation, values, note)
-        values%com_z_min = height
-        values%spin_per_nutation = nutation%spin
-        values%motion_class = nutation%class
-        if (wanted%fastest .and. nutation%class == no_class) then
-            call note%add(note_no_class, 'it changes from nutation to nutation')
-        end if
-    end subroutine put_whole_nutation
 
 end module spintop_sweep_watches

@@ -123,13 +123,20 @@ contains
         associate (in_range => columns%name == 'theta_min' .or. columns%name == 'theta_max' .or. columns%name == 'delta_u')
             work%range = any(in_range)
             work%measured = work%details .or. any(columns%group == 'nutation' .and. .not. in_range)
+            ! The others of this group are extremes over the span.
+            work%whole = any(columns%group == 'nutation' .and. &
+                             .not. (in_range .or. columns%name == 'phi_rate_max' .or. columns%name == 'com_z_min'))
         end associate
         work%turns = work%period .or. any(columns%name == 'phi_end' .or. columns%name == 'psi_end')
         work%proof = any(columns%group == proof_group)
         ! A bound is that of a number.
         work%end = work%end .or. any(columns%group == proof_group .and. index(columns%name, '_end') > 0)
-        work%nutation = work%nutation .or. any(columns%group == proof_group .and. index(columns%name, '_end') == 0)
-        work%turning = work%nutation .or. any(columns%name == 'spin_per_nutation' .or. columns%name == 'motion_class')
+        associate (proves_nutation => any(columns%group == proof_group .and. index(columns%name, '_end') == 0))
+            work%nutation = work%nutation .or. proves_nutation
+            work%whole = work%whole .or. proves_nutation
+        end associate
+        work%whole = work%whole .or. any(columns%name == 'spin_per_nutation' .or. columns%name == 'motion_class')
+        work%turning = work%whole .or. work%range
         work%nutation_rate = any(columns%name == 'theta_rate_max')
         work%vertical_force = any(columns%name == 'force_z_min' .or. columns%name == 'force_z_max')
         work%force = any(columns%name == 'force_max')

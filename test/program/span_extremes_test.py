@@ -1,0 +1,110 @@
+"""Extremes of sweeps are those over the span, however short: of a tenth of a nutation, or of many.
+
+They are compared with those of many rows of the trajectory, for the exact motion and by several
+methods: in vector lanes, and one case after another.
+"""
+
+import csv
+import math
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+EXE = Path(os.environ["SPINTOP_EXE"]).resolve()
+HEAVY = """\
+&top mass = 1  inertia = 0.9, 0.7, 0.3  centre_of_mass = 0.02, -0.03, 0.4  damping = 3*0.02 /
+&initial theta = 0.9  phi_rate = 0.4  theta_rate = -0.7  psi_rate = 9 /
+"""
+FREE = """\
+&top mass = 1  inertia = 0.9, 0.7, 0.3  length = 0 /
+&initial theta = 0.9  phi_rate = 0.4  theta_rate = -0.7  psi_rate = 9 /
+"""
+TENSOR = """\
+&top mass = 2  inertia_tensor(1,:) = 0.7, 0.12, -0.1  inertia_tensor(2,2:3) = 0.9, 0.15
+     inertia_tensor(3,3) = 0.6  centre_of_mass = 0.1, -0.15, 0.3 /
+&initial theta = 1  psi = 0.3  phi_rate = 1  psi_rate = 5 /
+"""
+LANES = "method = 'taylor'"
+ALONE = "method = 'taylor'  project = 'unit'"
+STEPS = 8400
+SHARES = 0.1, 0.5, 0.9, 2.1
+"""Spans in units of about a nutation."""
+RATES = "phi_rate_max", "theta_rate_max", "com_z_min"
+RANGE = "theta_min", "theta_max", "delta_u"
+FORCES = "force_max", "force_z_min", "force_z_max"
+
+
+def rows_of(folder: Path, text: str, columns: tuple[str, ...]) -> list[dict[str, str]]:
+    """The rows of the table of an input."""
+    names = ", ".join(f"'{name}'" for name in columns)
+    (folder / "scene.nml").write_text(text + f"&output columns = {names} /\n")
+    command = [EXE, "--quiet", "-o", folder, folder / "scene.nml"]
+    subprocess.run(command, check=True, capture_output=True)
+    lines = (folder / "scene.csv").read_text().splitlines()
+    return list(csv.DictReader(line for line in lines if not line.startswith("#")))
+
+
+def sample(folder: Path, body: str, t_end: float) -> list[dict[str, float]]:
+    """Many rows of the trajectory."""
+    columns = "t", "theta", "theta_rate", "phi_rate", "com_z", "force_x", "force_y", "force_z"
+    precise = "&integration relative_tolerance = 1e-12 /\n" if "length = 0 " not in body else ""
+    span = f"&span t_end = {t_end!r}  samples = {STEPS + 1} /\n"
+    rows = rows_of(folder, body + precise + span, columns)
+    return [{name: float(row[name]) for name in columns} for row in rows]
+
+
+def extremes(rows: list[dict[str, float]]) -> dict[str, float]:
+    """The quantities of a sweep from rows."""
+    theta = [row["theta"] for row in rows]
+    vertical = [row["force_z"] for row in rows]
+    force = [math.hypot(row["force_x"], row["force_y"], row["force_z"]) for row in rows]
+    return {
+        "theta_min": min(theta),
+        "theta_max": max(theta),
+        "delta_u": math.cos(min(theta)) - math.cos(max(theta)),
+        "phi_rate_max": max((row["phi_rate"] for row in rows), key=abs),
+        "theta_rate_max": max(abs(row["theta_rate"]) for row in rows),
+        "com_z_min": min(row["com_z"] for row in rows),
+        "force_max": max(force),
+        "force_z_min": min(vertical),
+        "force_z_max": max(vertical),
+    }
+
+
+@pytest.mark.parametrize(
+    ("body", "nutation", "method", "columns"),
+    [
+        (HEAVY, 2.1, LANES, RANGE + RATES + FORCES),
+        (HEAVY, 2.1, ALONE, RANGE + RATES + FORCES),
+        (HEAVY, 2.1, "method = 'dop853'", RANGE + RATES + FORCES),
+        (TENSOR, 1.6, LANES, RANGE + RATES + FORCES),
+        (FREE, 1.7, "method = 'exact'", RATES),
+        (FREE, 1.7, LANES, RATES),
+        (FREE, 1.7, "method = 'dop853'", RATES),
+    ],
+)
+def test_extremes(
+    tmp_path: Path, body: str, nutation: float, method: str, columns: tuple[str, ...]
+) -> None:
+    """In each span, all together and each alone; what needs a whole nutation says so."""
+    spans = [share * nutation for share in SHARES]
+    accurate = "" if "exact" in method else "  relative_tolerance = 1e-11"
+    sweep = body + f"&integration {method}{accurate} /\n&study kind = 'sweep' /\n"
+    values = ", ".join(map(repr, spans))
+    sweep += f"&sweep parameter(1) = 'span.t_end'  values(1,:) = {values} /\n"
+    found = rows_of(tmp_path, sweep, (*columns, "nutation_period"))
+    alone = {name: rows_of(tmp_path, sweep, (name,)) for name in columns}
+    rows = sample(tmp_path, body, spans[-1])
+    for i, span in enumerate(spans):
+        known = extremes(rows[: round(STEPS * span / spans[-1]) + 1])
+        for name in columns:
+            value = float(found[i][name])
+            assert value == pytest.approx(known[name], rel=1e-5, abs=1e-7), (span, name)
+            assert float(alone[name][i][name]) == pytest.approx(value, rel=1e-9), (span, name)
+            assert not alone[name][i]["notes"], (span, name)
+        has_period = found[i]["nutation_period"] != "nan"
+        assert ("no full nutation" in found[i]["notes"]) != has_period, span
+    assert found[0]["nutation_period"] == "nan"
+    assert found[-1]["nutation_period"] != "nan"

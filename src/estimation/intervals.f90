@@ -9,7 +9,7 @@ module spintop_intervals
     private
     public :: estimate_t, describe_minimum, student_quantile
 
-    !> Relative size of what counts as zero in the scaled Jacobian.
+    !> Relative size of what counts as zero in the scaled Jacobian, and as an effect of a parameter on the data.
     real(dp), parameter :: singular = 1.0e-9_dp
     !> The profile is followed to an end until it is met to this part of the width, in so many steps at most.
     real(dp), parameter :: end_slack = 1.0e-4_dp
@@ -43,7 +43,7 @@ contains
         logical, intent(in) :: wants_profile !! whether the profile intervals are sought
         real(dp), intent(in) :: level !! quantile that belongs to the intervals: 1.96 for a known deviation
         type(estimate_t), intent(out) :: estimate !! the parameters and their uncertainty
-        real(dp), allocatable :: jacobian(:, :), scaled(:, :), vectors(:, :), norms(:)
+        real(dp), allocatable :: jacobian(:, :), scaled(:, :), vectors(:, :), norms(:), effects(:)
         real(dp) :: range, rounding, width
         integer :: i, k, m, n
         logical :: is_valid
@@ -62,7 +62,8 @@ contains
         call find_jacobian(model, minimum%x, [(i, i=1, n)], minimum%residuals, .true., jacobian, is_valid)
         if (.not. is_valid) return
         norms = norm2(jacobian, dim=1)
-        range = maxval([(norms(k) * model%step_scale(k, minimum%x(k)), k=1, n)]) / sqrt(real(m, dp))
+        effects = [(norms(k) * model%step_scale(k, minimum%x(k)), k=1, n)]
+        range = maxval(effects) / sqrt(real(m, dp))
         rounding = epsilon(rounding) * range
         if (.not. knows_deviation) estimate%deviation = max(estimate%deviation, rounding)
         scaled = jacobian
@@ -70,7 +71,8 @@ contains
             scaled(:, k) = jacobian(:, k) / merge(norms(k), 1.0_dp, norms(k) > 0)
         end do
         call decompose(scaled, estimate%singular_values, vectors)
-        estimate%is_identifiable = all(norms > 0) .and. estimate%singular_values(n) > singular * estimate%singular_values(1)
+        estimate%is_identifiable = all(effects > singular * max(maxval(effects), model%size_of_data)) &
+            .and. estimate%singular_values(n) > singular * estimate%singular_values(1)
         if (.not. estimate%is_identifiable) return
         do k = 1, n
             vectors(k, :) = vectors(k, :) / (estimate%singular_values(k) * norms)

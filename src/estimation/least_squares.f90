@@ -20,6 +20,8 @@ module spintop_least_squares
     type, abstract :: residuals_t
         !> Relative error of what the residuals are differences of, where it is above rounding: that of an integration.
         real(dp) :: precision = 0
+        !> Norm of what the residuals are differences of, in their unit.
+        real(dp) :: size_of_data = 0
     contains
         procedure(evaluate_i), deferred :: evaluate
         procedure(scale_i), deferred :: step_scale

@@ -193,6 +193,15 @@ class SyntheticTest(FitCase):
         values = table.column("singular_value")
         self.assertLess(values[2], 1e-8 * values[0])
 
+    def test_a_parameter_that_does_not_enter(self) -> None:
+        """The angles at the start say nothing of the body."""
+        self.measure()
+        self.truth = self.truth[:1]
+        self.add_noise(3)
+        fit = "&study kind = 'fit' /\n&fit data = 'data.csv', unknown = 'top.inertia(3)' /\n"
+        table = self.compute(self.write(TOP + fit), code=3)
+        self.assertIn("not_identifiable", table.last_line)
+
 
 class RefusalTest(FitCase):
     """What is no fit."""
@@ -212,7 +221,7 @@ class RefusalTest(FitCase):
             ("'initial.psi_rate'", "'top.shape'", "is not a number"),
             ("'initial.psi_rate'", "'top.inertia(3)'", "named twice"),
             ("'initial.psi_rate'", "'top.density'", "has no value"),
-            ("'data.csv',", "'data.csv', columns = 'tip_error',", "measurable"),
+            ("'data.csv',", "'data.csv', columns = 'tip_error',", "errors, bounds"),
             ("'data.csv',", "'data.csv', columns = 'omega1',", "omega1"),
             ("'data.csv',", "'data.csv', sigma = 1, 2,", "standard deviations"),
             ("&fit ", "&span nutations = 2 /\n&fit ", "span of a fit"),

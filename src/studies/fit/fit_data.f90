@@ -126,13 +126,15 @@ contains
             integer :: place
 
             place = place_of(known, name)
-            if (place > 0) then
-                if (known(place)%group == proof_group .or. known(place)%needs_exact_motion .or. known(place)%needs_work &
-                    .or. known(place)%needs_effects) place = 0
-            end if
+            hint = ''
             if (place == 0) then
                 hint = did_you_mean(name, known%name)
                 if (hint == '') hint = '`spintop list columns` shows those of trajectories'
+            else if (known(place)%group == proof_group .or. known(place)%needs_exact_motion .or. known(place)%needs_work &
+                     .or. known(place)%needs_effects) then
+                hint = 'errors, bounds and the work of effects are not measured'
+            end if
+            if (hint /= '') then
                 call problems%add(key, abbreviate(name) // ' is not a measurable column', hint)
             else if (any(places == place)) then
                 call problems%add(key, "column '" // name // "' is named twice", 'name it once')

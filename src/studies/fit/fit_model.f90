@@ -58,6 +58,7 @@ contains
 
         seeks = 0
         self%measured = measured
+        self%size_of_data = norm2(measured%values / spread(measured%sigma, 2, size(measured%t)))
         self%scene = scene
         self%scene%certified = .false.
         self%case = case

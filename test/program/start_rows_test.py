@@ -58,7 +58,12 @@ def test_columns_at_the_start(tmp_path: Path, body: str, effects: str) -> None:
 
 
 LEVELS = ("theta", "phi", "psi", "omega1", "omega2", "omega3", "gamma1", "gamma2", "gamma3")
-LEVELS += ("com_z", "l3", "lz", "kinetic", "potential", "energy")
+LEVELS += ("com_x", "com_y", "com_z", "l3", "lz", "kinetic", "potential", "energy")
+CONSTANT = ("omega3", "l3", "lz", "energy")
+MOVING, AT_REST = "theta_deg = 90  theta_rate = 1  psi_rate = 3", "theta_deg = 60  omega3 = 20"
+# A top that was at rest touches its inclination again, without a passage.
+TOPS = [(name, MOVING) for name in LEVELS if name not in CONSTANT]
+TOPS += [(name, AT_REST) for name in ("com_x", "com_y", "gamma1", "gamma2", "omega1", "omega2")]
 BODY = """\
 &top mass = 1.3  inertia = 0.6, 0.5, 0.4  centre_of_mass = 0.1, -0.2, 0.3  damping = 0.1, 0.1, 0.1 /
 &initial theta_deg = 90  psi_deg = {}  theta_rate = 1  psi_rate = 3 /
@@ -77,14 +82,34 @@ def last_time(folder: Path, text: str, column: str) -> float:
     return float(row[column])
 
 
+def levels_at(folder: Path, scene: str, quantity: str) -> set[str]:
+    """The value of a quantity at the start, as it is printed and rounded."""
+    value = first_row(folder, scene, "")[quantity]
+    return {f"{value!r}", f"{value:.15g}", f"{value:.13f}"}
+
+
 @pytest.mark.parametrize("psi", [0, 90, 180])
 @pytest.mark.parametrize("quantity", LEVELS)
 def test_the_start_is_no_event(tmp_path: Path, quantity: str, psi: int) -> None:
     """A level that the start has to rounding is passed later, in lanes as in a single motion."""
-    start = first_row(tmp_path, BODY.format(psi, ""), "")
-    for level in {f"{start[quantity]!r}", f"{start[quantity]:.15g}", f"{start[quantity]:.13f}"}:
+    for level in levels_at(tmp_path, BODY.format(psi, ""), quantity):
         stop = BODY.format(psi, f"stop_at = '{quantity} = {level}'")
         expected = last_time(tmp_path, stop, "t")
         assert expected > 1e-3
         found = last_time(tmp_path, SWEEP + stop.replace("samples = 2", ""), "t_end")
         assert found == pytest.approx(expected, rel=1e-6), level
+
+
+@pytest.mark.parametrize(("quantity", "start"), TOPS)
+def test_the_start_of_a_top_is_no_event(tmp_path: Path, quantity: str, start: str) -> None:
+    """The same by the exact solution and by methods, also of a top that is released at rest."""
+    scene = "&top mass = 1.3  inertia = 0.975, 0.975, 0.25  length = 0.8 /\n"
+    scene += f"&initial {start} /\n&span t_end = 2  samples = 2 {{}} /\n"
+    for level in levels_at(tmp_path, scene.format(""), quantity):
+        stop = scene.format(f"stop_at = '{quantity} = {level}'")
+        times = [
+            last_time(tmp_path, stop + f"&integration method = '{method}' /\n", "t")
+            for method in ("exact", "taylor", "dop853")
+        ]
+        assert times[0] > 1e-3
+        assert times == pytest.approx([times[0]] * 3, rel=1e-5), level

@@ -54,17 +54,16 @@ contains
         integer, intent(in) :: lane !! index of the lane
         type(body_t), intent(in) :: body !! mass properties of the body
         type(motion_t), intent(in) :: start !! the motion at the start
-        real(dp) :: value, size_of_terms
+        real(dp) :: value, sizes(lanes)
         call self%stop_lanes_t%begin(run, lane, body, start)
         call take_form(self, lane, body)
         associate (w => run%now%state(lane, 1:3), g => run%now%state(lane, 4:6))
             value = sum(self%linear(lane, :) * [w, g]) + sum(self%squares(lane, :) * w**2) &
                 + sum(self%products(lane, :) * w * g)
-            size_of_terms = sum(abs(self%linear(lane, :) * [w, g])) + sum(self%squares(lane, :) * w**2) &
-                + sum(abs(self%products(lane, :) * w * g))
         end associate
+        sizes = sizes_of_terms(self, run%now%state(:, 1:3))
         self%sign(lane) = 0
-        if (abs(value - self%threshold) > start_rounding * (size_of_terms + abs(self%threshold))) then
+        if (abs(value - self%threshold) > start_rounding * sizes(lane)) then
             self%sign(lane) = sign(1.0_dp, value - self%threshold)
         end if
     end subroutine begin
@@ -108,6 +107,15 @@ contains
         end associate
     end subroutine take_form
 
+    !> What the rounding of the form and its level is relative to: each component of a vector has that of the whole vector.
+    pure function sizes_of_terms(self, omega) result(sizes)
+        class(form_stop_lanes_t), intent(in) :: self
+        real(dp), intent(in) :: omega(lanes, 3)
+        real(dp) :: sizes(lanes)
+        sizes = abs(self%threshold) + sum(abs(self%linear(:, 4:6)), 2) + sum(self%squares, 2) * sum(omega**2, 2) &
+            + (sum(abs(self%linear(:, 1:3)), 2) + sum(self%products, 2)) * sqrt(sum(omega**2, 2))
+    end function sizes_of_terms
+
     !> The form above the level.
     subroutine find_polynomials(self, run, degree, a, noise)
         class(form_stop_lanes_t), intent(in) :: self
@@ -115,7 +123,7 @@ contains
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
             !! coefficients, and a bound of their rounding errors
-        real(dp) :: terms(lanes)
+        real(dp) :: rounded(lanes)
         integer :: k, m
         degree = run%order
         associate (c => run%c)
@@ -125,22 +133,17 @@ contains
                     a(:, k) = a(:, k) + self%linear(:, m) * c(:, m, k)
                 end do
             end do
-            terms = abs(self%threshold)
-            do m = 1, 6
-                terms = terms + abs(self%linear(:, m) * c(:, m, 0))
-            end do
             if (.not. self%is_linear) then
                 do m = 1, 3
                     call add_product(degree, self%squares(:, m), c(:, m, :), c(:, m, :), a)
                     call add_product(degree, self%products(:, m), c(:, m, :), c(:, 3 + m, :), a)
-                    terms = terms + abs(self%squares(:, m) * c(:, m, 0)**2) &
-                        + abs(self%products(:, m) * c(:, m, 0) * c(:, 3 + m, 0))
                 end do
             end if
+            noise = rounding * sizes_of_terms(self, c(:, 1:3, 0))
         end associate
         a(:, 0) = a(:, 0) - self%threshold
-        call of_interval(degree, run%now%t - run%now%t_last, a(:, :degree), noise)
-        noise = noise + rounding * terms
+        call of_interval(degree, run%now%t - run%now%t_last, a(:, :degree), rounded)
+        noise = noise + rounded
     end subroutine find_polynomials
 
     !> Adds a product of series.

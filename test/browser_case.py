@@ -1,4 +1,4 @@
-"""Shared by the tests of the report's page: a study, its report, and a browser."""
+"""Shared by the tests of pages: a study with its report, the live top, and a browser."""
 
 import atexit
 import contextlib
@@ -17,6 +17,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python")]
 
+from reporting import live  # noqa: E402
 from reporting.errata import read_errata  # noqa: E402
 from reporting.packages import PackageError, esbuild_package, need  # noqa: E402
 from reporting.page import make_page, write_page  # noqa: E402
@@ -55,16 +56,24 @@ PATIENCE = 300.0
 READY = "return document.documentElement.dataset.ready"
 """Whether all tops have their data."""
 
+RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "best-practice"]
+"""Of axe, that a page obeys."""
+
 DRIVERS_OWN = "GL Driver Message"
 """Messages of a software renderer about its speed."""
+
+
+def new_scratch(prefix: str) -> Path:
+    """A folder that is removed at the end of all tests."""
+    folder = Path(tempfile.mkdtemp(prefix=prefix))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
 
 
 @functools.cache
 def make_study() -> Path:
     """Compute a few studies, one with a hostile title; return their report. Once for all tests."""
-    scratch = Path(tempfile.mkdtemp(prefix="report test "))
-    atexit.register(shutil.rmtree, scratch, ignore_errors=True)
-    folder = scratch / "study"
+    folder = new_scratch("report test ") / "study"
     folder.mkdir()
     inputs = [ROOT / "input" / f"{name}.nml" for name in INPUTS]
     command = [PROGRAM, "--quiet", "-o", folder]
@@ -85,6 +94,23 @@ def make_study() -> Path:
         raise AssertionError([*problems, lack])
     write_page(page, folder / "report.html")
     return folder / "report.html"
+
+
+@functools.cache
+def make_live_page() -> Path:
+    """Make the page with the live top alone. Once for all tests."""
+    page = new_scratch("live ") / "pages" / "live.html"
+    if live.main(["--live", "-o", str(page)]):
+        raise AssertionError("the page was not made")
+    return page
+
+
+@functools.cache
+def shared_browser(flags: tuple[str, ...]) -> object:
+    """A browser for all tests with these flags; each test opens its page and sets its screen."""
+    browser = open_browser(new_scratch("browser "), *flags)
+    atexit.register(browser.quit)
+    return browser
 
 
 def open_browser(profile: Path, *flags: str) -> object:
@@ -119,7 +145,7 @@ class BrowserCase(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        """Compute the study, make the report, start the browser."""
+        """Make the page, and start the browser."""
         if not BROWSER:
             raise unittest.SkipTest("no browser: scripts/test installs one, where it may")
         try:
@@ -127,12 +153,11 @@ class BrowserCase(unittest.TestCase):
                 need(name)
         except PackageError as error:
             raise unittest.SkipTest(str(error)) from error
-        scratch = tempfile.TemporaryDirectory(prefix="browser ", ignore_cleanup_errors=True)
-        cls.addClassCleanup(scratch.cleanup)
-        cls.page = make_study()
+        cls.page = cls.make_page()
         cls.folder = cls.page.parent
-        cls.browser = open_browser(Path(scratch.name), *cls.flags)
-        cls.addClassCleanup(cls.browser.quit)
+        cls.browser = shared_browser(cls.flags)
+
+    make_page = staticmethod(make_study)
 
     def setUp(self) -> None:
         """Open the report on a desktop's screen."""
@@ -176,7 +201,7 @@ class BrowserCase(unittest.TestCase):
                 asked[facts["requestId"]] = facts["request"]["url"]
             elif facts.get("blockedReason") == "csp":
                 stopped.add(facts["requestId"])
-        own = ("data:", self.folder.parent.as_uri(), "chrome:", "about:")
+        own = ("data:", "blob:", self.folder.parent.as_uri(), "chrome:", "about:")
         addresses = {url for key, url in asked.items() if key not in stopped}
         return {url for url in addresses if not url.startswith(own)}
 
@@ -192,6 +217,19 @@ class BrowserCase(unittest.TestCase):
         wait_for(lambda: self.run_script(READY), "the data")
         wait_for(lambda: self.parts(section, "canvas"), "the drawing")
         return section
+
+    def violations(self, section: object = None) -> list:
+        """What axe finds on the page, or on a section of it."""
+        axe = (need("axe-core") / "axe.min.js").read_text(encoding="utf-8")
+        self.tell("Runtime.evaluate", expression=axe)
+        return self.browser.execute_async_script(
+            "const [section, rules, done] = arguments;"
+            "axe.run(section ?? document, { runOnly: rules })"
+            ".then(({ violations }) => done(violations.map((v) => "
+            "[v.id, v.help, v.nodes.slice(0, 3).map((n) => n.html)])))",
+            section,
+            RULES,
+        )
 
     def parts(self, section: object, selector: str) -> list:
         """The elements of a section."""
@@ -216,3 +254,51 @@ class BrowserCase(unittest.TestCase):
         before = self.picture(section)
         yield
         wait_for(lambda: self.picture(section) != before, "another drawing")
+
+
+class LiveCase(BrowserCase):
+    """A browser with the live top, opened anew before each test."""
+
+    make_page = staticmethod(make_live_page)
+
+    def setUp(self) -> None:
+        """Open the page on a desktop's screen; nothing moves or scrolls by itself."""
+        self.set_screen(*DESKTOP, prefers_reduced_motion="reduce")
+        self.open(self.page)
+
+    def open(self, page: Path, link: str = "") -> None:
+        """Open the page with a state, at rest."""
+        self.browser.get("about:blank")
+        self.browser.get(page.as_uri() + link)
+        wait_for(lambda: self.run_script("return globalThis.liveTop?.track?.count > 0"), "the top")
+        self.run_script("liveTop.pause()")
+
+    @property
+    def section(self) -> object:
+        """The live top."""
+        return self.browser.find_element("css selector", "section.live")
+
+    def text(self, name: str) -> str:
+        """What a part says."""
+        return self.part(self.section, name).get_property("textContent")
+
+    def choose(self, preset: str) -> None:
+        """Choose a preset."""
+        self.run_script(
+            "const { preset } = liveTop.parts; preset.value = arguments[0];"
+            "preset.dispatchEvent(new Event('change')); liveTop.pause();",
+            preset,
+        )
+
+    def control(self, name: str, kind: str) -> object:
+        """The slider (range) or the box (text) of a number."""
+        selector = f".control[data-name={name}] input[type={kind}]"
+        return self.section.find_element("css selector", selector)
+
+    def wait_for_text(self, name: str, words: str) -> None:
+        """Wait until a part says this."""
+        wait_for(lambda: words in self.text(name), f"{words} instead of {self.text(name)}")
+
+    def wait_for_class(self, name: str) -> None:
+        """Wait until the motion is of this class."""
+        wait_for(lambda: self.text("class") == name, f"{name} instead of {self.text('class')}")

@@ -1,10 +1,9 @@
-"""Tests of the live top, alone on its page and on the cards of a report, in a browser."""
+"""Tests of the live top in a browser."""
 
 import base64
 import math
 import subprocess
 import sys
-import tempfile
 import unittest
 from pathlib import Path
 
@@ -13,21 +12,15 @@ TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS)]
 
 from browser_case import (  # noqa: E402
-    BROWSER,
     DESKTOP,
     NO_WEBGL,
     PROGRAM,
-    BrowserCase,
-    need,
-    open_browser,
+    LiveCase,
     wait_for,
 )
-from reporting import live  # noqa: E402
-from reporting.packages import PackageError, esbuild_package  # noqa: E402
 from spintop_figures.tables.table import read_table  # noqa: E402
 
 BYTES = 3_000_000
-RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "best-practice"]
 THRESHOLD = 2 * math.sqrt(9.81 * 0.8660254037844387 * 0.875) / 0.25
 """Of the sleeping top of Example 1, rad/s."""
 
@@ -42,90 +35,27 @@ CLASSES = {
 }
 
 
-def violations(case: BrowserCase) -> list:
-    """What axe finds on the page."""
-    axe = (need("axe-core") / "axe.min.js").read_text(encoding="utf-8")
-    case.tell("Runtime.evaluate", expression=axe)
-    return case.browser.execute_async_script(
-        "const [rules, done] = arguments; axe.run({ runOnly: rules })"
-        ".then(({ violations }) => done(violations.map((v) => "
-        "[v.id, v.help, v.nodes.slice(0, 3).map((n) => n.html)])))",
-        RULES,
-    )
-
-
-class LiveCase(BrowserCase):
-    """A browser with the live top, opened anew before each test."""
-
-    @classmethod
-    def setUpClass(cls) -> None:
-        """Make the page, start the browser."""
-        if not BROWSER:
-            raise unittest.SkipTest("no browser: scripts/test installs one, where it may")
-        try:
-            for name in ("three", "axe-core", esbuild_package()):
-                need(name)
-        except PackageError as error:
-            raise unittest.SkipTest(str(error)) from error
-        scratch = tempfile.TemporaryDirectory(prefix="live ", ignore_cleanup_errors=True)
-        cls.addClassCleanup(scratch.cleanup)
-        cls.folder = Path(scratch.name) / "pages"
-        cls.folder.mkdir()
-        cls.page = cls.folder / "live.html"
-        if live.main(["--live", "-o", str(cls.page)]):
-            raise AssertionError("the page was not made")
-        cls.browser = open_browser(Path(scratch.name) / "profile", *cls.flags)
-        cls.addClassCleanup(cls.browser.quit)
-
-    def setUp(self) -> None:
-        """Open the page on a desktop's screen; nothing moves or scrolls by itself."""
-        self.set_screen(*DESKTOP, prefers_reduced_motion="reduce")
-        self.open(self.page)
-
-    def open(self, page: Path, link: str = "") -> None:
-        """Open the page with a state, at rest."""
-        self.browser.get("about:blank")
-        self.browser.get(page.as_uri() + link)
-        wait_for(lambda: self.run_script("return globalThis.liveTop?.track?.count > 0"), "the top")
-        self.run_script("liveTop.pause()")
-
-    @property
-    def section(self) -> object:
-        """The live top."""
-        return self.browser.find_element("css selector", "section.live")
-
-    def text(self, name: str) -> str:
-        """What a part says."""
-        return self.part(self.section, name).get_property("textContent")
-
-    def choose(self, preset: str) -> None:
-        """Choose a preset."""
-        self.run_script(
-            "const { preset } = liveTop.parts; preset.value = arguments[0];"
-            "preset.dispatchEvent(new Event('change')); liveTop.pause();",
-            preset,
-        )
-
-    def control(self, name: str, kind: str) -> object:
-        """The slider (range) or the box (text) of a number."""
-        selector = f".control[data-name={name}] input[type={kind}]"
-        return self.section.find_element("css selector", selector)
-
-    def wait_for_text(self, name: str, words: str) -> None:
-        """Wait until a part says this."""
-        wait_for(lambda: words in self.text(name), f"{words} instead of {self.text(name)}")
-
-    def wait_for_class(self, name: str) -> None:
-        """Wait until the motion is of this class."""
-        wait_for(lambda: self.text("class") == name, f"{name} instead of {self.text('class')}")
-
-
 class LiveTest(LiveCase):
     """The page as one uses it."""
 
     def test_small(self) -> None:
         """The page is small, and needs nothing else."""
         self.assertLess(self.page.stat().st_size, BYTES)
+
+    def test_numbers_before_shaders(self) -> None:
+        """The first frame has panel and charts; WebGL, which may take a second, comes after it."""
+        script = """
+            addEventListener("frame", () => {
+                globalThis.first ??= document.querySelectorAll(".stage canvas").length;
+            }, true);
+        """
+        command = "Page.{}ScriptToEvaluateOnNewDocument"
+        added = self.tell(command.format("add"), source=script)
+        self.addCleanup(self.tell, command.format("remove"), **added)
+        self.open(self.page)
+        shown = "return document.querySelectorAll('.stage canvas').length"
+        wait_for(lambda: self.run_script(shown) == 1, "the stage")
+        self.assertEqual(self.run_script("return first"), 0)
 
     def test_presets(self) -> None:
         """Every preset shows the class of motion that it names."""
@@ -137,25 +67,12 @@ class LiveTest(LiveCase):
                 self.wait_for_class(CLASSES.get(preset, self.text("class")))
                 self.assertEqual(self.part(self.section, "preset").get_property("value"), preset)
 
-    def test_cusp_becomes_loop(self) -> None:
-        """The slider of the precession rate makes loops of cusps, to the right waves."""
-        from selenium.webdriver.common.keys import Keys
-
-        self.choose("cusp")
-        self.wait_for_class("Cusps")
-        slider = self.control("phi_rate", "range")
-        with self.changing(self.section):
-            slider.send_keys(*[Keys.ARROW_LEFT] * 60)
-            self.wait_for_class("Loops")
-        slider.send_keys(*[Keys.ARROW_RIGHT] * 120)
-        self.wait_for_class("Waves")
-        self.assertEqual(self.part(self.section, "preset").get_property("value"), "")
-
     def test_threshold_of_sleep(self) -> None:
         """The spin at which the top sleeps is written, marked, and can be set."""
         self.choose("falling")
         self.assertIn("upright it falls", self.text("sleep"))
         self.assertIn("21.81 rad/s", self.text("sleep"))
+        self.assertIn("Almost upright, it falls", self.text("meaning"))
         tick = self.section.find_element("css selector", ".control[data-name=omega3] .tick")
         self.assertTrue(tick.is_displayed())
         widest = "return liveTop.track.nutation.thetaMax * 180 / Math.PI"
@@ -170,7 +87,10 @@ class LiveTest(LiveCase):
         box.clear()
         box.send_keys("26")
         wait_for(lambda: "upright it sleeps" in self.text("sleep"), "sleep")
+        self.assertIn("Almost upright, it sleeps", self.text("meaning"))
         self.assertLess(self.run_script(widest), 3)
+        self.choose("example1")
+        wait_for(lambda: "Almost upright" not in self.text("meaning"), "a tilted top")
 
     def test_link(self) -> None:
         """The address holds the state, and another address is another state."""
@@ -317,7 +237,7 @@ class LiveTest(LiveCase):
                     "document.querySelectorAll('details').forEach(d => { d.open = true });"
                     "liveTop.play();"
                 )
-                self.assertEqual(violations(self), [])
+                self.assertEqual(self.violations(), [])
                 widths = "return [document.documentElement.scrollWidth, innerWidth]"
                 self.assertEqual(*self.run_script(widths))
 
@@ -344,55 +264,18 @@ class LiveTest(LiveCase):
         )
         self.assertEqual(colour, [1920, 255, 255, 255, 255])
 
-    def saved(self, button: str, again: bool) -> tuple[str, bytes]:
-        """Name and bytes of the file that a button saves."""
-        script = """
-            const [name, again, done] = arguments;
-            const read = (blob) => new Promise((resolve) => {
-                const reader = new FileReader();
-                reader.onload = () => resolve(reader.result);
-                reader.readAsDataURL(blob);
-            });
-            const blobs = [];
-            URL.createObjectURL = (blob) => { blobs.push(blob); return "blob:kept"; };
-            HTMLAnchorElement.prototype.click = function () {
-                const data = blobs.length ? read(blobs[0]) : Promise.resolve(this.href);
-                data.then((address) => done([this.download, address]));
-            };
-            liveTop.parts[name].click();
-            let frames = 60;
-            const wait = () => {
-                if (--frames) requestAnimationFrame(wait);
-                else liveTop.parts[name].click();
-            };
-            if (again) wait();
-        """
-        name, data = self.browser.execute_async_script(script, button, again)
-        return name, base64.b64decode(data.partition(",")[2])
-
     def test_picture(self) -> None:
         """A picture is a PNG of the size of a screen."""
-        name, data = self.saved("picture", again=False)
+        script = """
+            const [done] = arguments;
+            HTMLAnchorElement.prototype.click = function () { done([this.download, this.href]); };
+            liveTop.parts.picture.click();
+        """
+        name, address = self.browser.execute_async_script(script)
+        data = base64.b64decode(address.partition(",")[2])
         self.assertEqual((name, data[:8]), ("spintop.png", b"\x89PNG\r\n\x1a\n"))
         size = [int.from_bytes(data[i : i + 4], "big") for i in (16, 20)]
         self.assertEqual(size, [1920, 1080])
-
-    def test_sleep(self) -> None:
-        """Almost upright, the panel says whether the top sleeps; at the threshold that changes."""
-        self.choose("falling")
-        self.wait_for_text("meaning", "it falls")
-        slider = self.control("omega3", "range")
-        self.run_script("arguments[0].value = arguments[0].max;"
-                        "arguments[0].dispatchEvent(new Event('input'))", slider)  # fmt: skip
-        self.wait_for_text("meaning", "it sleeps")
-        self.choose("example1")
-        wait_for(lambda: "Almost upright" not in self.text("meaning"), "a tilted top")
-
-    def test_film(self) -> None:
-        """A film is a WebM with something in it; the button stops it before its end."""
-        name, data = self.saved("film", again=True)
-        self.assertEqual((name, data[:4]), ("spintop.webm", b"\x1a\x45\xdf\xa3"))
-        self.assertGreater(len(data), 1000)
 
     def test_recomputation(self) -> None:
         """A change is computed once a frame, however many events there are."""
@@ -428,29 +311,6 @@ class FlatTest(LiveCase):
         with self.changing(self.section):
             self.choose("loop")
             self.run_script("liveTop.seek(2)")
-
-
-class CardTest(BrowserCase):
-    """The cards of a report."""
-
-    def test_card(self) -> None:
-        """A symmetric top without damping has one, and it opens with its scene."""
-        cards = self.browser.find_elements("css selector", "section.live.closed")
-        script = "return arguments[0].closest('article').querySelector('.lead code').textContent"
-        by_table = {self.run_script(script, card): card for card in cards}
-        self.assertIn("spinning_wheel_figure11.csv", by_table)
-        self.assertNotIn("heavy_top_benchmark.csv", by_table)  # its axis of symmetry is body y
-        card = by_table["slow_top.csv"]
-        self.run_script("arguments[0].scrollIntoView({ behavior: 'instant' })", card)
-        card.find_element("css selector", "button").click()
-        wait_for(lambda: self.run_script("return arguments[0].top?.track?.count > 0", card), "it")
-        self.assertEqual(self.part(card, "class").text, "Cusps")
-        state = self.run_script("return arguments[0].top.state", card)
-        expected = {"theta": 11.25, "omega3": 1, "inertia1": 0.875, "nutations": 3}
-        self.assertEqual({key: state[key] for key in expected}, expected)
-        self.run_script("arguments[0].top.pause()", card)
-        self.assertEqual(violations(self), [])
-        self.assertEqual(self.run_script("return location.hash"), "")
 
 
 if __name__ == "__main__":

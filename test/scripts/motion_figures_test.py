@@ -15,6 +15,7 @@ sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "p
 from plot_case import TRAJECTORY, TableCase, a_sweep, a_trajectory  # noqa: E402
 from spintop_figures.motion.cones import in_space  # noqa: E402
 from spintop_figures.motion.drift import CONSTANTS, method_of, running_maximum  # noqa: E402
+from spintop_figures.motion.fits import draw_fit  # noqa: E402
 from spintop_figures.motion.potential import draw_portrait, draw_potential  # noqa: E402
 from spintop_figures.motion.reduced import find_reduced  # noqa: E402
 from spintop_figures.motion.trace import draw_trace, on_sphere, project  # noqa: E402
@@ -190,6 +191,25 @@ class TogetherTest(MotionCase):
         """No comparison has the name of a figure."""
         names = [kind.name for kind in (*FIGURES, *COMPARISONS)]
         self.assertEqual(len(names), len(set(names)))
+
+
+class FitTest(MotionCase):
+    """The residuals of a fit."""
+
+    def test_degrees(self) -> None:
+        """Residuals of angles are drawn in degrees, with symbols; the band is twice their size."""
+        self.compute("fit")
+        table = read_table(self.folder / "fit.residuals.csv")
+        panels = draw_fit(table).axes
+        labels = [axes.get_ylabel() for axes in panels]
+        self.assertEqual(labels, [f"{symbol} (degrees)" for symbol in "φθψ"])
+        for axes, name in zip(panels, ("phi", "theta", "psi"), strict=True):
+            residuals = np.degrees(table.rows[f"{name}_residual"])
+            np.testing.assert_allclose(axes.lines[-1].get_ydata(), residuals, rtol=1e-14)
+            size = np.sqrt(np.mean(residuals**2))
+            band = axes.patches[0].get_extents().transformed(axes.transData.inverted())
+            np.testing.assert_allclose(band.y1, 2 * size, rtol=1e-9)
+            self.assertIn(f"root mean square {size:.2g}", axes.get_title("right"))
 
 
 if __name__ == "__main__":

@@ -11,6 +11,9 @@ from spintop_figures.tables.table import Table
 
 ENDING = "_residual"
 
+SYMBOLS = {"phi": "φ", "theta": "θ", "psi": "ψ"}
+"""Angles are written as on the other figures, and in degrees."""
+
 
 def measured_columns(table: Table) -> list[str]:
     """The columns that were measured."""
@@ -30,14 +33,17 @@ def draw_fit(table: Table) -> Figure:
     panels = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
     t = numbers(table, "t")
     for axes, name in zip(panels, names, strict=True):
+        label, unit = SYMBOLS.get(name, name), table.units.get(name, "")
         residuals = numbers(table, name + ENDING)
+        if unit == "rad":
+            residuals, unit = np.degrees(residuals), "deg"
         deviation = float(np.sqrt(np.nanmean(residuals**2)))
         axes.axhspan(-2 * deviation, 2 * deviation, color=FAINT, alpha=0.35, linewidth=0)
         axes.axhline(0, color=GREY, linewidth=0.8)
         axes.plot(t, residuals, "o", color=LINES[0]["color"], markersize=3)
         axes.margins(x=0.01)
         axes.ticklabel_format(axis="y", scilimits=(-2, 3), useOffset=False)
-        axes.set_ylabel(with_unit(name, table.units.get(name, "")), parse_math=False)
+        axes.set_ylabel(with_unit(label, unit), parse_math=False)
         words = f"root mean square {deviation:.2g}; band: twice that"
         axes.set_title(words, loc="right", fontsize=8.5, color=GREY)
     panels[-1].set_xlabel(TIME)

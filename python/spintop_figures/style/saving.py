@@ -22,6 +22,9 @@ Metadata = dict[str, str | None]
 
 DOTS_PER_INCH = 150
 
+COMPRESSION = 3
+"""Of PNG files: within a tenth as small as with the usual 6, in little more than half the time."""
+
 PALETTE = 128
 """Colours of a small picture."""
 AREAS = 16
@@ -71,7 +74,8 @@ def write_png(figure: Figure, path: Path, metadata: Metadata) -> None:
     for key, text in metadata.items():
         texts.add_itxt(key, text)
     picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
-    picture.save(path, "png", pnginfo=texts, dpi=(DOTS_PER_INCH, DOTS_PER_INCH))
+    dpi = (DOTS_PER_INCH, DOTS_PER_INCH)
+    picture.save(path, "png", pnginfo=texts, dpi=dpi, compress_level=COMPRESSION)
 
 
 def write_svg(figure: Figure, path: Path, metadata: Metadata) -> None:

@@ -256,7 +256,7 @@ def draw_distributions(table: Table) -> Figure:
     if not found:
         raise TableError("has no value in any column: no distributions figure")
     names = [name for name in gathered(table) if name in found]
-    title = f"Distributions over all cases: {tell_cases(table)}"
+    title = f"Distributions over {tell_cases(table)}"
     figure = new_figure(table, title, 1.2 + max(PANEL_HEIGHT * ((len(names) + 1) // 2), 3.0))
     cells = figure.add_gridspec((len(names) + 1) // 2, 2)
     for place, name in enumerate(names):

@@ -64,9 +64,14 @@ export class LiveTop {
     this.#wire();
     this.load(state ?? (ownsLink && stateOfLink(location.hash)) ?? null);
     this.#watch();
-    this.stage.open();
+    this.#openStage();
     if (calm) this.pause();
     else this.play();
+  }
+
+  /** Once the panel and the charts are on the screen: to compile the shaders may take a second. */
+  #openStage() {
+    requestAnimationFrame(() => setTimeout(() => this.stage.open()));
   }
 
   #makeControls() {
@@ -143,6 +148,7 @@ export class LiveTop {
     document.documentElement.dataset.paper = "yes";
     this.stage.recolour();
     this.redraw();
+    this.stage.open();
     this.parts.still.src = this.stage.still(...STILL);
     delete document.documentElement.dataset.paper;
     this.stage.recolour();

@@ -85,7 +85,7 @@ def last_time(folder: Path, text: str, column: str) -> float:
 def levels_at(folder: Path, scene: str, quantity: str) -> set[str]:
     """The value of a quantity at the start, as it is printed and rounded."""
     value = first_row(folder, scene, "")[quantity]
-    return {f"{value!r}", f"{value:.15g}", f"{value:.13f}"}
+    return {f"{value!r}", f"{value:.15g}", f"{value:.15f}"}
 
 
 @pytest.mark.parametrize("psi", [0, 90, 180])

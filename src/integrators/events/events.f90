@@ -249,7 +249,7 @@ contains
         do k = 1, size(self%events)
             before = found%n
             values = self%five(k, :)
-            call self%sides(k)%aim(self%events(k), self%t, values)
+            call self%sides(k)%aim(self%events(k), self%t, values, self%soon / ((b - self%t) / 4))
             is_near = any(abs(values - self%sides(k)%level) <= self%sides(k)%rounding)
             self%sides(k)%rounding = 0
             if (is_near) call self%measure_rounding(path, k, self%t, b)

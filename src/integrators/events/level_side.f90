@@ -22,18 +22,19 @@ module spintop_level_side
         procedure :: aim
     end type side_t
 
-    !> A start value so close to the level is at the level: relative to both, and to the distance soon after.
-    real(dp), parameter :: start_rounding = 16 * epsilon(1.0_dp), start_share = 1.0e-12_dp
+    !> A start value so close to the level, relatively, is at the level.
+    real(dp), parameter :: start_rounding = 16 * epsilon(1.0_dp)
     !> An angle that changes by more between two instants was not followed.
     real(dp), parameter :: farthest_turn = 1.5_dp * pi
 
 contains
 
     !> Selects the level of the event for an interval: of several levels the one nearest to the quantity.
-    pure subroutine aim(self, event, t, values)
+    pure subroutine aim(self, event, t, values, share)
         class(side_t), intent(inout) :: self
         type(event_t), intent(in) :: event !! the event
         real(dp), intent(in) :: t, values(5) !! beginning of the interval, s; the quantity at equal distances in it
+        real(dp), intent(in) :: share !! a start value is at the level within this part of its first change here
         real(dp) :: level, middle
         integer :: i
 
@@ -47,8 +48,8 @@ contains
             self%t = t
             self%distance = values(1) - level
             self%rounding = 0
-            if (abs(self%distance) > max(start_rounding * (abs(values(1)) + abs(level)), &
-                                         start_share * maxval(abs(values(2:3) - level)))) self%sign = sign_of(self%distance)
+            if (abs(self%distance) > max(start_rounding * (abs(values(1)) + abs(level)), share * abs(values(2) - values(1)))) &
+                self%sign = sign_of(self%distance)
         end if
         self%farthest = -huge(1.0_dp)
         do i = 1, 5

@@ -39,8 +39,9 @@ module spintop_nutation_watch
     !> theta within this angle, rad, count as zero.
     real(dp), parameter :: class_tolerance = 1.0e-6_dp
 
-    !> Closer to a pole than this, rad, a sum that cancels to this share of its terms is taken for rounding.
-    real(dp), parameter :: near_pole = 1.0e-6_dp, lost_share = 1.0e-8_dp
+    !> Closer to a pole than `near_pole`, rad, the rate is known at the nearest point of a way past the pole, and where the
+    !> way misses it by more than `near_miss`: a million times its rounding.
+    real(dp), parameter :: near_pole = 3.0e-5_dp, near_miss = 1.0e-9_dp
 
     !> What is measured.
     type :: measures_t
@@ -282,8 +283,8 @@ contains
         if (self%measures%has_forces()) call self%take_forces(motion, given)
     end subroutine take_extremes
 
-    !> Whether the precession rate of a motion is lost in rounding errors, where body z passes through a pole: both terms of
-    !> (Gamma1 omega1 + Gamma2 omega2)/sin(theta)^2 vanish there.
+    !> Whether the precession rate of a motion is lost in rounding errors, where body z passes through a pole: the numerator
+    !> of (Gamma1 omega1 + Gamma2 omega2)/sin(theta)^2 is the rate of body z times the distance at which it misses the pole.
     pure logical function is_lost(motion)
         type(motion_t), intent(in) :: motion
         real(dp) :: gamma(3), sine, across
@@ -291,7 +292,7 @@ contains
         sine = hypot(gamma(1), gamma(2))
         across = hypot(motion%omega(1), motion%omega(2))
         is_lost = across > 0 .and. (sine <= through_pole .or. (sine <= near_pole .and. &
-            abs(dot_product(gamma(1:2), motion%omega(1:2))) <= lost_share * sine * across))
+            abs(dot_product(gamma(1:2), motion%omega(1:2))) <= min(near_miss, sine / 10) * across))
     end function is_lost
 
     !> Updates the extremes of the nutation rate and of the support force.

@@ -4,14 +4,15 @@ module spintop_quantities
     use spintop_body, only: body_t
     use spintop_body_turn, only: turn_to_principal_axes
     use spintop_motion, only: motion_t
-    use spintop_loads, only: find_loads, frame_energy, loads_t, momentum_rate, total_momentum
+    use spintop_euler_poisson, only: euler_poisson_rate, euler_poisson_state
+    use spintop_loads, only: acceleration, find_loads, frame_energy, loads_t, momentum_rate, total_momentum
     use spintop_attitude, only: conjugate_quaternion, quaternion_product, to_space, vertical_from_quaternion
     use spintop_vectors, only: cross
     implicit none
     private
     public :: kinetic_energy, potential_energy, energy_scale, vertical_momentum, axial_momentum
     public :: euler_residuals, support_force, specific_force, axis_tip, axis_height_rate
-    public :: kovalevskaya_integral, goryachev_integral
+    public :: kovalevskaya_integral, goryachev_integral, angular_acceleration, polar_precession_rate
 
 contains
 
@@ -200,5 +201,34 @@ contains
             if (abs(rate) <= rounding * sum(abs(terms))) rate = 0
         end associate
     end function axis_height_rate
+
+    !> The angular acceleration of a body in principal axes, with all effects on it, rad/s^2.
+    pure function angular_acceleration(body, motion)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
+        real(dp) :: angular_acceleration(3), rate(6)
+        type(loads_t) :: loads
+        if (allocated(body%effects)) then
+            call find_loads(body, body%effects, motion%t, motion%quaternion, &
+                            total_momentum(body, motion%t, motion%quaternion, motion%omega), loads)
+            angular_acceleration = acceleration(body, loads)
+        else
+            rate = euler_poisson_rate(body, euler_poisson_state(body, motion))
+            angular_acceleration = rate(4:6) / body%inertia
+        end if
+    end function angular_acceleration
+
+    !> The limit of the precession rate where body z passes a pole, rad/s: of (Gamma1 omega1 + Gamma2 omega2)/(Gamma1^2 +
+    !> Gamma2^2), in which both vanish as t^2. That of `rate` if body z does not move.
+    pure real(dp) function polar_precession_rate(motion) result(rate)
+        type(motion_t), intent(in) :: motion !! the motion in the pole, with its angular acceleration
+        real(dp) :: gamma(3), across
+        gamma = vertical_from_quaternion(motion%quaternion)
+        associate (w => motion%omega, a => motion%omega_rate)
+            across = w(1)**2 + w(2)**2
+            rate = motion%rate(1)
+            if (across > 0) rate = sign(0.5_dp, gamma(3)) * (w(3) + (w(1) * a(2) - w(2) * a(1)) / across)
+        end associate
+    end function polar_precession_rate
 
 end module spintop_quantities

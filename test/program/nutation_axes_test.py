@@ -74,6 +74,24 @@ def test_class_in_a_frame_that_turns(tmp_path: Path, latitude: int) -> None:
     assert found["notes"].startswith("no class") or found["motion_class"] == "cusp"
 
 
+@pytest.mark.parametrize("frame", [0.1, 6])
+@pytest.mark.parametrize(
+    "start", ["theta_rate = 0.5  phi_rate = 1", "phi_rate = 0", "phi_rate = 5"]
+)
+@pytest.mark.parametrize("spin", [-10, 3])
+def test_precession_in_a_frame_that_turns(
+    tmp_path: Path, frame: float, start: str, spin: float
+) -> None:
+    """The rate of either turning point, or one in between, is the largest relative to the frame."""
+    body = "&top mass = 1  inertia = 0.875, 0.875, 0.25  length = 0.866 /\n"
+    body += f"&initial theta = 0.7  {start}  psi_rate = {spin} /\n"
+    body += f"&effects earth_rate = {frame}  latitude_deg = 90 /\n"
+    (found,) = rows_of(tmp_path, body + "&span t_end = 9 /\n" + SWEEP, ("phi_rate_max",))
+    rows = rows_of(tmp_path, body + "&span t_end = 9  samples = 9001 /\n", ("t", "phi_rate"))
+    largest = max((float(row["phi_rate"]) for row in rows), key=abs)
+    assert float(found["phi_rate_max"]) == pytest.approx(largest, rel=1e-4)
+
+
 @pytest.mark.parametrize("end", [1.2, 2, 12])
 @pytest.mark.parametrize("across", ["0", "1e-12", "1e-8", "1e-7"])
 def test_swing_over_poles(tmp_path: Path, end: float, across: str) -> None:

@@ -4,6 +4,7 @@ The bound is on the work: `max_steps` is a small part of what a search that divi
 errors would take.
 """
 
+import itertools
 import math
 import unittest
 
@@ -37,6 +38,31 @@ class PoleSearchTest(ProgramCase):
             for method in methods:
                 found = self.extreme(heavy + effect, "3", "phi_rate_max", method)
                 self.assertAlmostEqual(found / known, 1, delta=1e-5, msg=(effect, method))
+
+    def test_short_motions_from_a_pole(self) -> None:
+        """Where the precession slows down, the largest rate is the limit in the pole."""
+        methods = "method = 'dop853'", "method = 'taylor' project = 'unit'", "method = 'taylor'"
+        effects = {
+            0: ("",),
+            0.3: (
+                "",
+                "&effects friction_torque = 0.1 /\n",
+                "&effects earth_rate = 0.5 latitude = 0.7 /\n",
+            ),
+        }
+        for pole, length in itertools.product((0, math.pi), effects):
+            body = BODY.format(length)
+            body += f"&initial theta = {pole!r}  psi = 0.4  omega = 1, 2.5, -4 /\n"
+            for effect, share in itertools.product(effects[length], (0.01, 0.1, 0.4)):
+                span = f"&span t_end = {share} samples = 2001 /\n"
+                output = "&output columns = 't', 'phi_rate' /\n"
+                rows = self.compute(self.write(body + effect + span + output)).column("phi_rate")
+                known = max(rows[2:], key=abs)
+                for method in (*methods, *([""] if length == 0 else [])):
+                    found = self.extreme(body + effect, str(share), "phi_rate_max", method)
+                    self.assertAlmostEqual(
+                        found / known, 1, delta=2e-3, msg=(effect, method, share)
+                    )
 
     def test_free_rotation_through_the_poles(self) -> None:
         """About a horizontal principal axis theta turns with omega."""

@@ -9,7 +9,7 @@ module spintop_instants
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: greatest_fall_rate, next_instant, is_short, time_of_start
+    public :: greatest_fall_rate, next_instant, is_short, through_pole, time_of_start
 
     !> Maximum rotation of the attitude between two instants, rad, and maximum path of the axis relative to
     !> its distance from the vertical.

@@ -5,7 +5,9 @@ module spintop_extreme_lanes
     use spintop_body, only: body_t
     use spintop_formulation, only: max_series_order
     use spintop_lane_series, only: numerator, parts
+    use spintop_instants, only: through_pole
     use spintop_motion, only: motion_t
+    use spintop_quantities, only: angular_acceleration, polar_precession_rate
     use spintop_lane_products, only: add_squares, multiply, multiply_slopes, square
     use spintop_root_watch, only: find_derivatives, find_powers, find_row, of_interval, root_watch_t, rounding, states_at
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
@@ -68,10 +70,14 @@ contains
         integer, intent(in) :: lane !! index of the lane
         type(body_t), intent(in) :: body !! mass properties of the body
         type(motion_t), intent(in) :: start !! the motion at the start
-        associate (unused => run, also_unused => body)
-        end associate
+        type(motion_t) :: here
+        here = start
+        if (norm2(run%now%state(lane, 4:5)) <= through_pole) then
+            here%omega_rate = angular_acceleration(body, start)
+            here%rate(1) = polar_precession_rate(here)
+        end if
         self%sign(lane) = 0
-        self%so_far(lane) = merge(start%rate(1), 0.0_dp, abs(start%rate(1)) <= huge(1.0_dp))
+        self%so_far(lane) = merge(here%rate(1), 0.0_dp, abs(here%rate(1)) <= huge(1.0_dp))
     end subroutine begin_precession
 
     !> The slope of phi' = n/d times d^2, where n = Gamma1 omega1 + Gamma2 omega2 and d = Gamma1^2 + Gamma2^2: smooth

@@ -10,8 +10,8 @@ module spintop_many_bodies
     use spintop_integration, only: outcome_t
     use spintop_lane_effects, only: kinds_of, lane_kinds_t
     use spintop_lane_watch, only: watch_slot_t
-    use spintop_loads, only: acceleration, find_loads, loads_t, total_momentum
     use spintop_motion, only: motion_t
+    use spintop_quantities, only: angular_acceleration
     use spintop_status, only: status_ok, status_bad_input, status_bad_span, status_unsuitable
     use spintop_stepper, only: controls_t, method_info_t
     use spintop_suitability, only: controls_status
@@ -155,7 +155,6 @@ contains
         type(motion_t), intent(out) :: motion
         type(outcome_t), intent(out) :: outcome
         real(dp) :: rate(6)
-        type(loads_t) :: loads
 
         outcome%status = run%status(lane)
         outcome%t = run%now%t(lane)
@@ -163,9 +162,7 @@ contains
         outcome%counts%evaluations = run%order * run%steps(lane)
         motion = run%motion(lane)
         if (allocated(body%effects)) then
-            call find_loads(body, body%effects, motion%t, motion%quaternion, &
-                            total_momentum(body, motion%t, motion%quaternion, motion%omega), loads)
-            motion%omega_rate = acceleration(body, loads)
+            motion%omega_rate = angular_acceleration(body, motion)
             return
         end if
         rate = euler_poisson_rate(body, [run%now%state(lane, 4:6), body%inertia * motion%omega])

@@ -50,8 +50,37 @@ contains
         end if
         values%delta_u = nutation%delta_u
         values%phi_rate_max = nutation%phi_rate_max
-        if (case%turn%is_shifted()) values%phi_rate_max = nutation%phi_rate_max - case%turn%phi_shift
+        if (case%turn%is_shifted()) values%phi_rate_max = largest_relative_rate(case, nutation)
     end subroutine put_extremes
+
+    !> The precession rate of a top relative to a frame that turns that is largest in magnitude. With u = cos(theta) the
+    !> rate (lz - l3 u)/(I1 (1 - u^2)) is largest at a turning point; less the rate of the frame it may be so at the other
+    !> one, or where it is least in between: where 2 lz u = l3 (1 + u^2).
+    pure real(dp) function largest_relative_rate(case, nutation) result(largest)
+        type(case_t), intent(in) :: case
+        type(nutation_t), intent(in) :: nutation
+        real(dp) :: half(3), l3, excess, ratio, rates(3), noise(3)
+        integer :: i
+
+        associate (theta => case%start%angle(2), inertia => case%body%inertia, shift => case%turn%phi_shift)
+            l3 = inertia(3) * case%start%omega(3)
+            ! lz - l3, and (1 - u)/2 at the three places.
+            excess = inertia(1) * sin(theta)**2 * case%start%rate(1) - 2 * l3 * sin(theta / 2)**2
+            half(1:2) = sin([nutation%theta_min, nutation%theta_max] / 2)**2
+            half(3) = half(1)
+            if (abs(excess + l3) > abs(l3)) then
+                ratio = l3 / (excess + l3)
+                ratio = (1 - ratio / (1 + sqrt(1 - ratio**2))) / 2
+                if (ratio > half(1) .and. ratio < half(2)) half(3) = ratio
+            end if
+            rates = (excess + 2 * l3 * half) / (4 * inertia(1) * half * (1 - half))
+            noise = 8 * epsilon(noise) * (abs(excess) + 2 * abs(l3)) / (4 * inertia(1) * half * (1 - half))
+            largest = nutation%phi_rate_max - shift
+            do i = 1, 3
+                if (is_finite(rates(i)) .and. abs(rates(i) - shift) > abs(largest) + noise(i)) largest = rates(i) - shift
+            end do
+        end associate
+    end function largest_relative_rate
 
     !> The period, and what happens in it.
     subroutine put_means(case, nutation, values, note)

@@ -46,9 +46,11 @@ module spintop_capabilities
         procedure :: compose => compose_flows
     end type flows_t
 
-    !> The stages of an explicit Runge-Kutta step in one call, cheaper than one by one. Equations with these do not
-    !> depend on t, and hold for any state.
+    !> The stages of an explicit Runge-Kutta step in one call, cheaper than one by one. Equations with these hold for any
+    !> state.
     type, abstract, extends(capability_t) :: stages_t
+        !> Whether the body has such equations.
+        logical :: holds = .true.
     contains
         procedure(find_stages), deferred :: find
     end type stages_t
@@ -98,6 +100,7 @@ module spintop_capabilities
         procedure(next_knot), deferred :: next_knot
         procedure(find_speed), deferred :: find_speed
         procedure(find_omega), deferred :: angular_velocity
+        procedure(find_reach), deferred :: find_reach
         procedure(at_rest), deferred :: at_rest
         procedure(excess), deferred :: excess
         procedure(pause), deferred :: pause
@@ -135,6 +138,15 @@ module spintop_capabilities
             real(dp), intent(in) :: t, y(max_states) !! time, s, and state
             real(dp) :: omega(3)
         end function find_omega
+
+        !> How far the angular velocity may move away in `span` seconds, in which the state variables change by `change` at
+        !> most, so that it keeps a share of its magnitude if `reach` is less than that share of `speed`.
+        pure subroutine find_reach(self, t, y, span, change, speed, reach)
+            import :: action_t, dp, max_states
+            class(action_t), intent(in) :: self
+            real(dp), intent(in) :: t, y(max_states), span, change(max_states) !! time, s; state; s; bounds
+            real(dp), intent(out) :: speed, reach !! magnitude of the angular velocity in space, rad/s, and that bound, rad/s
+        end subroutine find_reach
 
         !> The state at rest at a time, with the attitude that the motion in a state reaches after `left` seconds of
         !> constant deceleration to rest.
@@ -177,12 +189,13 @@ module spintop_capabilities
         end subroutine flow
 
         !> Stages of a step of size h from the state y.
-        pure subroutine find_stages(self, from, to, y, h, a, k)
+        pure subroutine find_stages(self, from, to, t, y, h, a, c, k)
             import :: stages_t, dp, max_states
             class(stages_t), intent(in) :: self
             integer, intent(in) :: from, to !! first and last stage; there is at least one before
-            real(dp), intent(in) :: y(max_states), h !! state at the beginning of the step, and its size, s
+            real(dp), intent(in) :: t, y(max_states), h !! time and state at the beginning of the step, and its size, s
             real(dp), contiguous, intent(in) :: a(:, :) !! column i contains the weights of the stages before stage i
+            real(dp), contiguous, intent(in) :: c(:) !! times of the stages in the step, over its size
             real(dp), contiguous, intent(inout) :: k(:, :) !! slopes: column i is that of stage i
         end subroutine find_stages
 

@@ -54,12 +54,15 @@ contains
     end subroutine set
 
     !> Stages `from` to `to` of a step.
-    pure subroutine find(self, from, to, y, h, a, k)
+    pure subroutine find(self, from, to, t, y, h, a, c, k)
         class(rigid_body_stages_t), intent(in) :: self
         integer, intent(in) :: from, to !! first and last stage; there is at least one before
-        real(dp), intent(in) :: y(max_states), h !! state at the beginning of the step, and its size, s
+        real(dp), intent(in) :: t, y(max_states), h !! time and state at the beginning of the step, and its size, s
         real(dp), contiguous, intent(in) :: a(:, :) !! column i contains the weights of the stages before stage i
+        real(dp), contiguous, intent(in) :: c(:) !! times of the stages in the step, over its size
         real(dp), contiguous, intent(inout) :: k(:, :) !! slopes: column i is that of stage i
+        associate (unused => t, also_unused => c)
+        end associate
         call c_find(from - 1, to - 1, self%of, y, h, a, size(a, 1), k)
     end subroutine find
 

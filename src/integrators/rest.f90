@@ -6,7 +6,7 @@ module spintop_rest
     use spintop_dop853, only: dop853_t
     use spintop_dop853_table, only: dop853_table
     use spintop_event, only: occasion_none, occasion_slip, occasion_stuck
-    use spintop_formulation, only: formulation_t, max_states, structure_none
+    use spintop_formulation, only: formulation_t, max_states, structure_none, structure_series
     use spintop_kinds, only: dp
     use spintop_powers, only: instants
     use spintop_status, only: status_non_finite, status_ok, status_step_too_small
@@ -27,7 +27,9 @@ module spintop_rest
         logical :: is_other = .false.
         class(stepper_t), allocatable :: stepper
         class(workspace_t), allocatable :: work
-        !> Largest angular velocity so far, rad/s, and deceleration, rad/s^2.
+        !> Whether the angular velocity surely kept its direction, and more than half of its magnitude, in the last step.
+        logical, private :: goes_on = .false.
+        !> Largest angular velocity so far, rad/s, and deceleration, rad/s^2, where it was looked at.
         real(dp), private :: largest = 0, steepest = 0
         !> What `find_slowing` found last, and when, s: the end of a step is the beginning of the next.
         real(dp), private :: seen_at = -1, seen_speed = 0, seen_slowing = 0, seen_across = 0
@@ -39,6 +41,8 @@ module spintop_rest
         procedure, private :: advance_by_other
         procedure, private :: check_rest
         procedure, private :: find_slowing
+        procedure, private :: latest_end
+        procedure, private :: check_direction
     end type rest_t
 
     !> A body whose angular velocity is below this share of its largest value comes to rest.
@@ -69,28 +73,62 @@ contains
 
     !> The angular velocity and how fast it decreases; zero where nothing depends on its direction: without dry friction, but
     !> for series under a drag, which end near where the motion turns.
-    subroutine find_slowing(self, formulation, stepper, work, speed, slowing)
+    subroutine find_slowing(self, formulation, stepper, t, y, speed, slowing)
         class(rest_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
         class(stepper_t), intent(in) :: stepper
-        class(workspace_t), intent(in) :: work
+        real(dp), intent(in) :: t, y(max_states)
         real(dp), intent(out) :: speed, slowing
         real(dp) :: across
-        if (.not. abs(work%t - self%seen_at) > 0) then
+        if (.not. abs(t - self%seen_at) > 0) then
             speed = self%seen_speed
             slowing = self%seen_slowing
             return
         end if
-        call formulation%action%find_speed(work%t, work%y, speed, slowing, across)
+        call formulation%action%find_speed(t, y, speed, slowing, across)
         self%largest = max(self%largest, speed)
         self%steepest = max(self%steepest, slowing)
         if (.not. (formulation%action%may_stick &
                    .or. (needs_series(stepper) .and. slowing > turning * self%steepest))) slowing = 0
-        self%seen_at = work%t
+        self%seen_at = t
         self%seen_speed = speed
         self%seen_slowing = slowing
         self%seen_across = across
     end subroutine find_slowing
+
+    !> The time up to which a step from a state may reach: half of that to rest.
+    real(dp) function latest_end(self, formulation, stepper, t, y)
+        class(rest_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(stepper_t), intent(in) :: stepper
+        real(dp), intent(in) :: t, y(max_states)
+        real(dp) :: speed, slowing
+        latest_end = huge(t)
+        call self%find_slowing(formulation, stepper, t, y, speed, slowing)
+        if (slowing > 0 .and. speed > 0) latest_end = t + share * speed / slowing
+    end function latest_end
+
+    !> Notes whether the angular velocity is far from any reversal in a step by series: it changes by less than `share` of its
+    !> magnitude, as all terms of its series together are less. Then the step is also shorter than that to `latest_end`.
+    subroutine check_direction(self, formulation, stepper, work)
+        class(rest_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(stepper_t), intent(in) :: stepper
+        class(workspace_t), intent(in) :: work
+        real(dp) :: span, change(max_states), speed, reach, speed_now
+        logical :: is_known
+
+        call stepper%bound_changes(work, change, is_known)
+        self%goes_on = .false.
+        if (.not. is_known) return
+        span = work%t - work%t_last
+        call formulation%action%find_reach(work%t_last, work%y_last, span, change, speed, reach)
+        self%goes_on = reach < share * speed
+        if (.not. self%goes_on) return
+        call formulation%action%find_reach(work%t, work%y, 0.0_dp, change, speed_now, reach)
+        self%largest = max(self%largest, speed, speed_now)
+        self%steepest = max(self%steepest, (speed - speed_now) / span)
+    end subroutine check_direction
 
     !> Whether a method steps by series.
     pure logical function needs_series(stepper)
@@ -117,9 +155,11 @@ contains
         class(stepper_t), intent(in) :: stepper !! the method
         class(workspace_t), intent(inout) :: work !! its workspace
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        real(dp) :: t_end, speed, slowing
+        real(dp) :: t_end
+        logical :: may_turn, looks_back
 
         self%is_other = self%is_resting
+        self%goes_on = .false.
         if (self%is_resting) then
             if (allocated(self%stepper)) deallocate (self%stepper)
             allocate (lying_t :: self%stepper)
@@ -127,18 +167,18 @@ contains
             call self%advance_by_other(formulation, work, status)
             return
         end if
+        ! Whether the step is looked at when it is done, which is cheap; its state can be had at any time in double precision.
+        may_turn = formulation%action%may_turn .and. needs_series(stepper)
+        looks_back = may_turn .and. stepper%info%needs == structure_series .and. .not. formulation%action%may_stick
         t_end = work%t_end
         if (stepper%controls%steps == 0) then
             work%t_end = min(t_end, formulation%action%next_knot(work%t))
-            if (formulation%action%may_stick .or. formulation%action%may_turn) then
-                call self%find_slowing(formulation, stepper, work, speed, slowing)
-                if (slowing > 0 .and. speed > 0) work%t_end = min(work%t_end, work%t + share * speed / slowing)
+            if (formulation%action%may_stick .or. (may_turn .and. .not. looks_back)) then
+                work%t_end = min(work%t_end, self%latest_end(formulation, stepper, work%t, work%y))
             end if
         end if
         call stepper%advance(formulation, work, status)
-        if (status == status_ok .and. needs_series(stepper)) then
-            if (may_reverse(formulation, stepper, work)) call end_before_reversal(formulation, stepper, work, status)
-        end if
+        if (needs_series(stepper)) call keep_direction()
         if (needs_series(stepper) .and. (status == status_non_finite .or. status == status_step_too_small)) then
             self%is_other = .true.
             if (allocated(self%stepper)) deallocate (self%stepper)
@@ -150,7 +190,43 @@ contains
             call self%advance_by_other(formulation, work, status)
         end if
         work%t_end = t_end
+
+    contains
+
+        !> Ends a step by series before the body comes to rest or reverses.
+        subroutine keep_direction()
+            real(dp) :: latest, y(max_states)
+            if (looks_back) then
+                if (status == status_ok) call self%check_direction(formulation, stepper, work)
+                if (self%goes_on) return
+                if (status == status_ok) then
+                    latest = self%latest_end(formulation, stepper, work%t_last, work%y_last)
+                    if (latest < work%t) then
+                        y = stepper%state_within(formulation, work, latest)
+                        call end_step(formulation, stepper, work, latest, y, status)
+                    end if
+                else
+                    work%t_end = min(work%t_end, self%latest_end(formulation, stepper, work%t, work%y))
+                end if
+            end if
+            if (status /= status_ok) return
+            if (may_reverse(formulation, stepper, work)) call end_before_reversal(formulation, stepper, work, status)
+        end subroutine keep_direction
+
     end subroutine advance
+
+    !> Ends a step by series earlier, at a time and in a state within it.
+    subroutine end_step(formulation, stepper, work, t, y, status)
+        class(formulation_t), intent(in) :: formulation
+        class(stepper_t), intent(in) :: stepper
+        class(workspace_t), intent(inout) :: work
+        real(dp), intent(in) :: t, y(max_states)
+        integer, intent(out) :: status
+        work%t = t
+        work%y = y
+        work%rest = 0
+        call stepper%begin(formulation, work, status)
+    end subroutine end_step
 
     !> Whether friction or drag may change its direction in a step: always under friction, and under a drag where the angular
     !> velocity turns by more than a right angle in half of the step.
@@ -195,10 +271,7 @@ contains
             span = span / instants
         end do
         if (i == 1 .or. i > instants) return
-        work%t = times(i - 1)
-        work%y = y(i - 1, :)
-        work%rest = 0
-        call stepper%begin(formulation, work, status)
+        call end_step(formulation, stepper, work, times(i - 1), y(i - 1, :), status)
     end subroutine end_before_reversal
 
     !> Takes a step of the other stepper from the state of the method.
@@ -239,8 +312,9 @@ contains
             work%rest = 0
             self%is_other = .false.
         end if
-        if (formulation%action%may_stick .or. formulation%action%may_turn) then
-            call self%find_slowing(formulation, stepper, work, speed, slowing)
+        if (formulation%action%may_stick .or. &
+            (formulation%action%may_turn .and. needs_series(stepper) .and. .not. self%goes_on)) then
+            call self%find_slowing(formulation, stepper, work%t, work%y, speed, slowing)
             if (speed > 0) then
                 self%is_resting = .false.
                 allowed = nearly_still * self%largest

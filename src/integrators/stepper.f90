@@ -128,6 +128,7 @@ module spintop_stepper
         procedure(advance), deferred :: advance
         procedure(state_within), deferred :: state_within
         procedure :: states_within
+        procedure :: bound_changes
         procedure, non_overridable :: interpolate
         procedure :: order
         procedure :: set_weight
@@ -210,6 +211,19 @@ contains
             y(i, :) = self%state_within(formulation, work, t(i))
         end do
     end subroutine states_within
+
+    !> Bounds of the change of each state variable from the beginning of the last step to any time in it, where the step is a
+    !> series.
+    pure subroutine bound_changes(self, work, bound, is_known)
+        class(stepper_t), intent(in) :: self
+        class(workspace_t), intent(in) :: work !! state and workspace of the run
+        real(dp), intent(out) :: bound(max_states) !! bounds
+        logical, intent(out) :: is_known !! whether there are bounds
+        associate (unused => self, also_unused => work)
+        end associate
+        bound = 0
+        is_known = .false.
+    end subroutine bound_changes
 
     !> The work that counts towards `max_steps`.
     pure integer(int64) function work_done(self)

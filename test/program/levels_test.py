@@ -9,6 +9,10 @@ import pytest
 PROGRAM = os.environ.get("SPINTOP_EXE", "build/release/spintop")
 LEVELS = ("v2", "v3", "v4")
 """From the lowest on; a machine has the first of them."""
+EFFECTS = """\
+&effects drag_moment = 1e-3, 2e-3, 1e-3  vibration_amplitude = 0.01, 0, 0.02  vibration_rate = 9
+    earth_rate = 0.3  latitude_deg = 50  rotor_torque = 0, 0, 0.01 /
+"""
 BODY = """\
 &top mass = 1  inertia = 0.9, 0.7, 0.25  centre_of_mass = 0.05, 0.02, 0.8
     damping = 0.01, 0.02, 0.01 /
@@ -18,8 +22,9 @@ BODY = """\
 INPUTS = {
     "one": "&study kind = 'trajectory' /\n&output columns = 't', 'q0', 'q1', 'q2', 'q3' /\n",
     "affected": "&study kind = 'trajectory' /\n&output columns = 't', 'q0', 'q1', 'q2', 'q3' /\n"
-    "&effects drag_moment = 1e-3, 2e-3, 1e-3  vibration_amplitude = 0.01, 0, 0.02"
-    "  vibration_rate = 9  earth_rate = 0.3  latitude_deg = 50  rotor_torque = 0, 0, 0.01 /\n",
+    + EFFECTS,
+    "stages": "&study kind = 'trajectory' /\n&output columns = 't', 'q0', 'q1', 'q2', 'q3' /\n"
+    "&integration method = 'dop853'  relative_tolerance = 1e-12 /\n" + EFFECTS,
     "many": "&study kind = 'sweep' /\n&sweep parameter = 'initial.theta_deg' from = 5 to = 60"
     " count = 20 /\n&output columns = 'theta_end', 'psi_end', 'theta_rate_end' /\n",
 }

@@ -10,6 +10,7 @@ module spintop_body_with_effects
     use spintop_effects, only: effects_t
     use spintop_effects_series, only: expand_series => find_series
     use spintop_effects_series_quadruple, only: expand_in_quadruple => find_series
+    use spintop_effects_stages, only: effects_stages_t
     use spintop_formulation, only: formulation_info_t, max_invariants
     use spintop_kinds, only: dp, pi, qp
     use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, total_momentum, works
@@ -80,6 +81,7 @@ module spintop_body_with_effects
         procedure :: next_knot
         procedure :: find_speed
         procedure :: angular_velocity
+        procedure :: find_reach
         procedure :: at_rest
         procedure :: excess
         procedure :: pause
@@ -93,6 +95,7 @@ contains
     !> The formulation with all that it offers.
     function new_body() result(new)
         type(body_with_effects_t) :: new
+        allocate (effects_stages_t :: new%stages)
         allocate (turns_in_frame_t :: new%group)
         allocate (effects_series_t :: new%series)
         allocate (effects_quadruple_t :: new%quadruple_series)
@@ -144,11 +147,18 @@ contains
         real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(loads_t) :: loads
+        status = status_ok
+        if (self%stages%holds) then
+            select type (stages => self%stages)
+            type is (effects_stages_t)
+                call stages%slope(t, y, dy)
+                return
+            end select
+        end if
         call self%loads_at(t, y, loads)
         dy(1:4) = quaternion_product(y(1:4), [0.0_dp, loads%omega]) / 2
         dy(5:7) = loads%rate
         dy(8) = 0
-        status = status_ok
     end subroutine derivative
 
     !> The motion, with the angular acceleration of the derivative.
@@ -329,6 +339,17 @@ contains
         call find_kinematics(self%body, self%effects, t, y(1:4), y(5:7), loads)
         omega = loads%omega
     end function angular_velocity
+
+    !> That of w + O and that of w: O, of constant magnitude, turns by any angle, and is missing in w at the beginning.
+    pure subroutine find_reach(self, t, y, span, change, speed, reach)
+        class(effects_action_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states), span, change(max_states)
+        real(dp), intent(out) :: speed, reach
+        associate (effects => self%effects, inertia => self%body%inertia)
+            speed = norm2((y(5:7) - (effects%rotor_momentum + effects%rotor_torque * t)) / inertia)
+            reach = norm2((change(5:7) + abs(effects%rotor_torque) * span) / inertia) + 3 * norm2(effects%frame_rate)
+        end associate
+    end subroutine find_reach
 
     !> The state at rest.
     pure function at_rest(self, t, y, left) result(resting)

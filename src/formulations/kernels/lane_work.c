@@ -32,6 +32,20 @@ int spintop_processor_level(void);
 // 1/k, from 1 on.
 static double share[room];
 
+// Whether the coefficients of each drag are the same for all axes, and none is linear.
+static int has_uniform_drags(const struct lane_kinds *has, const struct lane_work *of) {
+    for (int lane = 0; lane < lanes; ++lane) {
+        for (int m = 0; m < 3; ++m) {
+            if (of->linear_drag[m][lane] > 0) return 0;
+        }
+    }
+    for (int d = 0; d < has->drags; ++d) {
+        const double(*k)[lanes] = of->drag[d];
+        if (memcmp(k[0], k[1], sizeof *k) != 0 || memcmp(k[0], k[2], sizeof *k) != 0) return 0;
+    }
+    return 1;
+}
+
 #define LEVELS_OF "lane_work.c"
 #include "levels.h"
 
@@ -55,6 +69,8 @@ void spintop_add_lane_work(int order, const struct lane_kinds *has, const int *a
 #define find_moment LEVEL(find_moment)
 #define integral LEVEL(integral)
 #define linear_work LEVEL(linear_work)
+#define uniform_work LEVEL(uniform_work)
+#define drag_work LEVEL(drag_work)
 #define work_of LEVEL(work_of)
 #define add LEVEL(add)
 #define add_lane_work LEVEL(add_lane_work)
@@ -123,6 +139,34 @@ inlined vector work_of(int part, const struct lane_kinds *has, int terms, const 
     return integral(terms, w, moment);
 }
 
+// The same of a drag with one coefficient: as v = y u and s = w.u, the power is that times y s.
+inlined vector uniform_work(int terms, const vector *power, const double *coefficient, const double *drag) {
+    vector y[room], s[room], sum = {0};
+    for (int k = 0; k < terms; ++k) {
+        y[k] = power[k] * get(drag + more * k, drag_y), s[k] = power[k] * get(drag + more * k, drag_s);
+    }
+    for (int k = terms; k < terms + block; ++k) y[k] = (vector){0};
+    for (int i = 0; i < terms; i += block) {
+        vector t[block] = {{0}};
+        for (int j = 0; j < terms - i; ++j) {
+            for_all(n, block) t[n] += share[i + n + j] * s[j];
+        }
+        for_all(n, block) sum += y[i + n] * t[n];
+    }
+    return -get(coefficient, 0) * sum;
+}
+
+// The same of all drags.
+inlined vector drag_work(const struct lane_kinds *has, int terms, const vector *power, vector w[][3], int lane,
+                         const struct lane_work *of, const double *c, const double *x) {
+    vector sum = {0};
+    if (has->drags == 0 || !has_uniform_drags(has, of)) return work_of(by_drag, has, terms, power, w, lane, of, c, x);
+    for (int d = 0; d < has->drags; ++d) {
+        sum += uniform_work(terms, power, of->drag[d][0] + lane, x + lane + lanes * (drags + of_drag * d));
+    }
+    return sum;
+}
+
 inlined void add(double *done, int part, vector work) { put(done, part, get(done, part) + work); }
 
 static void add_lane_work(int order, const struct lane_kinds *has, const int *acts, const struct lane_work *of,
@@ -140,7 +184,7 @@ static void add_lane_work(int order, const struct lane_kinds *has, const int *ac
         }
         for (int k = order; k < order + block; ++k) w[k][0] = w[k][1] = w[k][2] = none;
         if (acts[by_damping]) add(sum, by_damping, h * work_of(by_damping, has, order, power, w, lane, of, c, x));
-        if (acts[by_drag]) add(sum, by_drag, h * work_of(by_drag, has, order, power, w, lane, of, c, x));
+        if (acts[by_drag]) add(sum, by_drag, h * drag_work(has, order, power, w, lane, of, c, x));
         if (has->vibrates) add(sum, by_vibration, h * work_of(by_vibration, has, order, power, w, lane, of, c, x));
         if (has->twists) {
             add(sum, by_torque, h * work_of(by_torque, has, order, power, w, lane, of, c, x));

@@ -201,11 +201,14 @@ contains
         integer, intent(in) :: from, to
         integer, intent(out) :: status
         real(dp) :: stage(max_states)
+        logical :: at_once
         integer :: i
 
         status = status_ok
-        if (allocated(formulation%stages)) then
-            call formulation%stages%find(from, to, y, h, self%table%a, work%k)
+        at_once = allocated(formulation%stages)
+        if (at_once) at_once = formulation%stages%holds
+        if (at_once) then
+            call formulation%stages%find(from, to, t, y, h, self%table%a, self%table%c, work%k)
             work%counts%evaluations = work%counts%evaluations + (to - from + 1)
             ! What is no number in a stage is none in those after it.
             if (.not. all(abs(work%k(:, to)) <= huge(1.0_dp))) status = status_non_finite

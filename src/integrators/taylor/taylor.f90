@@ -23,6 +23,7 @@ module spintop_taylor
         procedure :: advance
         procedure :: state_within
         procedure :: states_within
+        procedure :: bound_changes
         procedure :: order
     end type taylor_t
 
@@ -216,5 +217,32 @@ contains
             end do
         end select
     end subroutine states_within
+
+    !> Bounds of the changes within the last step, where the variables of the series are the state: the sums of the magnitudes
+    !> of all terms at its end.
+    pure subroutine bound_changes(self, work, bound, is_known)
+        class(taylor_t), intent(in) :: self
+        class(workspace_t), intent(in) :: work !! state and workspace of the run
+        real(dp), intent(out) :: bound(max_states) !! bounds
+        logical, intent(out) :: is_known !! whether there are bounds
+        real(dp) :: h
+        integer :: k, n
+
+        associate (unused => self)
+        end associate
+        bound = 0
+        is_known = .false.
+        select type (work)
+        class is (taylor_workspace_t)
+            is_known = .true.
+            h = work%t - work%t_last
+            do k = work%order, 1, -1
+                !$omp simd
+                do n = 1, max_states
+                    bound(n) = (bound(n) + abs(work%coefficient(n, k))) * h
+                end do
+            end do
+        end select
+    end subroutine bound_changes
 
 end module spintop_taylor

@@ -208,20 +208,33 @@ contains
     pure subroutine find_reversals(self, trouble, worst)
         class(taylor_lanes_t), intent(in) :: self
         integer(int64), intent(inout) :: trouble(lanes), worst
-        real(dp), dimension(lanes, 3) :: middle, end
+        real(dp) :: h, m1, m2, m3, e1, e2, e3
+        logical :: reverses(lanes)
         integer :: k, i
 
-        middle = self%c(:, :3, self%order)
-        end = middle
-        do k = self%order - 1, 0, -1
-            do i = 1, 3
-                middle(:, i) = middle(:, i) * (self%now%duration / 2) + self%c(:, i, k)
-                end(:, i) = end(:, i) * self%now%duration + self%c(:, i, k)
+        associate (c => self%c, last => self%order)
+            ! As in `terms_at` of spintop_lane_steps: scalar sums stay in registers.
+            !$omp simd private(h, m1, m2, m3, e1, e2, e3, k)
+            do i = 1, lanes
+                h = self%now%duration(i)
+                m1 = c(i, 1, last)
+                m2 = c(i, 2, last)
+                m3 = c(i, 3, last)
+                e1 = m1
+                e2 = m2
+                e3 = m3
+                do k = 1, max(last, 1)
+                    m1 = m1 * (h / 2) + c(i, 1, last - k)
+                    m2 = m2 * (h / 2) + c(i, 2, last - k)
+                    m3 = m3 * (h / 2) + c(i, 3, last - k)
+                    e1 = e1 * h + c(i, 1, last - k)
+                    e2 = e2 * h + c(i, 2, last - k)
+                    e3 = e3 * h + c(i, 3, last - k)
+                end do
+                reverses(i) = m1 * c(i, 1, 0) + m2 * c(i, 2, 0) + m3 * c(i, 3, 0) < 0 .or. m1 * e1 + m2 * e2 + m3 * e3 < 0
             end do
-        end do
-        where (self%has_cusps .and. (sum(middle * self%c(:, :3, 0), 2) < 0 .or. sum(middle * end, 2) < 0))
-            trouble = max(trouble, non_finite)
-        end where
+        end associate
+        where (self%has_cusps .and. reverses) trouble = max(trouble, non_finite)
         worst = max(worst, maxval(trouble))
     end subroutine find_reversals
 

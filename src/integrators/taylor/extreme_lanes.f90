@@ -7,7 +7,7 @@ module spintop_extreme_lanes
     use spintop_lane_series, only: numerator, parts
     use spintop_motion, only: motion_t
     use spintop_lane_products, only: add_squares, multiply, multiply_slopes, square
-    use spintop_root_watch, only: find_derivatives, find_powers, find_row, of_interval, root_watch_t, rounding, states_at
+    use spintop_root_watch, only: find_derivatives, find_powers, find_row, of_interval, root_watch_t, states_at
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
     private
@@ -81,9 +81,8 @@ contains
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
-            !! coefficients, and a bound of their rounding errors
+            !! coefficients, and a bound of errors beside the rounding of their terms
         real(dp), dimension(lanes, 0:max_series_order) :: power, n, d
-        integer :: k
         associate (unused => self)
         end associate
         degree = run%order - 2
@@ -93,9 +92,6 @@ contains
         call find_sine2(run, degree + 1, power, d)
         call multiply_slopes(degree, n, d, a)
         noise = 0
-        do k = 0, degree
-            noise = noise + rounding * abs(a(:, k))
-        end do
     end subroutine find_precession_slopes
 
     !> Takes extremes of the precession rate.
@@ -150,7 +146,7 @@ contains
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
-            !! coefficients, and a bound of their rounding errors
+            !! coefficients, and a bound of errors beside the rounding of their terms
         real(dp), dimension(lanes, 0:max_series_order) :: power, height, w, w_rate, w2, d, product
         integer :: k
         associate (unused => self)
@@ -171,7 +167,6 @@ contains
         noise = 0
         do k = 0, degree
             a(:, k) = a(:, k) + product(:, k)
-            noise = noise + rounding * abs(a(:, k))
         end do
     end subroutine find_nutation_slopes
 
@@ -243,10 +238,11 @@ contains
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
-            !! coefficients, and a bound of their rounding errors
+            !! coefficients, and a bound of errors beside the rounding of their terms
         degree = run%order - 1
         call find_derivatives(run%order, run%c, self%centre, 1, degree, a)
-        call of_interval(degree, run%now%t - run%now%t_last, a, noise)
+        call of_interval(degree, run%now%t - run%now%t_last, a)
+        noise = 0
     end subroutine find_height_slopes
 
     !> Takes minima of the height.

@@ -4,6 +4,7 @@ module spintop_form_stop_lanes
     use spintop_body, only: body_t
     use spintop_formulation, only: max_series_order
     use spintop_kinds, only: dp
+    use spintop_lane_series, only: rows
     use spintop_motion, only: motion_t
     use spintop_root_watch, only: of_interval, rounding
     use spintop_stop_lanes, only: stop_lanes_t
@@ -114,39 +115,45 @@ contains
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
-            !! coefficients, and a bound of their rounding errors
+            !! coefficients, and a bound of errors beside the rounding of their terms
         real(dp) :: terms(lanes)
-        integer :: k, m
         degree = run%order
-        associate (c => run%c)
-            do k = 0, degree
-                a(:, k) = 0
-                do m = 1, 6
-                    a(:, k) = a(:, k) + self%linear(:, m) * c(:, m, k)
-                end do
-            end do
-            terms = abs(self%threshold)
-            do m = 1, 6
-                terms = terms + abs(self%linear(:, m) * c(:, m, 0))
-            end do
-            if (.not. self%is_linear) then
-                do m = 1, 3
-                    call add_product(degree, self%squares(:, m), c(:, m, :), c(:, m, :), a)
-                    call add_product(degree, self%products(:, m), c(:, m, :), c(:, 3 + m, :), a)
-                    terms = terms + abs(self%squares(:, m) * c(:, m, 0)**2) &
-                        + abs(self%products(:, m) * c(:, m, 0) * c(:, 3 + m, 0))
-                end do
-            end if
-        end associate
+        call find_form(self, degree, run%c, a, terms)
         a(:, 0) = a(:, 0) - self%threshold
-        call of_interval(degree, run%now%t - run%now%t_last, a(:, :degree), noise)
-        noise = noise + rounding * terms
+        call of_interval(degree, run%now%t - run%now%t_last, a)
+        noise = rounding * (abs(self%threshold) + terms)
     end subroutine find_polynomials
 
-    !> Adds a product of series.
-    pure subroutine add_product(degree, factor, x, y, a)
+    !> The series of the form, and the sum of the magnitudes of what its first term is made of.
+    pure subroutine find_form(self, degree, c, a, terms)
+        class(form_stop_lanes_t), intent(in) :: self
         integer, intent(in) :: degree
-        real(dp), intent(in) :: factor(lanes), x(lanes, 0:degree), y(lanes, 0:degree)
+        real(dp), intent(in) :: c(lanes, rows, 0:degree)
+        real(dp), intent(out) :: a(lanes, 0:max_series_order), terms(lanes)
+        integer :: i, k, m
+        do k = 0, degree
+            !$omp simd
+            do i = 1, lanes
+                a(i, k) = self%linear(i, 1) * c(i, 1, k) + self%linear(i, 2) * c(i, 2, k) + self%linear(i, 3) * c(i, 3, k) &
+                    + self%linear(i, 4) * c(i, 4, k) + self%linear(i, 5) * c(i, 5, k) + self%linear(i, 6) * c(i, 6, k)
+            end do
+        end do
+        terms = 0
+        do m = 1, 6
+            terms = terms + abs(self%linear(:, m) * c(:, m, 0))
+        end do
+        if (self%is_linear) return
+        do m = 1, 3
+            call add_product(degree, self%squares(:, m), c, m, m, a)
+            call add_product(degree, self%products(:, m), c, m, 3 + m, a)
+            terms = terms + abs(self%squares(:, m) * c(:, m, 0)**2) + abs(self%products(:, m) * c(:, m, 0) * c(:, 3 + m, 0))
+        end do
+    end subroutine find_form
+
+    !> Adds the product of two rows of the series.
+    pure subroutine add_product(degree, factor, c, x, y, a)
+        integer, intent(in) :: degree, x, y
+        real(dp), intent(in) :: factor(lanes), c(lanes, rows, 0:degree)
         real(dp), intent(inout) :: a(lanes, 0:max_series_order)
         real(dp) :: total
         integer :: i, j, k
@@ -156,7 +163,7 @@ contains
             do i = 1, lanes
                 total = 0
                 do j = 0, max(k, 0)
-                    total = total + x(i, j) * y(i, k - j)
+                    total = total + c(i, x, j) * c(i, y, k - j)
                 end do
                 a(i, k) = a(i, k) + factor(i) * total
             end do

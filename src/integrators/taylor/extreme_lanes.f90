@@ -6,7 +6,7 @@ module spintop_extreme_lanes
     use spintop_formulation, only: max_series_order
     use spintop_lane_series, only: numerator, parts
     use spintop_motion, only: motion_t
-    use spintop_lane_products, only: add_squares, multiply, multiply_slopes, square
+    use spintop_lane_products, only: multiply, multiply_slopes, square
     use spintop_root_watch, only: find_derivatives, find_powers, find_row, of_interval, root_watch_t, states_at
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
@@ -82,14 +82,15 @@ contains
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
             !! coefficients, and a bound of errors beside the rounding of their terms
-        real(dp), dimension(lanes, 0:max_series_order) :: power, n, d
+        real(dp), dimension(lanes, 0:max_series_order) :: power, n, height, d
         associate (unused => self)
         end associate
         degree = run%order - 2
         ! On the unit interval, so that no power overflows.
         call find_powers(degree + 1, run%now%t - run%now%t_last, power)
         call find_row(run%order, run%c, numerator, degree + 1, power, n)
-        call find_sine2(run, degree + 1, power, d)
+        call find_row(run%order, run%c, 6, degree + 1, power, height)
+        call find_sine2(degree + 1, run%c(:, 4:5, 0), height, d)
         call multiply_slopes(degree, n, d, a)
         noise = 0
     end subroutine find_precession_slopes
@@ -160,7 +161,7 @@ contains
         do k = 0, degree
             w_rate(:, k) = (k + 1) * w(:, k + 1)
         end do
-        call find_sine2(run, degree, power, d)
+        call find_sine2(degree, run%c(:, 4:5, 0), height, d)
         call multiply(degree, w_rate, d, a)
         call square(degree, w, w2)
         call multiply(degree, height, w2, product)
@@ -206,16 +207,15 @@ contains
         end do
     end subroutine find_nutation_rates
 
-    !> The series of Gamma1^2 + Gamma2^2 over the unit interval.
-    subroutine find_sine2(run, degree, power, d)
-        type(taylor_lanes_t), intent(in) :: run
+    !> The series of Gamma1^2 + Gamma2^2 over the unit interval: its changes are those of -Gamma3^2. The terms of Gamma3 are as
+    !> small next to a pole as those of what turns there, but for the first.
+    pure subroutine find_sine2(degree, across, height, d)
         integer, intent(in) :: degree
-        real(dp), intent(in) :: power(lanes, 0:max_series_order)
-        real(dp), intent(out) :: d(lanes, 0:max_series_order)
-        real(dp), dimension(lanes, 0:max_series_order) :: first, second
-        call find_row(run%order, run%c, 4, degree, power, first)
-        call find_row(run%order, run%c, 5, degree, power, second)
-        call add_squares(degree, first, second, d)
+        real(dp), intent(in) :: across(lanes, 2), height(lanes, 0:degree)
+        real(dp), intent(out) :: d(lanes, 0:degree)
+        call square(degree, height, d)
+        d(:, 1:) = -d(:, 1:)
+        d(:, 0) = across(:, 1)**2 + across(:, 2)**2
     end subroutine find_sine2
 
     !> A case begins in a lane.

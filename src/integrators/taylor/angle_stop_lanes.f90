@@ -3,6 +3,7 @@ module spintop_angle_stop_lanes
     use spintop_body, only: body_t
     use spintop_formulation, only: max_series_order
     use spintop_kinds, only: dp, pi
+    use spintop_lane_series, only: rows
     use spintop_motion, only: motion_t
     use spintop_root_watch, only: of_interval, rounding
     use spintop_stop_lanes, only: stop_lanes_t
@@ -78,45 +79,53 @@ contains
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
-            !! coefficients, and a bound of their rounding errors
+            !! coefficients, and a bound of errors beside the rounding of their terms
         real(dp), dimension(lanes) :: cosine, sine
-        integer :: k
         degree = run%order
         cosine = cos(self%goal)
         sine = sin(self%goal)
-        associate (c => run%c)
-            if (self%which == of_psi) then
-                do k = 0, degree
-                    a(:, k) = c(:, 4, k) * cosine - c(:, 5, k) * sine
-                end do
-            else
-                call find_azimuth_polynomials(degree, c(:, 4, :), c(:, 5, :), c(:, 7, :), run%now%side_last * cosine, &
-                                              sine, a)
-            end if
-            call of_interval(degree, run%now%t - run%now%t_last, a(:, :degree), noise)
-            ! What cancels in the first term is rounding, too.
-            noise = noise + rounding * (abs(c(:, 4, 0)) + abs(c(:, 5, 0)))
-        end associate
+        if (self%which == of_psi) then
+            call find_spin_polynomials(degree, run%c, cosine, sine, a)
+        else
+            call find_azimuth_polynomials(degree, run%c, run%now%side_last * cosine, sine, a)
+        end if
+        call of_interval(degree, run%now%t - run%now%t_last, a)
+        ! What cancels in the first term is rounding.
+        noise = rounding * (abs(run%c(:, 4, 0)) + abs(run%c(:, 5, 0)))
     end subroutine find_polynomials
+
+    !> Gamma1 cos(l) - Gamma2 sin(l).
+    pure subroutine find_spin_polynomials(degree, c, cosine, sine, a)
+        integer, intent(in) :: degree
+        real(dp), intent(in) :: c(lanes, rows, 0:degree), cosine(lanes), sine(lanes)
+        real(dp), intent(out) :: a(lanes, 0:max_series_order)
+        integer :: i, k
+        do k = 0, degree
+            !$omp simd
+            do i = 1, lanes
+                a(i, k) = c(i, 4, k) * cosine(i) - c(i, 5, k) * sine(i)
+            end do
+        end do
+    end subroutine find_spin_polynomials
 
     !> s cos(l) (Gamma2 sin(xi) - Gamma1 cos(xi)) - sin(l) (Gamma2 cos(xi) + Gamma1 sin(xi)), of which `cosine` is
     !> s cos(l) and `sine` is sin(l).
-    pure subroutine find_azimuth_polynomials(degree, gamma1, gamma2, xi, cosine, sine, a)
+    pure subroutine find_azimuth_polynomials(degree, c, cosine, sine, a)
         integer, intent(in) :: degree
-        real(dp), intent(in), dimension(lanes, 0:degree) :: gamma1, gamma2, xi
-        real(dp), intent(in) :: cosine(lanes), sine(lanes)
+        real(dp), intent(in) :: c(lanes, rows, 0:degree), cosine(lanes), sine(lanes)
         real(dp), intent(out) :: a(lanes, 0:max_series_order)
-        real(dp), dimension(lanes, 0:degree) :: of_cosine, of_sine, xi_rate, with_cosine, with_sine
+        real(dp), dimension(lanes, 0:max_series_order) :: of_cosine, of_sine, xi_rate, with_cosine, with_sine
         real(dp) :: first, second
         integer :: i, j, k
-        with_cosine(:, 0) = cos(xi(:, 0))
-        with_sine(:, 0) = sin(xi(:, 0))
+        with_cosine(:, 0) = cos(c(:, 7, 0))
+        with_sine(:, 0) = sin(c(:, 7, 0))
         xi_rate(:, 0) = 0
         do k = 0, degree
+            !$omp simd
             do i = 1, lanes
-                xi_rate(i, k) = k * xi(i, k)
-                of_cosine(i, k) = -cosine(i) * gamma1(i, k) - sine(i) * gamma2(i, k)
-                of_sine(i, k) = cosine(i) * gamma2(i, k) - sine(i) * gamma1(i, k)
+                xi_rate(i, k) = k * c(i, 7, k)
+                of_cosine(i, k) = -cosine(i) * c(i, 4, k) - sine(i) * c(i, 5, k)
+                of_sine(i, k) = cosine(i) * c(i, 5, k) - sine(i) * c(i, 4, k)
             end do
         end do
         do k = 1, degree

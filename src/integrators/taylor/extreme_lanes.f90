@@ -8,8 +8,8 @@ module spintop_extreme_lanes
     use spintop_instants, only: through_pole
     use spintop_motion, only: motion_t
     use spintop_quantities, only: angular_acceleration, polar_precession_rate
-    use spintop_lane_products, only: add_squares, multiply, multiply_slopes, square
-    use spintop_root_watch, only: find_derivatives, find_powers, find_row, of_interval, root_watch_t, rounding, states_at
+    use spintop_lane_products, only: multiply, multiply_slopes, square
+    use spintop_root_watch, only: find_derivatives, find_powers, find_row, of_interval, root_watch_t, states_at
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
     private
@@ -87,21 +87,18 @@ contains
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
-            !! coefficients, and a bound of their rounding errors
-        real(dp), dimension(lanes, 0:max_series_order) :: power, n, d
-        integer :: k
+            !! coefficients, and a bound of errors beside the rounding of their terms
+        real(dp), dimension(lanes, 0:max_series_order) :: power, n, height, d
         associate (unused => self)
         end associate
         degree = run%order - 2
         ! On the unit interval, so that no power overflows.
         call find_powers(degree + 1, run%now%t - run%now%t_last, power)
         call find_row(run%order, run%c, numerator, degree + 1, power, n)
-        call find_sine2(run, degree + 1, power, d)
+        call find_row(run%order, run%c, 6, degree + 1, power, height)
+        call find_sine2(degree + 1, run%c(:, 4:5, 0), height, d)
         call multiply_slopes(degree, n, d, a)
         noise = 0
-        do k = 0, degree
-            noise = noise + rounding * abs(a(:, k))
-        end do
     end subroutine find_precession_slopes
 
     !> Takes extremes of the precession rate.
@@ -156,7 +153,7 @@ contains
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
-            !! coefficients, and a bound of their rounding errors
+            !! coefficients, and a bound of errors beside the rounding of their terms
         real(dp), dimension(lanes, 0:max_series_order) :: power, height, w, w_rate, w2, d, product
         integer :: k
         associate (unused => self)
@@ -170,14 +167,13 @@ contains
         do k = 0, degree
             w_rate(:, k) = (k + 1) * w(:, k + 1)
         end do
-        call find_sine2(run, degree, power, d)
+        call find_sine2(degree, run%c(:, 4:5, 0), height, d)
         call multiply(degree, w_rate, d, a)
         call square(degree, w, w2)
         call multiply(degree, height, w2, product)
         noise = 0
         do k = 0, degree
             a(:, k) = a(:, k) + product(:, k)
-            noise = noise + rounding * abs(a(:, k))
         end do
     end subroutine find_nutation_slopes
 
@@ -217,16 +213,15 @@ contains
         end do
     end subroutine find_nutation_rates
 
-    !> The series of Gamma1^2 + Gamma2^2 over the unit interval.
-    subroutine find_sine2(run, degree, power, d)
-        type(taylor_lanes_t), intent(in) :: run
+    !> The series of Gamma1^2 + Gamma2^2 over the unit interval: its changes are those of -Gamma3^2. The terms of Gamma3 are as
+    !> small next to a pole as those of what turns there, but for the first.
+    pure subroutine find_sine2(degree, across, height, d)
         integer, intent(in) :: degree
-        real(dp), intent(in) :: power(lanes, 0:max_series_order)
-        real(dp), intent(out) :: d(lanes, 0:max_series_order)
-        real(dp), dimension(lanes, 0:max_series_order) :: first, second
-        call find_row(run%order, run%c, 4, degree, power, first)
-        call find_row(run%order, run%c, 5, degree, power, second)
-        call add_squares(degree, first, second, d)
+        real(dp), intent(in) :: across(lanes, 2), height(lanes, 0:degree)
+        real(dp), intent(out) :: d(lanes, 0:degree)
+        call square(degree, height, d)
+        d(:, 1:) = -d(:, 1:)
+        d(:, 0) = across(:, 1)**2 + across(:, 2)**2
     end subroutine find_sine2
 
     !> A case begins in a lane.
@@ -249,10 +244,11 @@ contains
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
-            !! coefficients, and a bound of their rounding errors
+            !! coefficients, and a bound of errors beside the rounding of their terms
         degree = run%order - 1
         call find_derivatives(run%order, run%c, self%centre, 1, degree, a)
-        call of_interval(degree, run%now%t - run%now%t_last, a, noise)
+        call of_interval(degree, run%now%t - run%now%t_last, a)
+        noise = 0
     end subroutine find_height_slopes
 
     !> Takes minima of the height.

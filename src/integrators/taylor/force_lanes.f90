@@ -173,10 +173,11 @@ contains
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
-            !! coefficients, and a bound of their rounding errors
+            !! coefficients, and a bound of errors beside the rounding of their terms
         degree = run%order - 3
         call find_derivatives(run%order, run%c, self%centre, 3, degree, a)
-        call of_interval(degree, run%now%t - run%now%t_last, a, noise)
+        call of_interval(degree, run%now%t - run%now%t_last, a)
+        noise = 0
     end subroutine find_vertical_slopes
 
     !> The slope of the square of the force over the mass. With omega = (u, v, w) in the axes beside r and along it, there the
@@ -188,7 +189,7 @@ contains
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
-            !! coefficients, and a bound of their rounding errors
+            !! coefficients, and a bound of errors beside the rounding of their terms
         real(dp), dimension(lanes, 0:max_series_order) :: power, product, total
         real(dp), dimension(lanes, 0:max_series_order, 3) :: w, f
         integer :: k, m
@@ -216,13 +217,11 @@ contains
         end associate
         call add_squares(degree + 1, f(:, :, 1), f(:, :, 2), total)
         call square(degree + 1, f(:, :, 3), product)
-        noise = 0
         do k = 0, degree
             a(:, k) = (k + 1) * (total(:, k + 1) + product(:, k + 1))
-            noise = noise + rounding * abs(a(:, k))
         end do
         ! The square of the force itself is known to rounding.
-        noise = noise + rounding * (total(:, 0) + product(:, 0))
+        noise = rounding * (total(:, 0) + product(:, 0))
 
     contains
 

@@ -4,6 +4,7 @@ module spintop_form_stop_lanes
     use spintop_body, only: body_t
     use spintop_formulation, only: max_series_order
     use spintop_kinds, only: dp
+    use spintop_lane_series, only: rows
     use spintop_motion, only: motion_t
     use spintop_root_watch, only: of_interval, rounding
     use spintop_stop_lanes, only: stop_lanes_t
@@ -122,34 +123,39 @@ contains
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
-            !! coefficients, and a bound of their rounding errors
-        real(dp) :: rounded(lanes)
-        integer :: k, m
+            !! coefficients, and a bound of errors beside the rounding of their terms
         degree = run%order
-        associate (c => run%c)
-            do k = 0, degree
-                a(:, k) = 0
-                do m = 1, 6
-                    a(:, k) = a(:, k) + self%linear(:, m) * c(:, m, k)
-                end do
-            end do
-            if (.not. self%is_linear) then
-                do m = 1, 3
-                    call add_product(degree, self%squares(:, m), c(:, m, :), c(:, m, :), a)
-                    call add_product(degree, self%products(:, m), c(:, m, :), c(:, 3 + m, :), a)
-                end do
-            end if
-            noise = rounding * sizes_of_terms(self, c(:, 1:3, 0))
-        end associate
+        call find_form(self, degree, run%c, a)
         a(:, 0) = a(:, 0) - self%threshold
-        call of_interval(degree, run%now%t - run%now%t_last, a(:, :degree), rounded)
-        noise = noise + rounded
+        call of_interval(degree, run%now%t - run%now%t_last, a)
+        noise = rounding * sizes_of_terms(self, run%c(:, 1:3, 0))
     end subroutine find_polynomials
 
-    !> Adds a product of series.
-    pure subroutine add_product(degree, factor, x, y, a)
+    !> The series of the form.
+    pure subroutine find_form(self, degree, c, a)
+        class(form_stop_lanes_t), intent(in) :: self
         integer, intent(in) :: degree
-        real(dp), intent(in) :: factor(lanes), x(lanes, 0:degree), y(lanes, 0:degree)
+        real(dp), intent(in) :: c(lanes, rows, 0:degree)
+        real(dp), intent(out) :: a(lanes, 0:max_series_order)
+        integer :: i, k, m
+        do k = 0, degree
+            !$omp simd
+            do i = 1, lanes
+                a(i, k) = self%linear(i, 1) * c(i, 1, k) + self%linear(i, 2) * c(i, 2, k) + self%linear(i, 3) * c(i, 3, k) &
+                    + self%linear(i, 4) * c(i, 4, k) + self%linear(i, 5) * c(i, 5, k) + self%linear(i, 6) * c(i, 6, k)
+            end do
+        end do
+        if (self%is_linear) return
+        do m = 1, 3
+            call add_product(degree, self%squares(:, m), c, m, m, a)
+            call add_product(degree, self%products(:, m), c, m, 3 + m, a)
+        end do
+    end subroutine find_form
+
+    !> Adds the product of two rows of the series.
+    pure subroutine add_product(degree, factor, c, x, y, a)
+        integer, intent(in) :: degree, x, y
+        real(dp), intent(in) :: factor(lanes), c(lanes, rows, 0:degree)
         real(dp), intent(inout) :: a(lanes, 0:max_series_order)
         real(dp) :: total
         integer :: i, j, k
@@ -159,7 +165,7 @@ contains
             do i = 1, lanes
                 total = 0
                 do j = 0, max(k, 0)
-                    total = total + x(i, j) * y(i, k - j)
+                    total = total + c(i, x, j) * c(i, y, k - j)
                 end do
                 a(i, k) = a(i, k) + factor(i) * total
             end do

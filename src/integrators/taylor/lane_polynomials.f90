@@ -4,18 +4,21 @@
 !> interval as often as its coefficients change sign, or an even number of times less (Descartes; Farouki,
 !> Computer Aided Geometric Design 29, 2012). So no change or one is certain; an interval with more is halved.
 module spintop_lane_polynomials
+    use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_formulation, only: max_series_order
     use spintop_kinds, only: dp
     use spintop_lane_series, only: lanes
     implicit none
     private
-    public :: to_bernstein, count_changes, refine_root, find_roots, most_roots
+    public :: find_changes, refine_root, find_roots, most_roots, rounding
 
+    !> Rounding of a polynomial, in units of its terms.
+    real(c_double), parameter :: rounding = 8 * epsilon(1.0_dp)
     !> Roots of one lane in one step that are found at most.
     integer, parameter :: most_roots = 32
     !> Newton's iterations in lanes, and the length of the last from which on the root is right to rounding.
-    integer, parameter :: iterations = 3
-    real(dp), parameter :: still = 1.0e-6_dp
+    integer(c_int), parameter :: iterations = 3
+    real(c_double), parameter :: still = 1.0e-6_dp
     !> A root is bisected so often at most.
     integer, parameter :: most_halvings = 50
 
@@ -26,71 +29,39 @@ module spintop_lane_polynomials
         [((gamma(real(i + 1, dp)) * gamma(real(max(n - i, 0) + 1, dp)) / gamma(real(n + 1, dp)), &
            i=0, max_series_order), n=0, max_series_order)], [max_series_order + 1, max_series_order + 1])
 
+    ! In lane_roots.c.
+    interface
+        pure subroutine c_find_changes(n, share, rounding, a, noise, sign, changes, near) &
+            bind(C, name='spintop_find_changes')
+            import :: c_double, c_int
+            integer(c_int), value :: n
+            real(c_double), value :: rounding
+            real(c_double), intent(in) :: share(*), a(*)
+            real(c_double), intent(inout) :: noise(*), sign(*), changes(*), near(*)
+        end subroutine c_find_changes
+
+        pure subroutine c_refine_root(n, iterations, still, a, u, doubt) bind(C, name='spintop_refine_root')
+            import :: c_double, c_int
+            integer(c_int), value :: n, iterations
+            real(c_double), value :: still
+            real(c_double), intent(in) :: a(*)
+            real(c_double), intent(inout) :: u(*), doubt(*)
+        end subroutine c_refine_root
+    end interface
+
 contains
 
-    !> Bernstein coefficients of the polynomials sum of a_k u^k, k = 0..n, for u from 0 to 1.
-    pure subroutine to_bernstein(n, a, b)
+    !> Changes of sign among the Bernstein coefficients of the polynomials sum of a_k u^k, k = 0..n, for u from 0 to 1. Those up
+    !> to `noise` have no sign. The first is preceded by `sign_before`, of the end of the last step (1, -1, or 0 if unknown).
+    pure subroutine find_changes(n, a, noise, sign_before, changes, near)
         integer, intent(in) :: n !! degree
         real(dp), intent(in) :: a(lanes, 0:n) !! coefficients of the powers of u
-        real(dp), intent(out) :: b(lanes, 0:n) !! Bernstein coefficients
-        real(dp) :: next(lanes), total(lanes), lower, pair
-        integer :: i, j, k
-
-        do k = 0, n
-            !$omp simd
-            do i = 1, lanes
-                b(i, k) = share(k, n) * a(i, k)
-            end do
-        end do
-        ! In round k each coefficient from b_n down to b_k gets the one below it added; two rounds at once.
-        do k = 1, n - 1, 2
-            next = b(:, n - 1)
-            total = b(:, n) + next
-            do j = n, k + 1, -1
-                !$omp simd private(lower, pair)
-                do i = 1, lanes
-                    lower = b(i, j - 2)
-                    pair = next(i) + lower
-                    b(i, j) = total(i) + pair
-                    total(i) = pair
-                    next(i) = lower
-                end do
-            end do
-            b(:, k) = total
-        end do
-        if (mod(n, 2) == 1) b(:, n) = b(:, n) + b(:, n - 1)
-    end subroutine to_bernstein
-
-    !> Changes of sign among the coefficients. Those up to `noise` have no sign. The first is preceded by
-    !> `sign_before`, of the end of the last step (1, -1, or 0 if unknown).
-    pure subroutine count_changes(n, b, noise, sign_before, changes, near)
-        integer, intent(in) :: n !! degree
-        real(dp), intent(in) :: b(lanes, 0:n), noise(lanes)
-            !! Bernstein coefficients, and bounds of their rounding errors
+        real(dp), intent(inout) :: noise(lanes) !! bounds of the errors, to which the rounding of the terms is added
         real(dp), intent(inout) :: sign_before(lanes) !! sign before the interval, replaced by the sign at its end
         real(dp), intent(out) :: changes(lanes), near(lanes)
             !! numbers of changes of sign; fractions of the interval at which a single one is
-        real(dp) :: now, place(lanes)
-        integer :: i, j
-
-        changes = 0
-        place = 0
-        do j = 0, n
-            !$omp simd private(now)
-            do i = 1, lanes
-                now = merge(b(i, j), 0.0_dp, abs(b(i, j)) > noise(i))
-                changes(i) = changes(i) + merge(1.0_dp, 0.0_dp, now * sign_before(i) < 0)
-                place(i) = merge(real(j, dp), place(i), now * sign_before(i) < 0)
-                sign_before(i) = merge(sign(1.0_dp, now), sign_before(i), abs(now) > 0)
-            end do
-        end do
-        near = 0
-        if (.not. maxval(place) > 0) return
-        do i = 1, lanes
-            j = nint(place(i))
-            if (j > 0) near(i) = (j - abs(b(i, j)) / (abs(b(i, j)) + abs(b(i, j - 1)))) / n
-        end do
-    end subroutine count_changes
+        call c_find_changes(int(n, c_int), share(:, n), rounding, a, noise, sign_before, changes, near)
+    end subroutine find_changes
 
     !> Refines roots by Newton's method.
     pure subroutine refine_root(n, a, u, doubt)
@@ -98,39 +69,8 @@ contains
         real(dp), intent(in) :: a(lanes, 0:n) !! coefficients of the powers of u
         real(dp), intent(inout) :: u(lanes) !! approximate roots, which are refined
         real(dp), intent(out) :: doubt(lanes) !! positive where the iteration did not converge
-        integer :: j
-        do j = 1, iterations
-            call take_newton_step(n, a, u, doubt)
-        end do
+        call c_refine_root(int(n, c_int), iterations, still, a, u, doubt)
     end subroutine refine_root
-
-    !> One step of Newton's method, as for `refine_root`.
-    pure subroutine take_newton_step(n, a, u, doubt)
-        integer, intent(in) :: n
-        real(dp), intent(in) :: a(lanes, 0:n)
-        real(dp), intent(inout) :: u(lanes)
-        real(dp), intent(out) :: doubt(lanes)
-        real(dp) :: value(lanes), slope(lanes), y, y_rate, new
-        integer :: i, k
-        ! No loop around another becomes vectors that has choices in it.
-        !$omp simd private(y, y_rate, k)
-        do i = 1, lanes
-            y = a(i, n)
-            y_rate = 0
-            do k = 1, max(n, 1)
-                y_rate = y_rate * u(i) + y
-                y = y * u(i) + a(i, n - k)
-            end do
-            value(i) = y
-            slope(i) = y_rate
-        end do
-        !$omp simd private(new)
-        do i = 1, lanes
-            new = min(max(u(i) - value(i) / merge(slope(i), 1.0_dp, abs(slope(i)) > 0), 0.0_dp), 1.0_dp)
-            doubt(i) = merge(0.0_dp, 1.0_dp, abs(new - u(i)) <= still)
-            u(i) = new
-        end do
-    end subroutine take_newton_step
 
     !> All roots of the polynomial of one lane in rising order, by halving; `sign_before` as in `count_changes`.
     !> At most `most_roots` are found.
@@ -140,18 +80,18 @@ contains
         real(dp), intent(out) :: roots(most_roots) !! the roots as fractions of the interval
         real(dp), intent(out) :: signs(most_roots) !! of the slope at each
         integer, intent(out) :: found !! number of roots
-        real(dp) :: b(0:size(a) - 1)
+        real(dp) :: b(0:max_series_order) ! of known size, on the stack
         integer :: n, j, k
 
         n = size(a) - 1
-        b = share(:n, n) * a
+        b(:n) = share(:n, n) * a
         do k = 1, n
             do j = n, k, -1
                 b(j) = b(j) + b(j - 1)
             end do
         end do
         found = 0
-        call search(b, 0.0_dp, 1.0_dp, 0)
+        call search(b(:n), 0.0_dp, 1.0_dp, 0)
 
     contains
 
@@ -159,7 +99,7 @@ contains
         recursive subroutine search(b, from, to, depth)
             real(dp), intent(in) :: b(0:), from, to
             integer, intent(in) :: depth
-            real(dp) :: left(0:size(b) - 1), right(0:size(b) - 1), now, carried
+            real(dp) :: left(0:max_series_order), right(0:max_series_order), now, carried
             integer :: j, k, changes, n
 
             n = size(b) - 1
@@ -183,7 +123,7 @@ contains
                 return
             end if
             ! De Casteljau: both halves.
-            right = b
+            right(:n) = b
             left(0) = b(0)
             do k = 1, n
                 do j = 0, n - k
@@ -191,8 +131,8 @@ contains
                 end do
                 left(k) = right(0)
             end do
-            call search(left, from, (from + to) / 2, depth + 1)
-            call search(right, (from + to) / 2, to, depth + 1)
+            call search(left(:n), from, (from + to) / 2, depth + 1)
+            call search(right(:n), (from + to) / 2, to, depth + 1)
         end subroutine search
 
     end subroutine find_roots

@@ -6,17 +6,14 @@
 module spintop_root_watch
     use spintop_kinds, only: dp
     use spintop_formulation, only: max_series_order
-    use spintop_lane_polynomials, only: count_changes, find_roots, most_roots, refine_root, to_bernstein
+    use spintop_lane_polynomials, only: find_changes, find_roots, most_roots, refine_root, rounding
     use spintop_lane_series, only: parts, rows
     use spintop_lane_steps, only: terms_at
     use spintop_lane_watch, only: lane_watch_t
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
     private
-    public :: root_watch_t, find_derivatives, find_powers, find_row, of_interval, rounding, states_at
-
-    !> Rounding of a polynomial, in units of its terms.
-    real(dp), parameter :: rounding = 8 * epsilon(1.0_dp)
+    public :: root_watch_t, find_derivatives, find_height_rates, find_powers, find_row, of_interval, rounding, states_at
 
     !> A watch for roots.
     type, abstract, extends(lane_watch_t) :: root_watch_t
@@ -29,15 +26,15 @@ module spintop_root_watch
     end type root_watch_t
 
     abstract interface
-        !> The polynomials over the step as the unit interval, of degree `order` - 1 or `order`, and what of them is
-        !> rounding.
+        !> The polynomials over the step as the unit interval, of degree `order` - 1 or `order`, and how much they are off
+        !> beside the rounding of their terms.
         subroutine find_polynomials(self, run, degree, a, noise)
             import :: dp, lanes, max_series_order, root_watch_t, taylor_lanes_t
             class(root_watch_t), intent(in) :: self
             type(taylor_lanes_t), intent(in) :: run !! the lanes
             integer, intent(out) :: degree !! degree of the polynomials
             real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
-            !! coefficients, and a bound of their rounding errors
+            !! coefficients, and a bound of further errors
         end subroutine find_polynomials
 
         !> Takes the roots at the shares `u` of the step: where the polynomial rises `slope` is positive, where it
@@ -57,15 +54,14 @@ contains
     subroutine look(self, run)
         class(root_watch_t), intent(inout) :: self
         type(taylor_lanes_t), intent(inout) :: run !! the lanes
-        real(dp) :: a(lanes, 0:max_series_order), b(lanes, 0:max_series_order)
+        real(dp) :: a(lanes, 0:max_series_order)
         real(dp), dimension(lanes) :: noise, before, changes, u, doubt, slope
         real(dp) :: roots(most_roots), signs(most_roots)
         integer :: lane, k, found, degree
 
         call self%find_polynomials(run, degree, a, noise)
-        call to_bernstein(degree, a, b)
         before = self%sign
-        call count_changes(degree, b, noise, self%sign, changes, u)
+        call find_changes(degree, a, noise, self%sign, changes, u)
         if (.not. maxval(changes) > 0) return
         call refine_root(degree, a, u, doubt)
         slope = merge(self%sign, 0.0_dp, changes > 0 .and. changes < 2 .and. .not. doubt > 0)
@@ -89,15 +85,14 @@ contains
         integer, intent(in) :: degree !! last power, 1 or more
         real(dp), intent(in) :: step(lanes) !! durations of the steps, s
         real(dp), intent(out) :: power(lanes, 0:degree) !! their powers
-        real(dp) :: last
         integer :: i, k
-        !$omp simd private(last, k)
-        do i = 1, lanes
-            last = 1
-            power(i, 0) = 1
-            do k = 1, max(degree, 1)
-                last = last * step(i)
-                power(i, k) = last
+        power(:, 0) = 1
+        power(:, 1) = step
+        ! A chain of products would wait for each.
+        do k = 2, degree
+            !$omp simd
+            do i = 1, lanes
+                power(i, k) = power(i, k / 2) * power(i, k - k / 2)
             end do
         end do
     end subroutine find_powers
@@ -136,23 +131,33 @@ contains
         end do
     end subroutine find_derivatives
 
-    !> A polynomial of the time since the step began, over the step as the unit interval; and rounding of that, from its
-    !> largest terms.
-    pure subroutine of_interval(degree, step, a, noise)
-        integer, intent(in) :: degree !! degree of the polynomials
-        real(dp), intent(in) :: step(lanes) !! durations of the steps, s
-        real(dp), intent(inout) :: a(lanes, 0:degree) !! coefficients, of the powers of t and then of u
-        real(dp), intent(out) :: noise(lanes) !! bounds of the rounding errors
-        real(dp) :: power(lanes)
+    !> The series of Gamma3', by the time since the step began, and what cancels in its first term.
+    pure subroutine find_height_rates(order, c, degree, x, noise)
+        integer, intent(in) :: order, degree !! order of the series, last term
+        real(dp), intent(in) :: c(lanes, rows, 0:order) !! series
+        real(dp), intent(out) :: x(lanes, 0:degree), noise(lanes) !! coefficients of Gamma3'; its rounding
         integer :: i, k
-        power = 1
-        noise = 0
         do k = 0, degree
             !$omp simd
             do i = 1, lanes
-                a(i, k) = a(i, k) * power(i)
-                noise(i) = noise(i) + rounding * abs(a(i, k))
-                power(i) = power(i) * step(i)
+                x(i, k) = (k + 1) * c(i, 6, k + 1)
+            end do
+        end do
+        noise = rounding * (abs(c(:, 4, 0) * c(:, 2, 0)) + abs(c(:, 5, 0) * c(:, 1, 0)))
+    end subroutine find_height_rates
+
+    !> A polynomial of the time since the step began, over the step as the unit interval.
+    pure subroutine of_interval(degree, step, a)
+        integer, intent(in) :: degree !! degree of the polynomials
+        real(dp), intent(in) :: step(lanes) !! durations of the steps, s
+        real(dp), intent(inout) :: a(lanes, 0:degree) !! coefficients, of the powers of t and then of u
+        real(dp) :: power(lanes, 0:max_series_order) ! of known size, on the stack
+        integer :: i, k
+        call find_powers(degree, step, power)
+        do k = 1, degree
+            !$omp simd
+            do i = 1, lanes
+                a(i, k) = a(i, k) * power(i, k)
             end do
         end do
     end subroutine of_interval

@@ -6,7 +6,7 @@ module spintop_stop_lanes
     use spintop_instants, only: time_of_start
     use spintop_motion, only: motion_t
     use spintop_quantities, only: axis_height_rate
-    use spintop_root_watch, only: of_interval, root_watch_t, rounding
+    use spintop_root_watch, only: find_height_rates, find_powers, find_row, of_interval, root_watch_t, rounding
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
     private
@@ -103,25 +103,18 @@ contains
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
-            !! coefficients, and a bound of their rounding errors
-        integer :: k
+            !! coefficients, and a bound of errors beside the rounding of their terms
+        real(dp) :: power(lanes, 0:max_series_order)
         if (self%is_level) then
             degree = run%order
-            do k = 0, degree
-                a(:, k) = run%c(:, 6, k)
-            end do
+            call find_powers(degree, run%now%t - run%now%t_last, power)
+            call find_row(run%order, run%c, 6, degree, power, a)
             a(:, 0) = a(:, 0) - self%level
+            noise = rounding
         else
             degree = run%order - 1
-            do k = 0, degree
-                a(:, k) = (k + 1) * run%c(:, 6, k + 1)
-            end do
-        end if
-        call of_interval(degree, run%now%t - run%now%t_last, a, noise)
-        if (self%is_level) then
-            noise = noise + rounding
-        else
-            noise = noise + rounding * (abs(run%c(:, 4, 0) * run%c(:, 2, 0)) + abs(run%c(:, 5, 0) * run%c(:, 1, 0)))
+            call find_height_rates(run%order, run%c, degree, a, noise)
+            call of_interval(degree, run%now%t - run%now%t_last, a)
         end if
     end subroutine find_polynomials
 

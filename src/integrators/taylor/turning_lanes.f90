@@ -4,11 +4,11 @@ module spintop_turning_lanes
     use spintop_attitude, only: nearest_turn
     use spintop_body, only: body_t
     use spintop_formulation, only: max_series_order
-    use spintop_lane_series, only: parts, rows
+    use spintop_lane_series, only: parts
     use spintop_lane_steps, only: changes_to, largest_turn, sharp
     use spintop_motion, only: motion_t
     use spintop_quantities, only: axis_height_rate
-    use spintop_root_watch, only: of_interval, root_watch_t, rounding, states_at
+    use spintop_root_watch, only: find_height_rates, of_interval, root_watch_t, states_at
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     use spintop_turning_record, only: turning_points_t, upper, lower
     implicit none
@@ -76,29 +76,13 @@ contains
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
-            !! coefficients, and a bound of their rounding errors
+            !! coefficients, and a bound of errors beside the rounding of their terms
         associate (unused => self)
         end associate
         degree = run%order - 1
-        call find_slopes(run%order, run%c, run%now%t - run%now%t_last, a, noise)
+        call find_height_rates(run%order, run%c, degree, a, noise)
+        call of_interval(degree, run%now%t - run%now%t_last, a)
     end subroutine find_polynomials
-
-    !> The same from the series of the states.
-    pure subroutine find_slopes(order, c, step, a, noise)
-        integer, intent(in) :: order
-        real(dp), intent(in) :: c(lanes, rows, 0:order), step(lanes)
-        real(dp), intent(out) :: a(lanes, 0:order - 1), noise(lanes)
-        integer :: i, k
-        do k = 0, order - 1
-            !$omp simd
-            do i = 1, lanes
-                a(i, k) = (k + 1) * c(i, 6, k + 1)
-            end do
-        end do
-        call of_interval(order - 1, step, a, noise)
-        ! What cancels in the first term is rounding, too.
-        noise = noise + rounding * (abs(c(:, 4, 0) * c(:, 2, 0)) + abs(c(:, 5, 0) * c(:, 1, 0)))
-    end subroutine find_slopes
 
     !> Takes the turning points at shares `u` of the step: a lower one where `slope` of Gamma3' is positive, an
     !> upper one where it is negative, none where it is zero.

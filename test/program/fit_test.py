@@ -268,11 +268,12 @@ class FigureTest(FitCase):
         self.assertEqual(kind.name, "fit")
         panels = kind.draw(table).axes
         self.assertEqual(
-            [axes.get_ylabel() for axes in panels], ["phi (rad)", "theta (rad)", "psi (rad)"]
+            [axes.get_ylabel() for axes in panels], ["φ (degrees)", "θ (degrees)", "ψ (degrees)"]
         )
         for axes, name in zip(panels, self.names[1:], strict=True):
-            shown = axes.lines[-1].get_ydata()
-            np.testing.assert_array_equal(shown, table.rows[name] - table.rows[f"{name}_fit"])
+            shown = np.radians(axes.lines[-1].get_ydata())
+            residuals = table.rows[name] - table.rows[f"{name}_fit"]
+            np.testing.assert_allclose(shown, residuals, rtol=1e-12)
 
 
 if __name__ == "__main__":

@@ -21,8 +21,7 @@ top.inertia(1),top.inertia(2),top.gravity,initial.theta
 """Heavy, upright, free and asymmetric bodies, and one that hangs."""
 SCENES = {
     "plain": TOP + "/\n",
-    "friction": TOP
-    + "/\n&effects friction_torque = 0.3 friction_smoothing = 0 /\n",
+    "friction": TOP + "/\n&effects friction_torque = 0.3 friction_smoothing = 0 /\n",
     "vibration": TOP + "/\n&effects vibration_amplitude = 0, 0, 0.01 vibration_rate = 60 /\n",
 }
 

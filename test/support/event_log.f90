@@ -1,6 +1,6 @@
 !> A watch that keeps every event it meets, and a path of a motion made up for a test.
 module event_log
-    use spintop_attitude, only: vertical_from_quaternion
+    use spintop_attitude, only: quaternion_from_angles, vertical_from_quaternion
     use spintop_events, only: event_watch_t, path_t
     use spintop_exact_motion, only: exact_motion_t
     use spintop_kinds, only: dp
@@ -90,6 +90,7 @@ contains
         end associate
         motion%t = t
         motion%angle = [sin(t), 1 + t, 7 * t]
+        motion%quaternion = quaternion_from_angles(motion%angle)
         motion%omega = [tan(t), 0.0_dp, 1.0_dp]
     end subroutine made_up_at
 

@@ -1,12 +1,11 @@
 !> Events of a motion: the instants at which quantities of it pass levels.
 !>
-!> The motion is evaluated at instants so close that between two of them the attitude turns by less than
-!> `largest_turn` (`spintop_instants`), and the axis whose poles matter (`pole_axis`) moves by less than that
-!> fraction of its distance from the vertical, because Euler angles and their rates vary on this scale. Each
-!> interval is halved until a parabola shows that the quantity is monotone, or does not reach its level
-!> (`spintop_five_values`). Any number of passages between two instants is therefore found. The following are
-!> not events: a level that is touched and not passed, to the rounding error of the quantity, which is
-!> measured where it matters; passages of a quantity that is equal to its level within rounding errors; the
+!> The motion is evaluated at instants so close that between two of them the attitude turns by less than `largest_turn`
+!> (`spintop_instants`), and the axis whose poles matter (`pole_axis`) moves by less than that fraction of its distance from
+!> the vertical, because Euler angles and their rates vary on this scale. Each interval is halved until a parabola shows that
+!> the quantity is monotone, or does not reach its level (`spintop_five_values`). Any number of passages between two instants
+!> is therefore found. The following are not events: a level that is touched and not passed, to the rounding error of the
+!> quantity, which is measured where it matters; passages of a quantity that is equal to its level within rounding errors; the
 !> start itself.
 !>
 !> Each evaluation counts as work. The search ends when the path allows no more.
@@ -23,6 +22,7 @@ module spintop_events
     use spintop_level_side, only: side_t, sign_of, turns_far
     use spintop_loads, only: works
     use spintop_motion, only: motion_t
+    use spintop_neighbours, only: early, neighbour, neighbours
     use spintop_status, only: status_ok, status_bad_events
     use spintop_passages, only: passages_t
     use spintop_path, only: path_t
@@ -117,6 +117,7 @@ contains
         class(event_watch_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! the motion at the start
+        integer :: i
         self%fall_rate = greatest_fall_rate(body)
         self%t_begin = motion%t
         self%t = motion%t
@@ -128,10 +129,15 @@ contains
         if (.not. allocated(self%events)) allocate (self%events(0))
         self%events%count = 0
         if (allocated(self%values)) deallocate (self%values, self%sides, self%five, self%one)
-        associate (n => size(self%events))
-            allocate (self%values(n), self%sides(n), self%five(n, 5), self%one(n))
-        end associate
+        i = size(self%events)
+        allocate (self%values(i), self%sides(i), self%five(i, 5), self%one(i))
         call self%quantities(motion, self%values)
+        self%sides%early = motion%t + early * self%soon
+        do i = 1, neighbours
+            call self%quantities(neighbour(motion, i), self%one)
+            self%one = abs(self%one - self%values)
+            where (is_finite(self%one)) self%sides%noise = max(self%sides%noise, self%one)
+        end do
         call self%recent%begin(size(self%events))
     end subroutine begin
 
@@ -183,7 +189,6 @@ contains
         type(motion_t), intent(in) :: motion !! the motion then
         real(dp), intent(in) :: work(works) !! the work of effects from the start to then, J
         integer :: k
-
         if (motion%t - self%t_begin <= self%soon) return
         self%work = work
         do k = 1, size(self%events)
@@ -249,9 +254,9 @@ contains
         do k = 1, size(self%events)
             before = found%n
             values = self%five(k, :)
-            call self%sides(k)%aim(self%events(k), self%t, values, self%soon / ((b - self%t) / 4))
+            call self%sides(k)%aim(self%events(k), self%t, values)
             is_near = any(abs(values - self%sides(k)%level) <= self%sides(k)%rounding)
-            self%sides(k)%rounding = 0
+            call self%sides(k)%forget_rounding(self%t)
             if (is_near) call self%measure_rounding(path, k, self%t, b)
             call self%refine(path, k, self%t, b, values - self%sides(k)%level, 0, found)
             call found%merge_from(before + 1)
@@ -365,7 +370,6 @@ contains
         type(passages_t), intent(inout) :: found
         type(bracket_t) :: bracket
         real(dp) :: value
-
         associate (side => self%sides(k))
             call bracket%begin(side%t, side%distance, b, distance, spacing(max(abs(side%t), abs(b))))
             do while (.not. bracket%found)

@@ -18,8 +18,11 @@ module spintop_level_side
         real(dp) :: rounding = 0
         !> Largest distance at the instants of the interval.
         real(dp) :: farthest = 0
+        !> Rounding error at the start, and the time, s, before which a side that is not known yet is within it.
+        real(dp) :: noise = 0, early = 0
     contains
         procedure :: aim
+        procedure :: forget_rounding
     end type side_t
 
     !> A start value so close to the level, relatively, is at the level.
@@ -30,11 +33,10 @@ module spintop_level_side
 contains
 
     !> Selects the level of the event for an interval: of several levels the one nearest to the quantity.
-    pure subroutine aim(self, event, t, values, share)
+    pure subroutine aim(self, event, t, values)
         class(side_t), intent(inout) :: self
         type(event_t), intent(in) :: event !! the event
         real(dp), intent(in) :: t, values(5) !! beginning of the interval, s; the quantity at equal distances in it
-        real(dp), intent(in) :: share !! a start value is at the level within this part of its first change here
         real(dp) :: level, middle
         integer :: i
 
@@ -48,7 +50,7 @@ contains
             self%t = t
             self%distance = values(1) - level
             self%rounding = 0
-            if (abs(self%distance) > max(start_rounding * (abs(values(1)) + abs(level)), share * abs(values(2) - values(1)))) &
+            if (abs(self%distance) > max(start_rounding * (abs(values(1)) + abs(level)), self%noise)) &
                 self%sign = sign_of(self%distance)
         end if
         self%farthest = -huge(1.0_dp)
@@ -56,6 +58,14 @@ contains
             if (abs(values(i) - level) <= huge(1.0_dp)) self%farthest = max(self%farthest, abs(values(i) - level))
         end do
     end subroutine aim
+
+    !> Forgets the rounding error that was measured: it may be another one in the next interval, which begins at time t.
+    pure subroutine forget_rounding(self, t)
+        class(side_t), intent(inout) :: self
+        real(dp), intent(in) :: t !! s
+        self%rounding = 0
+        if (self%sign == 0 .and. t < self%early) self%rounding = self%noise
+    end subroutine forget_rounding
 
     !> Whether an angle with turns changes too much between two instants to be followed.
     elemental logical function turns_far(event, before, after)

@@ -52,7 +52,7 @@ contains
         n = size(minimum%x)
         estimate%x = minimum%x
         allocate (estimate%standard_error(n), estimate%lower(n), estimate%upper(n), estimate%singular_values(n))
-        allocate (estimate%covariance(n, n), jacobian(m, n), vectors(n, n))
+        allocate (estimate%covariance(n, n), jacobian(m, n), vectors(n, n), effects(n))
         estimate%standard_error = no_number
         estimate%lower = no_number
         estimate%upper = no_number
@@ -62,7 +62,7 @@ contains
         call find_jacobian(model, minimum%x, [(i, i=1, n)], minimum%residuals, .true., jacobian, is_valid)
         if (.not. is_valid) return
         norms = norm2(jacobian, dim=1)
-        effects = [(norms(k) * model%step_scale(k, minimum%x(k)), k=1, n)]
+        effects(:) = [(norms(k) * model%step_scale(k, minimum%x(k)), k=1, n)]
         range = maxval(effects) / sqrt(real(m, dp))
         rounding = epsilon(rounding) * range
         if (.not. knows_deviation) estimate%deviation = max(estimate%deviation, rounding)

@@ -20,7 +20,7 @@ sys.path[:0] = [str(ROOT / "python"), str(ROOT / "scripts")]
 subprocess.run([ROOT / "scripts/install", "--library"], check=True, capture_output=True)
 
 import spintop  # noqa: E402
-from manual.pages import blocks_of  # noqa: E402
+from manual.pages import Block, blocks_of  # noqa: E402
 from spintop.inputs import namelist  # noqa: E402
 
 EXE = Path(os.environ["SPINTOP_EXE"]).resolve()
@@ -385,21 +385,29 @@ class ResourcesTest(unittest.TestCase):
 
 
 class PackageTest(unittest.TestCase):
-    """The page, and the installation."""
+    """The pages, and the installation."""
 
-    def test_page(self) -> None:
-        """Its programs run, one after the other, and each prints something."""
-        page = blocks_of(ROOT / "doc/python.md")
-        blocks = [block for block in page if block.tags == ("python", "library")]
-        self.assertGreater(len(blocks), 5)
-        names: dict[str, object] = {}
-        for block in blocks:
-            lines: list[tuple] = []
-            names["print"] = lambda *words, lines=lines: lines.append(words)
-            with warnings.catch_warnings():
-                warnings.simplefilter("error")
-                exec(compile(block.text, str(block), "exec"), names)
-            self.assertNotEqual(lines, [], str(block))
+    def test_pages(self) -> None:
+        """Their programs run, those of a page one after the other, and each prints something."""
+        found = 0
+        for path in sorted((ROOT / "doc").glob("*.md")):
+            if path.name == "python_tutorial.md":  # has a suite of its own
+                continue
+            blocks = [block for block in blocks_of(path) if block.tags == ("python", "library")]
+            found += len(blocks)
+            names: dict[str, object] = {}
+            for block in blocks:
+                self.run_block(block, names)
+        self.assertGreater(found, 10)
+
+    def run_block(self, block: Block, names: dict[str, object]) -> None:
+        """Run a program, with what those before it defined."""
+        lines: list[tuple] = []
+        names["print"] = lambda *words: lines.append(words)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            exec(compile(block.text, str(block), "exec"), names)
+        self.assertNotEqual(lines, [], str(block))
 
     def test_pip(self) -> None:
         """`pip install` puts the library beside the modules."""

@@ -892,9 +892,11 @@ class EventTest(ProgramCase):
         for name in names:
             symmetric, other = table.column(name)
             self.assertAlmostEqual(other / symmetric, 1, delta=1e-6, msg=name)
-        short = self.compute(scene, "span.t_end=0.5", "output.columns=motion_class,theta_max")
+        columns = "output.columns=motion_class,theta_max,nutation_period"
+        short = self.compute(scene, "span.t_end=0.5", columns)
         self.assertEqual(short.texts("motion_class"), ["loop", "none"])
-        self.assertEqual(short.texts("theta_max")[1], "nan")
+        self.assertEqual(short.texts("nutation_period")[1], "nan")
+        self.assertGreater(short.column("theta_max")[1], 0.7)
         self.assertIn("no full nutation in the span", short.texts("notes")[1])
 
     def test_what_a_body_does_not_have_is_noted(self) -> None:

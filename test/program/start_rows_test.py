@@ -85,10 +85,10 @@ def last_time(folder: Path, text: str, column: str) -> float:
 def levels_at(folder: Path, scene: str, quantity: str) -> set[str]:
     """The value of a quantity at the start, as it is printed and rounded."""
     value = first_row(folder, scene, "")[quantity]
-    return {f"{value!r}", f"{value:.15g}", f"{value:.15f}"}
+    return {f"{value!r}", f"{value:.15f}"}
 
 
-@pytest.mark.parametrize("psi", [0, 90, 180])
+@pytest.mark.parametrize("psi", [0, 90])
 @pytest.mark.parametrize("quantity", LEVELS)
 def test_the_start_is_no_event(tmp_path: Path, quantity: str, psi: int) -> None:
     """A level that the start has to rounding is passed later, in lanes as in a single motion."""

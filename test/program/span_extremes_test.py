@@ -4,15 +4,13 @@ They are compared with those of many rows of the trajectory, for the exact motio
 methods: in vector lanes, and one case after another.
 """
 
-import csv
 import math
-import os
-import subprocess
 from pathlib import Path
 
 import pytest
 
-EXE = Path(os.environ["SPINTOP_EXE"]).resolve()
+from nutation_axes_test import rows_of
+
 HEAVY = """\
 &top mass = 1  inertia = 0.9, 0.7, 0.3  centre_of_mass = 0.02, -0.03, 0.4  damping = 3*0.02 /
 &initial theta = 0.9  phi_rate = 0.4  theta_rate = -0.7  psi_rate = 9 /
@@ -34,16 +32,6 @@ SHARES = 0.1, 0.5, 0.9, 2.1
 RATES = "phi_rate_max", "theta_rate_max", "com_z_min"
 RANGE = "theta_min", "theta_max", "delta_u"
 FORCES = "force_max", "force_z_min", "force_z_max"
-
-
-def rows_of(folder: Path, text: str, columns: tuple[str, ...]) -> list[dict[str, str]]:
-    """The rows of the table of an input."""
-    names = ", ".join(f"'{name}'" for name in columns)
-    (folder / "scene.nml").write_text(text + f"&output columns = {names} /\n")
-    command = [EXE, "--quiet", "-o", folder, folder / "scene.nml"]
-    subprocess.run(command, check=True, capture_output=True)
-    lines = (folder / "scene.csv").read_text().splitlines()
-    return list(csv.DictReader(line for line in lines if not line.startswith("#")))
 
 
 def sample(folder: Path, body: str, t_end: float) -> list[dict[str, float]]:

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from nutation_axes_test import rows_of
+
 EXE = Path(os.environ["SPINTOP_EXE"]).resolve()
 TENSOR = """inertia_tensor(1,:) = 0.55, -0.3, 0
      inertia_tensor(2,2:3) = 0.55, 0  inertia_tensor(3,3) = 0.85"""
@@ -74,12 +76,7 @@ SWEEP = "&study kind = 'sweep' /\n&sweep parameter(1) = 'top.mass'  values(1,:) 
 
 def last_time(folder: Path, text: str, column: str) -> float:
     """The time in the last row of a table."""
-    path = folder / "scene.nml"
-    path.write_text(text + f"&output columns = '{column}' /\n")
-    subprocess.run([EXE, "--quiet", "-o", folder, path], check=True, capture_output=True)
-    lines = (folder / "scene.csv").read_text().splitlines()
-    *_, row = csv.DictReader(line for line in lines if not line.startswith("#"))
-    return float(row[column])
+    return float(rows_of(folder, text, (column,))[-1][column])
 
 
 def levels_at(folder: Path, scene: str, quantity: str) -> set[str]:

@@ -72,7 +72,7 @@ contains
         call c_refine_root(int(n, c_int), iterations, still, a, u, doubt)
     end subroutine refine_root
 
-    !> All roots of the polynomial of one lane in rising order, by halving; `sign_before` as in `count_changes`.
+    !> All roots of the polynomial of one lane in rising order, by halving; `sign_before` as in `find_changes`.
     !> At most `most_roots` are found.
     subroutine find_roots(a, noise, sign_before, roots, signs, found)
         real(dp), intent(in) :: a(0:), noise !! coefficients, and a bound of their rounding errors

@@ -15,7 +15,7 @@ module spintop_symmetric_motion
     use spintop_status, only: status_ok, status_non_finite
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
-    use spintop_scalar_functions, only: argument, unit
+    use spintop_scalar_functions, only: argument
     use spintop_regular_start, only: regular_start_t, find_checked_start
     use spintop_turning_points, only: turning_points_t, find_turning_points
     use spintop_theta_functions, only: theta_values_t
@@ -70,6 +70,30 @@ module spintop_symmetric_motion
     end type attitude_t
 
     complex(dp), parameter :: i = (0.0_dp, 1.0_dp)
+
+    ! In a submodule (symmetric_attitude.f90): compiled once and inlined nowhere, so that all procedures here round alike.
+    interface
+        !> The Cayley-Klein components at time t.
+        pure module subroutine find_attitude(self, t, now)
+            type(symmetric_motion_t), intent(in) :: self !! the exact solution
+            real(dp), intent(in) :: t !! time, s
+            type(attitude_t), intent(out) :: now !! the attitude
+        end subroutine find_attitude
+
+        !> The theta functions at time t, of which the axis at rest has none, and what else does not depend on the phases.
+        pure module subroutine find_thetas(self, t, now)
+            type(symmetric_motion_t), intent(in) :: self !! the exact solution
+            real(dp), intent(in) :: t !! time, s
+            type(attitude_t), intent(inout) :: now !! its theta functions and its times
+        end subroutine find_thetas
+
+        !> Angles, with all turns of phi and psi, and their rates.
+        pure module subroutine put_angles(self, attitude, angle, rate)
+            type(symmetric_motion_t), intent(in) :: self !! the exact solution
+            type(attitude_t), intent(in) :: attitude !! the theta functions at an instant
+            real(dp), intent(out) :: angle(3), rate(3) !! phi, theta, psi, rad, and their rates, rad/s
+        end subroutine put_angles
+    end interface
 
 contains
 
@@ -238,45 +262,6 @@ contains
                          aimag(attitude%lower), aimag(attitude%upper)]
     end function quaternion_at
 
-    !> The Cayley-Klein components at time t.
-    pure subroutine find_attitude(self, t, now)
-        type(symmetric_motion_t), intent(in) :: self
-        real(dp), intent(in) :: t
-        type(attitude_t), intent(out) :: now
-
-        call find_thetas(self, t, now)
-        if (self%theta%regime == regime_resting) then
-            now%upper = self%upper * unit(self%upper_rate * now%elapsed)
-            now%lower = self%lower * unit(self%lower_rate * now%elapsed)
-            return
-        end if
-
-        associate (clock => self%theta%clock)
-            now%upper_turn = unit(self%upper_phase + self%upper_rate * now%elapsed &
-                                  + now%nutations * clock%upper_step) &
-                             * (clock%upper_amplitude / now%theta%divisor)
-            now%lower_turn = unit(self%lower_phase + self%lower_rate * now%elapsed &
-                                  + now%nutations * clock%lower_step) &
-                             * (clock%lower_amplitude / now%theta%divisor)
-            now%upper = now%upper_turn * now%theta%upper
-            now%lower = now%lower_turn * now%theta%lower
-        end associate
-    end subroutine find_attitude
-
-    !> The theta functions at time t, of which the axis at rest has none, and what else does not depend on the phases.
-    pure subroutine find_thetas(self, t, now)
-        type(symmetric_motion_t), intent(in) :: self
-        real(dp), intent(in) :: t
-        type(attitude_t), intent(inout) :: now
-        real(dp) :: z, from_top
-
-        now%elapsed = t - self%time
-        if (self%theta%regime == regime_resting) return
-        call self%theta%locate(now%elapsed, z, from_top, now%nutations)
-        call self%theta%evaluate(z, from_top, now%theta)
-        now%rising = z >= 0
-    end subroutine find_thetas
-
     !> omega1 + i omega2 = 2 [conj(upper) lower' - conj(upper') lower], rad/s. The derivative of the divisor
     !> and the spin that is linear in time cancel and are omitted.
     pure complex(dp) function swing_of(self, now) result(swing)
@@ -291,93 +276,5 @@ contains
                                              - conjg(theta%upper_slope) * theta%lower))
         end associate
     end function swing_of
-
-    !> Angles, with all turns of phi and psi, and their rates.
-    pure subroutine put_angles(self, attitude, angle, rate)
-        type(symmetric_motion_t), intent(in) :: self
-        type(attitude_t), intent(in) :: attitude
-        real(dp), intent(out) :: angle(3), rate(3)
-        real(xp) :: total, difference
-        real(dp) :: sn2, cn2, one_minus_u, one_plus_u, u, y, sine, dn, upper, lower, turn, phi_rate
-
-        total = self%upper_phase + self%lower_phase + self%sum_rate * attitude%elapsed
-        difference = self%upper_phase - self%lower_phase + self%difference_rate * attitude%elapsed
-        if (self%theta%regime == regime_resting) then
-            angle = [real(total, dp), 2 * atan2(abs(self%lower), abs(self%upper)), &
-                            real(difference, dp)]
-            rate = [0.0_dp, 0.0_dp, self%omega3]
-            return
-        end if
-
-        associate (clock => self%theta%clock, theta => attitude%theta)
-            sn2 = theta%sn**2
-            cn2 = theta%cn**2
-            one_minus_u = self%one_minus_u2 + self%u2_minus_u1 * cn2
-            one_plus_u = self%one_plus_u1 + self%u2_minus_u1 * sn2
-            u = (one_plus_u - one_minus_u) / 2
-            sine = sqrt(one_minus_u * one_plus_u)
-
-            if (self%passes_pole) call add_jumps(self, attitude, total, difference)
-            total = total + attitude%nutations * (clock%upper_step + clock%lower_step)
-            difference = difference + attitude%nutations * (clock%upper_step - clock%lower_step)
-            upper = argument(theta%upper)
-            lower = argument(theta%lower)
-            angle = [real(total + (upper + lower), dp), argument(cmplx(u, sine, dp)), &
-                            real(difference + (upper - lower), dp)]
-
-            y = merge(self%y1 + self%u2_minus_u1 * sn2, self%y2 - self%u2_minus_u1 * cn2, sn2 < cn2)
-            turn = turn_at(self, y, one_minus_u, one_plus_u)
-            if (sine > 0) then
-                dn = sqrt(self%complement_squared + self%k_squared * cn2)
-                phi_rate = turn / (one_minus_u * one_plus_u)
-                rate(2) = -2 * self%u2_minus_u1 * self%frequency * theta%sn * theta%cn &
-                                 * (dn / sine)
-            else
-                phi_rate = 0
-                rate(2) = sqrt(self%swing_squared - 2 * self%half_beta * y)
-            end if
-            rate(1) = phi_rate
-            rate(3) = self%omega3 - phi_rate * u
-        end associate
-    end subroutine put_angles
-
-    !> phi' sin(theta)^2 = b - a u, rad/s, in the form that cancels least.
-    pure real(dp) function turn_at(self, y, one_minus_u, one_plus_u) result(turn)
-        type(symmetric_motion_t), intent(in) :: self
-        real(dp), intent(in) :: y, one_minus_u, one_plus_u
-        real(dp) :: from_start, from_top, from_bottom
-        from_start = abs(self%turn) + abs(self%a * y)
-        from_top = abs(self%b_minus_a) + abs(self%a * one_minus_u)
-        from_bottom = abs(self%b_plus_a) + abs(self%a * one_plus_u)
-        if (from_start <= min(from_top, from_bottom)) then
-            turn = self%turn - self%a * y
-        else if (from_top <= from_bottom) then
-            turn = self%b_minus_a + self%a * one_minus_u
-        else
-            turn = self%b_plus_a - self%a * one_plus_u
-        end if
-    end function turn_at
-
-    !> Half turns of phi and psi at exact passages of a pole. The theta functions turn in the same direction
-    !> each time; counted here are half turns of alternating sign.
-    pure subroutine add_jumps(self, attitude, phi, psi)
-        type(symmetric_motion_t), intent(in) :: self
-        type(attitude_t), intent(in) :: attitude
-        real(xp), intent(inout) :: phi, psi  !! rad
-        real(xp) :: tops, bottoms, top_jump, bottom_jump
-        top_jump = 0
-        bottom_jump = 0
-        if (self%nutation%passes_top) then
-            tops = attitude%nutations - self%tops_before
-            top_jump = pi_xp * (modulo(tops, 2.0_xp) - sign(1.0_dp, self%b_minus_a) * tops)
-        end if
-        if (self%nutation%passes_bottom) then
-            bottoms = merge(attitude%nutations, attitude%nutations - 1, attitude%rising) &
-                      - self%bottoms_before
-            bottom_jump = pi_xp * (modulo(bottoms, 2.0_xp) - sign(1.0_dp, self%b_plus_a) * bottoms)
-        end if
-        phi = phi + bottom_jump + top_jump
-        psi = psi + bottom_jump - top_jump
-    end subroutine add_jumps
 
 end module spintop_symmetric_motion

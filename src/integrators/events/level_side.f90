@@ -50,8 +50,9 @@ contains
             self%t = t
             self%distance = values(1) - level
             self%rounding = 0
-            if (abs(self%distance) > max(start_rounding * (abs(values(1)) + abs(level)), self%noise)) &
+            if (abs(self%distance) > max(start_rounding * (abs(values(1)) + abs(level)), self%noise)) then
                 self%sign = sign_of(self%distance)
+            end if
         end if
         self%farthest = -huge(1.0_dp)
         do i = 1, 5

@@ -25,6 +25,7 @@ module spintop_problems
         procedure :: any_warning
         procedure :: first
         procedure :: report_to
+        procedure :: take
         procedure :: take_warnings
         procedure, private :: append
     end type problems_t
@@ -71,6 +72,17 @@ contains
         any_warning = .false.
         if (allocated(self%list)) any_warning = .not. all(self%list%is_error)
     end function any_warning
+
+    !> Adds other problems.
+    subroutine take(self, other)
+        class(problems_t), intent(inout) :: self
+        class(problems_t), intent(in) :: other !! they are added
+        integer :: i
+        if (.not. allocated(other%list)) return
+        do i = 1, size(other%list)
+            call self%append(other%list(i))
+        end do
+    end subroutine take
 
     !> Adds the warnings among other problems, with a prefix for each message; `found` reports whether there
     !> are any.

@@ -12,7 +12,7 @@ module spintop_job
     use spintop_event_text, only: column_event_t
     use spintop_kinds, only: dp
     use spintop_parameters, only: parameter_table_t, unset_integer
-    use spintop_plan, only: plan_t
+    use spintop_plan, only: make_plan, plan_t
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
     use spintop_sensitivity, only: sensitivities_t
@@ -23,6 +23,9 @@ module spintop_job
     implicit none
     private
     public :: job_t
+
+    !> So many cases of a sweep are tried to find one that can be computed.
+    integer(int64), parameter :: most_tried = 1000
 
     !> A prepared input. The parameter table points into the scene, so a job must not move in memory.
     type :: job_t
@@ -38,8 +41,9 @@ module spintop_job
         character(:), allocatable :: event_output
         type(scene_t) :: scene
         type(parameter_table_t) :: table
-        !> The case of the input; for a sweep its first case.
+        !> The case of the input; for a sweep the first case that can be computed, and its number.
         type(case_t) :: case
+        integer(int64) :: first = 1
         type(plan_t) :: plan
         type(axes_t) :: axes
         !> Values of parameters, side by side, that a caller of the library gives in place of axes of the input; not
@@ -104,21 +108,69 @@ contains
         end if
     end subroutine make_axes
 
-    !> Makes the case of the input, or the first of those of its axes whose values are in the ranges of their
-    !> parameters. `first` is the scene of that case.
-    subroutine make_first_case(self, first, problems)
+    !> Makes the case of the input, or the first of those of its axes that can be computed, and its plan if `planned`.
+    !> `first` is the scene of that case. If none of the first cases can be computed, the problems are those of the first.
+    subroutine make_first_case(self, first, problems, planned)
         class(job_t), target, intent(inout) :: self
         type(scene_t), allocatable, intent(out) :: first !! the scene of the first case; not allocated after a problem
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        logical, intent(in) :: planned !! whether the case is one to compute as planned
         type(swept_scene_t), allocatable, target :: swept
+        type(problems_t) :: of_first, of_case
 
+        if (problems%any()) return
         allocate (swept)
         call swept%copy(self%scene, self%axes)
-        if (self%axes%cases > 0) call swept%put(first_values(self%axes, problems))
-        if (problems%any()) return
-        allocate (first, source=swept%scene)
-        call make_case(first, self%case, problems)
+        self%first = 1
+        call try_case(of_first)
+        of_case = of_first
+        do while (of_case%any() .and. self%first < min(self%axes%cases, most_tried))
+            self%first = self%first + 1
+            of_case = problems_t()
+            call try_case(of_case)
+        end do
+        if (of_case%any()) then
+            call problems%take(of_first)
+        else
+            call problems%take(of_case)
+            allocate (first, source=swept%scene)
+        end if
+
+    contains
+
+        !> Makes the case `self%first`.
+        subroutine try_case(found)
+            type(problems_t), intent(inout) :: found !! its problems
+            if (self%axes%cases > 0) call put_values(self%axes, self%first, swept, found)
+            if (found%any()) return
+            self%case = case_t()
+            call make_case(swept%scene, self%case, found)
+            if (planned .and. .not. found%any()) call make_plan(swept%scene, self%case, self%plan, found)
+        end subroutine try_case
+
     end subroutine make_first_case
+
+    !> Puts the values of a case into its scene.
+    subroutine put_values(axes, number, swept, problems)
+        type(axes_t), intent(in) :: axes
+        integer(int64), intent(in) :: number
+        type(swept_scene_t), intent(inout) :: swept
+        type(problems_t), intent(inout) :: problems
+        real(dp) :: values(size(axes%axis))
+        integer :: i
+
+        values = axes%values_of(number)
+        i = axes%out_of_range(values)
+        if (i == 0) then
+            call swept%put(values)
+        else
+            associate (axis => axes%axis(i))
+                call problems%add('sweep.mean', 'none of the first ' // to_text(min(axes%cases, most_tried)) // &
+                                  ' cases can be computed, the first because ' // axis%name // ' ' // &
+                                  axis%slot%refusal(values(i)), 'use another mean or deviation')
+            end associate
+        end if
+    end subroutine put_values
 
     !> The column of the values of an axis.
     type(column_t) function axis_column(self, i) result(column)
@@ -128,27 +180,6 @@ contains
             column = column_t(self%axes%axis(i)%name, parameter%unit, parameter%what)
         end associate
     end function axis_column
-
-    !> The values of the first case whose values are in their ranges; normal values may not be.
-    function first_values(axes, problems) result(values)
-        type(axes_t), intent(in) :: axes
-        type(problems_t), intent(inout) :: problems
-        real(dp) :: values(size(axes%axis))
-        integer(int64), parameter :: most_tried = 1000
-        integer(int64) :: number
-        integer :: i
-
-        do number = 1, min(axes%cases, most_tried)
-            values = axes%values_of(number)
-            i = axes%out_of_range(values)
-            if (i == 0) return
-        end do
-        associate (axis => axes%axis(i))
-            call problems%add('sweep.mean', 'none of the first ' // to_text(min(axes%cases, most_tried)) // &
-                              ' cases has all values in their ranges: ' // axis%name // ' ' // axis%slot%refusal(values(i)), &
-                              'use another mean or deviation')
-        end associate
-    end function first_values
 
     !> Adds a warning for the body of a later case: the first such case of all cases or, if there are very
     !> many, of a regular sample of them.
@@ -172,8 +203,8 @@ contains
             end associate
             of_case = problems_t()
             call make_body(swept%scene, body, of_case)
-            if (number == 1) then
-                ! Warnings of the first case were reported when it was made.
+            if (number == self%first) then
+                ! Its warnings were reported when it was made.
                 if (of_case%any_warning()) return
                 cycle
             end if

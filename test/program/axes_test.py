@@ -169,6 +169,27 @@ class CombinationTest(ProgramCase):
                 )
                 self.assertAlmostEqual(float(single.rows[-1][1]), float(row[8]), delta=1e-9)
 
+    def test_a_first_case_that_cannot_be_computed_is_a_failed_case(self) -> None:
+        """The order of the cases does not matter, be there no such body, or no closed form."""
+        infeasible = (
+            ("top.inertia(3)", (2, 0.3), "top.inertia(3): no body has these moments of inertia"),
+            ("top.inertia(2)", (0.7, 0.875), "integration.method: the exact solution exists only"),
+        )
+        for name, values, reason in infeasible:
+            text = SWEEP + NUTATION + "&integration method = 'exact' /\n"
+            for order in (values, values[::-1]):
+                given = f"parameter = '{name}', values(1,:) = {order[0]}, {order[1]}"
+                scene = self.write(text + f"&sweep {given} /\n")
+                result = self.run_program(scene)
+                self.assertEqual(result.returncode, 3, result.stderr)
+                rows = sorted(self.table("scene").rows, key=lambda row: values.index(float(row[1])))
+                self.assertEqual([row[2] for row in rows], ["bad_input", "ok"])
+                self.assertIn(reason, rows[0][-1])
+            self.assertIn(
+                reason.split(": ")[1],
+                self.refuse(scene, "--set", f"sweep.values(1,:)={values[0]},{values[0]}"),
+            )
+
     def test_draws_out_of_range_are_failed_cases(self) -> None:
         """A normal mass may be negative: its case fails, and says why."""
         text = (
@@ -188,7 +209,8 @@ class CombinationTest(ProgramCase):
         self.assertTrue(all(row[-1] == "top.mass must be > 0" for row in failed))
         error = self.refuse(scene, "--set", "sweep.mean=-10")
         self.assertIn(
-            "none of the first 64 cases has all values in their ranges: top.mass must be > 0", error
+            "none of the first 64 cases can be computed, the first because top.mass must be > 0",
+            error,
         )
         for setting, part in (
             ("sweep.distribution(2)=uniform", "axis 2 has no values"),

@@ -12,7 +12,6 @@ module spintop_fit_study
     use spintop_kinds, only: dp
     use spintop_least_squares, only: minimize, minimum_t
     use spintop_options, only: options_t
-    use spintop_plan, only: make_plan
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
     use spintop_scene_words, only: kind_fit, study_kinds
@@ -74,9 +73,7 @@ contains
         end if
         if (problems%any()) return
         call take_span(self%measured%t, job%scene, problems)
-        call job%make_first_case(scene, problems)
-        if (problems%any()) return
-        call make_plan(scene, job%case, job%plan, problems)
+        call job%make_first_case(scene, problems, planned=.true.)
         if (problems%any()) return
         if (.not. job%plan%exact .and. .not. job%plan%is_adaptive()) then
             call problems%add('integration.method', 'a method with a fixed step size has no values at the times of the &

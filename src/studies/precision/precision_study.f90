@@ -72,7 +72,7 @@ contains
             call job%make_axes(problems, diagnostics)
             if (job%axes%cases == 0) return
         end if
-        call job%make_first_case(first, problems)
+        call job%make_first_case(first, problems, planned=.false.)
         if (.not. allocated(first)) return
         call make_precision_plan(first, self%plan, problems)
         if (problems%any()) return

@@ -71,7 +71,7 @@ contains
         end associate
         call make_stability_plan(job%scene, self%plan, problems)
         if (problems%any() .or. all(self%plan%cases > 0)) return
-        call job%make_first_case(scene, problems)
+        call job%make_first_case(scene, problems, planned=.false.)
     end subroutine check
 
     !> Number of methods and cases.

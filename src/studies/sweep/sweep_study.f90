@@ -12,7 +12,6 @@ module spintop_sweep_study
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
     use spintop_options, only: options_t
-    use spintop_plan, only: make_plan
     use spintop_problems, only: problems_t
     use spintop_process, only: host_name, watch_no_more
     use spintop_ranks, only: ranks_t
@@ -85,8 +84,7 @@ contains
         end associate
         call job%make_axes(problems, diagnostics)
         if (job%axes%cases == 0) return
-        call job%make_first_case(first, problems)
-        if (.not. problems%any()) call make_plan(first, job%case, job%plan, problems)
+        call job%make_first_case(first, problems, planned=.true.)
         call job%warn_of_bodies(problems)
     end subroutine check
 
@@ -105,10 +103,12 @@ contains
     function explain(self, job) result(phrase)
         class(sweep_study_t), intent(in) :: self
         type(job_t), intent(in) :: job !! the job
-        character(:), allocatable :: phrase
+        character(:), allocatable :: phrase, which
         associate (unused => self)
         end associate
-        phrase = 'a sweep of ' // to_text(job%axes%cases) // ' cases, of which this is the first'
+        which = 'the first'
+        if (job%first > 1) which = 'number ' // to_text(job%first) // ', the first that can be computed'
+        phrase = 'a sweep of ' // to_text(job%axes%cases) // ' cases, of which this is ' // which
     end function explain
 
     !> Computes all cases, or those of one part, and writes the table. After an error the part of the table that

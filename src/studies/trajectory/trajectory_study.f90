@@ -5,7 +5,6 @@ module spintop_trajectory_study
     use spintop_errors, only: error_t, exit_failed, exit_ok
     use spintop_job, only: job_t
     use spintop_options, only: options_t
-    use spintop_plan, only: make_plan
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
     use spintop_scene_words, only: kind_trajectory, study_kinds
@@ -62,8 +61,7 @@ contains
 
         associate (unused => self, also_unused => diagnostics)
         end associate
-        call job%make_first_case(scene, problems)
-        if (.not. problems%any()) call make_plan(scene, job%case, job%plan, problems)
+        call job%make_first_case(scene, problems, planned=.true.)
     end subroutine check
 
     !> Number of rows, and time span.

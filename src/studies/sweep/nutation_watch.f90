@@ -126,9 +126,9 @@ contains
         if (self%case%body%given%differ) given = self%case%turn%back(motion, motion%given_angle)
     end function as_given
 
-    !> Whether a motion is nearly plane, about a principal axis, so that body z goes over the poles. There its nutation rate
-    !> has an extreme at which the function that `nutation_slope` gives, and that of the lanes, is all but zero; and its
-    !> precession rate is zero, or larger than any that a computation resolves.
+    !> Whether a motion is nearly plane, about a principal axis at right angles to body z, which goes over the poles. There
+    !> its nutation rate has an extreme at which the function that `nutation_slope` gives, and that of the lanes, is all but
+    !> zero; and its precession rate is zero, or larger than any that a computation resolves.
     pure logical function swings_over_poles(body, start, nearly)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! the start
@@ -143,7 +143,7 @@ contains
         if (.not. swings_over_poles) return
         axis = axis / norm2(axis)
         swings_over_poles = abs(dot_product(axis, gamma)) <= nearly .and. norm2(cross(axis, change)) <= nearly * norm2(change) &
-            .and. norm2(cross(axis, body%inertia * axis)) <= nearly * norm2(body%inertia)
+            .and. norm2(cross(axis, body%inertia * axis)) <= nearly * norm2(body%inertia) .and. abs(axis(3)) <= nearly
     end function swings_over_poles
 
     !> Whether the nutation rate or the support force is measured.

@@ -39,6 +39,7 @@ FLAGS = (
     "--headless=new",
     "--no-sandbox",
     "--disable-gpu",
+    "--overscroll-history-navigation=0",
     "--disable-quic",
     "--no-first-run",
     "--disable-background-networking",

@@ -181,7 +181,7 @@ static int reason_of_absence(const top_motion *m, arb_srcptr answer, int which, 
     if (which == MOMENTUM_PERIOD || which == MOMENTUM_TURN)
         return m->regime == TUMBLING && !arb_is_zero(BALL(m, tau)) ? PROVED : NO_CIRCULATION;
     if (which == PERIOD && m->regime == SLEEPING) return NO_PERIOD;
-    if ((which == PERIOD || which == PRECESSION) && m->regime >= ROTATING && !arb_is_finite(answer + PERIOD)) return NOT_PERIODIC;
+    if ((which == PERIOD || which == PRECESSION) && ball_has_turns(m) && !arb_is_finite(answer + PERIOD)) return NOT_PERIODIC;
     return PROVED;
 }
 

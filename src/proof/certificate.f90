@@ -40,7 +40,7 @@ module spintop_certificate
         'the ball is still too wide at the highest precision', &
         'phi and psi do not exist on a pole', &
         'the upright axis does not oscillate, so there is no period', &
-        'theta of an asymmetric free body is not periodic', &
+        'body z is not an axis of symmetry, so theta is not periodic', &
         'the balls do not decide a sign', &
         'the balls do not decide on which side of the separatrix the motion is', &
         'the balls do not decide a phase', &

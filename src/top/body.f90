@@ -33,6 +33,7 @@ module spintop_body
         procedure :: weight_moment
         procedure :: is_symmetric
         procedure :: is_lagrange
+        procedure :: has_closed_nutation
         procedure :: is_free
         procedure :: has_closed_form
         procedure :: symmetry_axis
@@ -70,6 +71,12 @@ contains
         is_lagrange = self%is_symmetric() .and. self%mgl() >= 0 .and. all(is_zero(self%damping)) &
             .and. .not. allocated(self%effects)
     end function is_lagrange
+
+    !> Whether the nutation of body z, as it was given, has a closed form: it is the symmetry axis of a Lagrange top.
+    pure logical function has_closed_nutation(self)
+        class(body_t), intent(in) :: self
+        has_closed_nutation = self%is_lagrange() .and. .not. self%given%differ
+    end function has_closed_nutation
 
     !> Whether the body moves freely: without damping, gravitational torque and effects.
     pure logical function is_free(self)

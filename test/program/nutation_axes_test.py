@@ -43,7 +43,28 @@ OBLIQUE = """\
 """
 
 
-@pytest.mark.parametrize(("body", "gravity"), [(BODY, ""), (BODY, "gravity = 0"), (OBLIQUE, "")])
+# Tops in closed form about body x, about body y below the pivot, about none of the body axes.
+ABOUT_OTHER_AXES = [
+    OBLIQUE.replace("0.9, 0.5, 0.9  centre_of_mass = 0, 0.4, 0  damping = 3*0.01", moments).replace(
+        "1, 0, 1 /", "1, 0.3, 1 /"
+    )
+    for moments in (
+        "0.25, 0.9, 0.9  centre_of_mass = 0.8, 0, 0",
+        "0.9, 0.25, 0.9  centre_of_mass = 0, -0.8, 0",
+    )
+]
+ABOUT_OTHER_AXES += [
+    BODY[: BODY.index("mass = 2")]
+    + "mass = 1  inertia_tensor(1,:) = 0.8, 0.1, 0.1  inertia_tensor(2,2:3) = 0.8, 0.1"
+    + " inertia_tensor(3,3) = 0.8  centre_of_mass = 3*0.3 {} /\n"
+    + BODY[BODY.index("&initial") :]
+]
+
+
+@pytest.mark.parametrize(
+    ("body", "gravity"),
+    [(BODY, ""), (BODY, "gravity = 0"), (OBLIQUE, ""), *((body, "") for body in ABOUT_OTHER_AXES)],
+)
 def test_extremes(tmp_path: Path, body: str, gravity: str) -> None:
     """Each alone and all together, against many rows of the trajectory."""
     sweep = body.format(gravity, "") + SWEEP
@@ -60,6 +81,35 @@ def test_extremes(tmp_path: Path, body: str, gravity: str) -> None:
     assert float(found["theta_rate_max"]) == near(max(map(abs, theta_rate)), rel=1e-3)
     if not gravity:
         assert float(found["phi_rate_max"]) == near(max(phi_rate, key=abs), rel=1e-5)
+
+
+@pytest.mark.parametrize("body", ABOUT_OTHER_AXES)
+def test_a_little_asymmetry_changes_little(tmp_path: Path, body: str) -> None:
+    """With it there is no closed form, nor axis of symmetry: what a row says is of body z."""
+    columns = (*EXTREMES, "com_z_min", "force_max", "motion_class", "nutation_period", "theta_end")
+    tops = [
+        body,
+        body.replace("0.9, 0.9", "0.9, 0.90000001").replace("0.25, 0.9 ", "0.25, 0.90000001 "),
+    ]
+    tops[1] = tops[1].replace("(3,3) = 0.8", "(3,3) = 0.80000001")
+    assert tops[0] != tops[1]
+    top, other = (rows_of(tmp_path, text.format("", "") + SWEEP, columns)[0] for text in tops)
+    assert top["motion_class"] == other["motion_class"]
+    for name in set(columns) - {"motion_class"}:
+        if other[name] != top[name]:
+            assert float(top[name]) == pytest.approx(float(other[name]), rel=1e-5, abs=1e-5), name
+
+
+@pytest.mark.parametrize("axis", ["0.5, 0.9, 0.9", "0.9, 0.5, 0.9"])
+def test_free_body_about_another_axis(tmp_path: Path, axis: str) -> None:
+    """The range of theta for all times does not depend on whether two moments are equal."""
+    body = f"&top mass = 1  inertia = {axis}  length = 0 /\n"
+    body += "&initial theta = 1  omega = 1, 2, 3 /\n&span t_end = 4 /\n"
+    other = body.replace("0.9  length", "0.90000000001  length")
+    columns = "theta_min", "theta_max", "momentum_period"
+    found, expected = (rows_of(tmp_path, text + SWEEP, columns)[0] for text in (body, other))
+    for name in columns:
+        assert float(found[name]) == pytest.approx(float(expected[name]), rel=1e-6), name
 
 
 def test_constants_of_a_free_body(tmp_path: Path) -> None:
@@ -111,6 +161,17 @@ def test_swing_over_poles(tmp_path: Path, end: float, across: str) -> None:
     (found,) = rows_of(tmp_path, text + sweep + f"{end} /\n", ("theta_rate_max",))
     largest = math.sqrt(1 + 2 * 9.81 * 0.3 * (1 + math.cos(1)) / 0.9)
     assert float(found["theta_rate_max"]) == pytest.approx(largest, abs=1e-6 + 3 * float(across))
+
+
+@pytest.mark.parametrize("method", ["taylor", "dop853"])
+@pytest.mark.parametrize("psi", [0, 45, 100])
+def test_nutation_rate_from_a_pole(tmp_path: Path, psi: int, method: str) -> None:
+    """That of the start, which is largest here: sin(180 deg) is not zero to a computer."""
+    text = "&top mass = 1  inertia = 0.5, 0.7, 0.9  length = 0.8  damping = 0.05, 0.02, 0.01 /\n"
+    text += f"&initial theta_deg = 180  psi_deg = {psi}  omega = 1.8, 2.4, 0 /\n&span t_end = 4 /\n"
+    text += f"&integration method = '{method}' /\n"
+    (found,) = rows_of(tmp_path, text + SWEEP, ("theta_rate_max",))
+    assert float(found["theta_rate_max"]) == pytest.approx(3, rel=1e-9)
 
 
 @pytest.mark.parametrize(("rate", "kind"), [(1, "libration"), (6, "circulation")])

@@ -209,7 +209,7 @@ contains
         do i = 1, lanes
             sine = sqrt(x(i, 4)**2 + x(i, 5)**2)
             rate(i) = merge(abs(x(i, 4) * x(i, 2) - x(i, 5) * x(i, 1)) / max(sine, tiny(sine)), &
-                            sqrt(x(i, 1)**2 + x(i, 2)**2), sine > 0)
+                            sqrt(x(i, 1)**2 + x(i, 2)**2), sine > through_pole)
         end do
     end subroutine find_nutation_rates
 

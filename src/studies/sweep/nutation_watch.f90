@@ -315,7 +315,7 @@ contains
         gamma = vertical_from_quaternion(given%quaternion)
         sine = hypot(gamma(1), gamma(2))
         ! At a pole theta' has two signs, and a limit.
-        if (sine > 0) then
+        if (sine > through_pole) then
             self%theta_rate_max = max(self%theta_rate_max, abs(axis_height_rate(given)) / sine)
         else
             self%theta_rate_max = max(self%theta_rate_max, hypot(given%omega(1), given%omega(2)))

@@ -27,30 +27,48 @@ module spintop_sweep_quantities
 
 contains
 
-    !> The whole nutation, without the height of the centre of mass.
+    !> The whole nutation of a closed form, without the height of the centre of mass.
     subroutine put_nutation(case, nutation, values, note)
         type(case_t), intent(in) :: case !! body, start and span
-        type(nutation_t), intent(in) :: nutation !! quantities of the nutation
+        type(nutation_t), intent(in) :: nutation !! quantities of the nutation, in the axes of the computation
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
         type(note_t), intent(inout) :: note !! notes on the case
-        call put_extremes(case, nutation, values)
-        call put_means(case, nutation, values, note)
+        type(nutation_t) :: seen
+
+        if (case%turn%flipped .or. case%turn%is_shifted()) then
+            seen = as_given(case, nutation)
+            call put_extremes(seen, values)
+            call put_means(case, seen, values, note)
+        else
+            call put_extremes(nutation, values)
+            call put_means(case, nutation, values, note)
+        end if
     end subroutine put_nutation
 
-    !> The extremes of theta and of the precession rate.
-    subroutine put_extremes(case, nutation, values)
+    !> A nutation in the axes, and relative to the frame, of the input.
+    pure type(nutation_t) function as_given(case, nutation) result(seen)
         type(case_t), intent(in) :: case
+        type(nutation_t), intent(in) :: nutation
+        seen = nutation
+        if (case%turn%flipped) then
+            seen%theta_min = pi - nutation%theta_max
+            seen%theta_max = pi - nutation%theta_min
+        end if
+        if (case%turn%is_shifted()) then
+            seen%phi_rate_max = largest_relative_rate(case, nutation)
+            seen%precession_rate = nutation%precession_rate - case%turn%phi_shift
+            seen%precession = seen%precession_rate * nutation%period
+        end if
+    end function as_given
+
+    !> The extremes of theta and of the precession rate.
+    subroutine put_extremes(nutation, values)
         type(nutation_t), intent(in) :: nutation
         type(sweep_result_t), intent(inout) :: values
         values%theta_min = nutation%theta_min
         values%theta_max = nutation%theta_max
-        if (case%turn%flipped) then
-            values%theta_min = pi - nutation%theta_max
-            values%theta_max = pi - nutation%theta_min
-        end if
         values%delta_u = nutation%delta_u
         values%phi_rate_max = nutation%phi_rate_max
-        if (case%turn%is_shifted()) values%phi_rate_max = largest_relative_rate(case, nutation)
     end subroutine put_extremes
 
     !> The precession rate of a top relative to a frame that turns that is largest in magnitude. With u = cos(theta) the
@@ -98,10 +116,6 @@ contains
         values%nutation_rate = 2 * pi / nutation%period
         values%precession_per_nutation = nutation%precession
         values%precession_rate = nutation%precession_rate
-        if (case%turn%is_shifted()) then
-            values%precession_rate = nutation%precession_rate - case%turn%phi_shift
-            values%precession_per_nutation = values%precession_rate * nutation%period
-        end if
         if (abs(values%precession_per_nutation) > 0) then
             values%nutations_per_turn = 2 * pi / abs(values%precession_per_nutation)
         else
@@ -147,7 +161,7 @@ contains
         logical, intent(in) :: is_whole !! whether there was a whole nutation
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
         type(note_t), intent(inout) :: note !! notes on the case
-        call put_extremes(case, nutation, values)
+        call put_extremes(nutation, values)
         if (.not. wanted%whole) return
         if (.not. is_whole) then
             call note%add(note_no_nutation)
@@ -169,7 +183,7 @@ contains
         type(fast_top_t) :: motion
 
         if (.not. precession_period(case%body, case%start) > 0) then
-            call note%add(note_no_fast_top, 'they need a spin and a weight')
+            call note%add(note_no_fast_top, 'they need ' // needs_of_period(case))
             return
         end if
         values%precession_period = precession_period(case%body, case%start)
@@ -257,7 +271,7 @@ contains
         type(case_t), intent(in) :: case !! body, start and span
         type(note_t), intent(inout) :: note !! notes on the case
         if (.not. (note%has(note_no_fast_top) .or. precession_period(case%body, case%start) > 0)) then
-            call note%add(note_no_precession_period, 'it needs a spin and a weight')
+            call note%add(note_no_precession_period, 'it needs ' // needs_of_period(case))
         end if
     end subroutine explain_no_period
 
@@ -293,7 +307,7 @@ contains
         if (case%body%is_lagrange()) call explain_no_exact_motion(case, note)
     end subroutine explain_no_inherent_error
 
-    !> The constants of a free body from its exact solution; of a body that is not symmetric also the range of theta.
+    !> The constants of a free body from its exact solution; of a body that is not symmetric about body z also the range of theta.
     subroutine find_free_constants(case, wanted, values, note)
         type(case_t), intent(in) :: case !! body, start and span
         type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
@@ -306,7 +320,7 @@ contains
             if (wanted%free) call note%add(note_not_free)
             return
         end if
-        if (.not. (wanted%free .or. (wanted%range .and. .not. case%body%is_lagrange()))) return
+        if (.not. (wanted%free .or. (wanted%range .and. .not. case%body%has_closed_nutation()))) return
         if (case%turn%to_principal_axes) then
             call prepare_free_motion(case%body, case%start, free, status)
         else
@@ -341,7 +355,7 @@ contains
             end if
         end if
         ! The range of an axis that is not a principal axis was measured.
-        if (.not. wanted%range .or. case%body%is_lagrange() .or. case%body%given%differ) return
+        if (.not. wanted%range .or. case%body%has_closed_nutation() .or. case%turn%to_principal_axes) return
         momentum = case%given_body%inertia * case%given_start%omega
         range = case%given_start%angle(2)
         if (any(abs(momentum) > 0)) then
@@ -353,12 +367,20 @@ contains
         values%delta_u = 2 * sin((range(2) + range(1)) / 2) * sin((range(2) - range(1)) / 2)
     end subroutine put_free_constants
 
-    !> T_p of the paper, s; 0 without spin, without weight, and for a body that is not a top.
+    !> What a case without T_p lacks.
+    pure function needs_of_period(case) result(needs)
+        type(case_t), intent(in) :: case
+        character(:), allocatable :: needs
+        needs = 'a spin and a weight'
+        if (case%body%given%differ) needs = 'body z as the axis of symmetry'
+    end function needs_of_period
+
+    !> T_p of the paper, s; 0 without spin, without weight, and for a body that is not a top about body z as it was given.
     pure real(dp) function precession_period(body, start)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! the motion at the start
         precession_period = 0
-        if (.not. body%mgl() > 0) return
+        if (body%given%differ .or. .not. body%mgl() > 0) return
         precession_period = 2 * pi * abs(body%inertia(3) * start%omega(3)) / body%mgl()
     end function precession_period
 

@@ -66,7 +66,7 @@ contains
 
         values = sweep_result_t()
         status = status_ok
-        if (case%body%is_lagrange()) then
+        if (case%body%has_closed_nutation()) then
             if (wanted%nutation) then
                 call find_nutation(case%body, case%start, nutation, status)
                 if (status == status_ok) then
@@ -81,8 +81,8 @@ contains
         if (stability /= status_ok) status = stability
         if (wanted%fast_top) call put_fast_top(case, values, note)
 
-        measures = (wanted%nutation .or. wanted%details) .and. .not. case%body%is_lagrange()
-        if (case%body%is_free()) measures = measures .and. (wanted%measured .or. case%body%given%differ)
+        measures = (wanted%nutation .or. wanted%details) .and. .not. case%body%has_closed_nutation()
+        if (case%body%is_free()) measures = measures .and. (wanted%measured .or. case%turn%to_principal_axes)
         if (.not. (measures .or. wanted%period .or. wanted%end .or. wanted%energy .or. wanted%oracle .or. &
                    wanted%cost .or. wanted%inherent)) then
             call find_free_constants(case, wanted, values, note)

@@ -278,7 +278,7 @@ contains
         associate (unused => self)
         end associate
         text = ''
-        if (.not. job%case%body%is_lagrange()) return
+        if (.not. job%case%body%has_closed_nutation()) return
         allocate (known, source=sweep_columns())
         work = work_for(known(job%columns))
         ! Beside the formulas of a fast top.

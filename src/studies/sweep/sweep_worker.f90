@@ -212,8 +212,9 @@ contains
             call make_worker_case(worker, job, k, keeps_attitude)
             plan => worker%plans(worker%kind(k))%plan
             worker%max_steps(k) = plan%max_steps
-            ! The lanes begin with angles and rates, which do not exist at a pole.
-            in_lanes = plan%exact .and. worker%kind(k) == symmetric_top .and. all(is_finite(case%start%rate))
+            ! The lanes begin with angles and rates, which do not exist at a pole; their nutation is that of the symmetry axis.
+            in_lanes = plan%exact .and. worker%kind(k) == symmetric_top .and. all(is_finite(case%start%rate)) .and. &
+                (case%body%has_closed_nutation() .or. .not. (worker%wanted%nutation .or. worker%wanted%details))
             if (in_lanes .and. status == status_ok .and. size(job%events) > 0) then
                 call stop_exactly(case, job%events, job%stop_after, worker%max_steps(k), status, worker%came(k))
                 if (status /= status_ok) call note%explain(trim(status_meanings(status)))

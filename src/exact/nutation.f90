@@ -2,7 +2,7 @@
 !> change of phi and psi per nutation, largest rates, and the class of the motion.
 module spintop_nutation
     use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_positive_inf
-    use spintop_kinds, only: dp, xp, pi_xp, epsilon_dp
+    use spintop_kinds, only: dp, xp, pi, pi_xp, epsilon_dp
     use spintop_compare, only: is_finite
     use spintop_status, only: status_ok, status_non_finite
     use spintop_body, only: body_t
@@ -13,7 +13,7 @@ module spintop_nutation
     use spintop_theta_motion, only: theta_motion_t, prepare_theta_motion, regime_resting
     implicit none
     private
-    public :: nutation_t, find_nutation, describe_nutation, is_defined, class_name, class_meaning, class_names
+    public :: nutation_t, find_nutation, describe_nutation, is_defined, whole_half_turns, class_name, class_meaning, class_names
     public :: class_loop, class_cusp, class_wave, class_steady, class_sleeping, class_hanging
     public :: class_separatrix, class_libration, class_circulation, last_class
 
@@ -166,6 +166,7 @@ contains
             if (nutation%passes_bottom) bottom_jump = sign(pi_xp, start%b_plus_a)
             precession = precession - top_jump - bottom_jump
             spin = spin + top_jump - bottom_jump
+            if (.not. abs(start%beta) > 0) precession = whole_half_turns(real(precession, dp))
             if (is_plane(start)) precession = 0
             if (is_plane(start) .and. .not. abs(start%omega3) > 0) spin = 0
             nutation%period = real(period, dp)
@@ -182,6 +183,13 @@ contains
             nutation%spin = whole_turn(nutation%spin_rate, nutation%period)
         end if
     end subroutine add_precession
+
+    !> The precession per nutation of a free top, rad, without rounding errors. Its axis circles the momentum once: phi comes
+    !> back, or has one turn, or half a turn where the axis passes a pole.
+    elemental real(dp) function whole_half_turns(precession)
+        real(dp), intent(in) :: precession !! the same with rounding errors
+        whole_half_turns = pi * anint(precession / pi)
+    end function whole_half_turns
 
     !> Rate times period; zero where the rate is zero and the period infinite.
     elemental real(dp) function whole_turn(rate, period)

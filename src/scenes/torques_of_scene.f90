@@ -2,6 +2,7 @@
 module spintop_torques_of_scene
     use spintop_compare, only: is_finite
     use spintop_errors, only: error_t
+    use spintop_files, only: path_from
     use spintop_kinds, only: dp
     use spintop_loaded_table, only: read_table, table_t
     use spintop_problems, only: problems_t
@@ -29,8 +30,7 @@ contains
         integer :: axis
 
         if (scene%torque_table == '') return
-        path = trim(scene%torque_table)
-        if (index(path, '/') /= 1) path = input(:index(input, '/', back=.true.)) // path
+        path = path_from(input, scene%torque_table)
         call read_table(path, table, error)
         if (.not. allocated(error)) call table%read_column('t', t, error)
         if (.not. allocated(error)) allocate (torque(3, size(t)))

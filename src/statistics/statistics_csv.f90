@@ -12,7 +12,7 @@ module spintop_statistics_csv
     use spintop_table_column, only: column_of_integers, column_of_words, table_column_t
     implicit none
     private
-    public :: write_statistics_csv
+    public :: path_beside, write_statistics_csv
 
     character, parameter :: nl = new_line('a')
     !> Rows that are written at once.

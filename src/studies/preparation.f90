@@ -6,6 +6,7 @@ module spintop_preparation
     use spintop_event_choice, only: choose_events
     use spintop_interrupted_run, only: refuse_to_discard_idle
     use spintop_job, only: job_t
+    use spintop_job_files, only: name_job, name_outputs, refuse_overwriting
     use spintop_namelist, only: read_namelist
     use spintop_netcdf_file, only: has_compression, has_netcdf
     use spintop_netcdf_grid, only: most_netcdf_rows
@@ -39,12 +40,18 @@ contains
         type(prepared_t), allocatable, target, intent(out) :: prepared(:) !! the jobs with their studies
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(error_t), allocatable :: problem
-        integer :: i
+        logical :: is_faulty(size(inputs))
+        integer :: i, k
 
+        is_faulty = .false.
         allocate (prepared(size(inputs)))
         do i = 1, size(inputs)
             call prepare_job(inputs(i)%text, options, prepared(i)%job, prepared(i)%study, problem)
-            if (.not. allocated(problem)) call refuse_same_table(prepared(:i), problem)
+            do k = 1, i
+                if (allocated(problem) .or. is_faulty(k)) cycle
+                call refuse_overwriting(prepared(i)%job, prepared(k)%job, k < i, problem)
+            end do
+            is_faulty(i) = allocated(problem)
             if (.not. allocated(problem)) cycle
             if (allocated(error)) then
                 error%message = error%message // new_line('a') // problem%message
@@ -55,27 +62,6 @@ contains
         end do
         call options%ranks%agree(error)
     end subroutine prepare_jobs
-
-    !> Returns an error if the last of some jobs writes the same table as another one.
-    subroutine refuse_same_table(prepared, error)
-        type(prepared_t), intent(in) :: prepared(:)
-        type(error_t), allocatable, intent(inout) :: error
-        integer :: k
-
-        associate (last => prepared(size(prepared))%job)
-            do k = 1, size(prepared) - 1
-                associate (other => prepared(k)%job)
-                    if (.not. allocated(other%output)) cycle
-                    if (other%output == last%output .or. other%output == last%event_output &
-                        .or. other%event_output == last%output .or. other%output == last%statistics_output &
-                        .or. other%statistics_output == last%output) then
-                        error = input_error(escaped(last%input) // ': error: its table ' // escaped(last%output) &
-                            // ' is also that of ' // escaped(other%input) // '; set output.file in one of them')
-                    end if
-                end associate
-            end do
-        end associate
-    end subroutine refuse_same_table
 
     !> Reads an input with the overrides of the command line, makes its case, plan and columns, and reports
     !> all its problems at once.
@@ -91,7 +77,7 @@ contains
         type(study_info_t) :: info
 
         job%input = input
-        job%name = base_name(input)
+        call name_job(job)
         call describe_scene(job%scene, job%table)
         call job%table%verify(error)
         if (allocated(error)) return
@@ -182,30 +168,6 @@ contains
         end if
     end subroutine refuse_netcdf
 
-    !> Sets the names of the files that a job writes.
-    subroutine name_outputs(options, job)
-        type(options_t), intent(in) :: options
-        type(job_t), intent(inout) :: job
-        character(6) :: ending
-        if (job%scene%file /= '') job%name = base_name(trim(job%scene%file))
-        associate (stem => options%output // '/' // job%name // options%shard%suffix())
-            ending = merge('.nc ', '.csv', job%scene%format == 'netcdf')
-            job%output = stem // trim(ending)
-            job%statistics_output = ''
-            if (job%statistics%is_wanted) then
-                if (options%shard%is_part()) ending = '.state'
-                job%statistics_output = stem // '.statistics' // trim(ending)
-            end if
-            if (.not. job%keeps_rows()) then
-                job%output = job%statistics_output
-                job%statistics_output = ''
-            end if
-            job%log = stem // '.log'
-            job%event_output = ''
-            if (any(job%events%is_listed)) job%event_output = stem // '.events.csv'
-        end associate
-    end subroutine name_outputs
-
     !> Returns an error, the same in all ranks, if the jobs would discard rows of interrupted runs without a
     !> request.
     subroutine protect_interrupted(prepared, options, error)
@@ -227,15 +189,5 @@ contains
         end if
         call options%ranks%agree(error)
     end subroutine protect_interrupted
-
-    !> Name of a file without its folder and its extension.
-    pure function base_name(path) result(name)
-        character(*), intent(in) :: path
-        character(:), allocatable :: name
-        integer :: dot
-        name = path(index(path, '/', back=.true.) + 1:)
-        dot = index(name, '.', back=.true.)
-        if (dot > 1) name = name(:dot - 1)
-    end function base_name
 
 end module spintop_preparation

@@ -4,10 +4,10 @@ module spintop_files
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, input_error
     use spintop_posix, only: c_open, c_open_locked, c_write, c_read, c_sync, c_sync_folder, c_truncate, c_close, c_rename, &
-        c_remove, c_remove_folder, c_make_folder, c_make_private_folder, c_inspect, check_call
+        c_remove, c_remove_folder, c_make_folder, c_make_private_folder, c_inspect, c_is_same_file, check_call
     implicit none
     private
-    public :: input_file_t, output_file_t, read_file, replace_file, file_exists, is_folder, file_size
+    public :: input_file_t, output_file_t, read_file, replace_file, file_exists, is_folder, is_same_file, file_size, path_from
     public :: make_folder, make_private_folder, remove_folder, rename_file, remove_file, sync_folder_of
 
     integer, parameter :: no_file = -1
@@ -184,6 +184,21 @@ contains
         call file%close(ignored)
         if (.not. allocated(error)) call sync_folder_of(path, error)
     end subroutine replace_file
+
+    !> A path that is relative to the folder of another file.
+    pure function path_from(file, path) result(whole)
+        character(*), intent(in) :: file !! path of the other file
+        character(*), intent(in) :: path !! an absolute path, which stays as it is, or a relative one
+        character(:), allocatable :: whole
+        whole = trim(path)
+        if (index(whole, '/') /= 1) whole = file(:index(file, '/', back=.true.)) // whole
+    end function path_from
+
+    !> Whether two paths name one file, which exists.
+    logical function is_same_file(a, b)
+        character(*), intent(in) :: a, b !! the paths
+        is_same_file = c_is_same_file(a // c_null_char, b // c_null_char) /= 0
+    end function is_same_file
 
     !> Opens a file for reading. Its errors are input errors.
     subroutine open_input(self, path, error)

@@ -162,6 +162,12 @@ void spintop_inspect(const char *path, long long *size, int *is_folder) {
     *is_folder = S_ISDIR(info.st_mode);
 }
 
+// Whether two paths name one file, which exists.
+int spintop_is_same_file(const char *a, const char *b) {
+    struct stat one, other;
+    return stat(a, &one) == 0 && stat(b, &other) == 0 && one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+}
+
 int spintop_is_terminal(int file) {
     return isatty(file);
 }

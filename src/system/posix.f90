@@ -6,8 +6,8 @@ module spintop_posix
     implicit none
     private
     public :: c_open, c_open_locked, c_write, c_read, c_sync, c_sync_folder, c_truncate, c_close, c_rename, &
-        c_remove, c_remove_folder, c_make_folder, c_make_private_folder, c_inspect, c_is_terminal, c_seconds, c_processor_seconds, &
-        c_pause, c_utc, c_host, c_peak_memory, c_physical_memory, check_call, up_to_null
+        c_remove, c_remove_folder, c_make_folder, c_make_private_folder, c_inspect, c_is_same_file, c_is_terminal, c_seconds, &
+        c_processor_seconds, c_pause, c_utc, c_host, c_peak_memory, c_physical_memory, check_call, up_to_null
 
     interface
         !> Opens a file for reading.
@@ -103,6 +103,12 @@ module spintop_posix
             integer(c_long_long), intent(out) :: size !! size in bytes; -1 if there is no such file
             integer(c_int), intent(out) :: is_folder !! nonzero for a folder
         end subroutine c_inspect
+
+        !> Nonzero if two paths name one file, which exists.
+        integer(c_int) function c_is_same_file(a, b) bind(C, name='spintop_is_same_file')
+            import :: c_char, c_int
+            character(c_char), intent(in) :: a(*), b(*) !! the paths, terminated by null characters
+        end function c_is_same_file
 
         !> Nonzero if the file is a terminal.
         integer(c_int) function c_is_terminal(file) bind(C, name='spintop_is_terminal')

@@ -9,7 +9,7 @@
 module spintop_table_walk
     use spintop_diagnostics, only: diagnostics_t, place_t
     use spintop_errors, only: error_t
-    use spintop_files, only: read_file
+    use spintop_files, only: path_from, read_file
     use spintop_kinds, only: dp
     use spintop_literals, only: read_real
     use spintop_table_head, only: check_format
@@ -62,8 +62,7 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
 
         has_lines = .false.
-        self%path = trim(path)
-        if (index(self%path, '/') /= 1) self%path = input(:index(input, '/', back=.true.)) // self%path
+        self%path = path_from(input, path)
         call read_file(self%path, largest_table, self%text, error)
         if (.not. allocated(error)) call check_format(self%path, self%text, error)
         if (allocated(error)) return

@@ -194,3 +194,33 @@ def test_force_on_a_balanced_body(tmp_path: Path) -> None:
     assert found["status"] == "ok"
     for name in names:
         assert float(found[name]) == pytest.approx(2 * 9.81, rel=1e-12), name
+
+
+def test_a_slow_sleeping_top(tmp_path: Path) -> None:
+    """Below the threshold the axis has no period, and no spin in one: that is no failure."""
+    text = "&top mass = 1  inertia = 0.875, 0.875, 0.25  length = 0.866 /\n"
+    text += "&initial theta = 0  psi_rate = 5 /\n&span t_end = 4 /\n"
+    (found,) = rows_of(tmp_path, text + SWEEP, ("nutation_period", "spin_per_nutation"))
+    assert (found["status"], found["nutation_period"], found["spin_per_nutation"]) == (
+        "ok",
+        "nan",
+        "nan",
+    )
+
+
+@pytest.mark.parametrize("columns", [(), ("motion_class",)])
+def test_precession_of_a_free_top(tmp_path: Path, columns: tuple[str, ...]) -> None:
+    """The axis circles the momentum, and with it the vertical or not: whole turns."""
+    text = "&top mass = 1  inertia = 0.9, 0.9, 0.25  length = 0 /\n"
+    text += "&initial theta = 1  theta_rate = 0.3  psi_rate = 5 /\n&span t_end = 4 /\n"
+    text += "&study kind = 'sweep' /\n"
+    text += "&sweep parameter = 'initial.phi_rate'  from = -9  to = 9  count = 60 /\n"
+    wanted = ("precession_per_nutation", "precession_rate", "nutation_period", "nutations_per_turn")
+    turns = set()
+    for row in rows_of(tmp_path, text, (*wanted, *columns)):
+        precession, rate, period, per_turn = (float(row[name]) for name in wanted)
+        assert precession in (-2 * math.pi, 0, 2 * math.pi)
+        assert rate == pytest.approx(precession / period, rel=1e-14)
+        assert per_turn == 1 if precession else math.isnan(per_turn)
+        turns.add(precession)
+    assert len(turns) == 3

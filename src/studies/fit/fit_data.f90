@@ -3,6 +3,7 @@ module spintop_fit_data
     use spintop_body_of_scene, only: is_set
     use spintop_compare, only: is_finite
     use spintop_errors, only: error_t, input_error
+    use spintop_files, only: path_from
     use spintop_kinds, only: dp
     use spintop_loaded_table, only: read_table, table_t
     use spintop_plain_text, only: escaped
@@ -46,8 +47,7 @@ contains
             call problems%add('fit', 'there are no measurements', "give data = 'FILE.csv'")
             return
         end if
-        path = trim(scene%data)
-        if (index(path, '/') /= 1) path = input(:index(input, '/', back=.true.)) // path
+        path = path_from(input, scene%data)
         call read_table(path, table, error)
         if (.not. allocated(error)) call table%read_column('t', measured%t, error)
         if (allocated(error)) then

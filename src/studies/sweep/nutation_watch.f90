@@ -15,7 +15,7 @@ module spintop_nutation_watch
         class_libration, class_circulation
     use spintop_quantities, only: angular_acceleration, axis_height_rate, polar_precession_rate, support_force
     use spintop_attitude, only: vertical_from_quaternion
-    use spintop_turning_record, only: turning_points_t, upper, lower
+    use spintop_turning_record, only: count_end, turning_points_t, upper, lower
     use spintop_vectors, only: cross
     implicit none
     private
@@ -265,8 +265,10 @@ contains
                 self%here = motion_from_quaternion(here%t, here%quaternion, here%omega, here%angle)
             end associate
         end if
+        self%here%omega_rate = angular_acceleration(self%case%body, self%here)
         given = self%as_given(self%here)
         self%end_theta(2) = given%angle(2)
+        if (self%measures%turning) call count_end(self%turns, self%as_given(self%case%start), given)
         call self%take_extremes(self%here, given)
     end subroutine take_end
 

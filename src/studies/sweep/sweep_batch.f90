@@ -3,11 +3,13 @@
 module spintop_sweep_batch
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
+    use spintop_attitude, only: vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_body_with_effects, only: body_with_effects_t
     use spintop_case, only: case_t
     use spintop_compare, only: is_zero
     use spintop_exact_block, only: block_size
+    use spintop_instants, only: through_pole
     use spintop_integration, only: outcome_t
     use spintop_job, only: job_t
     use spintop_many_bodies, only: integrate_many
@@ -64,7 +66,7 @@ contains
         if (case%body%given%differ .and. (wanted%turns .or. wanted%measured .or. wanted%range)) return
         ! Nor do they find extremes in poles, or of a force that is constant.
         if (wanted%nutation_rate .or. wanted%fastest) then
-            if (swings_over_poles(case%body, case%start, nearly_plane)) return
+            if (swings_over_poles(case%body, case%start, nearly_plane) .or. starts_beside_pole(case%start)) return
         end if
         if ((wanted%force .or. wanted%vertical_force) .and. all(is_zero(case%body%centre_of_mass))) return
         if (job%axes%varies('integration')) return
@@ -80,6 +82,17 @@ contains
             end select
         end select
     end function goes_in_batch
+
+    !> Whether body z is so close to a pole that the extremes of its rates in passing it are lost in rounding errors of the
+    !> polynomials. In a pole they are limits.
+    pure logical function starts_beside_pole(start)
+        type(motion_t), intent(in) :: start
+        real(dp), parameter :: beside = 1.0e-6_dp
+        real(dp) :: gamma(3), sine
+        gamma = vertical_from_quaternion(start%quaternion)
+        sine = norm2(gamma(1:2))
+        starts_beside_pole = sine > through_pole .and. sine < beside
+    end function starts_beside_pole
 
     !> Whether watches in lanes would find a quantity by equations that hold without effects.
     pure logical function needs_plain_body(wanted)
@@ -122,7 +135,7 @@ contains
 
         in_lanes = wanted
         alone = wanted
-        ! The growth of perturbations is that over the whole span, whatever ends the motion before.
+        ! Perturbations are followed to the end of the motion: beside it only if no event ends it.
         if (size(job%events) > 0) then
             in_lanes%lyapunov = .false.
             in_lanes%singular = .false.
@@ -149,8 +162,10 @@ contains
             values(k) = sweep_result_t()
             call note(k)%clear()
             max_steps = self%controls%max_steps - self%outcomes(i)%counts%steps
-            call put_stability(cases(k), alone, max_steps, values(k), stability, note(k))
-            if (status(k) == status_ok) status(k) = stability
+            if (status(k) == status_ok) then
+                call put_stability(cases(k), self%ends(i)%t, alone, max_steps, values(k), stability, note(k))
+                status(k) = stability
+            end if
             if (wanted%fast_top) call put_fast_top(cases(k), values(k), note(k))
             values(k)%evaluations = real(self%outcomes(i)%counts%evaluations, dp)
             if (status(k) == status_ok) then

@@ -9,7 +9,7 @@ module spintop_sweep_exact
     use spintop_exact_block, only: exact_block_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t
-    use spintop_nutation, only: nutation_t
+    use spintop_nutation, only: nutation_t, whole_half_turns
     use spintop_status, only: status_ok, status_step_limit, status_too_many_events, status_meanings
     use spintop_stepper, only: looks_per_step
     use spintop_sweep_notes, only: note_t
@@ -113,7 +113,7 @@ contains
         if (wanted%details) call put_details(case, values, note)
         if (wanted%free) call find_free_constants(case, wanted, values, note)
         if (wanted%stability()) then
-            call put_stability(case, wanted, max_steps, values, status, note)
+            call put_stability(case, case%t_end, wanted, max_steps, values, status, note)
         end if
         if (wanted%inherent) then
             values%inherent_error = inherent_error(case%body, case%start, case%t_end)
@@ -135,6 +135,10 @@ contains
         nutation%period = block%period(lane)
         nutation%precession = block%precession(lane)
         nutation%precession_rate = block%precession_rate(lane)
+        if (case%body%is_free()) then
+            nutation%precession = whole_half_turns(nutation%precession)
+            nutation%precession_rate = nutation%precession / nutation%period
+        end if
         nutation%phi_rate_max = block%phi_rate_max(lane)
         if (wanted%lowest) values%com_z_min = lowest_height(case, nutation%theta_max)
         call put_nutation(case, nutation, values, note)

@@ -110,7 +110,7 @@ contains
         free%about = block%about(i)
         free%greatest_rate = block%greatest_rate(i)
         free%axis_angle = block%axis_angle(i, :)
-        call put_stability(case, wanted, max_steps, values, status, note)
+        call put_stability(case, case%t_end, wanted, max_steps, values, status, note)
         if (wanted%fast_top) call put_fast_top(case, values, note)
         if (wanted%period) call put_azimuth(.false., 0.0_dp, values, note)
         if (wanted%end .or. wanted%energy) then

@@ -218,8 +218,10 @@ contains
         else
             values%motion_class = nutation%class
         end if
-        if (case%turn%is_shifted()) nutation%spin = nutation%spin - case%turn%psi_shift * nutation%period
-        values%spin_per_nutation = merge(-1, 1, case%turn%flipped) * nutation%spin
+        if (is_finite(nutation%period)) then
+            if (case%turn%is_shifted()) nutation%spin = nutation%spin - case%turn%psi_shift * nutation%period
+            values%spin_per_nutation = merge(-1, 1, case%turn%flipped) * nutation%spin
+        end if
         values%theta_rate_max = nutation%theta_rate_max
         values%force_max = force%largest
         values%force_z_min = force%lowest_vertical

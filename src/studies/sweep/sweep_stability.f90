@@ -19,11 +19,12 @@ module spintop_sweep_stability
 
 contains
 
-    !> The growth rate at a relative equilibrium, the Lyapunov exponent, the largest singular value, and the largest
-    !> multiplier over a period of the vibration.
+    !> The growth rate at a relative equilibrium, the Lyapunov exponent and the largest singular value up to the end of the
+    !> motion, and the largest multiplier over a period of the vibration.
     !> `status` reports work that was not finished, or overflow.
-    subroutine put_stability(case, wanted, max_steps, values, status, note)
+    subroutine put_stability(case, t_end, wanted, max_steps, values, status, note)
         type(case_t), intent(in) :: case !! body, start and span
+        real(dp), intent(in) :: t_end !! end of the motion, s
         type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
         integer(int64), intent(inout) :: max_steps !! remaining work of the case
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
@@ -45,7 +46,7 @@ contains
             end if
         end if
         if (wanted%lyapunov .or. wanted%singular) then
-            call find_growth([case%body], [case%start], [case%t_end], wanted%lyapunov, wanted%singular, &
+            call find_growth([case%body], [case%start], [t_end], wanted%lyapunov, wanted%singular, &
                              max(max_steps, 1_int64), growth)
             max_steps = max_steps - growth(1)%steps
         end if

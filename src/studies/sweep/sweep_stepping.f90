@@ -77,14 +77,14 @@ contains
             if (wanted%details) call put_details(case, values, note)
         end if
         max_steps = plan%max_steps
-        call put_stability(case, wanted, max_steps, values, stability, note)
-        if (stability /= status_ok) status = stability
         if (wanted%fast_top) call put_fast_top(case, values, note)
 
         measures = (wanted%nutation .or. wanted%details) .and. .not. case%body%has_closed_nutation()
         if (case%body%is_free()) measures = measures .and. (wanted%measured .or. case%turn%to_principal_axes)
         if (.not. (measures .or. wanted%period .or. wanted%end .or. wanted%energy .or. wanted%oracle .or. &
-                   wanted%cost .or. wanted%inherent)) then
+                   wanted%cost .or. wanted%inherent .or. (size(events) > 0 .and. wanted%stability()))) then
+            call put_stability(case, case%t_end, wanted, max_steps, values, stability, note)
+            if (stability /= status_ok) status = stability
             call find_free_constants(case, wanted, values, note)
             return
         end if
@@ -99,6 +99,7 @@ contains
         end if
         call follow(case, plan, max_steps, wanted, watch, values, status, note)
         if (.not. is_good_end(status)) return
+        call put_stability(case, values%t_end, wanted, max_steps, values, stability, note)
         if (stability /= status_ok) status = stability
         if (measures) then
             call watch%take_end()
@@ -133,7 +134,7 @@ contains
     subroutine follow(case, plan, max_steps, wanted, watch, values, status, note)
         type(case_t), intent(in) :: case
         type(plan_t), intent(inout) :: plan
-        integer(int64), intent(in) :: max_steps
+        integer(int64), intent(inout) :: max_steps
         type(sweep_work_t), intent(in) :: wanted
         type(nutation_watch_t), intent(inout), optional :: watch
         type(sweep_result_t), intent(inout) :: values
@@ -165,6 +166,7 @@ contains
             end if
         end if
         status = outcome%status
+        max_steps = max_steps - outcome%counts%steps
         values%evaluations = real(outcome%counts%evaluations, dp)
         if (wanted%period) then
             call put_azimuth(witness%saw_period, witness%azimuth_at_period, values, note)
@@ -178,7 +180,7 @@ contains
         if (case%body%has_closed_form()) then
             call compare_with_exact(case, wanted, witness%last, values)
         else if (wanted%inherent) then
-            call put_inherent_error(case, witness%last%t, max_steps - outcome%counts%steps, values, note)
+            call put_inherent_error(case, witness%last%t, max_steps, values, note)
         end if
     end subroutine follow
 

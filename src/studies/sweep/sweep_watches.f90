@@ -16,6 +16,7 @@ module spintop_sweep_watches
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t
     use spintop_nutation_watch, only: nutation_of
+    use spintop_quantities, only: angular_acceleration
     use spintop_status, only: status_meanings, status_non_finite, status_ok, status_step_limit
     use spintop_stepper, only: controls_t
     use spintop_stop_lanes, only: stop_lanes_t
@@ -23,7 +24,7 @@ module spintop_sweep_watches
     use spintop_sweep_quantities, only: put_azimuth, put_measured_nutation
     use spintop_sweep_result, only: sweep_result_t, sweep_work_t
     use spintop_turning_lanes, only: turning_lanes_t
-    use spintop_turning_record, only: turning_points_t, upper, lower
+    use spintop_turning_record, only: count_end, turning_points_t, upper, lower
     implicit none
     private
     public :: sweep_watches_t, ends_in_lanes
@@ -175,6 +176,7 @@ contains
         type(note_t), intent(inout) :: note !! notes on the case
         type(nutation_t) :: nutation
         type(turning_points_t) :: turns(upper:lower)
+        type(motion_t) :: ending
         real(dp) :: ends(2), rate
         logical :: is_whole
         integer :: k
@@ -215,6 +217,11 @@ contains
                 turns = watch%turns(:, i)
             end select
         end do
+        if (wanted%turning) then
+            ending = last
+            ending%omega_rate = angular_acceleration(case%body, ending)
+            call count_end(turns, case%start, ending)
+        end if
         ends = [case%start%angle(2), last%angle(2)]
         if (wanted%fastest) then
             call nutation_of(turns, ends, nutation, is_whole, rate)

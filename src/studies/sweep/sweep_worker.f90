@@ -9,8 +9,10 @@ module spintop_sweep_worker
     use spintop_compare, only: is_finite, is_zero
     use spintop_exact_block, only: exact_block_t, block_size
     use spintop_job, only: job_t
+    use spintop_motion, only: motion_t
     use spintop_plan, only: plan_t, make_plan
     use spintop_problems, only: problems_t
+    use spintop_regular_start, only: rates_describe
     use spintop_row_block, only: row_block_t
     use spintop_status, only: status_bad_input, status_meanings, status_ok
     use spintop_sweep_axes, only: axes_t, swept_scene_t
@@ -212,8 +214,7 @@ contains
             call make_worker_case(worker, job, k, keeps_attitude)
             plan => worker%plans(worker%kind(k))%plan
             worker%max_steps(k) = plan%max_steps
-            ! The lanes begin with angles and rates, which do not exist at a pole; their nutation is that of the symmetry axis.
-            in_lanes = plan%exact .and. worker%kind(k) == symmetric_top .and. all(is_finite(case%start%rate)) .and. &
+            in_lanes = plan%exact .and. worker%kind(k) == symmetric_top .and. suits_lanes(case%start) .and. &
                 (case%body%has_closed_nutation() .or. .not. (worker%wanted%nutation .or. worker%wanted%details))
             if (in_lanes .and. status == status_ok .and. size(job%events) > 0) then
                 call stop_exactly(case, job%events, job%stop_after, worker%max_steps(k), status, worker%came(k))
@@ -237,6 +238,15 @@ contains
             end if
         end associate
     end subroutine begin_case
+
+    !> Whether the closed form can be computed in lanes, which begin with angles and rates: these do not exist at a pole,
+    !> and close to it they lose digits of a quaternion and omega.
+    pure logical function suits_lanes(start)
+        type(motion_t), intent(in) :: start
+        real(dp), parameter :: close_to_pole = 1.0e-2_dp
+        suits_lanes = rates_describe(start) .or. &
+            (all(is_finite(start%rate)) .and. sin(start%angle(2)) > close_to_pole)
+    end function suits_lanes
 
     !> Computes those of `n` cases that are computed together.
     subroutine compute_together(worker, job, n)

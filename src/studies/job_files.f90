@@ -1,0 +1,161 @@
+!> The files of a job: their names, and that none of them replaces a file that is read, or that another job writes.
+module spintop_job_files
+    use spintop_errors, only: error_t, input_error
+    use spintop_files, only: is_same_file, path_from
+    use spintop_fit_table, only: residual_path
+    use spintop_job, only: job_t
+    use spintop_options, only: options_t
+    use spintop_plain_text, only: escaped
+    use spintop_scene_words, only: reference_names
+    use spintop_statistics_csv, only: path_beside
+    use spintop_text, only: string_t
+    implicit none
+    private
+    public :: name_job, name_outputs, refuse_overwriting
+
+contains
+
+    !> Names a job after its input.
+    subroutine name_job(job)
+        type(job_t), intent(inout) :: job !! the job, with the path of its input
+        integer :: dot
+        job%name = job%input(index(job%input, '/', back=.true.) + 1:)
+        dot = index(job%name, '.', back=.true.)
+        if (dot > 1) job%name = job%name(:dot - 1)
+    end subroutine name_job
+
+    !> Sets the names of the files that a job writes.
+    subroutine name_outputs(options, job)
+        type(options_t), intent(in) :: options !! options of the command line
+        type(job_t), intent(inout) :: job !! the job, named after its input
+        character(6) :: ending
+        if (job%scene%file /= '') job%name = without_format(trim(job%scene%file))
+        associate (stem => options%output // '/' // job%name // options%shard%suffix())
+            ending = merge('.nc ', '.csv', job%scene%format == 'netcdf')
+            job%output = stem // trim(ending)
+            job%statistics_output = ''
+            if (job%statistics%is_wanted) then
+                if (options%shard%is_part()) ending = '.state'
+                job%statistics_output = stem // '.statistics' // trim(ending)
+            end if
+            if (.not. job%keeps_rows()) then
+                job%output = job%statistics_output
+                job%statistics_output = ''
+            end if
+            job%log = stem // '.log'
+            job%event_output = ''
+            if (any(job%events%is_listed)) job%event_output = stem // '.events.csv'
+        end associate
+    end subroutine name_outputs
+
+    !> The name of a table without the ending of its format, which it may have.
+    pure function without_format(file) result(name)
+        character(*), intent(in) :: file
+        character(:), allocatable :: name
+        character(4), parameter :: endings(2) = ['.csv', '.nc ']
+        integer :: i, length
+        name = file
+        do i = 1, size(endings)
+            length = len(file) - len_trim(endings(i))
+            if (length < 1) cycle
+            if (file(length + 1:) == trim(endings(i))) name = file(:length)
+        end do
+    end function without_format
+
+    !> Returns an error if a job would replace a file that another one writes, or either of them one that is read.
+    subroutine refuse_overwriting(job, other, is_other, error)
+        type(job_t), intent(in) :: job, other !! the jobs
+        logical, intent(in) :: is_other !! whether they are two
+        type(error_t), allocatable, intent(inout) :: error !! not allocated if all is well
+        type(string_t), allocatable :: written(:), theirs(:)
+        integer :: i, k
+
+        written = files_written(job)
+        theirs = files_written(other)
+        do i = 1, size(written)
+            do k = 1, size(theirs)
+                if (.not. is_other .or. written(i)%text /= theirs(k)%text) cycle
+                call refuse(job, written(i)%text, 'is also that of ' // escaped(other%input))
+                return
+            end do
+        end do
+        call compare(job, written, files_read(other))
+        if (.not. allocated(error)) call compare(other, theirs, files_read(job))
+
+    contains
+
+        !> Refuses to replace what is read.
+        subroutine compare(writer, files, read)
+            type(job_t), intent(in) :: writer
+            type(string_t), intent(in) :: files(:), read(:)
+            integer :: i, k
+            do i = 1, size(files)
+                do k = 1, size(read)
+                    if (allocated(error)) return
+                    if (is_same_file(files(i)%text, read(k)%text)) then
+                        call refuse(writer, files(i)%text, 'would replace the file that is read as ' // escaped(read(k)%text))
+                    end if
+                end do
+            end do
+        end subroutine compare
+
+        !> Makes the error.
+        subroutine refuse(writer, file, what)
+            type(job_t), intent(in) :: writer
+            character(*), intent(in) :: file, what
+            error = input_error(escaped(writer%input) // ': error: its table ' // escaped(file) // ' ' // what // &
+                                '; set output.file, or name another folder with --output')
+        end subroutine refuse
+
+    end subroutine refuse_overwriting
+
+    !> The files that a job may write.
+    function files_written(job) result(files)
+        type(job_t), intent(in) :: job
+        type(string_t), allocatable :: files(:)
+        character(:), allocatable :: statistics
+
+        allocate (files(0))
+        call append(files, job%output)
+        if (job%axes%cases > 0) call append(files, job%log)
+        if (job%event_output /= '') call append(files, job%event_output)
+        if (job%scene%kind == 'fit') call append(files, residual_path(job%output))
+        if (.not. job%statistics%is_wanted) return
+        statistics = job%output
+        if (job%statistics_output /= '') statistics = job%statistics_output
+        call append(files, statistics)
+        call append(files, path_beside(statistics, 'histogram'))
+        call append(files, path_beside(statistics, 'indices'))
+    end function files_written
+
+    !> The files that a job reads.
+    function files_read(job) result(files)
+        type(job_t), intent(in) :: job
+        type(string_t), allocatable :: files(:)
+        allocate (files(0))
+        associate (scene => job%scene)
+            call append(files, job%input)
+            if (scene%sweep_table /= '') call append(files, path_from(job%input, scene%sweep_table))
+            if (scene%effects%torque_table /= '') call append(files, path_from(job%input, scene%effects%torque_table))
+            if (scene%fit%data /= '') call append(files, path_from(job%input, scene%fit%data))
+            if (all(reference_names /= scene%precision_reference)) then
+                call append(files, path_from(job%input, scene%precision_reference))
+            end if
+        end associate
+    end function files_read
+
+    !> Adds a path to a list.
+    subroutine append(files, path)
+        type(string_t), allocatable, intent(inout) :: files(:)
+        character(*), intent(in) :: path
+        type(string_t), allocatable :: more(:)
+        integer :: i
+        allocate (more(size(files) + 1))
+        do i = 1, size(files)
+            call move_alloc(files(i)%text, more(i)%text)
+        end do
+        more(size(more))%text = path
+        call move_alloc(more, files)
+    end subroutine append
+
+end module spintop_job_files

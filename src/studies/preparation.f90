@@ -48,7 +48,7 @@ contains
         do i = 1, size(inputs)
             call prepare_job(inputs(i)%text, options, prepared(i)%job, prepared(i)%study, problem)
             do k = 1, i
-                if (allocated(problem) .or. is_faulty(k)) cycle
+                if (allocated(problem) .or. is_faulty(k) .or. options%verifies) cycle
                 call refuse_overwriting(prepared(i)%job, prepared(k)%job, k < i, problem)
             end do
             is_faulty(i) = allocated(problem)

@@ -64,7 +64,7 @@ class FileNamesTest(ProgramCase):
             GOOD.split("&output")[0] + cases,
             GOOD.split("&output")[0] + cases + "&output file = 'scene.csv' /\n",
             precision + "&work_precision reference = 'scene.csv', methods = 'rk4', steps = 100 /\n",
-            GOOD.split("&output")[0]
+            GOOD.split("&integration")[0]
             + study.format("fit")
             + "&fit data = 'scene.csv', unknown = 'initial.psi_rate' /\n",
         )
@@ -80,7 +80,8 @@ class FileNamesTest(ProgramCase):
             if table is None:
                 columns = "output.columns=t,q0,q1,q2,q3,omega1,omega2,omega3"
                 stored = self.write(GOOD.split("&output")[0], "stored.nml")
-                self.compute(stored, columns, "output.file=scene")
+                run = self.run_program(stored, "--set", columns, "--set", "output.file=scene")
+                self.assertEqual(run.returncode, 0, run.stderr)
                 table = (self.folder / "output" / "scene.csv").read_text()
             data.write_text(table)
             error = self.refuse(self.write(text), "-o", ".")

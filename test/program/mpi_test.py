@@ -11,7 +11,7 @@ import time
 import unittest
 from pathlib import Path
 
-from program_test import GOOD, PROGRAM, ROOT
+from program_test import GOOD, IS_OPTIMISED, PROGRAM, ROOT
 from survival_test import FAST, SLOW, STEPPING, STEPS, SurvivalCase
 
 MPI_PROGRAM = os.environ.get("SPINTOP_MPI_EXE", str(ROOT / "build/mpi/spintop"))
@@ -43,7 +43,7 @@ class RanksCase(SurvivalCase):
     """The slow sweep, its table from a build without MPI, and ranks of one thread each."""
 
     # Three ranks are faster, and a launcher takes its time to end them.
-    text = SLOW.replace(STEPS, "steps = 8000")
+    text = SLOW.replace(STEPS, "steps = 8000" if IS_OPTIMISED else "steps = 2000")
 
     def setUp(self) -> None:
         """From here on runs have three ranks."""

@@ -44,6 +44,9 @@ contains
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         integer :: i
 
+        if (scene%stop_at /= '') then
+            call problems%add('span.stop_at', 'a stability study computes each motion to the end of its span', 'omit it')
+        end if
         if (all(scene%stability_cases == '')) then
             plan%cases = pack([(i, i=1, size(hard_cases))], .not. hard_cases%is_long)
         else

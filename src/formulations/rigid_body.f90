@@ -188,15 +188,16 @@ contains
         class(rigid_body_t), intent(in) :: self
         real(dp), intent(in) :: t(instants), y(instants, max_states) !! times, s, and states
         type(motions_t), intent(out) :: motions !! the motion at these times
-        real(dp) :: share(instants), gamma(instants, 3)
+        real(dp) :: share(instants), gamma(instants, 3), inverse(3)
         integer :: m
 
+        inverse = 1 / self%body%inertia
         share = 1 / sqrt((y(:, 1)**2 + y(:, 2)**2) + (y(:, 3)**2 + y(:, 4)**2))
         do m = 1, 4
             motions%quaternion(:, m) = y(:, m) * share
         end do
         do m = 1, 3
-            motions%omega(:, m) = y(:, 4 + m) / self%body%inertia(m)
+            motions%omega(:, m) = y(:, 4 + m) * inverse(m)
         end do
         gamma = verticals(motions%quaternion)
         motions%t = t
@@ -206,7 +207,7 @@ contains
             rate(:, 3) = s(3) * y(:, 5) * y(:, 6) + gamma(:, 1) * r(2) - gamma(:, 2) * r(1) - d(3) * w(:, 3)
         end associate
         do m = 1, 3
-            motions%omega_rate(:, m) = motions%omega_rate(:, m) / self%body%inertia(m)
+            motions%omega_rate(:, m) = motions%omega_rate(:, m) * inverse(m)
         end do
     end subroutine find_motions
 
@@ -214,7 +215,7 @@ contains
     pure real(dp) function bound_rate(self, y, change) result(bound)
         class(rigid_body_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states), change(max_states) !! the state, and bounds of its change
-        bound = norm2((abs(y(5:7)) + change(5:7)) / self%body%inertia)
+        bound = sqrt(sum(((abs(y(5:7)) + change(5:7)) / self%body%inertia)**2))
     end function bound_rate
 
     !> Continues the angles to a later state.

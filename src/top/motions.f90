@@ -10,18 +10,29 @@ module spintop_motions
     !> Number of instants.
     integer, parameter :: instants = 8
 
-    !> Attitudes, angular velocities and their rates.
+    !> Attitudes, angular velocities and their rates. They are not set at first, which would take longer than what most are for.
     type :: motions_t
-        real(dp) :: t(instants) = 0 !! s
-        real(dp) :: quaternion(instants, 4) = 0 !! unit quaternions, body to space
-        real(dp) :: omega(instants, 3) = 0 !! angular velocities in body axes, rad/s
-        real(dp) :: omega_rate(instants, 3) = 0 !! their time derivatives in body axes, rad/s^2
+        real(dp) :: t(instants) !! s
+        real(dp) :: quaternion(instants, 4) !! unit quaternions, body to space
+        real(dp) :: omega(instants, 3) !! angular velocities in body axes, rad/s
+        real(dp) :: omega_rate(instants, 3) !! their time derivatives in body axes, rad/s^2
     contains
+        procedure :: fill
         procedure :: put
         procedure :: motion
     end type motions_t
 
 contains
+
+    !> Takes a motion at all instants.
+    pure subroutine fill(self, motion)
+        class(motions_t), intent(inout) :: self
+        type(motion_t), intent(in) :: motion !! the motion
+        integer :: i
+        do i = 1, instants
+            call self%put(i, motion)
+        end do
+    end subroutine fill
 
     !> Takes a motion at an instant.
     pure subroutine put(self, i, motion)

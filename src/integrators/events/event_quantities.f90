@@ -1,5 +1,6 @@
 !> The quantities of events, whose passages through levels are searched for: their values along a path.
 module spintop_event_quantities
+    use spintop_compare, only: is_equal
     use spintop_event, only: event_t
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
@@ -21,6 +22,9 @@ module spintop_event_quantities
         !> The quantities at the latest instants; workspace.
         type(recent_values_t) :: recent
         real(dp), allocatable :: one(:)
+        !> The motion at the instants that were looked at last at once, and the quantities.
+        type(motions_t), private :: ahead
+        real(dp), allocatable, private :: several(:, :)
     contains
         procedure(quantities), deferred :: quantities
         procedure :: quantities_of_several
@@ -28,6 +32,8 @@ module spintop_event_quantities
         procedure :: value_at
         procedure :: take_quarters
     end type event_quantities_t
+
+    integer, parameter :: half = instants / 2
 
     abstract interface
         !> The quantities of all events. While a quantity is not finite, its events are not found.
@@ -56,8 +62,9 @@ contains
     !> Makes room for the quantities of the events, and forgets what was known.
     subroutine begin_quantities(self)
         class(event_quantities_t), intent(inout) :: self
-        if (allocated(self%one)) deallocate (self%one)
-        allocate (self%one(size(self%events)))
+        if (allocated(self%one)) deallocate (self%one, self%several)
+        allocate (self%one(size(self%events)), self%several(instants, size(self%events)))
+        self%ahead%t = -huge(1.0_dp)
         call self%recent%begin(size(self%events))
     end subroutine begin_quantities
 
@@ -77,24 +84,41 @@ contains
         value = self%one(k)
     end function value_at
 
-    !> The quantities at each quarter of the time from `a` to `b`, and the motion at `b`, without angles.
-    subroutine take_quarters(self, path, a, b, values, last)
+    !> The quantities at each quarter of the time from `a` to `b`, and the motion at `b`, without angles. Those of as long a
+    !> time after that, if it ends before `limit`, are computed by the same instructions, and kept for the next call, which
+    !> moves `b` to the end of that time if they differ by rounding.
+    subroutine take_quarters(self, path, a, b, limit, values, last)
         class(event_quantities_t), intent(inout) :: self
         class(path_t), intent(inout) :: path !! the motion
-        real(dp), intent(in) :: a, b !! s
+        real(dp), intent(in) :: a, limit !! s
+        real(dp), intent(inout) :: b !! s
         real(dp), intent(out) :: values(:, :) !! a row for each event
         type(motion_t), intent(out) :: last !! the motion at `b`
-        real(dp) :: t(instants), several(instants, size(values, 1))
-        type(motions_t) :: motions
-        integer :: i
-        t = b
-        do i = 1, 3
-            t(i) = a + (b - a) * i / 4
+        real(dp) :: t(instants), slack
+        integer :: first, i
+
+        slack = 4 * spacing(limit)
+        t = self%ahead%t
+        if (is_equal(t(half), a) .and. t(instants) > a .and. abs(t(instants) - b) <= slack) then
+            first = half + 1
+            b = t(instants)
+        else
+            first = 1
+            t(instants) = b
+            if (b + (b - a) <= limit + slack) t(instants) = b + (b - a)
+            if (t(instants) >= limit - slack) t(instants) = limit
+            do i = 1, half - 1
+                t(i) = a + (b - a) * i / half
+                t(half + i) = b + (t(instants) - b) * i / half
+            end do
+            t(half) = b
+            call path%at_several(t, merge(instants, half, t(instants) > b), self%ahead)
+            call self%quantities_of_several(self%ahead, self%several)
+        end if
+        do i = 1, half
+            values(:, i) = self%several(first - 1 + i, :)
         end do
-        call path%at_several(t, 4, motions)
-        call self%quantities_of_several(motions, several)
-        values = transpose(several(:4, :))
-        last = motions%motion(4)
+        last = self%ahead%motion(first - 1 + half)
     end subroutine take_quarters
 
 end module spintop_event_quantities

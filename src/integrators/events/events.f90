@@ -154,9 +154,9 @@ contains
             if (self%is_paused) exit
             next = next_instant(self%here, self%pole_axis, self%t, t, self%pace)
             if (knows_end .and. is_equal(next, t)) then
-                call self%search(path, next, there)
+                call self%search(path, next, t, there)
             else
-                call self%search(path, next)
+                call self%search(path, next, t)
             end if
         end do
     end subroutine look
@@ -209,10 +209,10 @@ contains
 
     !> Searches for passages from the last instant to the next one, `last` or earlier, and meets them in
     !> order. An event very soon after the start is the start. `motion_last` is the motion at `last`, if known.
-    subroutine search(self, path, last, motion_last)
+    subroutine search(self, path, last, limit, motion_last)
         class(event_watch_t), intent(inout) :: self
         class(path_t), intent(inout) :: path
-        real(dp), intent(in) :: last
+        real(dp), intent(in) :: last, limit
         type(motion_t), intent(in), optional :: motion_last
         type(passages_t) :: found
         type(motion_t) :: motion, there
@@ -223,7 +223,7 @@ contains
         self%five(:, 1) = self%values
         b = last
         if (self%takes_several .and. path%gives_several) then
-            call self%take_quarters(path, self%t, b, self%five(:, 2:), there)
+            call self%take_quarters(path, self%t, b, limit, self%five(:, 2:), there)
         else
             call self%advance(path, b, there, motion_last)
             if (path%is_spent()) return

@@ -178,8 +178,9 @@ contains
         n = size(values)
         if (allocated(self%own)) then
             n = n - size(self%own)
-            call motions%put(1, motion)
-            call given%put(1, self%as_given(motion))
+            call motions%fill(motion)
+            given = motions
+            if (self%case%body%given%differ) call given%fill(self%as_given(motion))
             call self%find_own(motions, given, own)
             values(n + 1:) = own(1, self%own)
         end if

@@ -85,8 +85,8 @@ contains
     end function value_at
 
     !> The quantities at each quarter of the time from `a` to `b`, and the motion at `b`, without angles. Those of as long a
-    !> time after that, if it ends before `limit`, are computed by the same instructions, and kept for the next call, which
-    !> moves `b` to the end of that time if they differ by rounding.
+    !> time after that, if it ends before `limit`, are computed by the same instructions, and kept for the next call. It moves
+    !> `b` to the end of that time if this is not much earlier.
     subroutine take_quarters(self, path, a, b, limit, values, last)
         class(event_quantities_t), intent(inout) :: self
         class(path_t), intent(inout) :: path !! the motion
@@ -99,7 +99,7 @@ contains
 
         slack = 4 * spacing(limit)
         t = self%ahead%t
-        if (is_equal(t(half), a) .and. t(instants) > a .and. abs(t(instants) - b) <= slack) then
+        if (is_equal(t(half), a) .and. t(instants) <= b + slack .and. t(instants) - a > 0.7_dp * (b - a)) then
             first = half + 1
             b = t(instants)
         else

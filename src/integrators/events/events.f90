@@ -217,7 +217,7 @@ contains
         type(passages_t) :: found
         type(motion_t) :: motion, there
         real(dp) :: b, values(5)
-        logical :: is_near
+        logical :: is_near, stays
         integer :: k, i, before
 
         self%five(:, 1) = self%values
@@ -231,6 +231,8 @@ contains
         do k = 1, size(self%events)
             before = found%n
             values = self%five(k, :)
+            call self%sides(k)%take_stay(self%events(k), b, values, stays)
+            if (stays) cycle
             call self%sides(k)%aim(self%events(k), self%t, values)
             is_near = any(abs(values - self%sides(k)%level) <= self%sides(k)%rounding)
             call self%sides(k)%forget_rounding(self%t)
@@ -300,7 +302,7 @@ contains
         if (depth > 0 .and. mod(depth, rounding_depth) == 0) call self%measure_rounding(path, k, a, b)
         if (passes_at_most_once(g) .or. is_short(a, b) .or. .not. any(is_finite(g)) &
             .or. all(abs(g) <= self%sides(k)%rounding)) then
-            call self%take_side(path, k, b, g(5), found)
+            call self%take_side(path, k, a, b, g, found)
             return
         end if
         quarter = (b - a) / 4
@@ -338,17 +340,17 @@ contains
         end associate
     end subroutine measure_rounding
 
-    !> Sets the side of the level on which the quantity of event `k` is at a time. If it differs from the last
-    !> one, there is a passage in between.
-    subroutine take_side(self, path, k, t, distance, found)
+    !> Sets the side of the level on which the quantity of event `k` is at the end of the interval from `a` to `b`. If it
+    !> differs from the last one, there is a passage in between.
+    subroutine take_side(self, path, k, a, b, g, found)
         class(event_watch_t), intent(inout) :: self
         class(path_t), intent(inout) :: path
         integer, intent(in) :: k
-        real(dp), intent(in) :: t, distance
+        real(dp), intent(in) :: a, b, g(5)
         type(passages_t), intent(inout) :: found
         integer :: new_sign
 
-        associate (side => self%sides(k))
+        associate (side => self%sides(k), distance => g(5))
             if (.not. is_finite(distance)) then
                 side%sign = 0
                 return
@@ -356,26 +358,36 @@ contains
             if (.not. abs(distance) > side%rounding) return
             new_sign = sign_of(distance)
             if (side%sign == -new_sign .and. self%events(k)%direction == new_sign) then
-                call self%find_root(path, k, t, distance, found)
+                call self%find_root(path, k, a, b, g, found)
             end if
             side%sign = new_sign
-            side%t = t
+            side%t = b
             side%distance = distance
         end associate
     end subroutine take_side
 
     !> Adds the passage of event `k` between the instant at which its side was last known and `b`, where the
     !> side differs, to the list `found`. A jump from and to infinity is not a passage.
-    subroutine find_root(self, path, k, b, distance, found)
+    subroutine find_root(self, path, k, a, b, g, found)
         class(event_watch_t), intent(inout) :: self
         class(path_t), intent(inout) :: path
         integer, intent(in) :: k
-        real(dp), intent(in) :: b, distance
+        real(dp), intent(in) :: a, b, g(5)
         type(passages_t), intent(inout) :: found
         type(bracket_t) :: bracket
-        real(dp) :: value
+        real(dp) :: value, before(2), after(2)
+        integer :: i
         associate (side => self%sides(k))
-            call bracket%begin(side%t, side%distance, b, distance, spacing(max(abs(side%t), abs(b))))
+            before = [side%t, side%distance]
+            after = [b, g(5)]
+            do i = 1, 4
+                if (.not. abs(g(i)) > side%rounding) cycle
+                after = [a + (b - a) * (i - 1) / 4, g(i)]
+                if (sign_of(g(i)) == -side%sign) exit
+                before = after
+                after = [b, g(5)]
+            end do
+            call bracket%begin(before(1), before(2), after(1), after(2), spacing(max(abs(side%t), abs(b))))
             do while (.not. bracket%found)
                 value = self%value_at(path, k, bracket%trial)
                 call bracket%take(value - side%level)

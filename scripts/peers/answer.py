@@ -9,13 +9,11 @@ LEAST_REPEATS, MOST_REPEATS = 5, 1000
 ENOUGH, LONG = 0.05, 2.0
 """Seconds: repeats end after the first, and there are fewer of runs that take the second."""
 
-HALF_DECADES = tuple(float(f"{lead}e-{digits}") for digits in range(3, 16) for lead in (3, 1))
-"""Tolerances of spintop, and of peers that are cheap to run."""
-DECADES = HALF_DECADES[1::2]
-"""Of those that are not."""
+DECADES = tuple(float(f"1e-{digits}") for digits in range(3, 16))
+"""Tolerances of peers that are cheap to run."""
 
-MANY = tuple(tolerance for tolerance in HALF_DECADES if 1e-13 <= tolerance <= 1e-10)
-"""Of many bodies at once, where rates at an error are compared."""
+HALF_DECADES = (1e-10, 3e-11, 1e-11, 3e-12, 1e-12, 3e-13, 1e-13)
+"""Tolerances of many bodies at once, where rates at an error are compared."""
 
 
 @dataclass(frozen=True)

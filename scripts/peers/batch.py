@@ -13,7 +13,7 @@ from pathlib import Path
 import pandas as pd
 
 from peers import bodies
-from peers.answer import MANY
+from peers.answer import HALF_DECADES
 from peers.crew import LostError, Worker
 from peers.result import OWN, processor
 from peers.scene import call
@@ -48,7 +48,7 @@ def measure_batches(
 ) -> pd.DataFrame:
     """All rows: a program, its method, a tolerance, the errors and the least time of each."""
     able = [worker for worker in workers if hasattr(worker.peer, "BATCHES")]
-    tolerances = MANY[::every]
+    tolerances = HALF_DECADES[::every]
     rows: list[dict] = []
     for span in SPANS:
         say(f"{span.name}: ends in quadruple precision")

@@ -7,7 +7,7 @@ way.
 import time
 from pathlib import Path
 
-from peers.answer import HALF_DECADES, Answer, BatchAnswer, least_time
+from peers.answer import DECADES, Answer, BatchAnswer, least_time
 from peers.bodies import problems
 from peers.equations import EQUATIONS, RIGID_BODY, python_rates
 from peers.problem import Problem
@@ -23,7 +23,7 @@ METHODS = ("heyoka",)
 FORMULATIONS = ("space_frame", "cayley_klein", "rigid_body")
 DEBIAN: tuple[str, ...] = ()
 SETTING = "tolerance"
-SETTINGS = (*HALF_DECADES, 1e-16)
+SETTINGS = (*DECADES, 1e-16)
 CPU = Path("/proc/cpuinfo")
 WIDE = CPU.exists() and "avx512f" in CPU.read_text(encoding="utf-8")
 """Whether the processor has vectors of eight, which heyoka does not use by itself."""

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from peers import compiled
-from peers.answer import HALF_DECADES, Answer, BatchAnswer
+from peers.answer import DECADES, Answer, BatchAnswer
 from peers.problem import Problem
 
 NAME = "Boost.odeint"
@@ -11,7 +11,7 @@ METHODS = ("odeint_dopri5", "odeint_fehlberg78", "odeint_bulirsch_stoer")
 FORMULATIONS = ("space_frame", "cayley_klein", "rigid_body")
 DEBIAN = ("g++", "libboost-dev")
 SETTING = "tolerance"
-SETTINGS = HALF_DECADES
+SETTINGS = DECADES
 BATCHES = ("odeint_fehlberg78_16",)
 """Sixteen bodies as one system."""
 

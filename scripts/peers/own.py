@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from peers.answer import HALF_DECADES
 from peers.scene import Scene, compute
 from spintop_figures.tables.table import Table
 
@@ -10,7 +9,7 @@ METHODS = ("exact", "taylor", "taylor/rigid_body", "dop853", "splitting_8", "ode
 """Of these a study leaves out what a body has not."""
 GENERAL = tuple(f"{name}/rigid_body" for name in ("taylor", "dop853", "splitting_8", "ode45"))
 """Where a symmetric top is computed as any other body."""
-TOLERANCES = tuple(f"{tolerance:.0e}" for tolerance in (*HALF_DECADES, 3e-16, 1e-16))
+TOLERANCES = tuple(f"1e-{digits}" for digits in range(3, 17))
 STEPS = tuple(str(100 * 2**i) for i in range(11))
 
 

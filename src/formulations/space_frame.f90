@@ -310,8 +310,7 @@ contains
     pure subroutine unfold(self, y, h, change)
         class(space_frame_series_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states), h
-        real(dp), intent(inout) :: change(max_states)
-            !! change of the variables of the series on entry, of the state on return
+        real(dp), intent(inout) :: change(max_states) !! of the variables of the series, then of the state
         real(dp) :: angle, sinc, drop, l1, l2
 
         angle = self%turn_rate * h / 2
@@ -326,8 +325,7 @@ contains
     pure subroutine unfold_several(self, y, h, change)
         class(space_frame_series_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states), h(instants)
-        real(dp), intent(inout) :: change(instants, max_states)
-            !! changes of the variables of the series on entry, of the state on return
+        real(dp), intent(inout) :: change(instants, max_states) !! of the variables of the series, then of the state
         real(dp) :: here(max_states)
         integer :: i
         do i = 1, instants

@@ -8,7 +8,7 @@ module spintop_capabilities
     use spintop_body, only: body_t
     use spintop_loads, only: works
     use spintop_motion, only: motion_t
-    use spintop_powers, only: instants
+    use spintop_motions, only: instants
     implicit none
     private
     public :: capability_t, flows_t, stages_t, group_action_t, series_t, quadruple_series_t, ends_t, reset_t, action_t
@@ -68,6 +68,7 @@ module spintop_capabilities
     contains
         procedure(expand), deferred :: expand
         procedure :: unfold => keep_change
+        procedure :: unfold_several => keep_changes
     end type series_t
 
     !> The same in quadruple precision.
@@ -310,5 +311,14 @@ contains
         associate (unused => self, also_unused => y, nor_used => h, kept => change)
         end associate
     end subroutine keep_change
+
+    !> The same at several instants. What overrides one overrides the other.
+    pure subroutine keep_changes(self, y, h, change)
+        class(series_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h(instants) !! state at the beginning of the step; times, s
+        real(dp), intent(inout) :: change(instants, max_states) !! of the variables, then of the state
+        associate (unused => self, also_unused => y, nor_used => h, kept => change)
+        end associate
+    end subroutine keep_changes
 
 end module spintop_capabilities

@@ -9,6 +9,7 @@ module spintop_formulation
         quadruple_series_t, reset_t, series_t, stages_t, structure_group, structure_names, structure_none, &
         structure_quadruple, structure_series, structure_split
     use spintop_motion, only: motion_t
+    use spintop_motions, only: instants, motions_t
     implicit none
     private
     public :: formulation_t, formulation_info_t, max_states, max_series_order, max_invariants
@@ -71,6 +72,8 @@ module spintop_formulation
         procedure(derivative), deferred :: derivative
         procedure(motion_of), deferred :: motion
         procedure :: motion_without_angles => whole_motion
+        procedure :: find_motions
+        procedure :: bound_rate
         procedure :: invariants => no_invariants
         procedure :: follow => keep_angles
         procedure, non_overridable :: info
@@ -124,6 +127,26 @@ contains
         type(motion_t) :: motion
         motion = self%motion(t, y, near)
     end function whole_motion
+
+    !> The same at several instants.
+    pure subroutine find_motions(self, t, y, motions)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: t(instants), y(instants, max_states) !! times, s, and states
+        type(motions_t), intent(out) :: motions !! the motion at these times
+        integer :: i
+        do i = 1, instants
+            call motions%put(i, self%motion_without_angles(t(i), y(i, :), [0.0_dp, 0.0_dp, 0.0_dp]))
+        end do
+    end subroutine find_motions
+
+    !> A bound of the angular velocity, rad/s, near a state; by default 0, which is none.
+    pure real(dp) function bound_rate(self, y, change) result(bound)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), change(max_states) !! the state, and bounds of its change
+        associate (unused => self, also_unused => y, unused_too => change)
+        end associate
+        bound = 0
+    end function bound_rate
 
     !> Name, properties and capabilities.
     pure type(formulation_info_t) function info(self)

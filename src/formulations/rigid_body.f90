@@ -11,6 +11,7 @@ module spintop_rigid_body
     use spintop_euler_poisson, only: momentum_coupling
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants
     use spintop_motion, only: motion_t, motion_from_quaternion
+    use spintop_motions, only: instants, motions_t, verticals
     use spintop_motion_scales, only: motion_scales_t, motion_scales
     use spintop_rigid_body_flows, only: rigid_body_flows_t
     use spintop_rigid_body_series, only: body_series_t, find_quadruple_series
@@ -34,6 +35,8 @@ module spintop_rigid_body
         procedure :: derivative
         procedure :: motion
         procedure :: motion_without_angles
+        procedure :: find_motions
+        procedure :: bound_rate
         procedure :: follow
         procedure :: invariants
     end type rigid_body_t
@@ -179,6 +182,41 @@ contains
         end associate
         motion%omega_rate = motion%omega_rate / self%body%inertia
     end function motion_without_angles
+
+    !> The same at several instants.
+    pure subroutine find_motions(self, t, y, motions)
+        class(rigid_body_t), intent(in) :: self
+        real(dp), intent(in) :: t(instants), y(instants, max_states) !! times, s, and states
+        type(motions_t), intent(out) :: motions !! the motion at these times
+        real(dp) :: share(instants), gamma(instants, 3), inverse(3)
+        integer :: m
+
+        inverse = 1 / self%body%inertia
+        share = 1 / sqrt((y(:, 1)**2 + y(:, 2)**2) + (y(:, 3)**2 + y(:, 4)**2))
+        do m = 1, 4
+            motions%quaternion(:, m) = y(:, m) * share
+        end do
+        do m = 1, 3
+            motions%omega(:, m) = y(:, 4 + m) * inverse(m)
+        end do
+        gamma = verticals(motions%quaternion)
+        motions%t = t
+        associate (r => self%moment, d => self%body%damping, s => self%coupling, w => motions%omega, rate => motions%omega_rate)
+            rate(:, 1) = s(1) * y(:, 6) * y(:, 7) + gamma(:, 2) * r(3) - gamma(:, 3) * r(2) - d(1) * w(:, 1)
+            rate(:, 2) = s(2) * y(:, 7) * y(:, 5) + gamma(:, 3) * r(1) - gamma(:, 1) * r(3) - d(2) * w(:, 2)
+            rate(:, 3) = s(3) * y(:, 5) * y(:, 6) + gamma(:, 1) * r(2) - gamma(:, 2) * r(1) - d(3) * w(:, 3)
+        end associate
+        do m = 1, 3
+            motions%omega_rate(:, m) = motions%omega_rate(:, m) * inverse(m)
+        end do
+    end subroutine find_motions
+
+    !> A bound of the angular velocity, rad/s, near a state.
+    pure real(dp) function bound_rate(self, y, change) result(bound)
+        class(rigid_body_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), change(max_states) !! the state, and bounds of its change
+        bound = sqrt(sum(((abs(y(5:7)) + change(5:7)) / self%body%inertia)**2))
+    end function bound_rate
 
     !> Continues the angles to a later state.
     pure subroutine follow(self, t_last, y_last, t, y, angle, sure)

@@ -12,6 +12,7 @@ module spintop_space_frame
     use spintop_capabilities, only: max_series_order, max_states, quadruple_series_t, series_t
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants
     use spintop_motion, only: motion_t, motion_from_quaternion
+    use spintop_motions, only: instants
     use spintop_motion_scales, only: motion_scales_t, motion_scales
     use spintop_small_turn, only: half_turn
     use spintop_space_frame_flows, only: space_frame_flows_t, space_turns_t
@@ -53,6 +54,7 @@ module spintop_space_frame
         procedure :: set => set_series
         procedure :: expand
         procedure :: unfold
+        procedure :: unfold_several
     end type space_frame_series_t
 
     !> That of the state itself in quadruple precision.
@@ -308,8 +310,7 @@ contains
     pure subroutine unfold(self, y, h, change)
         class(space_frame_series_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states), h
-        real(dp), intent(inout) :: change(max_states)
-            !! change of the variables of the series on entry, of the state on return
+        real(dp), intent(inout) :: change(max_states) !! of the variables of the series, then of the state
         real(dp) :: angle, sinc, drop, l1, l2
 
         angle = self%turn_rate * h / 2
@@ -319,6 +320,20 @@ contains
         change(1) = change(1) + (drop * l1 - angle * sinc * l2)
         change(2) = change(2) + (drop * l2 + angle * sinc * l1)
     end subroutine unfold
+
+    !> The same at several instants.
+    pure subroutine unfold_several(self, y, h, change)
+        class(space_frame_series_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h(instants)
+        real(dp), intent(inout) :: change(instants, max_states) !! of the variables of the series, then of the state
+        real(dp) :: here(max_states)
+        integer :: i
+        do i = 1, instants
+            here = change(i, :)
+            call self%unfold(y, h(i), here)
+            change(i, :) = here
+        end do
+    end subroutine unfold_several
 
     !> Momentum about the vertical, for the attitude of a quaternion of any norm. Near the upright its
     !> difference from the momentum about the axis determines the motion.

@@ -8,7 +8,7 @@ module spintop_rest
     use spintop_event, only: occasion_none, occasion_slip, occasion_stuck
     use spintop_formulation, only: formulation_t, max_states, structure_none, structure_series
     use spintop_kinds, only: dp
-    use spintop_powers, only: instants
+    use spintop_motions, only: instants
     use spintop_status, only: status_non_finite, status_ok, status_step_too_small
     use spintop_lying, only: lying_t
     use spintop_stepper, only: method_info_t, stepper_t, workspace_t

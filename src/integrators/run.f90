@@ -191,7 +191,7 @@ contains
         class(event_watch_t), intent(inout) :: watch !! search for events
         integer, intent(inout) :: status !! `status_ok`, or the reason of an end (spintop_status)
         logical, intent(out) :: ends !! whether the run ends here
-        path%seen = self%follower
+        call path%begin_step(self%follower)
         if (allocated(self%formulation%action) .and. watch%knows(occasion_knot)) call self%look_to_knots(path, watch)
         if (.not. watch%has_enough) call watch%look(path, self%work%t)
         ends = watch%has_enough

@@ -5,6 +5,7 @@ module spintop_step_path
     use spintop_kinds, only: dp
     use spintop_loads, only: works
     use spintop_motion, only: motion_t
+    use spintop_motions, only: instants, motions_t
     use spintop_stepper, only: stepper_t, workspace_t
     use spintop_work_account, only: work_account_t
     implicit none
@@ -38,6 +39,8 @@ module spintop_step_path
     contains
         procedure :: at => motion_in_step
         procedure :: at_without_angles => attitude_in_step
+        procedure :: at_several => attitudes_in_step
+        procedure :: begin_step
         procedure :: work_until => work_in_step
         procedure :: is_spent => step_is_spent
     end type step_path_t
@@ -71,6 +74,32 @@ contains
                                                         self%seen(1)%angle)
         motion%given_angle = self%seen(1)%given_angle
     end subroutine attitude_in_step
+
+    !> The same at several instants.
+    subroutine attitudes_in_step(self, t, used, motions)
+        class(step_path_t), intent(inout) :: self
+        real(dp), intent(in) :: t(instants) !! s
+        integer, intent(in) :: used !! how many of them are different: those that count as work
+        type(motions_t), intent(out) :: motions !! the motion at these times
+        real(dp) :: y(instants, max_states)
+        self%work%counts%looks = self%work%counts%looks + used
+        call self%stepper%states_within(self%formulation, self%work, t, y)
+        call self%formulation%find_motions(t, y, motions)
+    end subroutine attitudes_in_step
+
+    !> Takes the last step, at the beginning of which the angles are known. Where it is a series its terms bound the angular
+    !> velocity.
+    subroutine begin_step(self, follower)
+        class(step_path_t), intent(inout) :: self
+        type(follower_t), intent(in) :: follower !! the angles
+        real(dp) :: change(max_states)
+        logical :: is_known
+        self%seen = follower
+        call self%stepper%bound_changes(self%work, change, is_known)
+        self%greatest_rate = 0
+        if (is_known) self%greatest_rate = self%formulation%bound_rate(self%work%y_last, change)
+        self%gives_several = self%greatest_rate > 0
+    end subroutine begin_step
 
     !> The work of effects up to a time within the last step.
     function work_in_step(self, t) result(work)

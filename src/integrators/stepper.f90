@@ -9,7 +9,7 @@ module spintop_stepper
     use spintop_kinds, only: dp
     use spintop_error_weight, only: error_weight_t
     use spintop_formulation, only: formulation_t, max_states, structure_none
-    use spintop_powers, only: instants
+    use spintop_motions, only: instants
     use spintop_projection, only: projection_t, project_nothing
     use spintop_status, only: status_ok, status_non_finite
     implicit none

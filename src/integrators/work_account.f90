@@ -4,7 +4,7 @@ module spintop_work_account
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
     use spintop_loads, only: works
-    use spintop_powers, only: instants
+    use spintop_motions, only: instants
     use spintop_stepper, only: stepper_t, workspace_t
     implicit none
     private

@@ -99,6 +99,7 @@ contains
         self%ended_by = 0
         self%azimuth = case%given_start%angle(1)
         call self%quantity%set(events%column, case)
+        self%needs_angles = .not. all(events%column%is_free_of_angles())
         self%pole_axis = 0
         if (any(events%column%varies_near_poles)) then
             self%pole_axis = case%turn%vector([0.0_dp, 0.0_dp, 1.0_dp])

@@ -6,12 +6,10 @@ module spintop_powers
     use spintop_effects, only: effects_t
     use spintop_kinds, only: dp
     use spintop_loads, only: find_loads, loads_t, work_damping, work_drag, work_rotor, work_torque, work_vibration, works
+    use spintop_motions, only: instants
     implicit none
     private
-    public :: find_powers, instants
-
-    !> Number of instants.
-    integer, parameter :: instants = 8
+    public :: find_powers
 
 contains
 

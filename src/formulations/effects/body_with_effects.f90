@@ -16,7 +16,8 @@ module spintop_body_with_effects
     use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, total_momentum, works
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_motion_scales, only: motion_scales_t, motion_scales
-    use spintop_powers, only: find_powers, instants
+    use spintop_motions, only: instants
+    use spintop_powers, only: find_powers
     use spintop_rigid_body, only: body_turns_t, rigid_body_t
     use spintop_smooth_effects_series, only: smooth_series_t
     use spintop_status, only: status_ok

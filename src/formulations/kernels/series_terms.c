@@ -9,8 +9,8 @@
 #include <math.h>
 #include <string.h>
 
-// As many numbers in a term as there are state variables, as in capabilities.f90.
-enum { numbers = 8 };
+// As many numbers in a term as there are state variables, as in capabilities.f90; and instants, as in motions.f90.
+enum { numbers = 8, instants = 8 };
 
 // Admissible errors of the variables, as in error_weight.f90.
 struct weight {
@@ -19,9 +19,11 @@ struct weight {
 
 typedef double length_of_step_t(int order, const double *c, const struct weight *weight, double least, double h);
 typedef void add_terms_t(int order, const double *c, double h, double *change);
+typedef void add_terms_at_t(int order, const double *c, const double *h, double *change);
 double spintop_length_of_step(int order, const double *c, const double *absolute, const double *relative,
                               const double *scale, double least, double h);
 add_terms_t spintop_add_terms;
+add_terms_at_t spintop_add_terms_at;
 int spintop_processor_level(void);
 
 // Vectors wider than those of the processor are no arguments of functions that are called.
@@ -32,13 +34,16 @@ int spintop_processor_level(void);
 
 static length_of_step_t *const built_lengths[] = BUILDS(length_of_step);
 static add_terms_t *const built_sums[] = BUILDS(add_terms);
+static add_terms_at_t *const built_sums_at[] = BUILDS(add_terms_at);
 
 static length_of_step_t *length_of_step;
 static add_terms_t *add_terms;
+static add_terms_at_t *add_terms_at;
 
 __attribute__((constructor)) static void choose(void) {
     length_of_step = built_lengths[spintop_processor_level()];
     add_terms = built_sums[spintop_processor_level()];
+    add_terms_at = built_sums_at[spintop_processor_level()];
 }
 
 // The time at which the larger of the last two terms reaches the admissible error; not finite if they are not.
@@ -50,6 +55,9 @@ double spintop_length_of_step(int order, const double *c, const double *absolute
 
 // The change after a time h: the sum of all terms but the first.
 void spintop_add_terms(int order, const double *c, double h, double *change) { add_terms(order, c, h, change); }
+
+// The changes after several times, of one variable after the other.
+void spintop_add_terms_at(int order, const double *c, const double *h, double *change) { add_terms_at(order, c, h, change); }
 
 #else
 
@@ -64,6 +72,7 @@ void spintop_add_terms(int order, const double *c, double h, double *change) { a
 #define power_of_two LEVEL(power_of_two)
 #define length_of_step LEVEL(length_of_step)
 #define add_terms LEVEL(add_terms)
+#define add_terms_at LEVEL(add_terms_at)
 
 // A row of numbers lies in one vector, or in more where the processor has no room for it in one.
 typedef double vector __attribute__((vector_size(8 * width)));
@@ -152,6 +161,23 @@ static void add_terms(int order, const double *c, double h, double *change) {
     }
 }
 
+// Horner's rule for all variables at once: the sums are as many as needed for none to wait.
+static void add_terms_at(int order, const double *c, const double *h, double *change) {
+    for (int i = 0; i < instants; i += width) {
+        const vector time = get(h + i);
+        vector s[numbers] = {{0}};
+        for (int k = order; k > 0; --k) {
+#pragma GCC unroll 8
+            for (int n = 0; n < numbers; ++n) s[n] = s[n] * time + c[numbers * k + n];
+        }
+#pragma GCC unroll 8
+        for (int n = 0; n < numbers; ++n) {
+            s[n] *= time;
+            memcpy(change + instants * n + i, &s[n], sizeof s[n]);
+        }
+    }
+}
+
 #undef width
 #undef vector
 #undef bits
@@ -163,5 +189,6 @@ static void add_terms(int order, const double *c, double h, double *change) {
 #undef power_of_two
 #undef length_of_step
 #undef add_terms
+#undef add_terms_at
 
 #endif

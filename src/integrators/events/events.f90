@@ -17,6 +17,7 @@ module spintop_events
     use spintop_bracket, only: bracket_t
     use spintop_compare, only: is_equal, is_finite
     use spintop_event, only: event_t
+    use spintop_event_quantities, only: event_quantities_t
     use spintop_five_values, only: passes_at_most_once, rounding_of
     use spintop_instants, only: greatest_fall_rate, is_short, next_instant, time_of_start
     use spintop_level_side, only: side_t, sign_of, turns_far
@@ -26,23 +27,18 @@ module spintop_events
     use spintop_status, only: status_ok, status_bad_events
     use spintop_passages, only: passages_t
     use spintop_path, only: path_t
-    use spintop_recent_values, only: recent_values_t
     implicit none
     private
     public :: event_t, event_watch_t, path_t, carry_search
 
     !> Searches for events. An extension defines the quantities, and what happens at an event.
-    type, abstract :: event_watch_t
-        !> The events to search for, with one quantity each.
-        type(event_t), allocatable :: events(:)
+    type, extends(event_quantities_t), abstract :: event_watch_t
         !> Set by `meet` to end the motion.
         logical :: has_enough = .false.
         !> The search ends where one of the events has happened so often, or where there is no memory for those
         !> found: then the watch is full.
         integer :: most_events = huge(1)
         logical :: is_full = .false.
-        !> Whether a quantity takes the angles or their rates from the motion; otherwise they are not computed there.
-        logical :: needs_angles = .true.
         !> Whether phi and psi count their turns up to events; otherwise they are the values nearest to those of the start.
         logical :: needs_turns = .true.
         !> Whether the path interrupted the last search, which the next goes on with.
@@ -57,13 +53,11 @@ module spintop_events
         type(motion_t) :: here
         !> The quantities at that time, and their sides.
         real(dp), allocatable, private :: values(:)
-        !> Workspace: the quantities at five instants, and at one.
-        real(dp), allocatable, private :: five(:, :), one(:)
-        type(recent_values_t), private :: recent
+        !> Workspace: the quantities at five instants.
+        real(dp), allocatable, private :: five(:, :)
         type(side_t), allocatable, private :: sides(:)
         real(dp), private :: t_begin = 0, fall_rate = 0, soon = 0, pace = 0
     contains
-        procedure(quantities), deferred :: quantities
         procedure(meet), deferred :: meet
         procedure :: check
         procedure :: begin
@@ -76,18 +70,10 @@ module spintop_events
         procedure, private :: measure_rounding
         procedure, private :: take_side
         procedure, private :: find_root
-        procedure, private :: value_at
+        procedure, private :: advance
     end type event_watch_t
 
     abstract interface
-        !> The quantities of all events. While a quantity is not finite, its events are not found.
-        subroutine quantities(self, motion, values)
-            import :: event_watch_t, motion_t, dp
-            class(event_watch_t), intent(inout) :: self
-            type(motion_t), intent(in) :: motion !! the motion at an instant
-            real(dp), intent(out) :: values(:) !! one value for each event
-        end subroutine quantities
-
         !> Called at event `number` of the list, in increasing order of time.
         subroutine meet(self, number, motion)
             import :: event_watch_t, motion_t
@@ -128,9 +114,10 @@ contains
         self%is_paused = .false.
         if (.not. allocated(self%events)) allocate (self%events(0))
         self%events%count = 0
-        if (allocated(self%values)) deallocate (self%values, self%sides, self%five, self%one)
+        if (allocated(self%values)) deallocate (self%values, self%sides, self%five)
         i = size(self%events)
-        allocate (self%values(i), self%sides(i), self%five(i, 5), self%one(i))
+        allocate (self%values(i), self%sides(i), self%five(i, 5))
+        call self%begin_quantities()
         call self%quantities(motion, self%values)
         self%sides%early = motion%t + early * self%soon
         do i = 1, neighbours
@@ -138,7 +125,6 @@ contains
             self%one = abs(self%one - self%values)
             where (is_finite(self%one)) self%sides%noise = max(self%sides%noise, self%one)
         end do
-        call self%recent%begin(size(self%events))
     end subroutine begin
 
     !> Searches the path from the last instant to a time, or to the event that ends the motion, or as far as
@@ -168,9 +154,9 @@ contains
             if (self%is_paused) exit
             next = next_instant(self%here, self%pole_axis, self%t, t, self%pace)
             if (knows_end .and. is_equal(next, t)) then
-                call self%search(path, next, there)
+                call self%search(path, next, t, there)
             else
-                call self%search(path, next)
+                call self%search(path, next, t)
             end if
         end do
     end subroutine look
@@ -223,37 +209,30 @@ contains
 
     !> Searches for passages from the last instant to the next one, `last` or earlier, and meets them in
     !> order. An event very soon after the start is the start. `motion_last` is the motion at `last`, if known.
-    subroutine search(self, path, last, motion_last)
+    subroutine search(self, path, last, limit, motion_last)
         class(event_watch_t), intent(inout) :: self
         class(path_t), intent(inout) :: path
-        real(dp), intent(in) :: last
+        real(dp), intent(in) :: last, limit
         type(motion_t), intent(in), optional :: motion_last
         type(passages_t) :: found
         type(motion_t) :: motion, there
         real(dp) :: b, values(5)
-        logical :: is_near
+        logical :: is_near, stays
         integer :: k, i, before
 
         self%five(:, 1) = self%values
         b = last
-        if (present(motion_last)) there = motion_last
-        if (.not. present(motion_last)) call path%motion_at(b, self%needs_angles, there)
-        do
-            call self%quantities(there, self%one)
-            self%five(:, 5) = self%one
-            if (is_short(self%t, b) .or. .not. any(turns_far(self%events, self%five(:, 1), self%five(:, 5)))) exit
+        if (self%takes_several .and. path%gives_several) then
+            call self%take_quarters(path, self%t, b, limit, self%five(:, 2:), there)
+        else
+            call self%advance(path, b, there, motion_last)
             if (path%is_spent()) return
-            b = self%t + (b - self%t) / 2
-            call path%motion_at(b, self%needs_angles, there)
-        end do
-        do i = 2, 4
-            call path%motion_at(self%t + (b - self%t) * (i - 1) / 4, self%needs_angles, motion)
-            call self%quantities(motion, self%one)
-            self%five(:, i) = self%one
-        end do
+        end if
         do k = 1, size(self%events)
             before = found%n
             values = self%five(k, :)
+            call self%sides(k)%take_stay(self%events(k), b, values, stays)
+            if (stays) cycle
             call self%sides(k)%aim(self%events(k), self%t, values)
             is_near = any(abs(values - self%sides(k)%level) <= self%sides(k)%rounding)
             call self%sides(k)%forget_rounding(self%t)
@@ -282,6 +261,33 @@ contains
         self%values = self%five(:, 5)
     end subroutine search
 
+    !> Takes the quantities at five instants from the last one to `b`, or to an earlier time up to which no angle turns too far.
+    subroutine advance(self, path, b, there, motion_last)
+        class(event_watch_t), intent(inout) :: self
+        class(path_t), intent(inout) :: path
+        real(dp), intent(inout) :: b
+        type(motion_t), intent(out) :: there
+        type(motion_t), intent(in), optional :: motion_last
+        type(motion_t) :: motion
+        integer :: i
+
+        if (present(motion_last)) there = motion_last
+        if (.not. present(motion_last)) call path%motion_at(b, self%needs_angles, there)
+        do
+            call self%quantities(there, self%one)
+            self%five(:, 5) = self%one
+            if (is_short(self%t, b) .or. .not. any(turns_far(self%events, self%five(:, 1), self%five(:, 5)))) exit
+            if (path%is_spent()) return
+            b = self%t + (b - self%t) / 2
+            call path%motion_at(b, self%needs_angles, there)
+        end do
+        do i = 2, 4
+            call path%motion_at(self%t + (b - self%t) * (i - 1) / 4, self%needs_angles, motion)
+            call self%quantities(motion, self%one)
+            self%five(:, i) = self%one
+        end do
+    end subroutine advance
+
     !> Divides the interval from `a` to `b` until the quantity of event `k` passes its level at most once in
     !> each part, and takes the parts in order. `g` contains the distances from the level at five instants.
     recursive subroutine refine(self, path, k, a, b, g, depth, found)
@@ -296,7 +302,7 @@ contains
         if (depth > 0 .and. mod(depth, rounding_depth) == 0) call self%measure_rounding(path, k, a, b)
         if (passes_at_most_once(g) .or. is_short(a, b) .or. .not. any(is_finite(g)) &
             .or. all(abs(g) <= self%sides(k)%rounding)) then
-            call self%take_side(path, k, b, g(5), found)
+            call self%take_side(path, k, a, b, g, found)
             return
         end if
         quarter = (b - a) / 4
@@ -334,17 +340,17 @@ contains
         end associate
     end subroutine measure_rounding
 
-    !> Sets the side of the level on which the quantity of event `k` is at a time. If it differs from the last
-    !> one, there is a passage in between.
-    subroutine take_side(self, path, k, t, distance, found)
+    !> Sets the side of the level on which the quantity of event `k` is at the end of the interval from `a` to `b`. If it
+    !> differs from the last one, there is a passage in between.
+    subroutine take_side(self, path, k, a, b, g, found)
         class(event_watch_t), intent(inout) :: self
         class(path_t), intent(inout) :: path
         integer, intent(in) :: k
-        real(dp), intent(in) :: t, distance
+        real(dp), intent(in) :: a, b, g(5)
         type(passages_t), intent(inout) :: found
         integer :: new_sign
 
-        associate (side => self%sides(k))
+        associate (side => self%sides(k), distance => g(5))
             if (.not. is_finite(distance)) then
                 side%sign = 0
                 return
@@ -352,26 +358,36 @@ contains
             if (.not. abs(distance) > side%rounding) return
             new_sign = sign_of(distance)
             if (side%sign == -new_sign .and. self%events(k)%direction == new_sign) then
-                call self%find_root(path, k, t, distance, found)
+                call self%find_root(path, k, a, b, g, found)
             end if
             side%sign = new_sign
-            side%t = t
+            side%t = b
             side%distance = distance
         end associate
     end subroutine take_side
 
     !> Adds the passage of event `k` between the instant at which its side was last known and `b`, where the
     !> side differs, to the list `found`. A jump from and to infinity is not a passage.
-    subroutine find_root(self, path, k, b, distance, found)
+    subroutine find_root(self, path, k, a, b, g, found)
         class(event_watch_t), intent(inout) :: self
         class(path_t), intent(inout) :: path
         integer, intent(in) :: k
-        real(dp), intent(in) :: b, distance
+        real(dp), intent(in) :: a, b, g(5)
         type(passages_t), intent(inout) :: found
         type(bracket_t) :: bracket
-        real(dp) :: value
+        real(dp) :: value, before(2), after(2)
+        integer :: i
         associate (side => self%sides(k))
-            call bracket%begin(side%t, side%distance, b, distance, spacing(max(abs(side%t), abs(b))))
+            before = [side%t, side%distance]
+            after = [b, g(5)]
+            do i = 1, 4
+                if (.not. abs(g(i)) > side%rounding) cycle
+                after = [a + (b - a) * (i - 1) / 4, g(i)]
+                if (sign_of(g(i)) == -side%sign) exit
+                before = after
+                after = [b, g(5)]
+            end do
+            call bracket%begin(before(1), before(2), after(1), after(2), spacing(max(abs(side%t), abs(b))))
             do while (.not. bracket%found)
                 value = self%value_at(path, k, bracket%trial)
                 call bracket%take(value - side%level)
@@ -380,21 +396,5 @@ contains
         end associate
         call found%add(k, max(bracket%trial, self%t))
     end subroutine find_root
-
-    !> The quantity of event `k` at a time.
-    real(dp) function value_at(self, path, k, t) result(value)
-        class(event_watch_t), intent(inout) :: self
-        class(path_t), intent(inout) :: path
-        integer, intent(in) :: k
-        real(dp), intent(in) :: t
-        type(motion_t) :: motion
-        logical :: known
-        call self%recent%find(t, k, value, known)
-        if (known) return
-        call path%motion_at(t, self%needs_angles, motion)
-        call self%quantities(motion, self%one)
-        call self%recent%keep(t, self%one)
-        value = self%one(k)
-    end function value_at
 
 end module spintop_events

@@ -64,12 +64,14 @@ contains
     pure real(dp) function time_near_pole(motion, axis) result(time)
         type(motion_t), intent(in) :: motion
         real(dp), intent(in) :: axis(3)
-        real(dp) :: way, speed, acceleration
+        real(dp) :: way, speed, acceleration, velocity(3), change(3)
         time = huge(1.0_dp)
         if (.not. any(abs(axis) > 0)) return
         way = largest_turn * max(norm2(cross(vertical_from_quaternion(motion%quaternion), axis)), through_pole)
-        speed = norm2(cross(motion%omega, axis))
-        acceleration = norm2(cross(motion%omega_rate, axis) + cross(motion%omega, cross(motion%omega, axis)))
+        velocity = cross(motion%omega, axis)
+        change = cross(motion%omega_rate, axis) + cross(motion%omega, velocity)
+        speed = sqrt(sum(velocity**2))
+        acceleration = sqrt(sum(change**2))
         if (speed + acceleration > 0) time = 2 * way / (speed + sqrt(speed**2 + 2 * acceleration * way))
     end function time_near_pole
 

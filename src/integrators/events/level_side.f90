@@ -2,6 +2,7 @@
 module spintop_level_side
     use spintop_compare, only: is_equal, is_finite
     use spintop_event, only: event_t
+    use spintop_five_values, only: passes_at_most_once
     use spintop_kinds, only: dp, pi
     implicit none
     private
@@ -22,6 +23,7 @@ module spintop_level_side
         real(dp) :: noise = 0, early = 0
     contains
         procedure :: aim
+        procedure :: take_stay
         procedure :: forget_rounding
     end type side_t
 
@@ -59,6 +61,25 @@ contains
             if (abs(values(i) - level) <= huge(1.0_dp)) self%farthest = max(self%farthest, abs(values(i) - level))
         end do
     end subroutine aim
+
+    !> Whether the quantity surely stays on its side of the only level of the event in an interval; if it does, its end, at
+    !> time b, is taken.
+    pure subroutine take_stay(self, event, b, values, stays)
+        class(side_t), intent(inout) :: self
+        type(event_t), intent(in) :: event !! the event
+        real(dp), intent(in) :: b, values(5) !! s; the quantity at equal distances in the interval
+        logical, intent(out) :: stays !! whether it does
+        real(dp) :: distance(5)
+        stays = .not. (event%every_turn .or. event%turn_by_turn .or. self%sign == 0)
+        if (.not. stays) return
+        distance = self%sign * (values - self%level)
+        stays = min(distance(1), distance(2), distance(3), distance(4), distance(5)) > self%rounding
+        if (stays) stays = passes_at_most_once(distance)
+        if (.not. stays) return
+        self%rounding = 0
+        self%t = b
+        self%distance = values(5) - self%level
+    end subroutine take_stay
 
     !> Forgets the rounding error that was measured: it may be another one in the next interval, which begins at time t.
     pure subroutine forget_rounding(self, t)

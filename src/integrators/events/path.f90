@@ -3,6 +3,7 @@ module spintop_path
     use spintop_kinds, only: dp
     use spintop_loads, only: works
     use spintop_motion, only: motion_t
+    use spintop_motions, only: instants, motions_t
     implicit none
     private
     public :: path_t
@@ -11,10 +12,13 @@ module spintop_path
     type, abstract :: path_t
         !> A bound of the angular velocity along the path, rad/s; 0 if none is known.
         real(dp) :: greatest_rate = 0
+        !> Whether `at_several` gives the motion at several instants at once.
+        logical :: gives_several = .false.
     contains
         procedure(at), deferred :: at
         procedure :: at_without_angles
         procedure :: motion_at
+        procedure :: at_several
         procedure :: work_until
         procedure :: is_spent
         procedure :: wants_pause
@@ -52,6 +56,20 @@ contains
             call self%at_without_angles(t, motion)
         end if
     end subroutine motion_at
+
+    !> The motion, without angles, at several instants. By default one after the other.
+    subroutine at_several(self, t, used, motions)
+        class(path_t), intent(inout) :: self
+        real(dp), intent(in) :: t(instants) !! times, s
+        integer, intent(in) :: used !! how many of them are different: those that count as work
+        type(motions_t), intent(out) :: motions !! the motion at these times
+        type(motion_t) :: motion
+        integer :: i
+        do i = 1, instants
+            if (i <= used) call self%at_without_angles(t(i), motion)
+            call motions%put(i, motion)
+        end do
+    end subroutine at_several
 
     !> The work of effects from the start to a time, by its parts, J; by default there are none.
     function work_until(self, t) result(work)

@@ -1,6 +1,5 @@
 !> The values of all quantities at the latest instants, so that searches for several events share them.
 module spintop_recent_values
-    use spintop_compare, only: is_equal
     use spintop_kinds, only: dp
     implicit none
     private
@@ -43,7 +42,7 @@ contains
         integer :: i
         value = 0
         do i = 1, self%kept
-            known = is_equal(self%t(i), t)
+            known = self%t(i) >= t .and. self%t(i) <= t
             if (.not. known) cycle
             value = self%values(k, i)
             return

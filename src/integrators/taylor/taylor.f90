@@ -7,7 +7,7 @@
 module spintop_taylor
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_kinds, only: dp
-    use spintop_powers, only: instants
+    use spintop_motions, only: instants
     use spintop_formulation, only: formulation_t, max_series_order, max_states
     use spintop_status, only: status_ok, status_non_finite, status_step_too_small
     use spintop_stepper, only: stepper_t, workspace_t
@@ -65,6 +65,14 @@ module spintop_taylor
             real(c_double), value :: h
             real(c_double), intent(out) :: change(*)
         end subroutine c_add_terms
+
+        !> The same after several times.
+        pure subroutine c_add_terms_at(order, coefficient, h, change) bind(C, name='spintop_add_terms_at')
+            import :: c_double, c_int
+            integer(c_int), value :: order
+            real(c_double), intent(in) :: coefficient(*), h(*)
+            real(c_double), intent(out) :: change(*)
+        end subroutine c_add_terms_at
     end interface
 
 contains
@@ -193,8 +201,8 @@ contains
         class(workspace_t), intent(inout) :: work !! state and workspace of the run
         real(dp), intent(in) :: t(instants) !! times, s
         real(dp), intent(out) :: y(instants, max_states) !! states
-        real(dp) :: h(instants), change(max_states)
-        integer :: i, k, n
+        real(dp) :: h(instants)
+        integer :: n
 
         associate (unused => self)
         end associate
@@ -202,18 +210,10 @@ contains
         select type (work)
         class is (taylor_workspace_t)
             h = t - work%t_last
-            do k = work%order, 1, -1
-                do n = 1, max_states
-                    !$omp simd
-                    do i = 1, instants
-                        y(i, n) = (y(i, n) + work%coefficient(n, k)) * h(i)
-                    end do
-                end do
-            end do
-            do i = 1, instants
-                change = y(i, :)
-                call formulation%series%unfold(work%y_last, h(i), change)
-                y(i, :) = work%y_last + change
+            call c_add_terms_at(work%order, work%coefficient, h, y)
+            call formulation%series%unfold_several(work%y_last, h, y)
+            do n = 1, max_states
+                y(:, n) = work%y_last(n) + y(:, n)
             end do
         end select
     end subroutine states_within

@@ -11,6 +11,8 @@ module spintop_nutation_watch
     use spintop_events, only: event_t
     use spintop_instants, only: through_pole
     use spintop_motion, only: motion_from_quaternion, motion_t
+    use spintop_motion_slopes, only: find_force_slopes, nutation_slopes, precession_slopes
+    use spintop_motions, only: cross_of_all, instants, motions_t, verticals
     use spintop_nutation, only: nutation_t, class_loop, class_cusp, class_wave, class_steady, &
         class_libration, class_circulation
     use spintop_quantities, only: angular_acceleration, axis_height_rate, polar_precession_rate, support_force
@@ -74,9 +76,11 @@ module spintop_nutation_watch
     contains
         procedure :: measure_nutation
         procedure :: quantities
+        procedure :: quantities_of_several
         procedure :: meet
         procedure :: nutation
         procedure :: take_end
+        procedure, private :: find_own
         procedure, private :: as_given
         procedure, private :: take_extremes
         procedure, private :: take_forces
@@ -95,8 +99,9 @@ contains
         self%measures = measures
         self%case = case
         ! Only the events of the scene may depend on the angles.
-        self%needs_angles = size(self%events) > 0
-        self%needs_turns = self%needs_angles .or. measures%turning
+        self%needs_angles = self%needs_angles .and. size(self%events) > 0
+        self%needs_turns = size(self%events) > 0 .or. measures%turning
+        self%takes_several = size(self%events) == 0 .and. .not. case%body%given%differ
         self%own = measures%events()
         ! Without an arm the support force is constant.
         if (all(is_zero(case%body%centre_of_mass))) self%own = pack(self%own, self%own < vertical_force(1))
@@ -127,7 +132,7 @@ contains
     end function as_given
 
     !> Whether a motion is nearly plane, about a principal axis at right angles to body z, which goes over the poles. There
-    !> its nutation rate has an extreme at which the function that `nutation_slope` gives, and that of the lanes, is all but
+    !> its nutation rate has an extreme at which the function that `nutation_slopes` gives, and that of the lanes, is all but
     !> zero; and its precession rate is zero, or larger than any that a computation resolves.
     pure logical function swings_over_poles(body, start, nearly)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
@@ -166,70 +171,68 @@ contains
         class(nutation_watch_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion !! the motion at an instant
         real(dp), intent(out) :: values(:) !! one value for each event
-        real(dp) :: own(largest_force), gamma(3), gamma_rate(3)
-        type(motion_t) :: given
-        integer :: k, n
+        type(motions_t) :: motions, given
+        real(dp) :: own(instants, largest_force)
+        integer :: n
 
         n = size(values)
         if (allocated(self%own)) then
-            own = 0
             n = n - size(self%own)
-            given = self%as_given(motion)
-            gamma = vertical_from_quaternion(given%quaternion)
-            gamma_rate = cross(gamma, given%omega)
-            own([upper, lower]) = gamma_rate(3)
-            if (self%measures%fastest) own(fastest) = precession_slope(gamma, gamma_rate, given%omega, given%omega_rate)
-            if (self%measures%nutation_rate) then
-                own(fastest_nutation) = nutation_slope(gamma, gamma_rate, given%omega, given%omega_rate)
-            end if
-            gamma = vertical_from_quaternion(motion%quaternion)
-            gamma_rate = cross(gamma, motion%omega)
-            if (self%measures%lowest) own(lowest_centre) = dot_product(self%case%body%centre_of_mass, gamma_rate)
-            if (self%measures%vertical_force .or. self%measures%force) then
-                call find_force_slopes(self%case%body, gamma, gamma_rate, motion%omega, motion%omega_rate, own)
-            end if
-            do k = 1, size(self%own)
-                values(n + k) = own(self%own(k))
-            end do
+            call motions%fill(motion)
+            given = motions
+            if (self%case%body%given%differ) call given%fill(self%as_given(motion))
+            call self%find_own(motions, given, own)
+            values(n + 1:) = own(1, self%own)
         end if
         if (n > 0) call self%event_recorder_t%quantities(motion, values(:n))
     end subroutine quantities
 
-    !> Angular acceleration of phi times sin(theta)^4, which is smooth at the poles; from phi' = (gamma1
-    !> omega1 + gamma2 omega2)/sin(theta)^2.
-    pure real(dp) function precession_slope(gamma, gamma_rate, omega, omega_rate) result(slope)
-        real(dp), intent(in), dimension(3) :: gamma, gamma_rate, omega, omega_rate
-        associate (turn => dot_product(gamma(1:2), omega(1:2)), sine2 => sum(gamma(1:2)**2))
-            slope = (dot_product(gamma_rate(1:2), omega(1:2)) + dot_product(gamma(1:2), omega_rate(1:2))) * sine2 &
-                    - 2 * turn * dot_product(gamma(1:2), gamma_rate(1:2))
+    !> The same at several instants, where only measured ones are wanted, and those of the axes of the computation.
+    subroutine quantities_of_several(self, motions, values)
+        class(nutation_watch_t), intent(inout) :: self
+        type(motions_t), intent(in) :: motions !! the motion at several instants
+        real(dp), intent(out) :: values(:, :) !! a column for each event
+        real(dp) :: own(instants, largest_force)
+        integer :: k
+        call self%find_own(motions, motions, own)
+        do k = 1, size(self%own)
+            values(:, k) = own(:, self%own(k))
+        end do
+    end subroutine quantities_of_several
+
+    !> The measured quantities, of motions in the axes of the computation and in those in which the body was given.
+    subroutine find_own(self, motions, given, own)
+        class(nutation_watch_t), intent(in) :: self
+        type(motions_t), intent(in) :: motions, given
+        real(dp), intent(out) :: own(instants, largest_force)
+        real(dp) :: gamma(instants, 3)
+
+        own = 0
+        associate (measures => self%measures, r => self%case%body%centre_of_mass)
+            if (measures%turning) then
+                gamma = verticals(given%quaternion)
+                own(:, upper) = gamma(:, 1) * given%omega(:, 2) - gamma(:, 2) * given%omega(:, 1)
+                own(:, lower) = own(:, upper)
+            end if
+            if (measures%lowest) then
+                gamma = verticals(motions%quaternion)
+                gamma = cross_of_all(gamma, motions%omega)
+                own(:, lowest_centre) = r(1) * gamma(:, 1) + r(2) * gamma(:, 2) + r(3) * gamma(:, 3)
+            end if
+            if (measures%fastest) then
+                own(:, fastest(1)) = precession_slopes(given)
+                own(:, fastest(2)) = own(:, fastest(1))
+            end if
+            if (measures%nutation_rate) then
+                own(:, fastest_nutation(1)) = nutation_slopes(given)
+                own(:, fastest_nutation(2)) = own(:, fastest_nutation(1))
+            end if
+            if (measures%vertical_force .or. measures%force) then
+                call find_force_slopes(self%case%body, motions, own(:, vertical_force(1)), own(:, largest_force))
+                own(:, vertical_force(2)) = own(:, vertical_force(1))
+            end if
         end associate
-    end function precession_slope
-
-    !> The slope of the nutation rate, but for a positive factor and its sign: with w = gamma3' and d = gamma1^2 +
-    !> gamma2^2, theta'^2 = w^2/d.
-    pure real(dp) function nutation_slope(gamma, gamma_rate, omega, omega_rate) result(slope)
-        real(dp), intent(in), dimension(3) :: gamma, gamma_rate, omega, omega_rate
-        real(dp) :: bend
-        bend = gamma_rate(1) * omega(2) - gamma_rate(2) * omega(1) + gamma(1) * omega_rate(2) - gamma(2) * omega_rate(1)
-        slope = bend * (gamma(1)**2 + gamma(2)**2) + gamma(3) * gamma_rate(3)**2
-    end function nutation_slope
-
-    !> The slopes of the vertical force and of the square of the force, over mass and twice its square.
-    pure subroutine find_force_slopes(body, gamma, gamma1, w, b, slopes)
-        type(body_t), intent(in) :: body
-        real(dp), intent(in), dimension(3) :: gamma, gamma1, w, b !! vertical and angular velocity, each with its rate
-        real(dp), intent(inout) :: slopes(largest_force)
-        real(dp), dimension(3) :: gamma3, b1, force, force1
-
-        associate (r => body%centre_of_mass, inertia => body%inertia)
-            b1 = (cross(inertia * b, w) + cross(inertia * w, b) + body%torque(gamma1) - body%damping * b) / inertia
-            gamma3 = cross(cross(gamma1, w) + cross(gamma, b), w) + 2 * cross(gamma1, b) + cross(gamma, b1)
-            slopes(vertical_force) = dot_product(r, gamma3)
-            force = cross(b, r) + cross(w, cross(w, r)) + body%gravity * gamma
-            force1 = cross(b1, r) + cross(b, cross(w, r)) + cross(w, cross(b, r)) + body%gravity * gamma1
-            slopes(largest_force) = dot_product(force, force1)
-        end associate
-    end subroutine find_force_slopes
+    end subroutine find_own
 
     !> Receives an event.
     subroutine meet(self, number, motion)

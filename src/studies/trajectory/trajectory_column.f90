@@ -9,6 +9,8 @@ module spintop_trajectory_column
 
     !> The group of the columns of the time, the angles and their rates, which need nothing else of a motion.
     character(*), parameter :: angle_group = 'angles'
+    !> Groups of columns that need no angles nor their rates.
+    character(*), parameter :: groups_free_of_angles(*) = [character(8) :: 'rates', 'attitude', 'energy', 'momenta']
 
     !> A column of a trajectory.
     type, extends(study_column_t) :: trajectory_column_t
@@ -30,6 +32,8 @@ module spintop_trajectory_column
         integer :: bounds = 0
         !> Its cells are words: `unproved` and `proved` for the values 0 and 1.
         logical :: is_proof = .false.
+    contains
+        procedure :: is_free_of_angles
     end type trajectory_column_t
 
     abstract interface
@@ -40,5 +44,13 @@ module spintop_trajectory_column
             type(motion_view_t), intent(inout) :: now
         end function value_i
     end interface
+
+contains
+
+    !> Whether the value follows from the attitude, the angular velocity and its rate.
+    elemental logical function is_free_of_angles(self)
+        class(trajectory_column_t), intent(in) :: self
+        is_free_of_angles = any(groups_free_of_angles == self%group)
+    end function is_free_of_angles
 
 end module spintop_trajectory_column

@@ -1,0 +1,124 @@
+!> The quantities of events, whose passages through levels are searched for: their values along a path.
+module spintop_event_quantities
+    use spintop_compare, only: is_equal
+    use spintop_event, only: event_t
+    use spintop_kinds, only: dp
+    use spintop_motion, only: motion_t
+    use spintop_motions, only: instants, motions_t
+    use spintop_path, only: path_t
+    use spintop_recent_values, only: recent_values_t
+    implicit none
+    private
+    public :: event_quantities_t
+
+    !> Quantities of a motion, one for each event. An extension defines them.
+    type, abstract :: event_quantities_t
+        !> The events to search for, with one quantity each.
+        type(event_t), allocatable :: events(:)
+        !> Whether a quantity takes the angles or their rates from the motion; otherwise they are not computed there.
+        logical :: needs_angles = .true.
+        !> Whether `quantities_of_several` gives all quantities; then none needs the angles.
+        logical :: takes_several = .false.
+        !> The quantities at the latest instants; workspace.
+        type(recent_values_t) :: recent
+        real(dp), allocatable :: one(:)
+        !> The motion at the instants that were looked at last at once, and the quantities.
+        type(motions_t), private :: ahead
+        real(dp), allocatable, private :: several(:, :)
+    contains
+        procedure(quantities), deferred :: quantities
+        procedure :: quantities_of_several
+        procedure :: begin_quantities
+        procedure :: value_at
+        procedure :: take_quarters
+    end type event_quantities_t
+
+    integer, parameter :: half = instants / 2
+
+    abstract interface
+        !> The quantities of all events. While a quantity is not finite, its events are not found.
+        subroutine quantities(self, motion, values)
+            import :: event_quantities_t, motion_t, dp
+            class(event_quantities_t), intent(inout) :: self
+            type(motion_t), intent(in) :: motion !! the motion at an instant
+            real(dp), intent(out) :: values(:) !! one value for each event
+        end subroutine quantities
+    end interface
+
+contains
+
+    !> The quantities at several instants: what an extension that sets `takes_several` overrides.
+    subroutine quantities_of_several(self, motions, values)
+        class(event_quantities_t), intent(inout) :: self
+        type(motions_t), intent(in) :: motions !! the motion at several instants
+        real(dp), intent(out) :: values(:, :) !! a column for each event
+        integer :: i
+        do i = 1, instants
+            call self%quantities(motions%motion(i), self%one)
+            values(i, :) = self%one
+        end do
+    end subroutine quantities_of_several
+
+    !> Makes room for the quantities of the events, and forgets what was known.
+    subroutine begin_quantities(self)
+        class(event_quantities_t), intent(inout) :: self
+        if (allocated(self%one)) deallocate (self%one, self%several)
+        allocate (self%one(size(self%events)), self%several(instants, size(self%events)))
+        self%ahead%t = -huge(1.0_dp)
+        call self%recent%begin(size(self%events))
+    end subroutine begin_quantities
+
+    !> The quantity of event `k` at a time.
+    real(dp) function value_at(self, path, k, t) result(value)
+        class(event_quantities_t), intent(inout) :: self
+        class(path_t), intent(inout) :: path !! the motion
+        integer, intent(in) :: k !! number of the event
+        real(dp), intent(in) :: t !! time, s
+        type(motion_t) :: motion
+        logical :: known
+        call self%recent%find(t, k, value, known)
+        if (known) return
+        call path%motion_at(t, self%needs_angles, motion)
+        call self%quantities(motion, self%one)
+        call self%recent%keep(t, self%one)
+        value = self%one(k)
+    end function value_at
+
+    !> The quantities at each quarter of the time from `a` to `b`, and the motion at `b`, without angles. Those of as long a
+    !> time after that, if it ends before `limit`, are computed by the same instructions, and kept for the next call. It moves
+    !> `b` to the end of that time if this is not much earlier.
+    subroutine take_quarters(self, path, a, b, limit, values, last)
+        class(event_quantities_t), intent(inout) :: self
+        class(path_t), intent(inout) :: path !! the motion
+        real(dp), intent(in) :: a, limit !! s
+        real(dp), intent(inout) :: b !! s
+        real(dp), intent(out) :: values(:, :) !! a row for each event
+        type(motion_t), intent(out) :: last !! the motion at `b`
+        real(dp) :: t(instants), slack
+        integer :: first, i
+
+        slack = 4 * spacing(limit)
+        t = self%ahead%t
+        if (is_equal(t(half), a) .and. t(instants) <= b + slack .and. t(instants) - a > 0.7_dp * (b - a)) then
+            first = half + 1
+            b = t(instants)
+        else
+            first = 1
+            t(instants) = b
+            if (b + (b - a) <= limit + slack) t(instants) = b + (b - a)
+            if (t(instants) >= limit - slack) t(instants) = limit
+            do i = 1, half - 1
+                t(i) = a + (b - a) * i / half
+                t(half + i) = b + (t(instants) - b) * i / half
+            end do
+            t(half) = b
+            call path%at_several(t, merge(instants, half, t(instants) > b), self%ahead)
+            call self%quantities_of_several(self%ahead, self%several)
+        end if
+        do i = 1, half
+            values(:, i) = self%several(first - 1 + i, :)
+        end do
+        last = self%ahead%motion(first - 1 + half)
+    end subroutine take_quarters
+
+end module spintop_event_quantities

@@ -1,0 +1,82 @@
+!> Slopes of rates and forces along a motion, at several instants at once. They vanish where the rate or force has an extreme.
+module spintop_motion_slopes
+    use spintop_body, only: body_t
+    use spintop_kinds, only: dp
+    use spintop_motions, only: cross_of_all, instants, motions_t, verticals
+    implicit none
+    private
+    public :: precession_slopes, nutation_slopes, find_force_slopes
+
+contains
+
+    !> Angular acceleration of phi times sin(theta)^4, which is smooth at the poles; from phi' = (gamma1
+    !> omega1 + gamma2 omega2)/sin(theta)^2.
+    pure function precession_slopes(motions) result(slope)
+        type(motions_t), intent(in) :: motions !! the motion in the axes in which the body was given
+        real(dp), dimension(instants) :: slope, turn, sine2
+        real(dp), dimension(instants, 3) :: gamma, gamma1
+        gamma = verticals(motions%quaternion)
+        gamma1 = cross_of_all(gamma, motions%omega)
+        associate (w => motions%omega, b => motions%omega_rate)
+            turn = gamma(:, 1) * w(:, 1) + gamma(:, 2) * w(:, 2)
+            sine2 = gamma(:, 1)**2 + gamma(:, 2)**2
+            slope = ((gamma1(:, 1) * w(:, 1) + gamma1(:, 2) * w(:, 2)) + (gamma(:, 1) * b(:, 1) + gamma(:, 2) * b(:, 2))) &
+                    * sine2 - 2 * turn * (gamma(:, 1) * gamma1(:, 1) + gamma(:, 2) * gamma1(:, 2))
+        end associate
+    end function precession_slopes
+
+    !> The slope of the nutation rate, but for a positive factor and its sign: with w = gamma3' and d = gamma1^2 +
+    !> gamma2^2, theta'^2 = w^2/d.
+    pure function nutation_slopes(motions) result(slope)
+        type(motions_t), intent(in) :: motions !! the motion in the axes in which the body was given
+        real(dp), dimension(instants) :: slope, bend
+        real(dp), dimension(instants, 3) :: gamma, gamma1
+        gamma = verticals(motions%quaternion)
+        gamma1 = cross_of_all(gamma, motions%omega)
+        associate (w => motions%omega, b => motions%omega_rate)
+            bend = gamma1(:, 1) * w(:, 2) - gamma1(:, 2) * w(:, 1) + gamma(:, 1) * b(:, 2) - gamma(:, 2) * b(:, 1)
+            slope = bend * (gamma(:, 1)**2 + gamma(:, 2)**2) + gamma(:, 3) * gamma1(:, 3)**2
+        end associate
+    end function nutation_slopes
+
+    !> The slopes of the vertical force and of the square of the force, over mass and twice its square.
+    pure subroutine find_force_slopes(body, motions, vertical, square)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motions_t), intent(in) :: motions !! the motion in principal axes
+        real(dp), dimension(instants), intent(out) :: vertical, square !! the slopes
+        real(dp), dimension(instants, 3) :: w, b, r, gamma, gamma1, gamma3, b1, wr, br, force, force1
+        integer :: m
+
+        w = motions%omega
+        b = motions%omega_rate
+        r = spread(body%centre_of_mass, 1, instants)
+        gamma = verticals(motions%quaternion)
+        gamma1 = cross_of_all(gamma, w)
+        b1 = cross_of_all(momenta(b), w) + cross_of_all(momenta(w), b) + body%mass * body%gravity * cross_of_all(gamma1, r)
+        do m = 1, 3
+            b1(:, m) = (b1(:, m) - body%damping(m) * b(:, m)) / body%inertia(m)
+        end do
+        gamma3 = cross_of_all(cross_of_all(gamma1, w) + cross_of_all(gamma, b), w) + 2 * cross_of_all(gamma1, b) &
+                 + cross_of_all(gamma, b1)
+        wr = cross_of_all(w, r)
+        br = cross_of_all(b, r)
+        force = br + cross_of_all(w, wr) + body%gravity * gamma
+        force1 = cross_of_all(b1, r) + cross_of_all(b, wr) + cross_of_all(w, br) + body%gravity * gamma1
+        vertical = r(:, 1) * gamma3(:, 1) + r(:, 2) * gamma3(:, 2) + r(:, 3) * gamma3(:, 3)
+        square = force(:, 1) * force1(:, 1) + force(:, 2) * force1(:, 2) + force(:, 3) * force1(:, 3)
+
+    contains
+
+        !> Products with the moments of inertia.
+        pure function momenta(rates)
+            real(dp), intent(in) :: rates(instants, 3)
+            real(dp) :: momenta(instants, 3)
+            integer :: k
+            do k = 1, 3
+                momenta(:, k) = body%inertia(k) * rates(:, k)
+            end do
+        end function momenta
+
+    end subroutine find_force_slopes
+
+end module spintop_motion_slopes

@@ -1,0 +1,76 @@
+!> The motion of a body at several instants at once: each number is a vector over the instants, so that all are computed by
+!> the same instructions.
+module spintop_motions
+    use spintop_kinds, only: dp
+    use spintop_motion, only: motion_t
+    implicit none
+    private
+    public :: motions_t, instants, verticals, cross_of_all
+
+    !> Number of instants.
+    integer, parameter :: instants = 8
+
+    !> Attitudes, angular velocities and their rates. They are not set at first, which would take longer than what most are for.
+    type :: motions_t
+        real(dp) :: t(instants) !! s
+        real(dp) :: quaternion(instants, 4) !! unit quaternions, body to space
+        real(dp) :: omega(instants, 3) !! angular velocities in body axes, rad/s
+        real(dp) :: omega_rate(instants, 3) !! their time derivatives in body axes, rad/s^2
+    contains
+        procedure :: fill
+        procedure :: put
+        procedure :: motion
+    end type motions_t
+
+contains
+
+    !> Takes a motion at all instants.
+    pure subroutine fill(self, motion)
+        class(motions_t), intent(inout) :: self
+        type(motion_t), intent(in) :: motion !! the motion
+        integer :: i
+        do i = 1, instants
+            call self%put(i, motion)
+        end do
+    end subroutine fill
+
+    !> Takes a motion at an instant.
+    pure subroutine put(self, i, motion)
+        class(motions_t), intent(inout) :: self
+        integer, intent(in) :: i !! number of the instant
+        type(motion_t), intent(in) :: motion !! the motion
+        self%t(i) = motion%t
+        self%quaternion(i, :) = motion%quaternion
+        self%omega(i, :) = motion%omega
+        self%omega_rate(i, :) = motion%omega_rate
+    end subroutine put
+
+    !> The motion at an instant, without angles.
+    pure type(motion_t) function motion(self, i)
+        class(motions_t), intent(in) :: self
+        integer, intent(in) :: i !! number of the instant
+        motion%t = self%t(i)
+        motion%quaternion = self%quaternion(i, :)
+        motion%omega = self%omega(i, :)
+        motion%omega_rate = self%omega_rate(i, :)
+    end function motion
+
+    !> Upward vertical in body axes.
+    pure function verticals(q) result(gamma)
+        real(dp), intent(in) :: q(instants, 4) !! quaternions, scalar part first
+        real(dp) :: gamma(instants, 3)
+        gamma(:, 1) = 2 * (q(:, 2) * q(:, 4) - q(:, 1) * q(:, 3))
+        gamma(:, 2) = 2 * (q(:, 3) * q(:, 4) + q(:, 1) * q(:, 2))
+        gamma(:, 3) = (q(:, 1)**2 + q(:, 4)**2) - (q(:, 2)**2 + q(:, 3)**2)
+    end function verticals
+
+    !> Vector products.
+    pure function cross_of_all(a, b) result(c)
+        real(dp), intent(in) :: a(instants, 3), b(instants, 3) !! vectors
+        real(dp) :: c(instants, 3)
+        c(:, 1) = a(:, 2) * b(:, 3) - a(:, 3) * b(:, 2)
+        c(:, 2) = a(:, 3) * b(:, 1) - a(:, 1) * b(:, 3)
+        c(:, 3) = a(:, 1) * b(:, 2) - a(:, 2) * b(:, 1)
+    end function cross_of_all
+
+end module spintop_motions

@@ -22,8 +22,8 @@ module spintop_progress
     !> Recent is a part of the elapsed time: at least one and at most two of these, and at least so many seconds.
     real(dp), parameter :: recent_part = 0.2_dp, recent_least = 1
 
-    !> Characters of the bar.
-    integer, parameter :: bar_length = 20
+    !> Characters of the bar, and the fewest where the line has no room for more.
+    integer, parameter :: bar_length = 20, least_bar_length = 5
 
     integer, parameter :: silent = 0, terminal = 1, log = 2
 
@@ -90,6 +90,7 @@ contains
         integer(int64), intent(in) :: done !! number of finished items
         character(:), allocatable :: text
         real(dp) :: now
+        integer :: room
 
         if (self%mode == silent) return
         now = seconds()
@@ -97,8 +98,9 @@ contains
         self%shown = now
         text = progress_text(done, self%total, now - self%started, self%noun, self%before, &
                              (done - self%done_at_mark(1)) / max(now - self%marked(1), tiny(now)))
-        if (self%mode == terminal .and. characters(self%name // text) + bar_length + 5 < message_width()) then
-            text = bar(done, self%total) // ' ' // text
+        if (self%mode == terminal) then
+            room = message_width() - 1 - characters(self%name // ': [] ' // text)
+            if (room >= least_bar_length) text = bar(done, self%total, min(room, bar_length)) // ' ' // text
         end if
         call show(self, self%name // ': ' // text)
         if (now - self%marked(2) < max(recent_least, recent_part * (now - self%started))) return
@@ -125,12 +127,13 @@ contains
     end subroutine show
 
     !> `[#########...........]`
-    pure function bar(done, total) result(text)
+    pure function bar(done, total, length) result(text)
         integer(int64), intent(in) :: done, total !! number of finished items, and of all
-        character(bar_length + 2) :: text
+        integer, intent(in) :: length !! characters between the brackets
+        character(length + 2) :: text
         integer :: full
-        full = int(bar_length * (real(min(done, total), dp) / max(total, 1_int64)))
-        text = '[' // repeat('#', full) // repeat('.', bar_length - full) // ']'
+        full = int(length * (real(min(done, total), dp) / max(total, 1_int64)))
+        text = '[' // repeat('#', full) // repeat('.', length - full) // ']'
     end function bar
 
     !> The beginning of a line that has room in so many columns: a longer line could not be overwritten.

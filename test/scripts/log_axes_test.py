@@ -40,11 +40,21 @@ class LogAxesTest(unittest.TestCase):
         labels.set_axis(axes.yaxis)
         places = [1e-12, 1.0, 1000.0]
         self.assertEqual(labels.format_ticks(places), ["10⁻¹²", "10⁰", "10³"])
-        figure, (axes, _) = log_figure(0.02, 0.06)
-        simplify_log_axes(figure)
-        shown = [label.get_text() for label in axes.get_yticklabels(which="minor")]
-        self.assertIn("3\N{MULTIPLICATION SIGN}10⁻²", shown)
-        self.assertFalse([text for text in shown if "$" in text])
+
+    def test_short_axes(self) -> None:
+        """Labels over less than two decades are numbers, with powers only if they are unusual."""
+        ends = {
+            (0.02, 0.06): "0.03",
+            (2.0, 6.0): "3",
+            (2e-6, 6e-6): "3\N{MULTIPLICATION SIGN}10⁻⁶",
+            (2e5, 6e5): "3\N{MULTIPLICATION SIGN}10⁵",
+        }
+        for (low, high), expected in ends.items():
+            figure, (axes, _) = log_figure(low, high)
+            simplify_log_axes(figure)
+            shown = [label.get_text() for label in axes.get_yticklabels(which="minor")]
+            self.assertIn(expected, shown)
+            self.assertFalse([text for text in shown if "$" in text])
 
     def test_minor_ticks(self) -> None:
         """They are where matplotlib has them, once on each panel."""

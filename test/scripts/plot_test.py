@@ -24,9 +24,16 @@ from plot_case import (  # noqa: E402
     a_trajectory,
     some_events,
 )
+from spintop_figures.style.cells import Cells  # noqa: E402
 from spintop_figures.style.provenance import describe_run  # noqa: E402
-from spintop_figures.style.saving import lay_out  # noqa: E402
-from spintop_figures.sweeps.table1 import as_column, as_text, draw_table1, notes_on  # noqa: E402
+from spintop_figures.sweeps.table1 import (  # noqa: E402
+    COLUMNS,
+    RIGHT_EDGES,
+    as_column,
+    as_text,
+    draw_table1,
+    notes_on,
+)
 from spintop_figures.tables.table import TableError, read_table  # noqa: E402
 
 
@@ -124,17 +131,16 @@ class PageTest(TableCase):
         table = read_table(self.put("a.csv", a_sweep()))
         rows = table.rows.assign(delta_u=[1234.5, 0.00012345, 9.5, 77.0])
         figure = draw_table1(replace(table, rows=rows))
-        lay_out(figure)
-        places = []
-        renderer = figure.canvas.get_renderer()
-        for text in figure.axes[0].texts:
-            if text.get_text() in ("1234.5", "0.00012345", "9.5000", "77.000"):
-                decimals = text.get_text().partition(".")[2]
-                right = text.get_window_extent(renderer).x1
-                text.set_text(decimals)
-                places.append(right - text.get_window_extent(renderer).width)
-        self.assertEqual(len(places), 4)
-        self.assertLess(np.ptp(places), 3)  # of 150 pixels an inch
+        cells = next(each for each in figure.axes[0].artists if isinstance(each, Cells))
+        points = [
+            place for (_, text), each in cells.places.items() if text == "." for place in each
+        ]
+        by_column: dict[float, list[float]] = {}
+        for (end, _), left in points:
+            by_column.setdefault(end, []).append(left)
+        written = by_column[RIGHT_EDGES[next(c for c in COLUMNS if c.column == "delta_u")]]
+        self.assertEqual(len(written), 4)
+        self.assertLess(np.ptp(written), 1e-9)
 
     def test_title(self) -> None:
         """The title names the source of the inertia."""

@@ -11,6 +11,7 @@ import warnings
 from pathlib import Path
 
 import numpy as np
+from matplotlib.colors import to_rgb
 
 sys.dont_write_bytecode = True
 TESTS = Path(__file__).resolve().parent.parent
@@ -20,14 +21,26 @@ from plot_case import STAGES, TableCase, a_precision  # noqa: E402
 from spintop_figures.methods import known  # noqa: E402
 from spintop_figures.methods.best import best_of_families, spread  # noqa: E402
 from spintop_figures.methods.curves import TARGET, Curve, curves_of, time_to  # noqa: E402
-from spintop_figures.methods.known import OTHER, family_of, known_methods, order_of  # noqa: E402
-from spintop_figures.methods.orders import STEP, equal_steps, measured_order  # noqa: E402
+from spintop_figures.methods.known import (  # noqa: E402
+    OTHER,
+    families,
+    family_of,
+    known_methods,
+    order_of,
+)
+from spintop_figures.methods.orders import (  # noqa: E402
+    STEP,
+    draw_orders,
+    equal_steps,
+    measured_order,
+    with_order,
+)
 from spintop_figures.methods.precision import (  # noqa: E402
     draw_precision_time,
     draw_precision_work,
     object_to_precision,
 )
-from spintop_figures.methods.styles import LOOKS, OTHER_LOOK, style_of  # noqa: E402
+from spintop_figures.methods.styles import LOOKS, OTHER_LOOK, ink_of, look_of, style_of  # noqa: E402
 from spintop_figures.methods.tolerance_map import (  # noqa: E402
     draw_tolerance_map,
     object_to_tolerance_map,
@@ -209,6 +222,25 @@ class CurveTest(TableCase):
             self.assertAlmostEqual(measured_order(curve.rows), order_of(curve.method), delta=0.3)
         flat = rows.head(5).assign(error_max=[1e-15, 2e-15, 1e-15, 1e-15, 2e-15])
         self.assertTrue(np.isnan(measured_order(flat)))
+
+    def test_orders_are_named(self) -> None:
+        """Each curve has its name with both orders at its side, not over another, and no legend."""
+        table = read_table(self.put("a.csv", a_precision()))
+        axes = draw_orders(table).axes[0]
+        self.assertIsNone(axes.get_legend())
+        curves = curves_of(equal_steps(table), (STEP, "error_max"))
+        names = {text.get_text(): text.get_position()[1] for text in axes.texts}
+        heights = sorted(names[with_order(curve)] for curve in curves)
+        self.assertGreaterEqual(np.diff(heights).min(), 0.06 - 1e-9)
+
+    def test_ink(self) -> None:
+        """The names of families can be read on white, and keep their hue."""
+        for family in (*families(), OTHER):
+            ink, colour = np.array(ink_of(family)), np.array(to_rgb(look_of(family).colour))
+            linear = np.where(ink <= 0.04045, ink / 12.92, ((ink + 0.055) / 1.055) ** 2.4)
+            contrast = 1.05 / (linear @ (0.2126, 0.7152, 0.0722) + 0.05)
+            self.assertGreaterEqual(contrast, 4.4, family)
+            self.assertLess(np.abs(np.cross(ink, colour)).max(), 1e-12)
 
     def test_time_to(self) -> None:
         """Between two settings times are as the power that joins them says."""

@@ -1,17 +1,17 @@
 """The best method of each family, drawn strongly and named beside its curve."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from spintop_figures.methods.curves import TARGET, Curve, time_to
 from spintop_figures.methods.known import family_of, known_methods
-from spintop_figures.methods.styles import look_of
+from spintop_figures.methods.styles import ink_of
 from spintop_figures.style.look import GREY
 
-APART = 0.115
-"""Distance of the names, over the height of the panel."""
+APART, APART_ALONE = 0.115, 0.06
+"""Distance of the names, over the height of the panel: with a line below each, and without."""
 
 SIDE = 1.045
 """Where the names stand, over the width of the panel."""
@@ -33,16 +33,22 @@ def best_of_families(curves: Sequence[Curve], cost: str) -> list[Curve]:
     return [curve for _, curve in best.values()]
 
 
-def name_at_the_side(axes: Axes, named: Sequence[tuple[Curve, tuple[float, float]]]) -> None:
+def name_at_the_side(
+    axes: Axes,
+    named: Sequence[tuple[Curve, tuple[float, float]]],
+    words: Callable[[Curve], str] | None = None,
+) -> None:
     """The names of curves at the right of a panel, each joined to a point of its curve.
 
-    The points are in data, on log axes that have their limits.
+    The points are in data, on log axes that have their limits. Below a name is the kind of the
+    method, or there are `words` in place of both.
     """
     low, high = np.log10(axes.get_ylim())
     heights = [(np.log10(point[1]) - low) / (high - low) for _, point in named]
-    for place, height in zip(np.argsort(heights), spread(np.sort(heights)), strict=True):
+    spots = spread(np.sort(heights), APART_ALONE if words else APART)
+    for place, height in zip(np.argsort(heights), spots, strict=True):
         curve, point = named[place]
-        colour = look_of(family_of(curve.method)).colour
+        colour = ink_of(family_of(curve.method))
         method = known_methods().get(curve.method)
         axes.annotate(
             "",
@@ -54,17 +60,21 @@ def name_at_the_side(axes: Axes, named: Sequence[tuple[Curve, tuple[float, float
             annotation_clip=False,
         )
         style = {"transform": axes.transAxes, "ha": "left", "clip_on": False}
-        look = {"fontweight": "bold", "color": colour, "fontsize": 9}
-        axes.text(SIDE, height, curve.label, va="bottom", **style, **look)
+        if words:
+            look = {"color": colour, "fontsize": 9, "va": "center_baseline"}
+            axes.text(SIDE, height, words(curve), **style, **look)
+            continue
+        look = {"fontweight": "bold", "color": colour, "fontsize": 9, "va": "bottom"}
+        axes.text(SIDE, height, curve.label, **style, **look)
         if method:
             small = {"fontsize": 7.5, "color": GREY}
             axes.text(SIDE, height, method.group, va="top", **style, **small)
 
 
-def spread(heights: np.ndarray) -> np.ndarray:
+def spread(heights: np.ndarray, apart: float = APART) -> np.ndarray:
     """Heights in rising order moved as little as needed to be apart, between 0 and 1."""
     count = len(heights)
-    apart = min(APART, 1 / max(count, 1))
+    apart = min(apart, 1 / max(count, 1))
     offsets = apart * np.arange(count)
     moved = np.clip(heights, 0.02, 0.98)
     # equal distances taken off, what remains has only to rise: pool those that do not

@@ -6,10 +6,13 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from spintop_figures.methods.best import name_at_the_side
 from spintop_figures.methods.curves import Curve, curves_of
 from spintop_figures.methods.known import order_of
 from spintop_figures.methods.precision import (
     ERROR_LABEL,
+    LEAST_ERROR,
+    MOST_ERROR,
     draw_precision_curves,
     object_to_precision,
     problem_panels,
@@ -71,24 +74,21 @@ def with_order(curve: Curve) -> str:
 
 
 def draw_orders(table: Table) -> Figure:
-    """Error against the size of the step, a panel a problem with a legend of its own."""
+    """Error against the size of the step, a panel a problem, each curve with its name and order."""
     rows = equal_steps(table)
-    figure, panels = problem_panels(table, "Convergence of the fixed-step methods", rows)
+    title = "Convergence of the fixed-step methods, with measured / theoretical order"
+    figure, panels = problem_panels(table, title, rows)
     for problem, axes in panels.items():
         part = rows[rows["problem"] == problem]
         draw_precision_curves(axes, part, STEP)
         axes.set_ylabel(ERROR_LABEL)
-        handles = [line for line in axes.lines if not line.get_label().startswith("_")]
-        labels = [with_order(curve) for curve in curves_of(part, (STEP, "error_max"))]
-        axes.legend(
-            handles,
-            labels,
-            loc="upper left",
-            bbox_to_anchor=(1.02, 1.02),
-            handlelength=3.2,
-            title="measured / theoretical order",
-            title_fontsize=9,
-            alignment="left",
-        )
+        named = [(curve, coarse_end(curve)) for curve in curves_of(part, (STEP, "error_max"))]
+        name_at_the_side(axes, named, with_order)
     axes.set_xlabel("step size over the time span")
     return figure
+
+
+def coarse_end(curve: Curve) -> tuple[float, float]:
+    """The point of a curve with the largest step that is on the axes."""
+    first = curve.rows.iloc[0]
+    return float(first[STEP]), min(max(float(first["error_max"]), LEAST_ERROR), MOST_ERROR)

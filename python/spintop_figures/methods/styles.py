@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+import numpy as np
 from matplotlib.colors import to_rgb
 
 from spintop_figures.methods.known import OTHER, families, family_of, place_of
@@ -38,6 +39,12 @@ DASHES = ("-", (0, (5, 1.5)), (0, (6, 1.5, 1, 1.5)), (0, (1.2, 1.2)), (0, (3, 3)
 PALER, PALEST = 0.17, 0.6
 """How much of the way to white a member's colour is from the one before it, and at most."""
 
+GAMMA, LUMINANCES = 2.2, (0.2126, 0.7152, 0.0722)
+"""Of the colours of screens: exponent, and shares of red, green and blue."""
+
+LIGHTEST_INK = 0.18
+"""Luminance of words on white at a contrast of 4.5 to 1."""
+
 FILLS = {
     "space_frame": "full",
     "rigid_body": "none",
@@ -54,6 +61,13 @@ def look_of(family: str) -> Look:
     if family == OTHER:
         return OTHER_LOOK
     return LOOKS[families().index(family) % len(LOOKS)]
+
+
+def ink_of(family: str) -> tuple[float, ...]:
+    """The colour of a family as words have it: as dark as they need to be read on white."""
+    colour = np.array(to_rgb(look_of(family).colour))
+    luminance = max(np.dot(LUMINANCES, colour**GAMMA), LIGHTEST_INK)
+    return tuple(colour * (LIGHTEST_INK / luminance) ** (1 / GAMMA))
 
 
 def style_of(method: str, formulation: str = "") -> dict[str, object]:

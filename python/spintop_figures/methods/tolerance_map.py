@@ -27,9 +27,16 @@ from spintop_figures.tables.table import Table
 GOAL = "10\u207b\u2079 rad"
 """The error that the methods have to reach, as it is written."""
 
+MICROSECOND = 1e-6
+"""In seconds."""
+
 QUANTITIES = (
     Quantity(
-        ("time_s",), f"the cheapest method and its time for {GOAL}", "s", the_column("time_s"), 3
+        ("time_s",),
+        f"the cheapest method and its time for {GOAL}",
+        "µs",
+        lambda rows: rows["time_s"] / MICROSECOND,
+        3,
     ),
     Quantity(
         ("ratio",),
@@ -105,8 +112,11 @@ def draw_tolerance_map(table: Table) -> Figure:
         values = quantity.values(problems.rows)
         draw_map(axes, grid, quantity, values, failed)
         cross(axes, grid, failed)
-        tell = tell_time if name == "method" else tell_ratio
-        name_cells(axes, grid, problems.rows[name], [tell(value) for value in values])
+        if name == "method":
+            numbers = [tell_time(value) for value in problems.rows["time_s"]]
+        else:
+            numbers = [tell_ratio(value) for value in values]
+        name_cells(axes, grid, problems.rows[name], numbers)
     label_axes(problems, grid, panels)
     return figure
 

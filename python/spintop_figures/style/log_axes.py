@@ -17,8 +17,14 @@ POWER = re.compile(r"\$\\mathdefault\{(?:(\S+)\\times)?10\^\{(\S+)\}\}\$")
 RAISED = str.maketrans("-\N{MINUS SIGN}0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
+FEW_DECADES = 100
+"""The ratio of the ends of an axis below which its numbers have no powers of ten."""
+PLAIN = 1e-3, 1e4
+"""The least and the largest of such numbers."""
+
+
 class PlainPowers(LogFormatterSciNotation):
-    """Powers of ten with raised digits."""
+    """Powers of ten with raised digits, and none on a short axis."""
 
     def __call__(self, x: float, pos: int | None = None) -> str:
         """The label of a tick."""
@@ -26,6 +32,9 @@ class PlainPowers(LogFormatterSciNotation):
         power = POWER.fullmatch(text)
         if not power:
             return text
+        low, high = sorted(self.axis.get_view_interval())
+        if high < FEW_DECADES * low and PLAIN[0] <= low and high <= PLAIN[1]:
+            return f"{x:g}"
         factor = f"{power[1]}\N{MULTIPLICATION SIGN}" if power[1] else ""
         return f"{factor}10{power[2].translate(RAISED)}"
 

@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.transforms import IdentityTransform, ScaledTranslation
 
+from spintop_figures.style.cells import Cells
 from spintop_figures.style.look import GREY
 from spintop_figures.style.page import new_figure
 from spintop_figures.style.provenance import describe_run
@@ -59,8 +59,8 @@ LEAST, LARGEST = 1e-6, 1e6
 POINT, MINUS, DASH = ".", "\N{MINUS SIGN}", "\N{EN DASH}"
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
-DIGIT, PERIOD = 6.36, 3.18
-"""Width of a digit and of the decimal point, in points."""
+MARK, MARK_WIDTH = "*", 0.08
+"""Of a case that failed; the width in inches."""
 
 LEGEND = (
     "paper: its formula for a fast top; exact: closed form of the whole motion; this run: {run} "
@@ -88,8 +88,10 @@ def draw_table1(table: Table) -> Figure:
     axes.set(xlim=(0, PAGE_WIDTH), ylim=(lines, 0))
     write_heads(axes)
     failed = (table.rows["status"] != "ok").to_numpy()
+    cells = Cells()
     for column in COLUMNS:
-        write_column(axes, column, table.rows[column.column].to_numpy(float), failed)
+        write_column(cells, column, table.rows[column.column].to_numpy(float), failed)
+    axes.add_artist(cells)
     axes.axhline(bottom, color="black", linewidth=1.2)
     for number, note in enumerate(notes):
         axes.text(0.1, bottom + 0.8 + number, note, va="center", parse_math=False, fontsize=9)
@@ -111,27 +113,18 @@ def write_heads(axes: Axes) -> None:
     axes.axhline(HEADS, color="black", linewidth=0.8)
 
 
-def write_column(axes: Axes, column: Column, values: np.ndarray, failed: np.ndarray) -> None:
+def write_column(cells: Cells, column: Column, values: np.ndarray, failed: np.ndarray) -> None:
     """The cells of a column below each other, on their decimal points; a failed case is grey."""
     is_first = column is COLUMNS[0]
     texts = [f"{value:g}" for value in values] if is_first else as_column(values)
-    behind = [len(text.partition(POINT)[2]) for text in texts]
-    for number, (text, decimals) in enumerate(zip(texts, behind, strict=True)):
-        missing = (max(behind) - decimals) * DIGIT
-        if max(behind) > 0 and POINT not in text:
-            missing += PERIOD
-        shift = ScaledTranslation(-missing / 72, 0, axes.figure.dpi_scale_trans)
-        axes.text(
-            RIGHT_EDGES[column],
-            HEADS + 0.7 + number,
-            text + ("*" if is_first and failed[number] else ""),
-            transform=axes.transData + (IdentityTransform() if text == DASH else shift),
-            ha="right",
-            va="center_baseline",
-            color=GREY if failed[number] else "black",
-            parse_math=False,
-            in_layout=False,
-        )
+    decimals = max(len(text.partition(POINT)[2]) for text in texts)
+    for number, (text, is_failed) in enumerate(zip(texts, failed, strict=True)):
+        _, point, behind = text.partition(POINT)
+        room = "0" * (decimals - len(behind)) + (POINT if decimals and not point else "")
+        end = (RIGHT_EDGES[column], HEADS + 0.7 + number)
+        cells.write(end, text, "" if text == DASH else room, GREY if is_failed else "black")
+        if is_first and is_failed:
+            cells.write((end[0] + MARK_WIDTH, end[1]), MARK, "", GREY)
 
 
 def as_column(values: np.ndarray) -> list[str]:

@@ -69,7 +69,7 @@ contains
                                 'residuals', value_of_R1, is_default=.true.), &
             trajectory_column_t('R2', 'N m', "residual of Euler's second equation (Eq 51)", &
                                 'residuals', value_of_R2, is_default=.true.), &
-            trajectory_column_t('R3', 'J s', 'change of lz since the start (Eq 51)', 'residuals', value_of_R3, &
+            trajectory_column_t('R3', 'J s', 'change of Lz since the start (Eq 51)', 'residuals', value_of_R3, &
                                 is_default=.true.), &
             trajectory_column_t('R4', 'J', 'change of energy since the start (Eq 51)', 'residuals', value_of_R4, &
                                 is_default=.true.), &
@@ -96,7 +96,7 @@ contains
             trajectory_column_t('kovalevskaya', '1/s^4', 'Kovalevskaya integral; constant for I1 = I2 = 2 I3 and ' // &
                                 'centre of mass in body x y', 'momenta', value_of_kovalevskaya), &
             trajectory_column_t('goryachev', '1/s^3', 'integral of Goryachev and Chaplygin; constant for I1 = I2 = 4 I3, ' // &
-                                'lz = 0 and centre of mass in body x y', 'momenta', value_of_goryachev), &
+                                'Lz = 0 and centre of mass in body x y', 'momenta', value_of_goryachev), &
             accelerometer_columns(), work_columns(), proof_columns()]
     end function trajectory_columns
 

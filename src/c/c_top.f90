@@ -90,7 +90,7 @@ contains
             if (allocated(error)) return
             allocate (places, source=job%sensitivities%columns())
             call top%motion%prepare(job%case, job%plan, [top%chosen, known(places)])
-            shown = [top%chosen%column_t, job%sensitivities%table_columns()]
+            allocate (shown, source=[top%chosen%column_t, job%sensitivities%table_columns()])
         end associate
         allocate (top%described(size(shown)), top%columns(size(shown)))
         do i = 1, size(shown)
@@ -204,7 +204,7 @@ contains
         type(column_t), allocatable :: shown(:)
         integer :: i
 
-        shown = [event_columns, columns%column_t]
+        allocate (shown, source=[event_columns, columns%column_t])
         table%name = 'events'
         table%rows = watch%rows
         watch%kept(1, :) = watch%kept(1, :) - 1 ! words are counted from 0

@@ -8,7 +8,8 @@
  *  - `spintop_error **error` may be NULL. Otherwise the function sets *error where it fails, and leaves it unchanged
  *    where it succeeds; set *error to NULL before the call.
  *  - Any thread may call any function. spintop_top_at and spintop_tops run side by side, also with the same
- *    spintop_top; those that read a text (spintop_top_new, spintop_run, spintop_sweep, spintop_list) wait for each other.
+ *    spintop_top; those that read a text or make a result (spintop_top_new, spintop_top_events, spintop_run,
+ *    spintop_sweep, spintop_list) wait for each other.
  *  - The library writes nothing to standard output or standard error, installs no handlers of signals, and does not
  *    end the process, except where the memory is exhausted.
  *
@@ -66,13 +67,16 @@ typedef struct spintop_column {
 /* One top.
  *
  * `input` is the input of a trajectory (groups &top, &initial, &span, &integration, &output). Its method computes the
- * motion, in closed form or step by step, and its columns are the result; `name` stands in messages (NULL: "input"). */
+ * motion, in closed form or step by step, and its columns are the result; `name` stands in messages (NULL: "input").
+ *
+ * Columns may be derivatives, "theta__top.mass": of a column with respect to a real key of &top, &initial or &effects, at
+ * the same time. They stand after the other columns, each with its error, "theta__top.mass_error". */
 typedef struct spintop_top spintop_top;
 
 spintop_top *spintop_top_new(const char *input, const char *name, spintop_error **error);
 void spintop_top_delete(spintop_top *top); /* NULL is allowed */
 
-/* The columns: that of index c has its values in cells[c*n] to cells[c*n + n - 1]. */
+/* The columns: in the cells of spintop_top_at that of index c has its values in cells[c*n] to cells[c*n + n - 1]. */
 int spintop_top_column_count(const spintop_top *top);
 const spintop_column *spintop_top_columns(const spintop_top *top);
 
@@ -80,7 +84,8 @@ const spintop_column *spintop_top_columns(const spintop_top *top);
  *
  * A closed form takes any times. Other methods take increasing times from 0, and integrate up to the last one; those
  * with steps of fixed size take them over the span of the input, and have the times of steps only. After a failure the
- * rows that were not reached are NaN. phi and psi have all their turns since the start. */
+ * rows that were not reached are NaN, and so is a derivative that does not exist. phi and psi have all their turns since
+ * the start. */
 int spintop_top_at(const spintop_top *top, size_t n, const double *t, double *cells, spintop_error **error);
 
 /* A table. */
@@ -95,12 +100,18 @@ typedef struct spintop_result {
     int code;                    /* SPINTOP_OK, or SPINTOP_FAILED: the motion ended early, or some cases failed */
     int table_count;
     const spintop_table *tables; /* the first is "rows", unless the input wants none */
-    const char *summary;         /* plan, cost and end of the run for a reader; "" for a sweep in memory */
+    const char *summary;         /* plan, cost and end of the run for a reader, or its end only; "" for a sweep in memory */
     const char *warnings;        /* of the input; "" if there are none */
     void *owner;                 /* of the library */
 } spintop_result;
 
 void spintop_result_delete(spintop_result *result); /* NULL is allowed */
+
+/* Looks for the events of a top (output.events) in the span of its input, or up to its end by span.stop_at; spintop_top_at
+ * does not end there. The table "events" has a row for each event: its name, its number, and the columns of the top at that
+ * instant, but for derivatives. NULL after an error; a motion that ends early is a result with a code, whose summary says
+ * why. */
+spintop_result *spintop_top_events(const spintop_top *top, spintop_error **error);
 
 /* Runs an input of any kind of study. The tables are in memory; with a `folder` (else NULL) they are also written
  * there, as by the program. Paths in the input are relative to the folder of `name`. `threads` 0: all cores. NULL after

@@ -107,6 +107,7 @@ FUNCTIONS = {
     "top_column_count": (c_int, c_void_p),
     "top_columns": (POINTER(CColumn), c_void_p),
     "top_at": (c_int, c_void_p, c_size_t, c_void_p, c_void_p, ERROR),
+    "top_events": (POINTER(CResult), c_void_p, ERROR),
     "run": (POINTER(CResult), c_char_p, c_char_p, c_char_p, c_int, ERROR),
     "sweep": (POINTER(CResult), c_char_p, c_int, NAMES, ARRAYS, c_size_t, c_int, ERROR),
     "result_delete": (None, POINTER(CResult)),

@@ -152,7 +152,7 @@ class Result:
         The tables of a run without a folder are in no file: it is repeated into one.
         """
         if self._draw is None:
-            raise TypeError("the figures of a sweep over arrays cannot be drawn")
+            raise TypeError("only the tables of spintop.run can be drawn")
         return self._draw(*figures)
 
     def animate(self) -> "Animation":
@@ -162,5 +162,5 @@ class Result:
         without a folder is in no file: it is repeated into one.
         """
         if self._show is None:
-            raise TypeError("a sweep over arrays has no motion")
+            raise TypeError("only a trajectory of spintop.run can be shown")
         return self._show()

@@ -82,7 +82,7 @@ class Handle:
         columns = calls.spintop_top_columns(self.top)
         count = calls.spintop_top_column_count(self.top)
         self.units = {text_of(columns[i].name): text_of(columns[i].unit) for i in range(count)}
-        self.at = calls.spintop_top_at
+        self.at, self.find_events = calls.spintop_top_at, calls.spintop_top_events
 
     def __del__(self) -> None:
         """Delete the top."""
@@ -97,6 +97,13 @@ class Handle:
         if self.at(self.top, times.size, address, cells.__array_interface__["data"][0], place):
             raise_error(place)
         return Motion(dict(zip(self.units, cells, strict=True)), self.units)
+
+    def events(self) -> Result:
+        """The events in the span of the input."""
+        place = new_place()
+        found = self.find_events(self.top, place)
+        raise_error(place)
+        return Result(found)
 
 
 class Body:
@@ -141,13 +148,17 @@ class Top:
         return {"top": self.body.keys, "initial": self.start, **groups}
 
     def _handle(
-        self, integration: Mapping[str, Any], span: Mapping[str, Any], columns: Sequence[str]
+        self,
+        integration: Mapping[str, Any],
+        span: Mapping[str, Any],
+        columns: Sequence[str],
+        events: Sequence[str] = (),
     ) -> Handle:
-        """The top of the library with a method and columns, made once."""
-        key = (*integration.items(), None, *span.items(), None, *columns)
+        """The top of the library with a method, columns and events, made once."""
+        key = (*integration.items(), None, *span.items(), None, *columns, None, *events)
         known = self._handles.get(key)
         if known is None:
-            output = {"columns": list(columns)}
+            output = {"columns": list(columns), "events": list(events) or None}
             groups = self.input(integration=integration, span=span, output=output)
             known = Handle(namelist(groups))
             with self._lock:
@@ -159,8 +170,9 @@ class Top:
     def exact(self, t: ArrayLike, columns: Sequence[str] = ANGLES) -> Motion:
         """The exact solution at times `t`, s from the start, of any shape and order.
 
-        `columns` are those of a trajectory (`spintop.registry("columns")`). An InputError says that
-        the body has no closed form, or that there is no such column.
+        `columns` are those of a trajectory (`spintop.registry("columns")`), or derivatives:
+        `theta__top.mass` comes with the estimate of its error, `theta__top.mass_error`. An
+        InputError says that the body has no closed form, or that there is no such column.
         """
         return self._handle({"method": "exact"}, {"t_end": 1.0}, columns).motion(t)
 
@@ -184,14 +196,14 @@ class Top:
     def events(
         self, events: Sequence[str], t_end: float, columns: Sequence[str] = ANGLES, **keys: Any
     ) -> Result:
-        """Run up to `t_end` s, and look for events: `["lower_turning_points", "phi = 1.5 rising"]`.
+        """Look for events up to `t_end` s: `["lower_turning_points", "phi = 1.5 rising"]`.
 
-        The table `events` of the result has a row for each. `keys` are those of the group
-        `integration`, or `stop_at="..."`, the event that ends the motion.
+        The table `events` of the result has a row for each: its name, its number and the columns at
+        that instant. `keys` are those of the group `integration`, or `stop_at="..."` and
+        `stop_after=n`: the n-th of these events ends the motion.
         """
-        span = {"t_end": t_end, "stop_at": keys.pop("stop_at", None)}
-        output = {"columns": list(columns), "events": list(events)}
-        return run(self.input(integration=keys, span=span, output=output))
+        stop = {key: keys.pop(key) for key in ("stop_at", "stop_after") if key in keys}
+        return self._handle(keys, {"t_end": t_end, **stop}, columns, events).events()
 
     def animate(self, t_end: float, samples: int = 1001, **integration: Any) -> Animation:
         """Show the motion up to `t_end` s in a notebook or a file: the viewer of a report.

@@ -7,7 +7,7 @@ module spintop_c_error
     use spintop_status, only: status_bad_input, status_meanings, status_names, status_ok
     implicit none
     private
-    public :: hand_error, hand_status
+    public :: hand_error, hand_status, describe_status, longest_message
 
     !> `spintop_error` of the header.
     type, bind(C) :: c_error_t
@@ -48,10 +48,18 @@ contains
         code = exit_ok
         if (status == status_ok) return
         code = merge(exit_input, exit_failed, status >= status_bad_input)
-        message = trim(status_names(status)) // ': ' // status_meanings(status)
-        if (code == exit_failed) write (message, '(2a, es23.16e3, a)') trim(message), ' (reached t =', t, ' s)'
+        call describe_status(status, t, message)
         call hand_over(int(code), trim(status_names(status)), message, '', [0, 0], place)
     end function hand_status
+
+    !> Describes how a motion ended.
+    subroutine describe_status(status, t, message)
+        integer, intent(in) :: status !! how it ended
+        real(dp), intent(in) :: t !! the time then, s
+        character(longest_message), intent(out) :: message !! name and meaning of the status
+        message = trim(status_names(status)) // ': ' // status_meanings(status)
+        if (status < status_bad_input) write (message, '(2a, es23.16e3, a)') trim(message), ' (reached t =', t, ' s)'
+    end subroutine describe_status
 
     subroutine hand_over(code, status, message, source, at, place)
         integer, intent(in) :: code

@@ -1,64 +1,41 @@
-!> One top for C: an opaque object made from an input, and its motion at any times. `include/spintop.h` describes the
-!> functions. An object does not change after it was made, so threads may share it; they do not wait for each other.
+!> One top for C: an opaque object made from an input, its motion at any times with derivatives, and its events.
+!> `include/spintop.h` describes the functions. An object does not change after it was made, so threads may share it; those
+!> that ask for the motion do not wait for each other.
 module spintop_c_top
     use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr, c_size_t
-    use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_c_error, only: hand_error, hand_status
-    use spintop_c_result, only: c_column_t, described_column_t
+    use spintop_c_derivatives, only: asked_derivatives_t
+    use spintop_c_error, only: describe_status, hand_error, hand_status, longest_message
+    use spintop_c_motion, only: asked_motion_t
+    use spintop_c_result, only: c_column_t, described_column_t, hand_result
     use spintop_c_text, only: take_text
-    use spintop_case, only: case_t
-    use spintop_compare, only: is_finite, is_zero
-    use spintop_errors, only: error_t, input_error
-    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
-    use spintop_formulation, only: formulation_t, max_states
-    use spintop_integration, only: integrate, observer_t, outcome_t
-    use spintop_kinds, only: dp, no_number
-    use spintop_motion, only: motion_t
+    use spintop_data_table, only: data_table_t
+    use spintop_errors, only: error_t, exit_failed, exit_ok, input_error
+    use spintop_event_recorder, only: event_columns, event_recorder_t
+    use spintop_in_memory, only: memory_run_t
+    use spintop_integration, only: outcome_t
+    use spintop_kinds, only: dp
+    use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_options, only: options_t
     use spintop_plan, only: plan_t
     use spintop_preparation, only: prepare_job, prepared_t
-    use spintop_row_maker, only: row_maker_t
     use spintop_scene_words, only: kind_trajectory, study_kinds
-    use spintop_status, only: status_bad_samples, status_non_finite, status_ok, status_step_limit
-    use spintop_stepper, only: looks_per_step
-    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns
+    use spintop_status, only: is_good_end
+    use spintop_table_column, only: column_t
+    use spintop_trajectory_column, only: trajectory_column_t
+    use spintop_trajectory_columns, only: trajectory_columns
     implicit none
     private
 
-    !> A top: its case and plan, and the columns of its motion.
+    !> A top: its motion, the columns of that, and the derivatives of some.
     type :: top_t
-        type(case_t) :: case
-        type(plan_t) :: plan
-        type(exact_motion_t) :: exact
-        !> Gives the values of the columns; each call uses a copy.
-        type(row_maker_t) :: maker
-        !> Whether phi or psi is among the columns.
-        logical :: counts_turns = .false.
+        type(asked_motion_t) :: motion
+        type(asked_derivatives_t) :: derivatives
         type(described_column_t), allocatable :: described(:)
         type(c_column_t), allocatable :: columns(:)
+        !> The input, if it has events; and the columns of their table.
+        type(prepared_t), allocatable :: prepared
+        type(trajectory_column_t), allocatable :: chosen(:)
     end type top_t
-
-    !> Puts the motion at each sample into a row.
-    type, extends(observer_t) :: sampler_t
-        type(row_maker_t) :: maker
-        real(dp), pointer, contiguous :: samples(:) => null(), cells(:, :) => null()
-        !> The row.
-        real(dp), allocatable :: values(:)
-        !> Index of the next sample, how far a sample of a fixed-step method may be from its step, and whether one was
-        !> between steps.
-        integer :: next = 1
-        real(dp) :: slack = 0
-        logical :: has_missed = .false.
-        !> Time of a motion with an undefined value; infinite if there was none.
-        real(dp) :: t_undefined = huge(1.0_dp)
-    contains
-        procedure :: observe
-        procedure :: put
-        procedure :: put_values
-    end type sampler_t
-
-    !> A sample of a fixed-step method within this fraction of a step is at the step.
-    real(dp), parameter :: grid_slack = 1.0e-6_dp
 
 contains
 
@@ -88,9 +65,11 @@ contains
         type(error_t), allocatable, intent(out) :: error
         type(prepared_t), allocatable, target :: prepared
         type(trajectory_column_t), allocatable :: known(:)
+        type(column_t), allocatable :: shown(:)
         type(options_t) :: options
         character(:), allocatable :: text, name_of_text
-        integer :: status, i
+        integer, allocatable :: places(:)
+        integer :: i
 
         call take_text(input, text)
         call take_text(name, name_of_text)
@@ -99,25 +78,25 @@ contains
         allocate (options%overrides(0), prepared)
         call prepare_job(name_of_text, options, prepared%job, prepared%study, error, text)
         if (allocated(error)) return
-        if (prepared%job%scene%kind /= study_kinds(kind_trajectory) .or. size(prepared%job%events) > 0) then
-            error = input_error(name_of_text // ': the input of a top is that of a trajectory without events')
-            return
-        end if
-        if (prepared%job%sensitivities%count > 0) then
-            error = input_error(name_of_text // ': output.columns: a top has no derivatives; run the input')
-            return
-        end if
-        top%case = prepared%job%case
-        top%plan = prepared%job%plan
-        allocate (known, source=trajectory_columns())
-        known = known(prepared%job%columns)
-        top%counts_turns = any(known%name == 'phi' .or. known%name == 'psi')
-        call top%maker%set(known, top%case)
-        allocate (top%described(size(known)), top%columns(size(known)))
-        do i = 1, size(known)
-            call top%described(i)%describe(known(i)%column_t, top%columns(i))
+        associate (job => prepared%job)
+            if (job%scene%kind /= study_kinds(kind_trajectory)) then
+                error = input_error(name_of_text // ': the input of a top is that of a trajectory')
+                return
+            end if
+            allocate (known, source=trajectory_columns())
+            allocate (top%chosen, source=known(job%columns))
+            ! The motion itself is also asked for the columns of which there are derivatives.
+            call top%derivatives%prepare(job, known, error)
+            if (allocated(error)) return
+            allocate (places, source=job%sensitivities%columns())
+            call top%motion%prepare(job%case, job%plan, [top%chosen, known(places)])
+            allocate (shown, source=[top%chosen%column_t, job%sensitivities%table_columns()])
+        end associate
+        allocate (top%described(size(shown)), top%columns(size(shown)))
+        do i = 1, size(shown)
+            call top%described(i)%describe(shown(i), top%columns(i))
         end do
-        if (top%plan%exact) call prepare_exact_motion(top%case%body, top%case%start, top%exact, status)
+        if (size(prepared%job%events) > 0) call move_alloc(prepared, top%prepared)
     end subroutine prepare_top
 
     !> Number of columns of a top.
@@ -143,153 +122,102 @@ contains
         type(c_ptr), value :: t, cells !! the times, s; the values of the first column, of the second, and so on
         type(c_ptr), value :: error !! where C wants its pointer to an error; may be null
         type(top_t), pointer :: top
-        type(sampler_t), target :: sampler
+        real(c_double), pointer, contiguous :: times(:), found(:, :)
+        real(dp), allocatable :: values(:, :)
         real(dp) :: t_reached
         integer :: status
 
-        code = 0
+        code = exit_ok
         if (n == 0) return
         call c_f_pointer(handle, top)
-        call c_f_pointer(t, sampler%samples, [n])
-        call c_f_pointer(cells, sampler%cells, [n, size(top%columns, kind=c_size_t)])
-        sampler%cells = no_number
-        sampler%maker = top%maker
-        allocate (sampler%values(size(top%columns)))
-        if (.not. all(is_finite(sampler%samples))) then
-            status = status_bad_samples
-            t_reached = 0
-        else if (top%plan%exact .and. top%maker%wants_angles_of(top%exact)) then
-            call evaluate_angles(top, sampler, status, t_reached)
-        else if (top%plan%exact) then
-            call evaluate(top, sampler, status, t_reached)
+        call c_f_pointer(t, times, [n])
+        call c_f_pointer(cells, found, [n, size(top%columns, kind=c_size_t)])
+        if (top%derivatives%count == 0) then
+            call top%motion%find(times, found, status, t_reached)
         else
-            call integrate_top(top, sampler, status, t_reached)
-        end if
-        if (sampler%t_undefined < huge(1.0_dp)) then
-            status = status_non_finite
-            t_reached = sampler%t_undefined
+            allocate (values(n, top%motion%columns))
+            call top%motion%find(times, values, status, t_reached)
+            associate (own => size(top%chosen))
+                found(:, :own) = values(:, :own)
+                call top%derivatives%find(times, values(:, own + 1:), found(:, own + 1:))
+            end associate
         end if
         code = hand_status(status, t_reached, error)
     end function find_motion
 
-    !> The exact solution at the times of the samples, for columns of angles and where no turns have to be counted.
-    subroutine evaluate_angles(top, sampler, status, t_reached)
-        type(top_t), intent(in) :: top
-        type(sampler_t), intent(inout) :: sampler
-        integer, intent(out) :: status
-        real(dp), intent(out) :: t_reached
-        integer :: i
+    !> Looks for the events of a top in the span of its input.
+    type(c_ptr) function find_events(handle, error) bind(C, name='spintop_top_events') result(found)
+        type(c_ptr), value :: handle !! the top
+        type(c_ptr), value :: error !! where C wants its pointer to an error; may be null
+        type(top_t), pointer :: top
+        type(memory_run_t) :: run
 
-        status = status_ok
-        t_reached = 0
-        do i = 1, size(sampler%samples)
-            associate (t => sampler%samples(i))
-                call sampler%maker%put_exact_row(top%exact, t, is_zero(t), sampler%values)
-                call sampler%put_values(t)
-                if (sampler%has_enough) return
-                t_reached = t
-            end associate
-        end do
-    end subroutine evaluate_angles
-
-    !> The same for all columns. phi and psi have all their turns.
-    subroutine evaluate(top, sampler, status, t_reached)
-        type(top_t), intent(in) :: top
-        type(sampler_t), intent(inout) :: sampler
-        integer, intent(out) :: status
-        real(dp), intent(out) :: t_reached
-        type(motion_t) :: last, motion
-        integer(int64) :: looks, most_looks
-        logical :: follows
-        integer :: i
-
-        status = status_ok
-        t_reached = 0
-        follows = top%exact%has_to_follow() .and. (top%counts_turns .or. .not. top%case%turn%exchanges_axes())
-        last = top%case%start
-        looks = 0
-        most_looks = looks_per_step * top%plan%max_steps + size(sampler%samples)
-        do i = 1, size(sampler%samples)
-            if (follows) then
-                call top%exact%follow(last, sampler%samples(i), motion, looks, most_looks)
-                last = motion
-            else
-                motion = top%exact%at(sampler%samples(i))
-            end if
-            if (looks >= most_looks) then
-                status = status_step_limit
-                return
-            end if
-            call sampler%put(motion)
-            if (sampler%has_enough) return
-            t_reached = motion%t
-        end do
-    end subroutine evaluate
-
-    !> The same by the method of the plan: a method with fixed steps takes them over the span of the input.
-    subroutine integrate_top(top, sampler, status, t_reached)
-        type(top_t), intent(in) :: top
-        type(sampler_t), target, intent(inout) :: sampler
-        integer, intent(out) :: status
-        real(dp), intent(out) :: t_reached
-        class(formulation_t), allocatable :: formulation
-        type(outcome_t) :: outcome
-        real(dp) :: t_end
-
-        t_end = sampler%samples(size(sampler%samples))
-        if (.not. top%plan%is_adaptive()) then
-            t_end = top%case%t_end
-            sampler%slack = grid_slack * t_end / top%plan%stepper%controls%steps
-        end if
-        sampler%counts_turns = top%counts_turns
-        allocate (formulation, source=top%plan%formulation)
-        call integrate(formulation, top%plan%stepper, top%case%body, top%case%start, t_end, sampler%samples, sampler, outcome)
-        status = outcome%status
-        t_reached = outcome%t
-        if (status == status_ok .and. sampler%has_missed) status = status_bad_samples
-    end subroutine integrate_top
-
-    !> Puts a state of a formulation into the row of its sample.
-    subroutine observe(self, formulation, t, y, near)
-        class(sampler_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion
-        real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
-        type(motion_t) :: motion
-
-        do while (self%next < size(self%samples))
-            if (self%samples(self%next) >= t - self%slack) exit
-            self%has_missed = .true.
-            self%next = self%next + 1
-        end do
-        if (self%next > size(self%samples)) return
-        ! The end of the equations, which is shown too, is not a sample.
-        if (abs(self%samples(self%next) - t) > self%slack) return
-        motion = formulation%motion(t, y, near)
-        motion%given_angle = self%given_angle
-        call self%put(motion)
-        self%has_enough = self%has_enough .or. self%next > size(self%samples)
-    end subroutine observe
-
-    !> Puts a motion into the next row.
-    subroutine put(self, motion)
-        class(sampler_t), intent(inout) :: self
-        type(motion_t), intent(in) :: motion !! the motion
-        self%values(:) = self%maker%row(motion, is_start=is_zero(motion%t))
-        call self%put_values(motion%t)
-    end subroutine put
-
-    !> Puts the row, which is of time t, into the cells of its sample.
-    subroutine put_values(self, t)
-        class(sampler_t), intent(inout) :: self
-        real(dp), intent(in) :: t !! time, s
-        if (self%maker%is_defined(self%values)) then
-            self%cells(self%next, :) = self%values
+        found = c_null_ptr
+        call c_f_pointer(handle, top)
+        !$omp critical (library)
+        if (allocated(top%prepared)) then
+            call record_events(top, run)
+            found = hand_result(run)
         else
-            self%t_undefined = t
-            self%has_enough = .true.
+            call hand_error(input_error('the input of the top has no events: name them in output.events'), error)
         end if
-        self%next = self%next + 1
-    end subroutine put_values
+        !$omp end critical (library)
+    end function find_events
+
+    !> Computes the motion up to its end or the event that ends it. Its rows are only those at both ends.
+    subroutine record_events(top, run)
+        type(top_t), target, intent(in) :: top
+        type(memory_run_t), intent(inout) :: run
+        type(event_recorder_t), allocatable, target :: watch
+        type(writer_t) :: writer
+        type(outcome_t) :: outcome
+        type(plan_t) :: plan
+        real(dp), allocatable :: times(:)
+        character(longest_message) :: message
+
+        associate (job => top%prepared%job)
+            plan = job%plan
+            plan%samples = 2
+            times = [0.0_dp, job%case%t_end]
+            if (plan%exact) times = times(:0)
+            allocate (watch)
+            call watch%set(job%events, job%stop_after, job%case)
+            call watch%keep_table(top%chosen, job%case, job%scene)
+            call writer%take_columns(top%chosen, job%case, job%scene)
+            allocate (writer%kept(size(top%chosen), plan%samples))
+            call compute_motion(job%scene, job%case, plan, times, writer, outcome, watch)
+        end associate
+        call writer%columns%close()
+        call describe_status(outcome%status, outcome%t, message)
+        run%summary = message
+        run%warnings = ''
+        run%code = merge(exit_ok, exit_failed, is_good_end(outcome%status))
+        allocate (run%table(1))
+        call take_events(watch, top%chosen, run%table(1))
+    end subroutine record_events
+
+    !> Takes the table of events: their names are words.
+    subroutine take_events(watch, columns, table)
+        type(event_recorder_t), intent(inout) :: watch
+        type(trajectory_column_t), intent(in) :: columns(:)
+        type(data_table_t), intent(inout) :: table
+        type(column_t), allocatable :: shown(:)
+        integer :: i
+
+        allocate (shown, source=[event_columns, columns%column_t])
+        table%name = 'events'
+        table%rows = watch%rows
+        watch%kept(1, :) = watch%kept(1, :) - 1 ! words are counted from 0
+        allocate (table%column(size(shown)))
+        do i = 1, size(shown)
+            table%column(i)%column_t = shown(i)
+            table%column(i)%values = watch%kept(i, :watch%rows)
+        end do
+        allocate (table%column(1)%words(size(watch%events)))
+        do i = 1, size(watch%events)
+            table%column(1)%words(i)%text = trim(watch%events(i)%name)
+        end do
+    end subroutine take_events
 
     !> Deletes a top.
     subroutine delete_top(handle) bind(C, name='spintop_top_delete')

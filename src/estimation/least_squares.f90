@@ -12,9 +12,9 @@ module spintop_least_squares
     !> evaluations per parameter; and the first bound of its steps.
     real(dp), parameter :: tolerance = 1.0e-10_dp, first_bound = 100
     integer, parameter :: most_evaluations = 400
-    !> Steps of differences in units of the scale of a parameter: of one side, for the search, and of both, which have an
-    !> error of about 1e-10.
-    real(dp), parameter :: one_sided_step = 1.5e-8_dp, central_step = 6.0e-6_dp
+    !> Steps of differences in units of the scale of a parameter: of one side, for the search, and of both sides at two
+    !> distances, extrapolated, of which the residuals may vary by 0.01 over a step with an error of 1e-10.
+    real(dp), parameter :: one_sided_step = 1.5e-8_dp, central_step = 3.0e-5_dp
 
     !> Residuals as a function of parameters.
     type, abstract :: residuals_t
@@ -119,38 +119,65 @@ contains
         real(dp), intent(in) :: x(:) !! the parameters
         integer, intent(in) :: free(:) !! numbers of the parameters that vary
         real(dp), intent(in) :: residuals(:) !! the residuals at the parameters
-        logical, intent(in) :: is_central !! whether differences are central where both sides exist
+        logical, intent(in) :: is_central !! whether differences are central and extrapolated where both sides exist
         real(dp), intent(out) :: jacobian(:, :) !! a column for each of these parameters
         logical, intent(out) :: is_valid !! whether the residuals exist on one side at least
-        real(dp) :: moved(size(x)), below(size(residuals)), step
-        logical :: has_below
+        real(dp) :: half(size(residuals))
+        logical :: has_both
         integer :: k
 
         is_valid = .true.
         do k = 1, size(free)
-            associate (i => free(k))
-                step = merge(central_step, one_sided_step, is_central) * model%step_scale(i, x(i))
-                moved = x
-                moved(i) = x(i) + step
-                call model%evaluate(moved, jacobian(:, k), is_valid)
-                has_below = .false.
-                if (is_central .or. .not. is_valid) then
-                    moved(i) = x(i) - step
-                    call model%evaluate(moved, below, has_below)
-                end if
-                if (is_valid .and. has_below) then
-                    jacobian(:, k) = (jacobian(:, k) - below) / ((x(i) + step) - moved(i))
-                else if (is_valid) then
-                    jacobian(:, k) = (jacobian(:, k) - residuals) / ((x(i) + step) - x(i))
-                else
-                    is_valid = has_below
-                    jacobian(:, k) = (residuals - below) / (x(i) - moved(i))
-                end if
-                is_valid = is_valid .and. all(is_finite(jacobian(:, k)))
-                if (.not. is_valid) return
-            end associate
+            has_both = .false.
+            if (is_central) then
+                call take_central(model, x, free(k), central_step, jacobian(:, k), has_both)
+                if (has_both) call take_central(model, x, free(k), central_step / 2, half, has_both)
+                if (has_both) jacobian(:, k) = half + (half - jacobian(:, k)) / 3
+            end if
+            if (.not. has_both) call take_one_side(model, x, free(k), residuals, jacobian(:, k), is_valid)
+            is_valid = is_valid .and. all(is_finite(jacobian(:, k)))
+            if (.not. is_valid) return
         end do
     end subroutine find_jacobian
+
+    !> The central difference by a parameter.
+    subroutine take_central(model, x, i, relative_step, slopes, is_valid)
+        class(residuals_t), intent(inout) :: model
+        real(dp), intent(in) :: x(:), relative_step
+        integer, intent(in) :: i
+        real(dp), intent(out) :: slopes(:)
+        logical, intent(out) :: is_valid
+        real(dp) :: above(size(x)), below(size(x)), residuals(size(slopes))
+
+        above = x
+        below = x
+        above(i) = x(i) + relative_step * model%step_scale(i, x(i))
+        below(i) = x(i) - relative_step * model%step_scale(i, x(i))
+        call model%evaluate(above, slopes, is_valid)
+        if (is_valid) call model%evaluate(below, residuals, is_valid)
+        if (is_valid) slopes = (slopes - residuals) / (above(i) - below(i))
+    end subroutine take_central
+
+    !> The difference of one side by a parameter: of that above, or if there are no residuals, below.
+    subroutine take_one_side(model, x, i, residuals, slopes, is_valid)
+        class(residuals_t), intent(inout) :: model
+        real(dp), intent(in) :: x(:)
+        integer, intent(in) :: i
+        real(dp), intent(in) :: residuals(:)
+        real(dp), intent(out) :: slopes(:)
+        logical, intent(out) :: is_valid
+        real(dp), parameter :: steps(2) = [one_sided_step, -one_sided_step]
+        real(dp) :: moved(size(x))
+        integer :: side
+
+        do side = 1, size(steps)
+            moved = x
+            moved(i) = x(i) + steps(side) * model%step_scale(i, x(i))
+            call model%evaluate(moved, slopes, is_valid)
+            if (is_valid) exit
+        end do
+        if (is_valid) slopes = (slopes - residuals) / (moved(i) - x(i))
+    end subroutine take_one_side
 
     !> Factorizes the Jacobian, applies Q to the residuals, and sets the scales and, at first, the bound.
     subroutine factorize(search, minimum)

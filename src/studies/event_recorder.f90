@@ -1,4 +1,4 @@
-!> Searches for the events of a scene, writes the table of events, and ends the motion.
+!> Searches for the events of a scene, writes or keeps the table of events, and ends the motion.
 module spintop_event_recorder
     use, intrinsic :: iso_c_binding, only: c_loc
     use, intrinsic :: iso_fortran_env, only: int64
@@ -48,8 +48,11 @@ module spintop_event_recorder
         type(row_maker_t), private :: quantity, row
         real(dp), private :: azimuth = 0
         type(table_file_t), private :: file
+        !> Row i of the table, where it is kept in memory in place of a file: index of the event, its number, the columns.
+        real(dp), allocatable :: kept(:, :)
     contains
         procedure :: set
+        procedure :: keep_table
         procedure :: open_table
         procedure :: close_table
         procedure :: discard_table
@@ -105,6 +108,17 @@ contains
             self%pole_axis = case%turn%vector([0.0_dp, 0.0_dp, 1.0_dp])
         end if
     end subroutine set
+
+    !> Starts a table of the listed events in memory, with these columns of the trajectory.
+    subroutine keep_table(self, columns, case, scene)
+        class(event_recorder_t), intent(inout) :: self
+        type(trajectory_column_t), intent(in) :: columns(:) !! the columns of the trajectory
+        type(case_t), intent(in) :: case !! body, start and span
+        type(scene_t), intent(in) :: scene !! contents of the input
+        integer, parameter :: first_rows = 16
+        call self%row%set(columns, case, scene)
+        allocate (self%kept(size(event_columns) + size(columns), first_rows))
+    end subroutine keep_table
 
     !> Starts the table of the listed events, with these columns of the trajectory; or opens that of an interrupted run, to
     !> which `carry_record` returns.
@@ -204,7 +218,10 @@ contains
         type(motion_t), intent(in) :: motion !! the motion at the event
         type(text_buffer_t) :: line
 
-        if (self%is_listed(number)) then
+        if (self%is_listed(number) .and. allocated(self%kept)) then
+            call keep_row([real(dp) :: number, self%events(number)%count, self%row%row(motion, work=self%work)], &
+                          self%rows, self%kept)
+        else if (self%is_listed(number)) then
             call line%put_text(trim(self%events(number)%name))
             call line%put_integer(int(self%events(number)%count, int64))
             call self%row%put(self%row%row(motion, work=self%work), line)
@@ -218,6 +235,21 @@ contains
         end if
         self%has_enough = self%ended_by > 0 .or. allocated(self%error)
     end subroutine meet
+
+    !> Adds a row to those that are kept.
+    subroutine keep_row(row, rows, kept)
+        real(dp), intent(in) :: row(:)
+        integer, intent(inout) :: rows
+        real(dp), allocatable, intent(inout) :: kept(:, :)
+        real(dp), allocatable :: more(:, :)
+        if (rows == size(kept, 2)) then
+            allocate (more(size(row), 2 * rows))
+            more(:, :rows) = kept
+            call move_alloc(more, kept)
+        end if
+        rows = rows + 1
+        kept(:, rows) = row
+    end subroutine keep_row
 
     !> Prepares the exact solution of a case; the work is at most `most_looks` instants.
     subroutine begin(self, case, most_looks, status)

@@ -1,5 +1,6 @@
 """The interface for C: its examples in C99 and C++17, linked with the library of this build."""
 
+import itertools
 import json
 import os
 import re
@@ -76,7 +77,11 @@ class CInterfaceTest(unittest.TestCase):
         path.write_text(text, encoding="utf-8")
         command = [EXE, "--quiet", "-o", str(self.folder / "by program"), *options, str(path)]
         subprocess.run(command, check=True, capture_output=True)
-        text = (self.folder / "by program" / "by_program.csv").read_text(encoding="utf-8")
+        return self.read("by_program.csv")
+
+    def read(self, name: str) -> dict[str, list[str]]:
+        """The columns of a table of the program."""
+        text = (self.folder / "by program" / name).read_text(encoding="utf-8")
         names, *rows = [line.split(",") for line in text.splitlines() if line[0] != "#"]
         return {name: [row[i] for row in rows] for i, name in enumerate(names)}
 
@@ -88,6 +93,10 @@ class CInterfaceTest(unittest.TestCase):
         error = re.search(r"^orientation_error +\[rad\] (\S+) (\S+) (\S+)$", text, re.M)
         self.assertLess(float(error[1]), 1e-15)
         self.assertTrue(0 < float(error[2]) < 1e-5, text)
+        slope = re.search(r"^theta__top.mass +\[rad/kg\] (\S+) (\S+) (\S+)$", text, re.M)
+        # A heavier top nutates faster: at 2 s it is on its way up.
+        self.assertEqual(float(slope[1]), 0)
+        self.assertAlmostEqual(float(slope[3]), -0.9141317, delta=1e-6)
         self.assertIn("table events: 2 rows\nlower_turning_point 1 ", text)
         self.assertRegex(text, r"code 2, input:1:13\ninput:1:13: error: ")
 
@@ -181,6 +190,69 @@ class CInterfaceTest(unittest.TestCase):
         self.assertIn("the time span is not given", told)
         told = self.run_it(driver, "list", "methos", code=2)
         self.assertIn("did you mean 'methods'?", told)
+
+    def test_events_of_a_top(self) -> None:
+        """The cells of the program's table: exact, by steps of both kinds, up to an end."""
+        driver = self.driver()
+        settings = ("exact", "taylor", "dop853", "rk4")
+        for method, end in itertools.product(settings, ("", "stop_at = 'theta = 0.6'")):
+            with self.subTest(f"{method} {end}"):
+                text = (
+                    f"{TOP} &initial theta_deg = 11.25 psi_rate = 1 / &span t_end = 9 {end} /"
+                    "&output columns = 't', 'theta', 'energy'"
+                    " events = 'lower_turning_points', 'theta = 0.6 rising' /"
+                    f"&integration method = '{method}' {'steps = 900' * (method == 'rk4')} /"
+                )
+                lines = self.run_it(driver, "events", text).splitlines()
+                self.assertEqual(lines[0], "events")
+                columns = {line.split("|")[0]: line.split("|")[3] for line in lines[1:]}
+                self.table(text)
+                table = self.read("by_program.events.csv")
+                self.assertEqual(list(columns), list(table))
+                self.assertGreater(len(table["t"]), 0 if end else 5)
+                self.assertEqual(columns.pop("event").strip(), " ".join(table.pop("event")))
+                for name, cells in columns.items():
+                    self.assertEqual(numbers(cells), [float(cell) for cell in table[name]], name)
+
+    def test_events_that_are_none(self) -> None:
+        """A motion without them has an empty table, a top without them an error."""
+        text = f"{TOP} {START} &span t_end = 1 /"
+        told = self.run_it(self.driver(), "events", text, code=2)
+        self.assertIn("has no events: name them in output.events", told)
+        lines = self.run_it(self.driver(), "events", text + "&output events = 'theta = 3' /")
+        self.assertTrue(lines.startswith("events\nevent||the event|\nnumber||"), lines)
+        text += "&integration method = 'taylor' max_steps = 3 / &output events = 'theta = 3' /"
+        self.run_it(self.driver(), "events", text.replace("t_end = 1", "t_end = 900"), code=3)
+
+    def test_derivatives_of_a_top(self) -> None:
+        """Those of the program's trajectory, bit by bit: in closed form, and integrated."""
+        bodies = (
+            f"{TOP} &initial theta = 0.4 psi_rate = 12 /",
+            "&top mass = 1 inertia = 0.9, 0.7, 0.25 centre_of_mass = 0.05, 0, 0.8 damping = 3*.01 /"
+            "&initial theta = 0.4 psi_rate = 12 / &integration method = 'dop853' /",
+        )
+        rest = (
+            "&span t_end = 2 samples = 5 / &output columns = 't', 'phi__top.mass', 'theta',"
+            " 'theta__initial.psi_rate', 'theta__top.mass' /"
+        )
+        for body in bodies:
+            with self.subTest(body):
+                table = self.table(body + rest)
+                lines = self.run_it(self.driver(), "at", body + rest, *table["t"]).splitlines()
+                rows = zip(*table.values(), strict=True)
+                expected = [[float(cell) for cell in row] for row in rows]
+                self.assertEqual([numbers(line) for line in lines], expected)
+                self.assertGreater(abs(expected[-1][4]), 1e-3)
+
+    def test_derivatives_that_are_none(self) -> None:
+        """Nothing depends on the span; with another I1 there is no closed form."""
+        rest = "&span t_end = 2 / &output columns = 'theta__{}' /"
+        for key, message in (
+            ("span.t_end", "the times of a top are given"),
+            ("top.inertia(1)", "with another top.inertia(1) there is no motion"),
+        ):
+            text = f"{TOP} {START} &integration method = 'exact' /" + rest.format(key)
+            self.assertIn(message, self.run_it(self.driver(), "at", text, "1", code=2))
 
     def test_tables_in_memory(self) -> None:
         """Those of a trajectory with events, with units, and no file is left."""

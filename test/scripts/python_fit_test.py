@@ -54,6 +54,62 @@ class FitTest(unittest.TestCase):
         # I3 (psi' + phi' cos theta), with no precession at the start.
         self.assertAlmostEqual(first * second, 0.25 * 14, delta=1e-2)
 
+    def test_covariance_is_that_of_the_derivatives(self) -> None:
+        """The inverse of J'J, with the Jacobian J of the motion's own derivatives, to 1e-8."""
+        columns = ["phi", "theta", "psi"]
+        data = measure(*columns)
+        rows = spintop.fit(data, list(TRUTH), GIVEN, sigma=NOISE, profile=False).rows
+        inertia, rate = rows["estimate"]
+        body = spintop.Body(mass=1, inertia=(0.875, 0.875, inertia), length=0.75**0.5)
+        top = spintop.Top(body, theta=0.5, psi_rate=rate)
+        slopes = []
+        for key in TRUTH:
+            names = [f"{column}__{key}" for column in columns]
+            motion = top.exact(data["t"], names)
+            slopes.append(np.concatenate([motion[name] for name in names]))
+        jacobian = np.array(slopes).T
+        expected = NOISE**2 * np.linalg.inv(jacobian.T @ jacobian)
+        found = np.array([rows[f"covariance__{key}"] for key in TRUTH])
+        scales = np.sqrt(np.diag(expected))
+        difference = np.abs(found - expected) / np.outer(scales, scales)
+        self.assertLess(difference.max(), 1e-8)
+
+    def test_an_estimate_is_a_minimum(self) -> None:
+        """The residuals are orthogonal to the motion's own derivatives: the search has ended."""
+        data = measure("phi", "theta", "psi")
+        result = spintop.fit(data, list(TRUTH), GIVEN, sigma=NOISE)
+        inertia, rate = result.rows["estimate"]
+        body = spintop.Body(mass=1, inertia=(0.875, 0.875, inertia), length=0.75**0.5)
+        top = spintop.Top(body, theta=0.5, psi_rate=rate)
+        residuals = result.tables["residuals"]
+        for key in TRUTH:
+            names = {column: f"{column}__{key}" for column in ("phi", "theta", "psi")}
+            motion = top.exact(data["t"], list(names.values()))
+            slopes = np.concatenate([motion[name] for name in names.values()])
+            rest = np.concatenate([residuals[f"{column}_residual"] for column in names])
+            cosine = slopes @ rest / np.linalg.norm(slopes) / np.linalg.norm(rest)
+            self.assertLess(abs(cosine), 1e-6)
+
+    def test_one_moment_of_a_symmetric_top(self) -> None:
+        """Sought alone it makes the body asymmetric: integrated, or refused with what to do."""
+        data = measure("phi", "theta", "psi")
+        given = {**GIVEN, "top": {**GIVEN["top"], "inertia": (0.875, 0.875, 0.25)}}
+        given["initial"] = {"theta": 0.5, "psi_rate": 14.0}
+        result = spintop.fit(data, ["top.inertia(2)"], given, sigma=NOISE)
+        self.assertTrue(result.ok, result.summary)
+        (estimate,), (error,) = result.rows["estimate"], result.rows["standard_error"]
+        self.assertLess(abs(estimate - 0.875), 5 * error)
+        for settings in ({"method": "exact"}, {"formulation": "space_frame"}):
+            with self.assertRaisesRegex(spintop.InputError, r"seek top\.inertia\(1\)"):
+                spintop.fit(data, ["top.inertia(2)"], {**given, "integration": settings})
+
+    def test_residuals_are_drawn(self) -> None:
+        """The figure of the residuals, after the file of the measurements is gone."""
+        data = measure("phi", "theta", "psi")
+        figures = spintop.fit(data, list(TRUTH), GIVEN, sigma=NOISE).plot()
+        self.assertEqual(list(figures), ["fit"])
+        self.assertEqual(len(figures["fit"].axes), 3)
+
     def test_measurements_without_times(self) -> None:
         """They are refused with a reason."""
         with self.assertRaisesRegex(spintop.InputError, "`t`"):

@@ -107,8 +107,40 @@ class MotionTest(unittest.TestCase):
         found = TOP.events(["lower_turning_points"], 5.0, ["t", "theta"])
         self.assertEqual(found.events["t"].tolist(), [float(cell) for cell in table["t"]])
         self.assertEqual(found.events["event"].tolist(), table["event"])
-        stopped = TOP.events(["lower_turning_points"], 5.0, stop_at="lower_turning_points")
-        self.assertEqual(stopped["t"][-1], found.events["t"][0])
+        for number in (1, 2):
+            end = {"stop_at": "lower_turning_points", "stop_after": number}
+            stopped = TOP.events(["lower_turning_points"], 5.0, **end)
+            self.assertTrue(stopped.ok)
+            np.testing.assert_array_equal(stopped.events["t"], found.events["t"][:number])
+        early = TOP.events(["turning_points"], 50.0, method="ode45", max_steps=5)
+        self.assertFalse(early.ok)
+        self.assertIn("step_limit", early.summary)
+        with self.assertRaisesRegex(spintop.InputError, "no event|unknown event|is not an event"):
+            TOP.events(["lower_turning"], 5.0)
+
+    def test_derivatives(self) -> None:
+        """Those of the program's table, in closed form and by a method; a turn of the start."""
+        names = ["theta__initial.psi_rate", "psi__top.mass", "phi__initial.phi"]
+        columns = ["theta", *names]
+        top = spintop.Top(BODY, phi=0.1, theta=0.4, psi_rate=12.0)
+        span, output = {"t_end": 3.0, "samples": 7}, {"columns": columns}
+        t = np.linspace(0.0, 3.0, 7)
+        for settings in ({"method": "exact"}, {"method": "taylor"}):
+            table = by_program(top.input(span=span, output=output, integration=settings))
+            if settings["method"] == "exact":
+                found = top.exact(t, columns)
+            else:
+                found = top.integrate(t, columns, **settings)
+            self.compare(found, table)
+            self.assertEqual(found.units["theta__initial.psi_rate"], "rad/(rad/s)")
+            self.assertTrue(np.all(found["phi__initial.phi_error"] < 1e-7))
+            np.testing.assert_allclose(found["phi__initial.phi"], 1, rtol=0, atol=1e-7)
+        step = 1e-4
+        other = [spintop.Top(BODY, phi=0.1, theta=0.4, psi_rate=12 + d) for d in (-step, step)]
+        slope = (other[1].exact(t).theta - other[0].exact(t).theta) / (2 * step)
+        np.testing.assert_allclose(found["theta__initial.psi_rate"], slope, rtol=0, atol=1e-6)
+        with self.assertRaisesRegex(spintop.InputError, "no motion by this method"):
+            top.exact(t, ["theta__top.inertia(1)"])
 
     def test_errors(self) -> None:
         """Exceptions have the message of the program, its place, and the status."""

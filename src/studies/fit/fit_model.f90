@@ -12,7 +12,7 @@ module spintop_fit_model
     use spintop_motion, only: motion_t
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_number_slot, only: number_slot_t
-    use spintop_plan, only: plan_t
+    use spintop_plan, only: make_plan, plan_t
     use spintop_problems, only: problems_t
     use spintop_row_maker, only: row_maker_t
     use spintop_scene, only: scene_t
@@ -38,6 +38,7 @@ module spintop_fit_model
         type(row_maker_t), private :: maker
     contains
         procedure :: prepare
+        procedure :: plan_with_another
         procedure :: evaluate
         procedure :: predict
         procedure :: step_scale
@@ -100,16 +101,11 @@ contains
         real(dp), intent(out) :: values(:, :) !! columns, times
         logical, intent(out) :: is_valid !! whether there is such a motion
         type(problems_t) :: problems
-        integer :: i
 
         values = no_number
         is_valid = .false.
-        do i = 1, size(x)
-            if (.not. self%slots(i)%accepts(x(i))) return
-            call self%slots(i)%put(x(i))
-        end do
-        if (self%ties_inertia) self%scene%inertia(2) = self%scene%inertia(1)
-        call make_case(self%scene, self%case, problems)
+        if (.not. accepts(self, x)) return
+        call put(self, x, problems)
         if (problems%any()) return
         if (self%plan%exact) then
             if (self%case%body%has_closed_form()) call take_exactly(self, values)
@@ -118,6 +114,57 @@ contains
         end if
         is_valid = all(is_finite(values))
     end subroutine predict
+
+    !> Whether all numbers are in their ranges.
+    pure logical function accepts(self, x)
+        class(fit_model_t), intent(in) :: self
+        real(dp), intent(in) :: x(:)
+        integer :: i
+        accepts = all([(self%slots(i)%accepts(x(i)), i=1, size(x))])
+    end function accepts
+
+    !> Makes the case with some values of the sought numbers.
+    subroutine put(self, x, problems)
+        class(fit_model_t), intent(inout) :: self
+        real(dp), intent(in) :: x(:)
+        type(problems_t), intent(inout) :: problems
+        integer :: i
+        do i = 1, size(x)
+            call self%slots(i)%put(x(i))
+        end do
+        if (self%ties_inertia) self%scene%inertia(2) = self%scene%inertia(1)
+        call make_case(self%scene, self%case, problems)
+    end subroutine put
+
+    !> The plan of the motion in which one of the sought numbers has another value than `x`, above or below: a closed form, or
+    !> equations of symmetric tops, may not be for such a body.
+    subroutine plan_with_another(self, i, x, plan, problems)
+        class(fit_model_t), intent(inout) :: self
+        integer, intent(in) :: i !! which number
+        real(dp), intent(in) :: x(:) !! the values
+        type(plan_t), intent(out) :: plan !! the plan; valid without errors in `problems`
+        type(problems_t), intent(out) :: problems !! why there is no such motion
+        real(dp), parameter :: steps(2) = [1.0e-6_dp, -1.0e-6_dp]
+        real(dp) :: moved(size(x))
+        integer :: side
+
+        do side = 1, size(steps)
+            moved = x
+            moved(i) = x(i) + steps(side) * self%step_scale(i, x(i))
+            if (.not. accepts(self, moved)) cycle
+            call plan_with(self, moved, plan, problems)
+            if (.not. problems%any()) return
+        end do
+    end subroutine plan_with_another
+
+    subroutine plan_with(self, x, plan, problems)
+        class(fit_model_t), intent(inout) :: self
+        real(dp), intent(in) :: x(:)
+        type(plan_t), intent(out) :: plan
+        type(problems_t), intent(out) :: problems
+        call put(self, x, problems)
+        if (.not. problems%any()) call make_plan(self%scene, self%case, plan, problems)
+    end subroutine plan_with
 
     !> The values of the exact solution.
     subroutine take_exactly(self, values)

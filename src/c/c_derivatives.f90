@@ -1,0 +1,145 @@
+!> The derivatives of the columns of a motion at any times: the motion is asked with other values of a key, which are
+!> prepared in advance, so that threads may share them.
+module spintop_c_derivatives
+    use, intrinsic :: iso_c_binding, only: c_loc
+    use spintop_c_motion, only: asked_motion_t
+    use spintop_case, only: case_t, make_case
+    use spintop_differences, only: node_count, nodes_t
+    use spintop_errors, only: error_t, input_error
+    use spintop_job, only: job_t
+    use spintop_kinds, only: dp, no_number
+    use spintop_number_slot, only: number_slot_t
+    use spintop_plain_text, only: escaped
+    use spintop_plan, only: make_plan, plan_t
+    use spintop_problems, only: problems_t
+    use spintop_scene, only: scene_t
+    use spintop_sensitivity, only: sensitive_key_t
+    use spintop_trajectory_column, only: trajectory_column_t
+    implicit none
+    private
+    public :: asked_derivatives_t
+
+    !> The motions with other values of a key.
+    type :: varied_key_t
+        type(nodes_t) :: nodes
+        type(asked_motion_t) :: motion(node_count)
+    end type varied_key_t
+
+    !> The derivatives, two columns for each: `count` of them, of some columns with respect to some keys.
+    type :: asked_derivatives_t
+        integer :: count = 0
+        integer, allocatable, private :: column(:), key(:)
+        type(varied_key_t), allocatable, private :: keys(:)
+    contains
+        procedure :: prepare
+        procedure :: find
+    end type asked_derivatives_t
+
+contains
+
+    !> Prepares the derivatives of a job.
+    subroutine prepare(self, job, known, error)
+        class(asked_derivatives_t), target, intent(inout) :: self
+        type(job_t), target, intent(in) :: job !! the job
+        type(trajectory_column_t), intent(in) :: known(:) !! all columns of trajectories
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        integer, allocatable :: places(:)
+        integer :: i
+
+        associate (wanted => job%sensitivities)
+            self%count = wanted%count
+            if (self%count == 0) return
+            allocate (places, source=wanted%columns())
+            self%key = wanted%list%key
+            self%column = [(findloc(places, wanted%list(i)%column, dim=1), i=1, wanted%count)]
+            allocate (self%keys(size(wanted%keys)))
+            do i = 1, size(wanted%keys)
+                call prepare_key(self%keys(i), job, wanted%keys(i), known(places), error)
+                if (allocated(error)) return
+            end do
+        end associate
+    end subroutine prepare
+
+    !> Prepares the motions with other values of a key. The values that no motion has are left out; there must be others.
+    subroutine prepare_key(self, job, key, columns, error)
+        type(varied_key_t), target, intent(inout) :: self
+        type(job_t), target, intent(in) :: job
+        type(sensitive_key_t), intent(in) :: key
+        type(trajectory_column_t), intent(in) :: columns(:)
+        type(error_t), allocatable, intent(out) :: error
+        logical :: exists(node_count)
+        integer :: i
+
+        if (key%name(:index(key%name, '.')) == 'span.') then
+            error = input_error(escaped(job%input) // ': output.columns: the times of a top are given, so nothing depends on ' &
+                                // key%name // '; the derivatives with respect to time are columns, as theta_rate')
+            return
+        end if
+        self%nodes = key%nodes(key%slot%get())
+        exists = self%nodes%is_valid
+        do i = 2, node_count
+            if (exists(i)) call prepare_motion(self%motion(i), job, key%slot, self%nodes%x(i), columns, exists(i))
+        end do
+        call self%nodes%limit_to(exists)
+        if (any(self%nodes%is_valid(2:))) return
+        error = input_error(escaped(job%input) // ': output.columns: with another ' // key%name // ' there is no motion by this &
+                            &method, and so no derivative; integrate by a method and formulation for any body')
+    end subroutine prepare_key
+
+    !> Prepares the motion with another value of a key, if there is one.
+    subroutine prepare_motion(motion, job, slot, value, columns, exists)
+        type(asked_motion_t), intent(inout) :: motion
+        type(job_t), target, intent(in) :: job
+        type(number_slot_t), intent(in) :: slot
+        real(dp), intent(in) :: value
+        type(trajectory_column_t), intent(in) :: columns(:)
+        logical, intent(out) :: exists
+        type(scene_t), allocatable, target :: scene
+        type(number_slot_t) :: own_slot
+        type(problems_t) :: problems
+        type(case_t) :: case
+        type(plan_t) :: plan
+
+        allocate (scene, source=job%scene)
+        scene%certified = .false.
+        own_slot = slot%in_copy(c_loc(job%scene), c_loc(scene), storage_size(scene))
+        call own_slot%put(value)
+        call make_case(scene, case, problems)
+        if (.not. problems%any()) call make_plan(scene, case, plan, problems)
+        exists = .not. problems%any()
+        if (.not. exists) return
+        case%t_end = job%case%t_end ! steps of fixed size stay where they are
+        call motion%prepare(case, plan, columns)
+    end subroutine prepare_motion
+
+    !> Finds the derivatives at some times, each followed by the estimate of its error.
+    subroutine find(self, t, base, cells)
+        class(asked_derivatives_t), intent(in) :: self
+        real(dp), intent(in) :: t(:) !! the times, s
+        real(dp), intent(in) :: base(:, :) !! the columns of which there are derivatives: a row for each time
+        real(dp), intent(out) :: cells(:, :) !! two for each derivative; NaN where there is none
+        real(dp), allocatable :: values(:, :, :)
+        real(dp) :: t_reached
+        integer :: key, i, row, status
+
+        cells = no_number
+        allocate (values(size(base, 1), size(base, 2), node_count))
+        do key = 1, size(self%keys)
+            values = no_number
+            values(:, :, 1) = base
+            do i = 2, node_count
+                if (self%keys(key)%nodes%is_valid(i)) then
+                    call self%keys(key)%motion(i)%find(t, values(:, :, i), status, t_reached)
+                end if
+            end do
+            do i = 1, self%count
+                if (self%key(i) /= key) cycle
+                do row = 1, size(t)
+                    call self%keys(key)%nodes%differentiate(values(row, self%column(i), :), cells(row, 2 * i - 1), &
+                                                            cells(row, 2 * i))
+                end do
+            end do
+        end do
+    end subroutine find
+
+end module spintop_c_derivatives

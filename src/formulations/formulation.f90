@@ -12,7 +12,7 @@ module spintop_formulation
     use spintop_motions, only: instants, motions_t
     implicit none
     private
-    public :: formulation_t, formulation_info_t, max_states, max_series_order, max_invariants
+    public :: formulation_t, find_motions_singly, formulation_info_t, max_states, max_series_order, max_invariants
     public :: structure_none, structure_split, structure_group, structure_series, &
         structure_quadruple, structure_names
 
@@ -72,7 +72,7 @@ module spintop_formulation
         procedure(derivative), deferred :: derivative
         procedure(motion_of), deferred :: motion
         procedure :: motion_without_angles => whole_motion
-        procedure :: find_motions
+        procedure :: find_motions => find_motions_singly
         procedure :: bound_rate
         procedure :: invariants => no_invariants
         procedure :: follow => keep_angles
@@ -128,8 +128,8 @@ contains
         motion = self%motion(t, y, near)
     end function whole_motion
 
-    !> The same at several instants.
-    pure subroutine find_motions(self, t, y, motions)
+    !> The same at several instants, one after another.
+    pure subroutine find_motions_singly(self, t, y, motions)
         class(formulation_t), intent(in) :: self
         real(dp), intent(in) :: t(instants), y(instants, max_states) !! times, s, and states
         type(motions_t), intent(out) :: motions !! the motion at these times
@@ -137,7 +137,7 @@ contains
         do i = 1, instants
             call motions%put(i, self%motion_without_angles(t(i), y(i, :), [0.0_dp, 0.0_dp, 0.0_dp]))
         end do
-    end subroutine find_motions
+    end subroutine find_motions_singly
 
     !> A bound of the angular velocity, rad/s, near a state; by default 0, which is none.
     pure real(dp) function bound_rate(self, y, change) result(bound)

@@ -119,7 +119,7 @@ contains
         call append(files, job%output)
         if (job%axes%cases > 0) call append(files, job%log)
         if (job%event_output /= '') call append(files, job%event_output)
-        if (job%scene%kind == 'fit') call append(files, residual_path(job%output))
+        if (job%scene%fit%data /= '') call append(files, residual_path(job%output))
         if (.not. job%statistics%is_wanted) return
         statistics = job%output
         if (job%statistics_output /= '') statistics = job%statistics_output

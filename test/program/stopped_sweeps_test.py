@@ -51,3 +51,14 @@ def test_the_turning_point_at_the_end_counts(tmp_path: Path) -> None:
         for name in columns[:2]:
             values = [float(row[name]) for row in same]
             assert values == pytest.approx([values[0]] * len(values), rel=1e-5), name
+
+
+@pytest.mark.parametrize("effect", ["drag_moment = 3*0.1", "torque_body = 0, 0, 5"])
+@pytest.mark.parametrize("stop", ["", STOP])
+def test_no_growth_with_effects(tmp_path: Path, effect: str, stop: str) -> None:
+    """The equations of perturbations are those without effects."""
+    columns = "largest_singular_value", "lyapunov_exponent"
+    body = ANY + f"&effects {effect} /\n"
+    (row,) = rows(tmp_path, body, "3", f"t_end = 3  {stop}", columns)
+    assert [row[name] for name in columns] == ["nan", "nan"]
+    assert "no Lyapunov exponent: it is not measured for bodies with effects" in row["notes"]

@@ -3,7 +3,7 @@
 !>
 !> A type of its own, so that a body without effects pays nothing for them.
 module spintop_body_with_effects
-    use spintop_attitude, only: follow_angles, may_meet_pole, quaternion_product, conjugate_quaternion, rotation_minus_one
+    use spintop_attitude, only: follow_angles, may_meet_pole, quaternion_product, rotation_minus_one
     use spintop_body, only: body_t
     use spintop_capabilities, only: action_t, max_series_order, max_states, quadruple_series_t, series_t
     use spintop_compare, only: is_zero
@@ -11,16 +11,17 @@ module spintop_body_with_effects
     use spintop_effects_series, only: expand_series => find_series
     use spintop_effects_series_quadruple, only: expand_in_quadruple => find_series
     use spintop_effects_stages, only: effects_stages_t
-    use spintop_formulation, only: formulation_info_t, max_invariants
+    use spintop_formulation, only: find_motions_singly, formulation_info_t, max_invariants
     use spintop_kinds, only: dp, pi, qp
     use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, total_momentum, works
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_motion_scales, only: motion_scales_t, motion_scales
-    use spintop_motions, only: instants
+    use spintop_motions, only: instants, motions_t
     use spintop_powers, only: find_powers
-    use spintop_rigid_body, only: body_turns_t, rigid_body_t
+    use spintop_rigid_body, only: rigid_body_t
     use spintop_smooth_effects_series, only: smooth_series_t
     use spintop_status, only: status_ok
+    use spintop_turns_in_frame, only: turns_in_frame_t
     use spintop_vectors, only: cross
     implicit none
     private
@@ -35,6 +36,8 @@ module spintop_body_with_effects
         procedure :: derivative
         procedure :: motion
         procedure :: motion_without_angles
+        procedure :: find_motions
+        procedure :: bound_rate
         procedure :: follow
         procedure :: invariants
         procedure, private :: loads_at
@@ -43,12 +46,6 @@ module spintop_body_with_effects
     interface body_with_effects_t
         module procedure new_body
     end interface body_with_effects_t
-
-    !> Turns about body axes: the angular velocity is that of the attitude, not of the momentum.
-    type, extends(body_turns_t) :: turns_in_frame_t
-    contains
-        procedure :: velocity
-    end type turns_in_frame_t
 
     !> The Taylor series of the motion.
     type, extends(series_t) :: effects_series_t
@@ -189,6 +186,23 @@ contains
         motion%omega_rate = acceleration(self%body, loads)
     end function motion_without_angles
 
+    !> The same at several instants: not by the equations of a body without effects.
+    pure subroutine find_motions(self, t, y, motions)
+        class(body_with_effects_t), intent(in) :: self
+        real(dp), intent(in) :: t(instants), y(instants, max_states) !! times, s, and states
+        type(motions_t), intent(out) :: motions !! the motion at these times
+        call find_motions_singly(self, t, y, motions)
+    end subroutine find_motions
+
+    !> No bound of the angular velocity: it is not that of the momentum.
+    pure real(dp) function bound_rate(self, y, change) result(bound)
+        class(body_with_effects_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), change(max_states) !! the state, and bounds of its change
+        associate (unused => self, also_unused => y, unused_too => change)
+        end associate
+        bound = 0
+    end function bound_rate
+
     !> Continues the angles to a later state.
     pure subroutine follow(self, t_last, y_last, t, y, angle, sure)
         class(body_with_effects_t), intent(in) :: self
@@ -220,20 +234,6 @@ contains
         end associate
         values = 0
     end subroutine invariants
-
-    !> The angular velocity, from the rate of the attitude, and the rate of the momentum.
-    pure subroutine velocity(self, y, dy, xi)
-        class(turns_in_frame_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states), dy(max_states)
-        real(dp), intent(out) :: xi(max_states)
-        real(dp) :: spin(4)
-        associate (unused => self)
-        end associate
-        spin = 2 * quaternion_product(conjugate_quaternion(y(1:4)), dy(1:4)) / sum(y(1:4)**2)
-        xi(1:3) = spin(2:4)
-        xi(4:6) = dy(5:7)
-        xi(7:8) = 0
-    end subroutine velocity
 
     !> Constants of the series.
     pure subroutine set_series(self, body, start)

@@ -51,16 +51,17 @@ contains
 
     !> Counts the end of a motion that ends in a turning point, as at an event: whether rounding errors put it before or
     !> after the end does not matter. The motions are in the axes in which the body was given.
-    pure subroutine count_end(turns, start, last)
+    pure subroutine count_end(turns, start, last, omega_rate)
         type(turning_points_t), intent(inout) :: turns(upper:lower) !! those before the end
-        type(motion_t), intent(in) :: start, last !! start and end of the motion, which has its angular acceleration
+        type(motion_t), intent(in) :: start, last !! start and end of the motion
+        real(dp), intent(in) :: omega_rate(3) !! angular acceleration at the end, rad/s^2
         real(dp) :: gamma(3), gamma_rate(3), bend, since
         integer :: kind, before
 
         gamma = vertical_from_quaternion(last%quaternion)
         gamma_rate = cross(gamma, last%omega)
         bend = gamma_rate(1) * last%omega(2) - gamma_rate(2) * last%omega(1) &
-               + gamma(1) * last%omega_rate(2) - gamma(2) * last%omega_rate(1)
+               + gamma(1) * omega_rate(2) - gamma(2) * omega_rate(1)
         kind = merge(upper, lower, bend < 0)
         before = upper + lower - kind
         since = last%t - start%t

@@ -271,7 +271,7 @@ contains
         self%here%omega_rate = angular_acceleration(self%case%body, self%here)
         given = self%as_given(self%here)
         self%end_theta(2) = given%angle(2)
-        if (self%measures%turning) call count_end(self%turns, self%as_given(self%case%start), given)
+        if (self%measures%turning) call count_end(self%turns, self%as_given(self%case%start), given, given%omega_rate)
         call self%take_extremes(self%here, given)
     end subroutine take_end
 

@@ -2,12 +2,17 @@
 module spintop_sweep_notes
     implicit none
     private
+    public :: only_without_effects
     public :: note_t, note_names
     public :: note_no_period, note_no_turns, note_no_nutation, note_no_class, note_no_fast_top, note_no_details, &
         note_no_azimuth, note_no_stop, note_no_growth, note_no_lyapunov, note_no_singular, &
         note_no_exact_motion, note_no_precession_period, note_no_inherent, note_not_free, &
         note_no_momentum_period, note_no_derivative, note_no_multiplier, note_not_stuck, &
         note_nothing_to_bound
+
+    !> Why a case lacks what is measured by equations without effects.
+    character(*), parameter :: only_without_effects = &
+        'it is not measured for bodies with effects that do not only shift phi and psi'
 
     !> Indices of the notes in the list below, in this order.
     enum, bind(C)

@@ -9,7 +9,8 @@ module spintop_sweep_stability
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_motion, only: motion_from_quaternion, motion_t
     use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_unsuitable, status_meanings
-    use spintop_sweep_notes, only: note_t, note_no_growth, note_no_lyapunov, note_no_multiplier, note_no_singular
+    use spintop_sweep_notes, only: note_t, note_no_growth, note_no_lyapunov, note_no_multiplier, note_no_singular, &
+        only_without_effects
     use spintop_sweep_result, only: sweep_result_t, sweep_work_t
     implicit none
     private
@@ -45,16 +46,19 @@ contains
                 call note%add(note_no_growth, trim(status_meanings(how)))
             end if
         end if
-        if (wanted%lyapunov .or. wanted%singular) then
+        if ((wanted%lyapunov .or. wanted%singular) .and. .not. allocated(case%body%effects)) then
             call find_growth([case%body], [case%start], [t_end], wanted%lyapunov, wanted%singular, &
                              max(max_steps, 1_int64), growth)
             max_steps = max_steps - growth(1)%steps
-        end if
-        if (wanted%lyapunov) then
-            call take(growth(1)%exponent, growth(1)%exponent_status, values%lyapunov_exponent, note_no_lyapunov)
-        end if
-        if (wanted%singular) then
-            call take(growth(1)%singular, growth(1)%singular_status, values%largest_singular_value, note_no_singular)
+            if (wanted%lyapunov) then
+                call take(growth(1)%exponent, growth(1)%exponent_status, values%lyapunov_exponent, note_no_lyapunov)
+            end if
+            if (wanted%singular) then
+                call take(growth(1)%singular, growth(1)%singular_status, values%largest_singular_value, note_no_singular)
+            end if
+        else
+            if (wanted%lyapunov) call note%add(note_no_lyapunov, only_without_effects)
+            if (wanted%singular) call note%add(note_no_singular, only_without_effects)
         end if
         if (wanted%multiplier) call put_multiplier(case, values, note)
 

@@ -19,7 +19,7 @@ module spintop_sweep_stepping
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
     use spintop_status, only: is_good_end, status_at_rest, status_ok, status_step_limit, status_too_many_events, status_meanings
     use spintop_stepper, only: looks_per_step
-    use spintop_sweep_notes, only: note_t, note_no_details, note_no_inherent, note_no_stop
+    use spintop_sweep_notes, only: note_t, note_no_details, note_no_inherent, note_no_stop, only_without_effects
     use spintop_sweep_quantities, only: find_free_constants, put_nutation, put_measured, put_fast_top, put_azimuth, put_end, &
         put_details, precession_period, lowest_height
     use spintop_sweep_result, only: sweep_result_t, sweep_work_t
@@ -234,7 +234,7 @@ contains
         real(dp) :: error
         integer :: status
         if (allocated(case%body%effects)) then
-            call note%add(note_no_inherent, 'it is not measured for bodies with effects that do not only shift phi and psi')
+            call note%add(note_no_inherent, only_without_effects)
             return
         end if
         call find_inherent_error(case%body, case%start, t, error, status, max_steps)

@@ -176,7 +176,6 @@ contains
         type(note_t), intent(inout) :: note !! notes on the case
         type(nutation_t) :: nutation
         type(turning_points_t) :: turns(upper:lower)
-        type(motion_t) :: ending
         real(dp) :: ends(2), rate
         logical :: is_whole
         integer :: k
@@ -217,11 +216,7 @@ contains
                 turns = watch%turns(:, i)
             end select
         end do
-        if (wanted%turning) then
-            ending = last
-            ending%omega_rate = angular_acceleration(case%body, ending)
-            call count_end(turns, case%start, ending)
-        end if
+        if (wanted%turning) call count_end(turns, case%start, last, angular_acceleration(case%body, last))
         ends = [case%start%angle(2), last%angle(2)]
         if (wanted%fastest) then
             call nutation_of(turns, ends, nutation, is_whole, rate)

@@ -141,9 +141,10 @@ contains
         !> Makes the case `self%first`.
         subroutine try_case(found)
             type(problems_t), intent(inout) :: found !! its problems
+            type(case_t) :: empty
             if (self%axes%cases > 0) call put_values(self%axes, self%first, swept, found)
             if (found%any()) return
-            self%case = case_t()
+            self%case = empty
             call make_case(swept%scene, self%case, found)
             if (planned .and. .not. found%any()) call make_plan(swept%scene, self%case, self%plan, found)
         end subroutine try_case

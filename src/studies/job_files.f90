@@ -13,6 +13,14 @@ module spintop_job_files
     private
     public :: name_job, name_outputs, refuse_overwriting
 
+    !> Paths of files of a job.
+    type :: files_t
+        integer :: n = 0
+        type(string_t) :: path(8)
+    contains
+        procedure :: add
+    end type files_t
+
 contains
 
     !> Names a job after its input.
@@ -67,15 +75,15 @@ contains
         type(job_t), intent(in) :: job, other !! the jobs
         logical, intent(in) :: is_other !! whether they are two
         type(error_t), allocatable, intent(inout) :: error !! not allocated if all is well
-        type(string_t), allocatable :: written(:), theirs(:)
+        type(files_t) :: written, theirs
         integer :: i, k
 
         written = files_written(job)
         theirs = files_written(other)
-        do i = 1, size(written)
-            do k = 1, size(theirs)
-                if (.not. is_other .or. written(i)%text /= theirs(k)%text) cycle
-                call refuse(job, written(i)%text, 'is also that of ' // escaped(other%input))
+        do i = 1, written%n
+            do k = 1, theirs%n
+                if (.not. is_other .or. written%path(i)%text /= theirs%path(k)%text) cycle
+                call refuse(job, written%path(i)%text, 'is also that of ' // escaped(other%input))
                 return
             end do
         end do
@@ -85,16 +93,17 @@ contains
     contains
 
         !> Refuses to replace what is read.
-        subroutine compare(writer, files, read)
+        subroutine compare(writer, files, sources)
             type(job_t), intent(in) :: writer
-            type(string_t), intent(in) :: files(:), read(:)
+            type(files_t), intent(in) :: files, sources
             integer :: i, k
-            do i = 1, size(files)
-                do k = 1, size(read)
+            do i = 1, files%n
+                do k = 1, sources%n
                     if (allocated(error)) return
-                    if (is_same_file(files(i)%text, read(k)%text)) then
-                        call refuse(writer, files(i)%text, 'would replace the file that is read as ' // escaped(read(k)%text))
-                    end if
+                    associate (file => files%path(i)%text, source => sources%path(k)%text)
+                        if (.not. is_same_file(file, source)) cycle
+                        call refuse(writer, file, 'would replace the file that is read as ' // escaped(source))
+                    end associate
                 end do
             end do
         end subroutine compare
@@ -110,52 +119,42 @@ contains
     end subroutine refuse_overwriting
 
     !> The files that a job may write.
-    function files_written(job) result(files)
+    type(files_t) function files_written(job) result(files)
         type(job_t), intent(in) :: job
-        type(string_t), allocatable :: files(:)
         character(:), allocatable :: statistics
 
-        allocate (files(0))
-        call append(files, job%output)
-        if (job%axes%cases > 0) call append(files, job%log)
-        if (job%event_output /= '') call append(files, job%event_output)
-        if (job%scene%fit%data /= '') call append(files, residual_path(job%output))
+        call files%add(job%output)
+        if (job%axes%cases > 0) call files%add(job%log)
+        if (job%event_output /= '') call files%add(job%event_output)
+        if (job%scene%fit%data /= '') call files%add(residual_path(job%output))
         if (.not. job%statistics%is_wanted) return
         statistics = job%output
         if (job%statistics_output /= '') statistics = job%statistics_output
-        call append(files, statistics)
-        call append(files, path_beside(statistics, 'histogram'))
-        call append(files, path_beside(statistics, 'indices'))
+        call files%add(statistics)
+        call files%add(path_beside(statistics, 'histogram'))
+        call files%add(path_beside(statistics, 'indices'))
     end function files_written
 
     !> The files that a job reads.
-    function files_read(job) result(files)
+    type(files_t) function files_read(job) result(files)
         type(job_t), intent(in) :: job
-        type(string_t), allocatable :: files(:)
-        allocate (files(0))
         associate (scene => job%scene)
-            call append(files, job%input)
-            if (scene%sweep_table /= '') call append(files, path_from(job%input, scene%sweep_table))
-            if (scene%effects%torque_table /= '') call append(files, path_from(job%input, scene%effects%torque_table))
-            if (scene%fit%data /= '') call append(files, path_from(job%input, scene%fit%data))
+            call files%add(job%input)
+            if (scene%sweep_table /= '') call files%add(path_from(job%input, scene%sweep_table))
+            if (scene%effects%torque_table /= '') call files%add(path_from(job%input, scene%effects%torque_table))
+            if (scene%fit%data /= '') call files%add(path_from(job%input, scene%fit%data))
             if (all(reference_names /= scene%precision_reference)) then
-                call append(files, path_from(job%input, scene%precision_reference))
+                call files%add(path_from(job%input, scene%precision_reference))
             end if
         end associate
     end function files_read
 
-    !> Adds a path to a list.
-    subroutine append(files, path)
-        type(string_t), allocatable, intent(inout) :: files(:)
-        character(*), intent(in) :: path
-        type(string_t), allocatable :: more(:)
-        integer :: i
-        allocate (more(size(files) + 1))
-        do i = 1, size(files)
-            call move_alloc(files(i)%text, more(i)%text)
-        end do
-        more(size(more))%text = path
-        call move_alloc(more, files)
-    end subroutine append
+    !> Adds a path.
+    subroutine add(self, path)
+        class(files_t), intent(inout) :: self
+        character(*), intent(in) :: path !! the path
+        self%n = self%n + 1
+        self%path(self%n)%text = path
+    end subroutine add
 
 end module spintop_job_files

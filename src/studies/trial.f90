@@ -1,13 +1,14 @@
 !> One motion computed by one method, compared with a reference.
 module spintop_trial
     use spintop_clock, only: seconds
-    use spintop_kinds, only: dp, pi
+    use spintop_kinds, only: dp, no_number, pi
     use spintop_attitude, only: rotation_angle
     use spintop_body, only: body_t
     use spintop_case, only: case_t
     use spintop_compare, only: is_finite
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_formulation, only: formulation_t, max_states
+    use spintop_instants, only: through_pole
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_motion, only: motion_from_quaternion, motion_t
     use spintop_plan, only: plan_t
@@ -30,9 +31,9 @@ module spintop_trial
         real(dp) :: energy = 0, vertical = 0, axial = 0
         !> Norm error abs(q) - 1 of the quaternion.
         real(dp) :: quaternion = 0
-        !> phi, theta, psi, rad, phi and psi within half a turn; and their rates, rad/s, if those of the
-        !> reference are finite.
-        real(dp) :: angle(3) = 0, rate(3) = 0
+        !> phi, theta, psi, rad, phi and psi within half a turn; and their rates, rad/s. In a pole only theta exists; what
+        !> never did is NaN.
+        real(dp) :: angle(3) = no_number, rate(3) = no_number
     end type errors_t
 
     !> Result of a computation.
@@ -160,8 +161,8 @@ contains
             call enlarge(errors%vertical, last%vertical)
             call enlarge(errors%axial, last%axial)
             call enlarge(errors%quaternion, last%quaternion)
-            call enlarge(errors%angle, last%angle)
-            call enlarge(errors%rate, last%rate)
+            where (is_finite(last%angle)) errors%angle = enlarged(errors%angle, last%angle)
+            where (is_finite(last%rate)) errors%rate = enlarged(errors%rate, last%rate)
         end associate
     end subroutine compare
 
@@ -178,22 +179,33 @@ contains
         computed = case%turn%back(computed, case%given_start%angle)
         true = case%turn%back(truth, case%given_start%angle)
         difference = computed%angle - true%angle
-        call enlarge(errors%angle, difference - 2 * pi * anint(difference / (2 * pi)))
-        difference = 0
-        where (is_finite(true%rate)) difference = computed%rate - true%rate
-        call enlarge(errors%rate, difference)
+        difference = difference - 2 * pi * anint(difference / (2 * pi))
+        call enlarge(errors%angle(2), difference(2))
+        if (is_in_pole(true%quaternion)) return
+        call enlarge(errors%angle, difference)
+        where (is_finite(true%rate)) errors%rate = enlarged(errors%rate, computed%rate - true%rate)
     end subroutine compare_angles
 
-    !> The larger of an error and a new one; NaN counts as the largest.
+    !> Whether body z is in a pole, to rounding: there phi, psi and the rates do not exist.
+    pure logical function is_in_pole(q)
+        real(dp), intent(in) :: q(4)
+        is_in_pole = 2 * hypot(q(1), q(4)) * hypot(q(2), q(3)) <= through_pole * sum(q**2)
+    end function is_in_pole
+
+    !> Replaces an error by a larger one.
     elemental subroutine enlarge(error, difference)
         real(dp), intent(inout) :: error
         real(dp), intent(in) :: difference
-        if (is_finite(difference)) then
-            error = max(error, abs(difference))
-        else
-            error = huge(error)
-        end if
+        error = enlarged(error, difference)
     end subroutine enlarge
+
+    !> The larger of an error, which may not exist yet, and a difference, of which NaN counts as the largest.
+    elemental real(dp) function enlarged(error, difference)
+        real(dp), intent(in) :: error, difference
+        enlarged = abs(difference)
+        if (.not. is_finite(difference)) enlarged = huge(error)
+        if (error > enlarged) enlarged = error
+    end function enlarged
 
     !> Total energy, J.
     pure real(dp) function energy(body, motion)

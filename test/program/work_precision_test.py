@@ -241,6 +241,18 @@ class TableTest(WorkPrecisionCase):
         self.assertEqual({row["energy_error"] for row in rows}, {"0"})
         self.assertEqual({row["lz_error"] for row in rows}, {"0"})
 
+    def test_in_a_pole_phi_and_psi_have_no_errors(self) -> None:
+        """The axis of a sleeping top stays in it."""
+        top = "&top mass = 1  inertia = 0.875, 0.875, 0.25  length = 0.5 /\n"
+        scene = top + "&initial theta = 0  psi_rate = 25 /\n&span t_end = 1 /\n"
+        scene = self.write("&study kind = 'work_precision' /\n" + scene)
+        for row in self.study(scene, "taylor,exact,rk4", "tolerances=1e-9", "steps=400"):
+            self.assertEqual(row["status"], "ok")
+            self.assertLess(float(row["orientation_error"]), 1e-3)
+            self.assertLess(float(row["theta_error"]), 1e-6)
+            for name in ("phi_error", "psi_error", "phi_rate_error", "psi_error_max"):
+                self.assertEqual(row[name], "nan", (row["method"], name))
+
     def test_angles_are_those_of_the_attitude(self) -> None:
         """A pendulum passes the vertical, where Lagrange's angle theta leaves its range."""
         swing = SKEW.replace("1, 1.5, 2.25", "1, 1, 0.5").replace("0.1, 0.05, 0.2", "0, 0, 0.2")

@@ -190,7 +190,9 @@ void ball_periods(arb_ptr answer, const top_motion *m)
         if (m->meets_bottom) arb_sub(turn, turn, pi, bits);
         if (m->is_plane) arb_zero(turn);
     }
-    if (m->body_axis != 2) arb_indeterminate(period), arb_indeterminate(turn); /* those of another axis than body z */
+    if (m->regime < ROTATING && m->body_axis != 2) { /* those of another axis than body z */
+        arb_indeterminate(period), arb_indeterminate(turn);
+    }
     arb_clear(pi);
 }
 #endif

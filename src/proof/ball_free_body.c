@@ -277,6 +277,9 @@ int ball_free_body(top_motion *m, const top_data *data)
     arb_indeterminate(BALL(m, period)), arb_zero(BALL(m, jump_plus)), arb_indeterminate(BALL(m, jump_minus));
     if (m->regime == CONING && arb_is_zero(BALL(m, omega1) + m->axis[2])) m->regime = ROTATING;
     if (same) find_coning(m, same == 3 ? 2 : m->axis[2]);
+    if (same == 1 && m->axis[2] != 2) { /* it is not body z that goes round the momentum in that period */
+        arb_indeterminate(BALL(m, period)), arb_indeterminate(BALL(m, jump_minus));
+    }
     if (m->regime != TUMBLING) return PROVED;
     t = _arb_vec_init(CONSTANTS);
     reason = find_class(m, t);

@@ -291,7 +291,7 @@ class GoodInputTest(ProgramCase):
         self.assertEqual(
             self.run_program(scene, "-o", "d", "--set", "output.file=x.y").returncode, 0
         )
-        expected = ["a", "a/b c", "a/b c/scene.csv", "d", "d/x.csv"]
+        expected = ["a", "a/b c", "a/b c/scene.csv", "d", "d/x.y.csv"]
         self.assertEqual(self.produced(), expected)
 
     def test_several_inputs_with_the_same_table_are_refused(self) -> None:

@@ -11,10 +11,10 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from program_test import GOOD, PROGRAM, ROOT, ProgramCase, Table
+from program_test import GOOD, IS_OPTIMISED, PROGRAM, ROOT, ProgramCase, Table
 
 # Long enough to be interrupted at any moment: a few seconds on one thread.
-STEPS = "steps = 2000"
+STEPS = "steps = 2000" if IS_OPTIMISED else "steps = 600"
 STEPPING = f"formulation = 'lagrange', method = 'rk4', {STEPS}"
 SLOW = f"""\
 &study kind = 'sweep' /

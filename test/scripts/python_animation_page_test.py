@@ -69,7 +69,7 @@ class AnimationTest(unittest.TestCase):
     def test_what_cannot_be_shown(self) -> None:
         """A sweep has no motion; a motion without an attitude has none that can be shown."""
         sweep = {"study": {"kind": "sweep"}, **TOP.input(span={"t_end": 1.0})}
-        with self.assertRaisesRegex(TypeError, "a sweep over arrays has no motion"):
+        with self.assertRaisesRegex(TypeError, "only a trajectory of spintop.run can be shown"):
             spintop.sweep(sweep, {"initial.theta": [0.1, 0.2]}).animate()
         axis = {"parameter": ["initial.theta"], "values": [[0.1, 0.2]]}
         with self.assertRaisesRegex(TypeError, "the table is no trajectory"):

@@ -1,17 +1,14 @@
 !> The derivatives of the columns of a motion at any times: the motion is asked with other values of a key, which are
 !> prepared in advance, so that threads may share them.
 module spintop_c_derivatives
-    use, intrinsic :: iso_c_binding, only: c_loc
     use spintop_c_motion, only: asked_motion_t
-    use spintop_case, only: case_t, make_case
+    use spintop_case, only: case_t
     use spintop_differences, only: node_count, nodes_t
     use spintop_errors, only: error_t, input_error
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number
-    use spintop_number_slot, only: number_slot_t
     use spintop_plain_text, only: escaped
-    use spintop_plan, only: make_plan, plan_t
-    use spintop_problems, only: problems_t
+    use spintop_plan, only: plan_t
     use spintop_scene, only: scene_t
     use spintop_sensitivity, only: sensitive_key_t
     use spintop_trajectory_column, only: trajectory_column_t
@@ -78,7 +75,7 @@ contains
         self%nodes = key%nodes(key%slot%get())
         exists = self%nodes%is_valid
         do i = 2, node_count
-            if (exists(i)) call prepare_motion(self%motion(i), job, key%slot, self%nodes%x(i), columns, exists(i))
+            if (exists(i)) call prepare_motion(self%motion(i), job, key, self%nodes%x(i), columns, exists(i))
         end do
         call self%nodes%limit_to(exists)
         if (any(self%nodes%is_valid(2:))) return
@@ -87,26 +84,18 @@ contains
     end subroutine prepare_key
 
     !> Prepares the motion with another value of a key, if there is one.
-    subroutine prepare_motion(motion, job, slot, value, columns, exists)
+    subroutine prepare_motion(motion, job, key, value, columns, exists)
         type(asked_motion_t), intent(inout) :: motion
         type(job_t), target, intent(in) :: job
-        type(number_slot_t), intent(in) :: slot
+        type(sensitive_key_t), intent(in) :: key
         real(dp), intent(in) :: value
         type(trajectory_column_t), intent(in) :: columns(:)
         logical, intent(out) :: exists
         type(scene_t), allocatable, target :: scene
-        type(number_slot_t) :: own_slot
-        type(problems_t) :: problems
         type(case_t) :: case
         type(plan_t) :: plan
 
-        allocate (scene, source=job%scene)
-        scene%certified = .false.
-        own_slot = slot%in_copy(c_loc(job%scene), c_loc(scene), storage_size(scene))
-        call own_slot%put(value)
-        call make_case(scene, case, problems)
-        if (.not. problems%any()) call make_plan(scene, case, plan, problems)
-        exists = .not. problems%any()
+        call key%plan_at(job%scene, value, scene, case, plan, exists)
         if (.not. exists) return
         case%t_end = job%case%t_end ! steps of fixed size stay where they are
         call motion%prepare(case, plan, columns)

@@ -7,12 +7,7 @@ submodule(spintop_symmetric_motion) symmetric_attitude
 
 contains
 
-    !> The Cayley-Klein components at time t.
-    pure module subroutine find_attitude(self, t, now)
-        type(symmetric_motion_t), intent(in) :: self !! the exact solution
-        real(dp), intent(in) :: t !! time, s
-        type(attitude_t), intent(out) :: now !! the attitude
-
+    module procedure find_attitude
         call find_thetas(self, t, now)
         if (self%theta%regime == regime_resting) then
             now%upper = self%upper * unit(self%upper_rate * now%elapsed)
@@ -30,13 +25,9 @@ contains
             now%upper = now%upper_turn * now%theta%upper
             now%lower = now%lower_turn * now%theta%lower
         end associate
-    end subroutine find_attitude
+    end procedure find_attitude
 
-    !> The theta functions at time t, of which the axis at rest has none, and what else does not depend on the phases.
-    pure module subroutine find_thetas(self, t, now)
-        type(symmetric_motion_t), intent(in) :: self !! the exact solution
-        real(dp), intent(in) :: t !! time, s
-        type(attitude_t), intent(inout) :: now !! the attitude
+    module procedure find_thetas
         real(dp) :: z, from_top
 
         now%elapsed = t - self%time
@@ -44,13 +35,9 @@ contains
         call self%theta%locate(now%elapsed, z, from_top, now%nutations)
         call self%theta%evaluate(z, from_top, now%theta)
         now%rising = z >= 0
-    end subroutine find_thetas
+    end procedure find_thetas
 
-    !> Angles, with all turns of phi and psi, and their rates.
-    pure module subroutine put_angles(self, attitude, angle, rate)
-        type(symmetric_motion_t), intent(in) :: self !! the exact solution
-        type(attitude_t), intent(in) :: attitude !! the theta functions at an instant
-        real(dp), intent(out) :: angle(3), rate(3) !! phi, theta, psi, rad, and their rates, rad/s
+    module procedure put_angles
         real(xp) :: total, difference
         real(dp) :: sn2, cn2, one_minus_u, one_plus_u, u, y, sine, dn, upper, lower, turn, phi_rate
 
@@ -93,7 +80,7 @@ contains
             rate(1) = phi_rate
             rate(3) = self%omega3 - phi_rate * u
         end associate
-    end subroutine put_angles
+    end procedure put_angles
 
     !> phi' sin(theta)^2 = b - a u, rad/s, in the form that cancels least.
     pure real(dp) function turn_at(self, y, one_minus_u, one_plus_u) result(turn)

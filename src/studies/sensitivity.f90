@@ -1,12 +1,16 @@
 !> Sensitivities: the columns `COLUMN__KEY` of a table, each the derivative of a column with respect to a number of the
 !> input, and `COLUMN__KEY_error`, the estimate of its error.
 module spintop_sensitivity
+    use, intrinsic :: iso_c_binding, only: c_loc
     use spintop_axis_entry, only: find_swept
     use spintop_body_of_scene, only: is_set
+    use spintop_case, only: case_t, make_case
     use spintop_differences, only: nodes_t, nodes_around
     use spintop_kinds, only: dp
     use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: parameter_table_t
+    use spintop_plan, only: make_plan, plan_t
+    use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
     use spintop_sweep_axes, only: axes_t
     use spintop_table_column, only: column_t
@@ -29,6 +33,7 @@ module spintop_sensitivity
         integer :: axis = 0
     contains
         procedure :: nodes
+        procedure :: plan_at
     end type sensitive_key_t
 
     !> The derivative of a column.
@@ -185,5 +190,26 @@ contains
             unit = unit // '/' // below
         end if
     end function unit_per
+
+    !> Plans the motion of a scene in which the key has another value, if there is such a motion.
+    subroutine plan_at(self, scene, value, varied, case, plan, exists)
+        class(sensitive_key_t), intent(in) :: self
+        type(scene_t), target, intent(in) :: scene !! contents of the input, of which the key is a number
+        real(dp), intent(in) :: value !! the other value
+        type(scene_t), allocatable, target, intent(out) :: varied !! the scene with that value
+        type(case_t), intent(out) :: case !! its body, start and span
+        type(plan_t), intent(out) :: plan !! its model and method
+        logical, intent(out) :: exists !! whether there is such a motion
+        type(number_slot_t) :: slot
+        type(problems_t) :: problems
+
+        allocate (varied, source=scene)
+        varied%certified = .false.
+        slot = self%slot%in_copy(c_loc(scene), c_loc(varied), storage_size(scene))
+        call slot%put(value)
+        call make_case(varied, case, problems)
+        if (.not. problems%any()) call make_plan(varied, case, plan, problems)
+        exists = .not. problems%any()
+    end subroutine plan_at
 
 end module spintop_sensitivity

@@ -2,7 +2,7 @@
 module spintop_trial
     use spintop_clock, only: seconds
     use spintop_kinds, only: dp, no_number, pi
-    use spintop_attitude, only: rotation_angle
+    use spintop_attitude, only: rotation_angle, vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_case, only: case_t
     use spintop_compare, only: is_finite
@@ -172,7 +172,7 @@ contains
         type(motion_t), intent(in) :: motion, truth
         type(errors_t), intent(inout) :: errors
         type(motion_t) :: computed, true
-        real(dp) :: difference(3)
+        real(dp) :: difference(3), gamma(3)
 
         ! Angles of a state may have left 0 <= theta <= pi; those of the attitude have not.
         computed = motion_from_quaternion(motion%t, motion%quaternion, motion%omega, motion%angle)
@@ -181,16 +181,12 @@ contains
         difference = computed%angle - true%angle
         difference = difference - 2 * pi * anint(difference / (2 * pi))
         call enlarge(errors%angle(2), difference(2))
-        if (is_in_pole(true%quaternion)) return
-        call enlarge(errors%angle, difference)
+        ! In a pole only theta exists.
+        gamma = vertical_from_quaternion(true%quaternion)
+        if (norm2(gamma(1:2)) <= through_pole) return
+        call enlarge(errors%angle(1:3:2), difference(1:3:2))
         where (is_finite(true%rate)) errors%rate = enlarged(errors%rate, computed%rate - true%rate)
     end subroutine compare_angles
-
-    !> Whether body z is in a pole, to rounding: there phi, psi and the rates do not exist.
-    pure logical function is_in_pole(q)
-        real(dp), intent(in) :: q(4)
-        is_in_pole = 2 * hypot(q(1), q(4)) * hypot(q(2), q(3)) <= through_pole * sum(q**2)
-    end function is_in_pole
 
     !> Replaces an error by a larger one.
     elemental subroutine enlarge(error, difference)

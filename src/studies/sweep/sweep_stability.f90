@@ -32,7 +32,6 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(note_t), intent(inout) :: note !! notes on the case
         complex(dp) :: eigenvalues(6)
-        type(growth_t) :: growth(1)
         integer :: how
 
         status = status_ok
@@ -46,7 +45,19 @@ contains
                 call note%add(note_no_growth, trim(status_meanings(how)))
             end if
         end if
-        if ((wanted%lyapunov .or. wanted%singular) .and. .not. allocated(case%body%effects)) then
+        if (wanted%lyapunov .or. wanted%singular) call put_growth()
+        if (wanted%multiplier) call put_multiplier(case, values, note)
+
+    contains
+
+        !> The growth of perturbations, whose equations are those without effects.
+        subroutine put_growth()
+            type(growth_t) :: growth(1)
+            if (allocated(case%body%effects)) then
+                if (wanted%lyapunov) call note%add(note_no_lyapunov, only_without_effects)
+                if (wanted%singular) call note%add(note_no_singular, only_without_effects)
+                return
+            end if
             call find_growth([case%body], [case%start], [t_end], wanted%lyapunov, wanted%singular, &
                              max(max_steps, 1_int64), growth)
             max_steps = max_steps - growth(1)%steps
@@ -56,13 +67,7 @@ contains
             if (wanted%singular) then
                 call take(growth(1)%singular, growth(1)%singular_status, values%largest_singular_value, note_no_singular)
             end if
-        else
-            if (wanted%lyapunov) call note%add(note_no_lyapunov, only_without_effects)
-            if (wanted%singular) call note%add(note_no_singular, only_without_effects)
-        end if
-        if (wanted%multiplier) call put_multiplier(case, values, note)
-
-    contains
+        end subroutine put_growth
 
         !> Stores a value, or notes the reason why there is none.
         subroutine take(value, how, quantity, reason)

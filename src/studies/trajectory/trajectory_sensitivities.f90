@@ -1,8 +1,7 @@
 !> The sensitivities of a trajectory: the motion is computed at all nodes of a key, and the rows of these motions, which
 !> belong together by their numbers, give the derivatives.
 module spintop_trajectory_sensitivities
-    use, intrinsic :: iso_c_binding, only: c_loc
-    use spintop_case, only: case_t, make_case
+    use spintop_case, only: case_t
     use spintop_differences, only: node_count, nodes_t
     use spintop_errors, only: error_t, exit_internal
     use spintop_event_recorder, only: event_recorder_t
@@ -10,11 +9,10 @@ module spintop_trajectory_sensitivities
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number
     use spintop_motion_rows, only: compute_motion, writer_t
-    use spintop_number_slot, only: number_slot_t
     use spintop_plain_text, only: escaped
-    use spintop_plan, only: make_plan, plan_t, sample_time
-    use spintop_problems, only: problems_t
+    use spintop_plan, only: plan_t, sample_time
     use spintop_scene, only: scene_t
+    use spintop_sensitivity, only: sensitive_key_t
     use spintop_trajectory_column, only: trajectory_column_t
     implicit none
     private
@@ -48,7 +46,7 @@ contains
                 values = no_number
                 values(:, :, 1) = base
                 do i = 2, node_count
-                    if (nodes%is_valid(i)) call compute_node(job, columns, wanted%keys(key)%slot, nodes%x(i), values(:, :, i))
+                    if (nodes%is_valid(i)) call compute_node(job, columns, wanted%keys(key), nodes%x(i), values(:, :, i))
                 end do
                 do i = 1, wanted%count
                     if (wanted%list(i)%key /= key) cycle
@@ -62,30 +60,24 @@ contains
     end subroutine find_sensitivities
 
     !> The rows of the motion with another value of a key. Rows that it does not have stay as they are.
-    subroutine compute_node(job, columns, slot, value, rows)
+    subroutine compute_node(job, columns, key, value, rows)
         type(job_t), target, intent(in) :: job
         type(trajectory_column_t), intent(in) :: columns(:)
-        type(number_slot_t), intent(in) :: slot
+        type(sensitive_key_t), intent(in) :: key
         real(dp), intent(in) :: value
         real(dp), intent(inout) :: rows(:, :)
         type(scene_t), allocatable, target :: scene
         type(event_recorder_t), allocatable :: watch
         type(writer_t), allocatable :: writer
-        type(number_slot_t) :: own_slot
-        type(problems_t) :: problems
         type(outcome_t) :: outcome
         type(case_t) :: case
         type(plan_t) :: plan
         real(dp), allocatable :: times(:)
+        logical :: exists
         integer :: i, known
 
-        allocate (scene, source=job%scene)
-        scene%certified = .false.
-        own_slot = slot%in_copy(c_loc(job%scene), c_loc(scene), storage_size(scene))
-        call own_slot%put(value)
-        call make_case(scene, case, problems)
-        if (.not. problems%any()) call make_plan(scene, case, plan, problems)
-        if (problems%any()) return
+        call key%plan_at(job%scene, value, scene, case, plan, exists)
+        if (.not. exists) return
         if (plan%samples /= job%plan%samples) return
         if (scene%stop_at /= '') then
             allocate (watch)

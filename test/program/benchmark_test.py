@@ -87,6 +87,32 @@ class BenchmarkTest(unittest.TestCase):
         self.assertAlmostEqual(float(rows[3]["published_error"]), 0.09 * 0.49 / 3, places=15)
         self.assertIn("1 published figure; largest error", result.stdout)
 
+    def test_free_symmetric_body(self) -> None:
+        """Its attitude is a turn about the momentum and one about the axis, with constant rates."""
+        result, rows = self.run_program("--set=benchmark.cases=free_symmetric_body")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        t, momentum = 5.0, (0.5, 0.5, 0.5)  # I = (1, 1, 0.5), omega = (0.5, 0.5, 1)
+        size = math.hypot(*momentum)
+        half = size * t / 2  # the rate about the momentum is |L|/I1
+        about_momentum = (math.cos(half), *(math.sin(half) * part / size for part in momentum))
+        half = (1 - 0.5 / 1) * t / 2  # the rate about the axis is omega3 - L3/I1
+        c, s = math.cos(half), math.sin(half)
+        p0, p1, p2, p3 = about_momentum
+        expected = (p0 * c - p3 * s, p1 * c + p2 * s, p2 * c - p1 * s, p3 * c + p0 * s)
+        for row, value in zip(rows, expected, strict=True):
+            self.assertAlmostEqual(float(row["truth"]), value, places=15)
+        errors = [float(row["published_error"]) for row in rows]
+        self.assertTrue(all(1e-6 < error < 2e-3 for error in errors), errors)
+
+    def test_tumbling_brick(self) -> None:
+        """One of two published trajectories has eleven digits, the other six."""
+        result, rows = self.run_program("--set=benchmark.cases=tumbling_brick")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        errors = [float(row["published_error"]) for row in rows]
+        self.assertTrue(all(1e-12 < error < 1e-11 for error in errors[:3]), errors)
+        self.assertTrue(all(1e-7 < error < 1e-6 for error in errors[3:]), errors)
+        self.assertIn("6 published figures; largest error", result.stdout)
+
     def test_refusals(self) -> None:
         """A benchmark that is not in the catalogue is refused, with the nearest name."""
         result, rows = self.run_program("--set=benchmark.cases=heavy_tops")

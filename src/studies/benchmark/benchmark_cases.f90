@@ -2,7 +2,7 @@
 !> published. A quantity without a figure in the source has none here. The last benchmarks are special solutions, which
 !> are known in closed form or by an invariant.
 module spintop_benchmark_cases
-    use spintop_kinds, only: dp, no_number
+    use spintop_kinds, only: degree, dp, no_number
     implicit none
     private
     public :: benchmark_t, benchmarks, figure_t, figures
@@ -40,11 +40,17 @@ module spintop_benchmark_cases
         by_exudyn = 'Exudyn test heavyTop: generalized-alpha, index 2, step 1e-4 s', &
         by_cvode = 'Assimulo example cvode_gyro: CVODE, BDF of order 2, tolerances 1e-10', &
         by_nsdtst = 'NSDTST, ACM algorithm 648: reference value', &
+        by_ottr = 'OTTR, OpenTurbine in Rust, test of the heavy top: Lie group generalized-alpha, step 0.002 s', &
+        by_openturbine = 'OpenTurbine test PrecessionTest: Lie group generalized-alpha, step 0.01 s', &
+        by_nasa_1 = 'NASA check-case 2, simulation 1', by_nasa_5 = 'NASA check-case 2, simulation 5', &
         by_mujoco = 'MuJoCo test engine_forward_test: Euler, step 0.01 s, energy 1.09 times that of the start'
     !> y1' = y2 y3, y2' = -y1 y3, y3' = -0.51 y1 y2 from (0, 1, 1) is the motion of a body with moments 25, 42 and 18, of
     !> which the angular velocities are 9/5 y1, 3/4 y2 and 5/2 y3.
     real(dp), parameter :: detest(3) = [-0.9396570798729192_dp * 9 / 5, -0.3421177754000779_dp * 3 / 4, &
                                         0.7414126596199957_dp * 5 / 2]
+    !> The angular velocity of simulation 5, rad/s; it is given in degrees. The moments of the brick stand below in slug ft^2,
+    !> because their unit does not matter to a free body.
+    real(dp), parameter :: brick(3) = [12.61842377_dp, -17.3974441_dp, 31.11960301_dp] * degree
     !> 1.09 times the kinetic energy of the box at the start, J.
     real(dp), parameter :: mujoco_energy = 1.09_dp * 0.49_dp / 3
 
@@ -52,6 +58,7 @@ module spintop_benchmark_cases
     type(benchmark_t), parameter :: benchmarks(*) = [ &
         benchmark_t('heavy_top', 'fast top with its axis along body y, to t = 2', of_heavy_top, heavy_top // 'span.t_end=2'), &
         benchmark_t('heavy_top_start', 'the same to t = 0.2', of_heavy_top, heavy_top // 'span.t_end=0.2'), &
+        benchmark_t('heavy_top_middle', 'the same to t = 0.8', of_heavy_top, heavy_top // 'span.t_end=0.8'), &
         benchmark_t('simo_wong', 'fast top that is nearly upright', &
                     'J. C. Simo, K. K. Wong, Unconditionally stable algorithms for rigid body dynamics that exactly ' // &
                     'preserve energy and momentum, Int. J. Numer. Meth. Engng 31, 1991', &
@@ -71,6 +78,15 @@ module spintop_benchmark_cases
                     'for ordinary differential equations, SIAM J. Numer. Anal. 9, 1972', &
                     'top.mass=1;top.inertia=25,42,18;top.length=0;initial.quaternion=1,0,0,0;initial.omega=0,0.75,2.5;' // &
                     'span.t_end=20'), &
+        benchmark_t('free_symmetric_body', 'free symmetric body in regular precession', &
+                    'OpenTurbine, test PrecessionTest, National Renewable Energy Laboratory and Sandia National Laboratories', &
+                    'top.mass=1;top.inertia=1,1,0.5;top.length=0;initial.quaternion=1,0,0,0;' // &
+                    'initial.omega=0.5,0.5,1;span.t_end=5'), &
+        benchmark_t('tumbling_brick', 'free brick that turns with 10, 20 and 30 deg/s about its axes', &
+                    'D. G. Murri, E. B. Jackson, R. O. Shelton, Check-cases for verification of 6-degree-of-freedom flight ' // &
+                    'vehicle simulations, NASA/TM-2015-218675, 2015', &
+                    'top.mass=1;top.inertia=0.001894220,0.006211019,0.007194665;top.length=0;initial.quaternion=1,0,0,0;' // &
+                    'initial.omega=0.17453292519943295,0.3490658503988659,0.5235987755982988;span.t_end=30'), &
         benchmark_t('tumbling_box', 'free box of 0.2 x 0.4 x 0.6 m that tumbles for 5 s', &
                     'MuJoCo, test/engine/engine_forward_test.cc, Google DeepMind, 2026', &
                     'top.mass=1;top.inertia=0.043333333333333335,0.033333333333333333,0.016666666666666666;top.length=0;' // &
@@ -118,6 +134,13 @@ module spintop_benchmark_cases
         figure_t('heavy_top_start', 'q1', 0.43878143_dp, by_exudyn), &
         figure_t('heavy_top_start', 'q2', 0.54578152_dp, by_exudyn), &
         figure_t('heavy_top_start', 'q3', 0.08937154_dp, by_exudyn), &
+        figure_t('heavy_top_middle', 'com_x', -0.4220299141898183_dp, by_ottr), &
+        figure_t('heavy_top_middle', 'com_y', 1 - 0.09451353137427536_dp, by_ottr), &
+        figure_t('heavy_top_middle', 'com_z', -0.04455341442645723_dp, by_ottr), &
+        figure_t('heavy_top_middle', 'q0', -0.17794086498990777_dp, by_ottr), &
+        figure_t('heavy_top_middle', 'q1', 0.21672292516262048_dp, by_ottr), &
+        figure_t('heavy_top_middle', 'q2', -0.9597292673920982_dp, by_ottr), &
+        figure_t('heavy_top_middle', 'q3', -0.016969254156485276_dp, by_ottr), &
         figure_t('simo_wong', 'energy', 1269.975_dp, 'Solfec validation: the start'), &
         figure_t('simo_wong', 'com_x'), &
         figure_t('simo_wong', 'com_y'), &
@@ -130,6 +153,16 @@ module spintop_benchmark_cases
         figure_t('euler_equations', 'omega1', detest(1), by_nsdtst), &
         figure_t('euler_equations', 'omega2', detest(2), by_nsdtst), &
         figure_t('euler_equations', 'omega3', detest(3), by_nsdtst), &
+        figure_t('free_symmetric_body', 'q0', -0.6305304765029902_dp, by_openturbine), &
+        figure_t('free_symmetric_body', 'q1', 0.6055602536398981_dp, by_openturbine), &
+        figure_t('free_symmetric_body', 'q2', -0.30157705376951366_dp, by_openturbine), &
+        figure_t('free_symmetric_body', 'q3', -0.3804988542061519_dp, by_openturbine), &
+        figure_t('tumbling_brick', 'omega1', 0.22023246533868357_dp, by_nasa_1), &
+        figure_t('tumbling_brick', 'omega2', -0.30364321612656375_dp, by_nasa_1), &
+        figure_t('tumbling_brick', 'omega3', 0.5431392879422197_dp, by_nasa_1), &
+        figure_t('tumbling_brick', 'omega1', brick(1), by_nasa_5), &
+        figure_t('tumbling_brick', 'omega2', brick(2), by_nasa_5), &
+        figure_t('tumbling_brick', 'omega3', brick(3), by_nasa_5), &
         figure_t('tumbling_box', 'kinetic', mujoco_energy, by_mujoco), &
         figure_t('staude', 'omega1'), &
         figure_t('staude', 'gamma3'), &

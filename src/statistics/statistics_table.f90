@@ -241,6 +241,10 @@ contains
     subroutine take_snapshot(self, error)
         type(statistics_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error
+        select type (rows => self%rows_table)
+        class is (growing_table_t)
+            call rows%begin_entry()
+        end select
         self%last_state = 3 - max(self%last_state, 1)
         call write_snapshot(self%state_path(self%last_state), self%head, self%plan, self%accumulators, &
                             self%checksum, error)

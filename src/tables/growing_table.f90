@@ -42,7 +42,7 @@ module spintop_growing_table
         type(journal_entry_t) :: resumed
         !> The part.
         type(table_file_t) :: table
-        !> Time at which the next entry is due; whether an entry is being written, and since when.
+        !> Time at which the next entry is due; when the present one began (0: there is none); whether it is being written.
         real(dp), private :: due = 0, entry_began = 0
         logical, private :: in_entry = .false.
         !> Rows in the last entry.
@@ -51,6 +51,7 @@ module spintop_growing_table
         procedure :: start
         procedure :: is_due
         procedure :: set_pause
+        procedure :: begin_entry
         procedure :: format => format_block
         procedure :: put
         procedure :: take_entry
@@ -198,6 +199,13 @@ contains
         self%due = seconds() + pause
     end subroutine set_pause
 
+    !> Called where the work for an entry begins before `take_entry`, so that the pause after it is as long as all of it asks
+    !> for.
+    subroutine begin_entry(self)
+        class(growing_table_t), intent(inout) :: self
+        if (.not. self%entry_began > 0) self%entry_began = seconds()
+    end subroutine begin_entry
+
     !> Makes an entry of the current size, if there are new rows and the last entry is old enough.
     subroutine take_entry(self, entry, due, error)
         class(growing_table_t), intent(inout) :: self
@@ -208,7 +216,7 @@ contains
         due = .false.
         if (self%in_entry .or. allocated(error) .or. (self%rows() == self%kept .and. .not. self%has_states)) return
         if (seconds() < self%due .and. .not. self%entry_wanted) return
-        self%entry_began = seconds()
+        call self%begin_entry()
         call self%flush_part(entry, error)
         if (allocated(error)) return
         due = .true.
@@ -233,6 +241,7 @@ contains
         class(growing_table_t), intent(inout) :: self
         self%in_entry = .false.
         self%due = seconds() + max(entry_pause, entry_times_pause * (seconds() - self%entry_began))
+        self%entry_began = 0
     end subroutine end_entry
 
     !> Whether an entry is being written.

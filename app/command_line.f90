@@ -2,7 +2,7 @@
 module spintop_command_line
     use spintop_errors, only: error_t, exit_codes, input_error
     use spintop_listing, only: topic_names
-    use spintop_options, only: options_t, shell_word
+    use spintop_options, only: most_threads, options_t, shell_word
     use spintop_line_list, only: line_list_t
     use spintop_shard, only: most_shards, read_shard
     use spintop_text, only: string_t, did_you_mean, to_text
@@ -220,11 +220,10 @@ contains
         type(request_t), intent(inout) :: request
         type(error_t), allocatable, intent(inout) :: error
         integer :: status
-        integer, parameter :: most_threads = 4096
         status = verify(text, '0123456789')
         if (status == 0) read (text, *, iostat=status) request%options%threads
         if (status /= 0 .or. request%options%threads < 1 .or. request%options%threads > most_threads) then
-            error = wrong("--threads takes a whole number from 1 to 4096, not '" // text // "'")
+            error = wrong("--threads takes a whole number from 1 to " // to_text(most_threads) // ", not '" // text // "'")
         end if
     end subroutine take_threads
 

@@ -10,6 +10,8 @@
  *  - Any thread may call any function. spintop_top_at and spintop_tops run side by side, also with the same
  *    spintop_top; those that read a text or make a result (spintop_top_new, spintop_top_events, spintop_run,
  *    spintop_sweep, spintop_list) wait for each other.
+ *  - Rounding, traps and other settings of the caller's floating-point arithmetic do not change results, and are as before
+ *    when a function returns. Threads that OpenMP made before the first call keep their own.
  *  - The library writes nothing to standard output or standard error, installs no handlers of signals, and does not
  *    end the process, except where the memory is exhausted.
  *
@@ -114,8 +116,8 @@ void spintop_result_delete(spintop_result *result); /* NULL is allowed */
 spintop_result *spintop_top_events(const spintop_top *top, spintop_error **error);
 
 /* Runs an input of any kind of study. The tables are in memory; with a `folder` (else NULL) they are also written
- * there, as by the program. Paths in the input are relative to the folder of `name`. `threads` 0: all cores. NULL after
- * an error; a motion that ends early is not an error but a result with a code. */
+ * there, as by the program. Paths in the input are relative to the folder of `name`. `threads` 0: all cores; at most 4096
+ * are taken. NULL after an error; a motion that ends early is not an error but a result with a code. */
 spintop_result *spintop_run(const char *input, const char *name, const char *folder, int threads, spintop_error **error);
 
 /* Runs a sweep (study.kind = 'sweep', without a group &sweep) over `parameter_count` arrays of `cases` values each:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spintop.inputs import read_input
+from spintop.inputs import names_in, numbers, read_input
 from spintop.library import InputError
 from spintop.results import Result
 from spintop.runs import call_run, figures_of
@@ -17,7 +17,7 @@ from spintop.runs import call_run, figures_of
 
 def fit(
     data: Mapping[str, ArrayLike],
-    unknown: Sequence[str],
+    unknown: str | Sequence[str],
     given: Mapping[str, Mapping[str, Any]],
     *,
     sigma: float | Sequence[float] | None = None,
@@ -31,11 +31,12 @@ def fit(
     each, in their units; without it one that is common to all is estimated. The tables of the
     result are `rows`, a row per parameter, and `residuals`, which `plot` of the result draws. It is
     not `ok` if the search does not converge, or if the data do not determine the parameters.
+    Other keys of the group `fit` may stand in `given`.
     """
-    columns = {name: np.asarray(values, dtype=np.float64) for name, values in data.items()}
+    columns = {name: numbers(values, name) for name, values in data.items()}
     if "t" not in columns or len({column.shape for column in columns.values()}) != 1:
         raise InputError("the measurements need `t`, and columns of its length", code=2)
-    wanted = {"unknown": list(unknown), "sigma": sigma, "profile": profile}
+    wanted = {"unknown": names_in(unknown), "sigma": sigma, "profile": profile}
 
     def draw(*names: str) -> dict[str, Any]:
         """Draw the figures of the fit, which is repeated."""
@@ -58,5 +59,11 @@ def written_input(
         rows = zip(*(column.tolist() for column in columns.values()), strict=True)
         lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
         path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-        study = {**given.get("study", {}), "kind": "fit"}
-        yield {**given, "study": study, "fit": {"data": str(path), **wanted}}
+        groups = {name.lower(): keys for name, keys in given.items()}
+        own = {"study": {"kind": "fit"}, "fit": {"data": str(path), **wanted}}
+        for name, keys in own.items():
+            others = {key.lower(): value for key, value in groups.get(name, {}).items()}
+            if twice := [key for key in keys if key in others and (name, key) != ("study", "kind")]:
+                raise InputError(f"{name}.{twice[0]} is an argument of fit", code=2)
+            groups[name] = others | keys
+        yield groups

@@ -1,6 +1,9 @@
 """Inputs of the program as dictionaries: groups of keys with their values."""
 
 from collections.abc import Mapping, Sequence
+from decimal import Decimal
+from itertools import chain
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -8,8 +11,46 @@ import numpy as np
 
 from spintop.library import InputError
 
-Input = str | Path | Mapping[str, Mapping[str, Any]]
+Group = Mapping[str, Any] | Sequence[Mapping[str, Any]]
+"""Keys with their values; a group that stands more than once, as `part`, is a list of such."""
+Input = str | Path | Mapping[str, Group]
 """A path of an input, the text of one (with at least one `&`), or its groups as a dictionary."""
+MOST_THREADS = 4096
+"""Threads that may be asked for."""
+
+
+def frozen(value: Any) -> Any:
+    """A copy of a value that no later change of a list or an array reaches."""
+    if isinstance(value, Mapping):
+        return {key: frozen(each) for key, each in value.items()}
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    return tuple(map(frozen, value)) if is_list(value) else value
+
+
+def numbers(values: Any, what: str) -> np.ndarray:
+    """An array of numbers; other things that numpy would convert, such as dates, are refused."""
+    array = np.asanyarray(values)
+    if np.ma.is_masked(array):
+        raise InputError(f"{what}: masked values are no numbers; leave them out", code=2)
+    is_real = array.dtype.kind in "biuf"
+    if array.dtype.kind == "O":
+        is_real = all(isinstance(value, Real | Decimal) for value in array.flat)
+    if not is_real:
+        raise InputError(f"{what}: real numbers are wanted, not {array.dtype}", code=2)
+    return np.asarray(array, dtype=np.float64)
+
+
+def names_in(names: str | Sequence[str]) -> tuple[str, ...]:
+    """Some names, or one."""
+    return (names,) if isinstance(names, str) else tuple(names)
+
+
+def thread_count(threads: int) -> int:
+    """A number of threads, as the library takes it."""
+    if threads not in range(MOST_THREADS + 1):
+        raise InputError(f"threads = {threads}: 0 (all cores) to {MOST_THREADS}", code=2)
+    return int(threads)
 
 
 def literal(value: Any) -> str:
@@ -36,23 +77,28 @@ def assignments(key: str, value: Any) -> list[str]:
     """The lines that assign a value, a list, or rows of lists (`key(1,:) = ...`)."""
     if not is_list(value):
         return [f"{key} = {literal(value)}"]
-    if np.ndim(value) == 0:
-        return [f"{key} = {literal(np.asarray(value)[()])}"]
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        return [f"{key} = {literal(value[()])}"]
     if len(value) and all(row is None or is_list(row) for row in value):
         rows = [(i, row) for i, row in enumerate(value, 1) if row is not None]
         return [line for i, row in rows for line in assignments(f"{key}({i},:)", row)]
     return [f"{key} = {', '.join(literal(element) for element in value)}"]
 
 
-def namelist(groups: Mapping[str, Mapping[str, Any]]) -> str:
-    """The text of an input: a line per assignment; None omits a key."""
+def lines_of(group: str, keys: Mapping[str, Any]) -> list[str]:
+    """The lines of a group: a line per assignment; None omits a key."""
+    if not isinstance(keys, Mapping):
+        raise InputError(f"&{group}: keys with their values, not a {type(keys).__name__}", code=2)
+    given = (assignments(key, value) for key, value in keys.items() if value is not None)
+    return [f"&{group}", *(f"    {line}" for line in chain.from_iterable(given)), "/"]
+
+
+def namelist(groups: Mapping[str, Group]) -> str:
+    """The text of an input."""
     lines = []
     for group, keys in groups.items():
-        lines.append(f"&{group}")
-        for key, value in keys.items():
-            if value is not None:
-                lines += [f"    {line}" for line in assignments(key, value)]
-        lines.append("/")
+        for each in keys if is_list(keys) else [keys]:
+            lines += lines_of(group, each)
     return "\n".join(lines) + "\n"
 
 

@@ -26,7 +26,12 @@ class Owner:
 
     def __del__(self) -> None:
         """Delete it."""
-        self.delete(self.place)
+        if hasattr(self, "delete"):
+            self.delete(self.place)
+
+    def __reduce__(self) -> Any:
+        """Refuse a copy: the memory is the library's."""
+        raise TypeError("a result is not copied or pickled; `to_pandas` of its tables is")
 
 
 class Table(Mapping[str, np.ndarray]):

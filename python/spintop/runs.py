@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from spintop.animation import Animation, animate
-from spintop.inputs import Input, read_input
+from spintop.inputs import Input, numbers, read_input, thread_count
 from spintop.library import CResult, InputError, bytes_of, library, new_place, raise_error
 from spintop.results import Result
 
@@ -36,6 +36,7 @@ def call_run(text: str, name: str, folder: str | None, threads: int) -> "ctypes.
     """Run the text of an input."""
     place = new_place()
     where = None if folder is None else bytes_of(folder)
+    threads = thread_count(threads)
     result = library().spintop_run(bytes_of(text), bytes_of(name), where, threads, place)
     raise_error(place)
     return result
@@ -49,7 +50,7 @@ def sweep(given: Input, parameters: Mapping[str, ArrayLike], *, threads: int = 0
     a status and a note. Without parameters there is one case.
     """
     text, _ = read_input(given)
-    arrays = [np.asarray(values, dtype=np.float64) for values in parameters.values()]
+    arrays = [numbers(values, name) for name, values in parameters.items()]
     try:
         arrays = [np.ravel(array) for array in np.broadcast_arrays(*arrays)]
     except ValueError as error:
@@ -61,7 +62,7 @@ def sweep(given: Input, parameters: Mapping[str, ArrayLike], *, threads: int = 0
         *(bytes_of(text), count),
         (ctypes.c_char_p * count)(*(bytes_of(name) for name in parameters)),
         (ctypes.c_void_p * count)(*(array.ctypes.data for array in arrays)),
-        *(arrays[0].size if arrays else 0, threads, place),
+        *(arrays[0].size if arrays else 0, thread_count(threads), place),
     )
     raise_error(place)
     return Result(result)

@@ -3,14 +3,23 @@
 import ctypes
 import threading
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from spintop.animation import Animation
-from spintop.inputs import namelist
-from spintop.library import MotionError, bytes_of, library, new_place, raise_error, text_of
+from spintop.inputs import Group, frozen, namelist, names_in, numbers, thread_count
+from spintop.library import (
+    InputError,
+    MotionError,
+    bytes_of,
+    library,
+    new_place,
+    raise_error,
+    text_of,
+)
 from spintop.results import Result
 from spintop.runs import run, sweep
 
@@ -86,11 +95,12 @@ class Handle:
 
     def __del__(self) -> None:
         """Delete the top."""
-        self.delete(getattr(self, "top", None))
+        if hasattr(self, "top"):
+            self.delete(self.top)
 
     def motion(self, t: ArrayLike) -> Motion:
         """The motion at some times."""
-        times = np.ascontiguousarray(t, dtype=np.float64)
+        times = np.ascontiguousarray(numbers(t, "times"))
         cells = np.empty((len(self.units), *np.shape(t)))
         place = new_place()
         address = times.__array_interface__["data"][0]
@@ -111,54 +121,88 @@ class Body:
 
     `Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.866)`, in kg, kg m^2 and m, or
     `Body(shape="spinning_wheel", radius=0.1, thickness=0.01, density=7800, rod_length=1)`;
-    `spintop.registry("parameters")` describes all keys. A top that is made of it checks them.
+    `spintop.registry("parameters")` describes all keys. A composed body has `parts`, each with the
+    keys of a group `part`. A top that is made of the body checks them.
     """
 
-    def __init__(self, **keys: Any) -> None:
-        """Keep the keys."""
-        self.keys = keys
+    def __init__(self, *, parts: Sequence[Mapping[str, Any]] = (), **keys: Any) -> None:
+        """Keep copies of the keys."""
+        self._keys, self._parts = frozen(keys), frozen(parts)
+
+    @property
+    def keys(self) -> dict[str, Any]:
+        """The keys of the group `top`."""
+        return dict(self._keys)
+
+    @property
+    def parts(self) -> tuple[dict[str, Any], ...]:
+        """The keys of each part; none for a body that is not composed."""
+        return tuple(map(dict, self._parts))
 
     def __repr__(self) -> str:
         """The call that makes it."""
-        return f"Body({', '.join(f'{key}={value!r}' for key, value in self.keys.items())})"
+        parts = {"parts": self._parts} if self._parts else {}
+        shown = (f"{key}={value!r}" for key, value in (self._keys | parts).items())
+        return f"Body({', '.join(shown)})"
 
 
 class Top:
     """A body and its start: the keys of the group `initial` of an input.
 
-    `Top(body, theta_deg=11.25, psi_rate=1.0)`, in rad, rad/s, or degrees where a name says so.
-    The top does not change; several threads may share it.
+    `Top(body, theta_deg=11.25, psi_rate=1.0)`, in rad, rad/s, or degrees where a name says so;
+    `effects={"drag_force": 1e-3}` has the keys of that group. The top does not change; several
+    threads may share it.
     """
 
-    def __init__(self, body: Body, **start: Any) -> None:
+    def __init__(
+        self, body: Body, *, effects: Mapping[str, Any] | None = None, **start: Any
+    ) -> None:
         """Check body and start: an InputError says what is wrong with them."""
         self.body = body
-        self.start = start
+        self._start, self._effects = frozen(start), frozen(effects or {})
         self._handles: dict[tuple[Any, ...], Handle] = {}
         self._lock = threading.Lock()
         self._handle({}, {"t_end": 1.0}, ANGLES)
 
     def __repr__(self) -> str:
         """The call that makes it."""
-        start = "".join(f", {key}={value!r}" for key, value in self.start.items())
-        return f"Top({self.body!r}{start})"
+        effects = {"effects": self._effects} if self._effects else {}
+        given = "".join(f", {key}={value!r}" for key, value in (effects | self._start).items())
+        return f"Top({self.body!r}{given})"
 
-    def input(self, **groups: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
+    def __reduce__(self) -> tuple[Any, ...]:
+        """The call that makes it again, in another process too."""
+        return partial(Top, self.body, effects=self._effects, **self._start), ()
+
+    @property
+    def start(self) -> dict[str, Any]:
+        """The keys of the group `initial`."""
+        return dict(self._start)
+
+    @property
+    def effects(self) -> dict[str, Any]:
+        """The keys of the group `effects`."""
+        return dict(self._effects)
+
+    def input(self, **groups: Group) -> dict[str, Group]:
         """The input of this top as a dictionary, with more groups, for `spintop.run`."""
-        return {"top": self.body.keys, "initial": self.start, **groups}
+        own = {"part": self.body.parts, "effects": self.effects}
+        given = {name: keys for name, keys in own.items() if keys}
+        return {"top": self.body.keys, **given, "initial": self.start, **groups}
 
     def _handle(
         self,
         integration: Mapping[str, Any],
         span: Mapping[str, Any],
-        columns: Sequence[str],
-        events: Sequence[str] = (),
+        columns: str | Sequence[str],
+        events: str | Sequence[str] = (),
     ) -> Handle:
         """The top of the library with a method, columns and events, made once."""
+        columns, events = names_in(columns), names_in(events)
         key = (*integration.items(), None, *span.items(), None, *columns, None, *events)
         known = self._handles.get(key)
         if known is None:
-            output = {"columns": list(columns), "events": list(events) or None}
+            output = {"columns": columns, "events": events or None}
             groups = self.input(integration=integration, span=span, output=output)
             known = Handle(namelist(groups))
             with self._lock:
@@ -167,7 +211,7 @@ class Top:
                 self._handles[key] = known
         return known
 
-    def exact(self, t: ArrayLike, columns: Sequence[str] = ANGLES) -> Motion:
+    def exact(self, t: ArrayLike, columns: str | Sequence[str] = ANGLES) -> Motion:
         """The exact solution at times `t`, s from the start, of any shape and order.
 
         `columns` are those of a trajectory (`spintop.registry("columns")`), or derivatives:
@@ -177,7 +221,7 @@ class Top:
         return self._handle({"method": "exact"}, {"t_end": 1.0}, columns).motion(t)
 
     def integrate(
-        self, t: ArrayLike, columns: Sequence[str] = ANGLES, **integration: Any
+        self, t: ArrayLike, columns: str | Sequence[str] = ANGLES, **integration: Any
     ) -> Motion:
         """Integrate step by step, and give the motion at increasing times `t` from 0, s.
 
@@ -188,13 +232,17 @@ class Top:
         """
         span = {"t_end": 1.0}
         if "steps" in integration or "step" in integration:
-            span = {"t_end": float(np.max(t))}
+            span = {"t_end": float(np.max(numbers(t, "times"), initial=0)) or 1.0}
         if "method" not in integration and "formulation" not in integration:
             integration = {"method": "taylor", **integration}
-        return self._handle(integration, span, columns).motion(t)
+        return self._handle(frozen(integration), span, columns).motion(t)
 
     def events(
-        self, events: Sequence[str], t_end: float, columns: Sequence[str] = ANGLES, **keys: Any
+        self,
+        events: str | Sequence[str],
+        t_end: float,
+        columns: str | Sequence[str] = ANGLES,
+        **keys: Any,
     ) -> Result:
         """Look for events up to `t_end` s: `["lower_turning_points", "phi = 1.5 rising"]`.
 
@@ -203,7 +251,8 @@ class Top:
         `stop_after=n`: the n-th of these events ends the motion.
         """
         stop = {key: keys.pop(key) for key in ("stop_at", "stop_after") if key in keys}
-        return self._handle(keys, {"t_end": t_end, **stop}, columns, events).events()
+        span = frozen({"t_end": t_end, **stop})
+        return self._handle(frozen(keys), span, columns, events).events()
 
     def animate(self, t_end: float, samples: int = 1001, **integration: Any) -> Animation:
         """Show the motion up to `t_end` s in a notebook or a file: the viewer of a report.
@@ -216,24 +265,25 @@ class Top:
         return run({"study": {"title": "The top in motion"}, **groups}).animate()
 
     def quantities(
-        self, columns: Sequence[str] = QUANTITIES, t_end: float = 1.0, **keys: Any
+        self, columns: str | Sequence[str] = QUANTITIES, t_end: float = 1.0, **keys: Any
     ) -> dict[str, Any]:
         """Quantities of the motion by name: columns of a sweep (`spintop.registry("columns")`).
 
         Angles of the nutation in rad, its period in s and so on. Those of the end of a span are
         of `t_end` s; `keys` are those of the group `integration`.
         """
-        output = {"columns": list(columns)}
-        groups = self.input(integration=keys, span={"t_end": t_end}, output=output)
-        table = sweep({"study": {"kind": "sweep"}, **groups}, {}).rows
+        columns = names_in(columns)
+        groups = self.input(integration=keys, span={"t_end": t_end}, output={"columns": columns})
+        table = sweep({"study": {"kind": "sweep"}, **groups}, {}, threads=1).rows
         if str(table["status"][0]) != "ok":
             status, note = str(table["status"][0]), table["notes"][0]
             raise MotionError(f"{status}: {note}", code=3, status=status)
-        return {name: table[name][0].item() for name in columns}
+        wanted = columns if all(name in table for name in columns) else tuple(table)
+        return {name: table[name][0].item() for name in wanted}
 
 
 def tops(
-    quantities: Sequence[str],
+    quantities: str | Sequence[str],
     *,
     inertia1: ArrayLike,
     inertia3: ArrayLike,
@@ -252,8 +302,11 @@ def tops(
     cannot be computed has NaN in all of them. `threads` 0 takes all cores.
     """
     data = {"inertia1": inertia1, "inertia3": inertia3, "mgl": mgl, "theta": theta, **data}
-    arrays = {name: np.asarray(values, dtype=np.float64) for name, values in data.items()}
-    shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
+    arrays = {name: numbers(values, name) for name, values in data.items()}
+    try:
+        shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
+    except ValueError as error:
+        raise InputError(f"the arrays have different shapes: {error}", code=2) from error
     ready, strides = [], []
     for array in arrays.values():
         one = array.size == 1
@@ -262,13 +315,14 @@ def tops(
             full = np.ascontiguousarray(full)
         ready.append(full)
         strides.append(0 if one else full.strides[0] // 8 if full.ndim == 1 else 1)
-    found = {name: np.empty(shape) for name in quantities}
+    found = {name: np.empty(shape) for name in names_in(quantities)}
     place = new_place()
     count = int(np.prod(shape, dtype=np.int64))
     library().spintop_tops(
         *(count, len(ready), names_of(arrays), addresses_of(ready)),
         (ctypes.c_longlong * len(strides))(*strides),
-        *(len(found), names_of(found), addresses_of(found.values()), None, threads, place),
+        *(len(found), names_of(found), addresses_of(found.values()), None),
+        *(thread_count(threads), place),
     )
     raise_error(place)
     return found

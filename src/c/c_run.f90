@@ -3,6 +3,7 @@
 module spintop_c_run
     use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, c_null_ptr, &
         c_ptr, c_size_t
+    use spintop_arithmetic, only: default_arithmetic_t
     use spintop_axes_of_arrays, only: given_axis_t
     use spintop_c_error, only: hand_error
     use spintop_c_result, only: hand_result
@@ -10,7 +11,7 @@ module spintop_c_run
     use spintop_errors, only: error_t, input_error
     use spintop_in_memory, only: memory_run_t, run_in_memory
     use spintop_listing, only: list_as_json, list_topic
-    use spintop_options, only: options_t
+    use spintop_options, only: most_threads, options_t
     use spintop_provenance, only: program_version
     use spintop_text, only: join, string_t
     implicit none
@@ -49,6 +50,8 @@ contains
         type(c_ptr), value :: folder !! for tables that stay; null for tables in memory only
         integer(c_int), value :: threads !! number of threads; 0 for all cores
         type(c_ptr), value :: error !! where C wants its pointer to an error; may be null
+        type(default_arithmetic_t) :: arithmetic
+        call arithmetic%begin()
         !$omp critical (library)
         call run_text(input, name, folder, threads, error, handle)
         !$omp end critical (library)
@@ -63,7 +66,9 @@ contains
         integer(c_size_t), value :: cases !! values in each array
         integer(c_int), value :: threads !! number of threads; 0 for all cores
         type(c_ptr), value :: error !! where C wants its pointer to an error; may be null
+        type(default_arithmetic_t) :: arithmetic
         type(given_axis_t), allocatable :: given(:)
+        call arithmetic%begin()
         !$omp critical (library)
         handle = c_null_ptr
         if (cases < 1 .and. count > 0 .or. cases > most_cases .or. count < 0) then
@@ -91,7 +96,7 @@ contains
         call take_text(name, name_of_text)
         call take_text(folder, options%output)
         if (name_of_text == '') name_of_text = 'input'
-        options%threads = max(0, threads)
+        options%threads = min(max(0, threads), most_threads)
         call run_in_memory(text, name_of_text, options, run, error, given)
         if (allocated(error)) then
             call hand_error(error, place)
@@ -127,6 +132,8 @@ contains
         type(c_ptr), value :: topic !! its name; null for the topics, or as JSON for all of them
         integer(c_int), value :: as_json !! not 0: as JSON
         type(c_ptr), value :: error !! where C wants its pointer to an error; may be null
+        type(default_arithmetic_t) :: arithmetic
+        call arithmetic%begin()
         !$omp critical (library)
         call list_text(topic, as_json /= 0, error, handle)
         !$omp end critical (library)

@@ -3,6 +3,7 @@
 !> that ask for the motion do not wait for each other.
 module spintop_c_top
     use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr, c_size_t
+    use spintop_arithmetic, only: default_arithmetic_t
     use spintop_c_derivatives, only: asked_derivatives_t
     use spintop_c_error, only: describe_status, hand_error, hand_status, longest_message
     use spintop_c_motion, only: asked_motion_t
@@ -43,9 +44,11 @@ contains
     type(c_ptr) function make_top(input, name, error) bind(C, name='spintop_top_new') result(handle)
         type(c_ptr), value :: input, name !! the input of a trajectory, and its name in messages; a null name is `input`
         type(c_ptr), value :: error !! where C wants its pointer to an error; may be null
+        type(default_arithmetic_t) :: arithmetic
         type(top_t), pointer :: top
         type(error_t), allocatable :: problem
 
+        call arithmetic%begin()
         handle = c_null_ptr
         allocate (top)
         !$omp critical (library)
@@ -121,12 +124,14 @@ contains
         integer(c_size_t), value :: n !! number of times
         type(c_ptr), value :: t, cells !! the times, s; the values of the first column, of the second, and so on
         type(c_ptr), value :: error !! where C wants its pointer to an error; may be null
+        type(default_arithmetic_t) :: arithmetic
         type(top_t), pointer :: top
         real(c_double), pointer, contiguous :: times(:), found(:, :)
         real(dp), allocatable :: values(:, :)
         real(dp) :: t_reached
         integer :: status
 
+        call arithmetic%begin()
         code = exit_ok
         if (n == 0) return
         call c_f_pointer(handle, top)
@@ -149,9 +154,11 @@ contains
     type(c_ptr) function find_events(handle, error) bind(C, name='spintop_top_events') result(found)
         type(c_ptr), value :: handle !! the top
         type(c_ptr), value :: error !! where C wants its pointer to an error; may be null
+        type(default_arithmetic_t) :: arithmetic
         type(top_t), pointer :: top
         type(memory_run_t) :: run
 
+        call arithmetic%begin()
         found = c_null_ptr
         call c_f_pointer(handle, top)
         !$omp critical (library)

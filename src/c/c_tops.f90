@@ -2,11 +2,13 @@
 module spintop_c_tops
     use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_long_long, c_null_char, c_ptr
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_arithmetic, only: default_arithmetic_t
     use spintop_c_error, only: hand_error
     use spintop_errors, only: error_t, exit_input
     use spintop_exact_block, only: block_size, exact_block_t
     use spintop_exact_cases, only: exact_cases_t
     use spintop_kinds, only: dp, no_number
+    use spintop_options, only: most_threads
     use spintop_status, only: status_ok
     !$ use omp_lib, only: omp_get_max_threads
     implicit none
@@ -54,11 +56,13 @@ contains
         type(c_ptr), value :: statuses !! a status for each top; may be null
         integer(c_int), value :: threads !! number of threads; 0 for all cores
         type(c_ptr), value :: error !! where C wants its pointer to an error; may be null
+        type(default_arithmetic_t) :: arithmetic
         type(request_t) :: request
         integer(c_long_long), pointer :: steps(:)
         type(error_t), allocatable :: problem
         integer :: i
 
+        call arithmetic%begin()
         request%n = n
         call take_arrays(given_count, given_names, given, data_names, request%given, problem)
         call take_arrays(wanted_count, wanted_names, wanted, quantity_names, request%wanted, problem)
@@ -126,12 +130,15 @@ contains
         end if
         if (allocated(problem)) return
         do i = 1, count
-            call c_f_pointer(array_at(names, i), letters, [name_length])
+            call c_f_pointer(array_at(names, i), letters, [name_length + 1])
             name = ''
             do k = 1, name_length
                 if (letters(k) == c_null_char) exit
                 name(k:k) = letters(k)
             end do
+            if (k > name_length) then
+                if (letters(k) /= c_null_char) name(name_length - 2:) = '...'
+            end if
             do k = 1, size(known)
                 if (known(k) == name) arrays(i)%place = k
             end do
@@ -155,6 +162,7 @@ contains
         threads = 1
         !$ threads = omp_get_max_threads()
         if (wanted_threads > 0) threads = wanted_threads
+        threads = int(min(int(min(threads, most_threads), int64), (request%n - 1) / block_size + 1))
         !$omp parallel num_threads(threads) private(block)
         allocate (block)
         !$omp do schedule(dynamic, 4)

@@ -85,8 +85,8 @@ contains
         allocate (minimum%residuals(m))
         call model%evaluate(x, minimum%residuals, is_valid)
         minimum%evaluations = 1
-        if (.not. is_valid) return
-        minimum%sum_of_squares = sum(minimum%residuals**2)
+        if (is_valid) minimum%sum_of_squares = sum(minimum%residuals**2)
+        if (.not. (is_valid .and. is_finite(minimum%sum_of_squares))) return
         search%free = pack([(i, i=1, size(x))], free)
         search%n = size(search%free)
         minimum%has_converged = search%n == 0

@@ -63,7 +63,7 @@ module spintop_status
         'the quaternion is zero or contradicts the angles, the rates contradict omega, or I omega^2 underflows', &
         'a tolerance, steps, max_steps, the projection or the Butcher table is not valid for the method', &
         'the end of the span is not a finite time at or after the start', &
-        'the sample times are not in increasing order within the span', &
+        'a sample time is not finite, not in increasing order within the span, or not the time of a fixed step', &
         'an event has a level that is not finite, or no direction', &
         'the formulation lacks, or the damped body does not conserve, the invariants to project on', &
         'a method with a fixed step size needs a number of steps', &

@@ -8,7 +8,10 @@ module spintop_options
     use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: options_t, shell_word
+    public :: options_t, most_threads, shell_word
+
+    !> Threads that may be asked for.
+    integer, parameter :: most_threads = 4096
 
     !> Options of the command line for all inputs, and the processes of the run.
     type :: options_t

@@ -309,6 +309,39 @@ class CInterfaceTest(unittest.TestCase):
         both = [[line for line in lines if not dated.match(line)] for lines in (found, expected)]
         self.assertEqual(*both)
 
+    def test_arithmetic_of_the_caller(self) -> None:
+        """Rounding and traps of the caller change no bit, end no process, and are left as they were."""
+        start = START + "&span t_end = 3 /"
+        top = TOP + start
+        general = "&top mass = 1 inertia = 0.9, 0.7, 0.25 centre_of_mass = 0.05, 0, 0.8 /" + start
+        sweep = "&study kind = 'sweep' /"
+        calls = (
+            ("tops", "1"),
+            ("at", top, "0", "1.5", "1000"),
+            ("at", top + "&output columns = 'theta', 'theta__top.mass' /", "0", "7"),
+            ("at", general + "&integration method = 'taylor' /", "0", "1", "20"),
+            ("sweep", top + sweep + "&output columns = 'theta_max', 'phi_end' /"),
+            ("sweep", general + sweep + "&output columns = 'theta_max', 'lyapunov_exponent' /"),
+            ("run", top + "&output columns = 'all' /"),
+            ("run", general + "&integration method = 'arkode_erk' /"),
+            ("events", top + "&output events = 'lower_turning_points' /"),
+            ("list", "methods"),
+        )
+        driver = self.driver()
+        for call in calls:
+            expected = self.run_it(driver, *call)
+            for arithmetic in ("upward", "toward zero", "traps"):
+                with self.subTest(call=call, arithmetic=arithmetic):
+                    os.environ["ARITHMETIC"] = arithmetic
+                    self.addCleanup(os.environ.pop, "ARITHMETIC", None)
+                    self.assertEqual(self.run_it(driver, *call), expected)
+            os.environ.pop("ARITHMETIC")
+
+    def test_number_of_threads(self) -> None:
+        """More threads than a system has room for are as many as there is work for."""
+        driver = self.driver()
+        self.assertEqual(self.run_it(driver, "tops", "2000000000"), self.run_it(driver, "tops", "1"))
+
     def test_lists(self) -> None:
         """The registries are those of the program."""
         for topic in ("methods", "columns", ""):

@@ -85,6 +85,7 @@ contains
             return
         end do
         call take_deviations(scene, columns, measured, problems)
+        if (.not. problems%any()) call check_sizes(measured, problems)
         if (.not. problems%any()) call move_alloc(columns, measured%columns)
     end subroutine read_measurements
 
@@ -166,5 +167,23 @@ contains
                               'give one, or one per column')
         end if
     end subroutine take_deviations
+
+    !> Checks that squares of the measurements over their standard deviations, and of small parts of them, are numbers.
+    subroutine check_sizes(measured, problems)
+        type(measurements_t), intent(in) :: measured
+        type(problems_t), intent(inout) :: problems
+        real(dp), parameter :: most = 1.0e100_dp
+        real(dp) :: largest
+        integer :: i
+
+        do i = 1, size(measured%sigma)
+            largest = maxval(abs(measured%values(i, :)))
+            if (largest / most <= measured%sigma(i) .and. measured%sigma(i) <= most * max(largest, 1 / most)) cycle
+            call problems%add(merge('fit.sigma', 'fit.data ', measured%knows_sigma), 'the largest measurement, ' // &
+                              to_text(largest) // ', is not comparable with a standard deviation of ' // &
+                              to_text(measured%sigma(i)), 'use the unit of the column')
+            return
+        end do
+    end subroutine check_sizes
 
 end module spintop_fit_data

@@ -1,0 +1,229 @@
+"""What the Python package takes, and what it refuses: values, names, threads, copies."""
+
+import copy
+import datetime
+import pickle
+import subprocess
+import sys
+import unittest
+from decimal import Decimal
+from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "python"))
+
+subprocess.run([ROOT / "scripts/install", "--library"], check=True, capture_output=True)
+
+import spintop  # noqa: E402
+
+INERTIA = (0.875, 0.875, 0.25)
+BODY = spintop.Body(mass=1, inertia=INERTIA, length=0.8)
+TOP = spintop.Top(BODY, theta_deg=11.25, psi_rate=1.0)
+SYMMETRIC = {"inertia1": 0.875, "inertia3": 0.25, "mgl": 8.0, "theta": 0.2}
+GIVEN = {
+    "top": {"mass": 1, "inertia": (0.875, 0.875, 0.24), "length": 0.75**0.5},
+    "initial": {"theta_deg": 30, "psi_rate": 15.0},
+}
+TIMES = np.arange(20) / 20
+
+
+def theta_of(top: spintop.Top) -> float:
+    """The inclination at 1 s."""
+    return float(top.exact(1.0).theta)
+
+
+def quantities_in_a_process() -> float:
+    """A quantity, computed by another process."""
+    return TOP.quantities("theta_max")["theta_max"]
+
+
+class CopiesTest(unittest.TestCase):
+    """A body and a top are what they were when they were made."""
+
+    def test_changed_arguments(self) -> None:
+        """Later changes of lists and arrays change neither body nor top."""
+        inertia, centre, psi_rate = [0.875, 0.875, 0.25], np.array([0, 0, 0.8]), np.array(1.0)
+        body = spintop.Body(mass=1, inertia=inertia, centre_of_mass=centre)
+        top = spintop.Top(body, theta_deg=11.25, psi_rate=psi_rate)
+        inertia[0], centre[2], psi_rate[()] = 3.0, 0.1, 9.0
+        body.keys["mass"] = top.start["psi_rate"] = 7
+        self.assertEqual(theta_of(top), theta_of(TOP))
+        self.assertEqual(theta_of(spintop.Top(body, theta_deg=11.25, psi_rate=1)), theta_of(TOP))
+        self.assertEqual(top.integrate([1.0]).theta, TOP.integrate([1.0]).theta)
+
+    def test_copies_and_pickles(self) -> None:
+        """A top can be copied and sent to other processes; a result says that it cannot."""
+        tops = [
+            TOP,
+            spintop.Top(BODY, effects={"rotor_momentum": [0, 0, 0.1]}, theta=1, psi_rate=2),
+        ]
+        for top in tops:
+            for same in (copy.deepcopy(top), pickle.loads(pickle.dumps(top))):
+                self.assertEqual(theta_of(same), theta_of(top))
+                self.assertEqual(repr(same), repr(top))
+        self.assertNotEqual(theta_of(tops[0]), theta_of(tops[1]))
+        with self.assertRaisesRegex(TypeError, "to_pandas"):
+            pickle.dumps(
+                spintop.sweep({"study": {"kind": "sweep"}, **TOP.input(span={"t_end": 1})}, {})
+            )
+
+    def test_composed_body(self) -> None:
+        """Parts are lists of groups, for a body and for an input."""
+        disc = {"shape": "disc", "mass": 0.5, "radius": 0.1, "place": [0, 0, 0.2]}
+        disc["thickness"] = 0.01
+        rod = {"shape": "rod", "mass": 0.1, "radius": 0.005, "thickness": 0.2, "place": (0, 0, 0.1)}
+        top = spintop.Top(spintop.Body(parts=[disc, rod]), theta=0.5, psi_rate=90.0)
+        found = spintop.run(
+            {**top.input(span={"t_end": 1, "samples": 2}), "integration": {"method": "taylor"}}
+        )
+        self.assertEqual(found["theta"][1], top.integrate(1.0).theta)
+        disc["mass"] = 5
+        self.assertEqual(top.body.parts[0]["mass"], 0.5)
+
+    def test_forked_process(self) -> None:
+        """A quantity of one top needs no threads, which a forked process does not have."""
+        quantities_in_a_process()
+        with get_context("fork").Pool(1) as pool:
+            found = pool.apply_async(quantities_in_a_process).get(timeout=60)
+        self.assertEqual(found, quantities_in_a_process())
+
+
+class ValuesTest(unittest.TestCase):
+    """Arrays of numbers, and of what is none."""
+
+    def test_no_numbers(self) -> None:
+        """Dates, durations, complex numbers, words and masked values are refused by name."""
+        wrong = (
+            np.array([0, 1], dtype="timedelta64[s]"),
+            np.array(["2026-01-01"], dtype="datetime64[D]"),
+            np.array([1 + 0j]),
+            ["1", "2"],
+            np.array(["1"], dtype=object),
+            [datetime.timedelta(seconds=1)],
+            [None],
+            np.ma.masked_array([1.0, 2.0], [False, True]),
+            {"t": 1},
+        )
+        for values in wrong:
+            calls = (
+                partial(TOP.exact, values),
+                partial(TOP.integrate, values, method="rk4", steps=4),
+                partial(spintop.sweep, {"study": {"kind": "sweep"}}, {"top.mass": values}),
+                partial(spintop.tops, "theta_max", **{**SYMMETRIC, "mgl": values}),
+                partial(spintop.fit, {"t": [0, 1], "theta": values}, "top.mass", GIVEN),
+            )
+            for i, call in enumerate(calls):
+                with self.subTest(values=values, call=i), self.assertRaises(spintop.InputError):
+                    call()
+
+    def test_numbers(self) -> None:
+        """Whole numbers, decimals, masked arrays without a masked value, and none at all."""
+        expected = TOP.exact([0.0, 2.0]).theta.tolist()
+        for values in ([0, 2], (Decimal(0), Decimal(2)), np.ma.masked_array([0.0, 2.0])):
+            self.assertEqual(TOP.exact(values).theta.tolist(), expected)
+        self.assertEqual(TOP.exact(np.arange(4.0)[::-2]).t.tolist(), [3, 1])
+        for empty in (TOP.exact([]), TOP.integrate([]), TOP.integrate([], method="rk4", steps=5)):
+            self.assertEqual(empty.theta.shape, (0,))
+
+    def test_times(self) -> None:
+        """The message names what is wrong with a time."""
+        for call in (
+            lambda: TOP.exact([0, np.nan]),
+            lambda: TOP.integrate([0, np.inf]),
+            lambda: TOP.integrate([0, 0.51, 1], method="rk4", steps=10),
+        ):
+            with self.assertRaisesRegex(spintop.SpintopError, "not finite, .* or not the time of"):
+                call()
+
+    def test_rows_of_a_list(self) -> None:
+        """Rows may have different lengths, and may be left out."""
+        study = {"kind": "sweep"}
+        base = {"study": study, **TOP.input(span={"t_end": 1}, output={"columns": ["theta_max"]})}
+        axes = {"parameter": ["initial.psi_rate", "top.mass"], "values": [[1, 2, 3], [1.0, 2.0]]}
+        self.assertEqual(spintop.run({**base, "sweep": axes}).rows.row_count, 6)
+        axes = {"parameter": [None, "top.mass"], "values": [None, [1.0, 2.0]]}
+        with self.assertRaises(spintop.InputError):
+            spintop.run({**base, "sweep": axes})
+
+    def test_no_groups(self) -> None:
+        """A group is keys with values."""
+        for group in (None, 3, "mass = 1", [3]):
+            with self.assertRaises(spintop.InputError):
+                spintop.run({"top": group})
+
+
+class NamesTest(unittest.TestCase):
+    """Names of columns and quantities."""
+
+    def test_one_name(self) -> None:
+        """One name needs no list."""
+        self.assertEqual(list(TOP.exact(1.0, "theta")), ["theta"])
+        self.assertEqual(list(TOP.quantities("theta_max")), ["theta_max"])
+        self.assertEqual(list(spintop.tops("theta_max", **SYMMETRIC)), ["theta_max"])
+        self.assertEqual(TOP.events("lower_turning_points", 3.0).events.row_count, 1)
+        every = TOP.quantities("all")
+        self.assertEqual(every["theta_max"], TOP.quantities("theta_max")["theta_max"])
+
+    def test_long_names(self) -> None:
+        """A name that begins as a quantity is none."""
+        for name in ("theta_max" + " " * 15 + "x", "nutation_periods", "theta_max\n"):
+            with self.assertRaisesRegex(spintop.InputError, "is none of"):
+                spintop.tops([name], **SYMMETRIC)
+
+    def test_threads(self) -> None:
+        """Numbers of threads that no system has."""
+        for threads in (-1, 4097, 2**40, 2**32 + 1, 1.5, "2", None):
+            with self.assertRaisesRegex(spintop.InputError, "threads"):
+                spintop.tops("theta_max", threads=threads, **SYMMETRIC)
+            with self.assertRaisesRegex(spintop.InputError, "threads"):
+                spintop.run(TOP.input(span={"t_end": 1}), threads=threads)
+        many = {**SYMMETRIC, "theta": np.linspace(0.1, 3, 5000)}
+        one = spintop.tops("theta_max", **many)["theta_max"].tolist()
+        self.assertEqual(spintop.tops("theta_max", threads=4096, **many)["theta_max"].tolist(), one)
+
+
+class FitTest(unittest.TestCase):
+    """Groups and deviations of fits."""
+
+    def setUp(self) -> None:
+        """Measure two angles."""
+        truth = {
+            "top": {**GIVEN["top"], "inertia": (0.875, 0.875, 0.25)},
+            "initial": GIVEN["initial"],
+        }
+        top = spintop.Top(spintop.Body(**truth["top"]), **truth["initial"])
+        motion = top.exact(TIMES, ["t", "phi", "theta"])
+        self.data = {name: motion[name] for name in motion}
+
+    def test_own_group(self) -> None:
+        """Keys of the group `fit` are taken, but not twice."""
+        given = {**GIVEN, "FIT": {"Columns": ["theta"]}}
+        found = spintop.fit(self.data, "top.inertia(3)", given)
+        alone = {"t": self.data["t"], "theta": self.data["theta"]}
+        self.assertEqual(found["estimate"], spintop.fit(alone, "top.inertia(3)", GIVEN)["estimate"])
+        self.assertTrue(found.ok)
+        for twice in ({"unknown": "top.mass"}, {"SIGMA": 1.0}, {"data": "x.csv"}):
+            with self.assertRaisesRegex(spintop.InputError, "is an argument"):
+                spintop.fit(self.data, "top.inertia(3)", {**GIVEN, "fit": twice})
+
+    def test_deviations_of_another_unit(self) -> None:
+        """Deviations of which the squares are no numbers are refused, not found to fit."""
+        for sigma in (1e-200, 1e200, 1e-155):
+            with self.assertRaisesRegex(spintop.InputError, "not comparable"):
+                spintop.fit(self.data, "top.inertia(3)", GIVEN, sigma=sigma)
+        estimates = {
+            sigma: float(
+                spintop.fit(self.data, "top.inertia(3)", GIVEN, sigma=sigma)["estimate"][0]
+            )
+            for sigma in (1e-60, 1.0, 1e60)
+        }
+        for estimate in estimates.values():
+            self.assertAlmostEqual(estimate, 0.25, places=9)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -223,7 +223,7 @@ contains
         status = verify(text, '0123456789')
         if (status == 0) read (text, *, iostat=status) request%options%threads
         if (status /= 0 .or. request%options%threads < 1 .or. request%options%threads > most_threads) then
-            error = wrong("--threads takes a whole number from 1 to " // to_text(most_threads) // ", not '" // text // "'")
+            error = wrong('--threads takes a whole number from 1 to ' // to_text(most_threads) // ", not '" // text // "'")
         end if
     end subroutine take_threads
 

@@ -21,7 +21,8 @@ module spintop_intervals
     !> The parameters and their uncertainty.
     type :: estimate_t
         real(dp), allocatable :: x(:), standard_error(:), covariance(:, :)
-        !> Ends of the 95 % intervals; infinite where the profile does not rise enough, those of the linear model where
+        !> Ends of the 95 % intervals; the end of the range of the parameter, or infinite if it has none, where the profile does
+        !> not rise enough; those of the linear model where
         !> the residuals are at rounding or at the precision of the model, NaN where they were not sought.
         real(dp), allocatable :: lower(:), upper(:)
         !> Singular values of the Jacobian whose columns are divided by their norms, from the largest; a small one tells
@@ -83,8 +84,8 @@ contains
         do k = 1, n
             if (estimate%deviation <= max(lost * rounding, model%precision * range)) then
                 width = max(level * estimate%standard_error(k), spacing(minimum%x(k)))
-                estimate%lower(k) = minimum%x(k) - width
-                estimate%upper(k) = minimum%x(k) + width
+                estimate%lower(k) = model%limited(k, minimum%x(k) - width)
+                estimate%upper(k) = model%limited(k, minimum%x(k) + width)
                 cycle
             end if
             call find_end(model, minimum, jacobian, estimate, k, -level, estimate%lower(k))
@@ -119,7 +120,8 @@ contains
         type(minimum_t) :: point
         logical :: free(size(minimum%x))
         real(dp) :: inside, outside, excess_inside, excess_outside, next, excess, start(size(minimum%x)), root, rise_at_end
-        integer :: i
+        integer :: i, n
+        logical :: is_at_end
 
         free = .true.
         free(k) = .false.
@@ -131,8 +133,11 @@ contains
             next = width
             rise_at_end = (level * estimate%deviation)**2
             do i = 1, most_steps
+                is_at_end = abs(model%limited(k, best + next) - (best + next)) > 0
+                if (is_at_end) next = model%limited(k, best + next) - best
                 start = minimum%x + estimate%covariance(:, k) * (next / estimate%covariance(k, k))
                 start(k) = best + next
+                start(:) = [(model%limited(n, start(n)), n=1, size(start))]
                 call minimize(model, start, size(minimum%residuals), free, point, &
                               end_slack * rise_at_end / (minimum%sum_of_squares + rise_at_end), jacobian)
                 root = no_number
@@ -141,7 +146,7 @@ contains
                 end associate
                 excess = root - abs(level)
                 place = best + next
-                if (abs(excess) <= end_slack * abs(level)) return
+                if (abs(excess) <= end_slack * abs(level) .or. (is_at_end .and. excess < 0)) return
                 if (.not. is_finite(excess)) then
                     if (excess_outside > 0) exit
                     next = (inside + next) / 2

@@ -1,5 +1,6 @@
 !> Nonlinear least squares: the method of Levenberg and Marquardt in the form of More (1978), as in MINPACK's `lmder`, on its
-!> routines `qrfac` and `lmpar`. Some of the parameters may be held.
+!> routines `qrfac` and `lmpar`. Some of the parameters may be held. Parameters have ranges: steps are cut at their ends, and
+!> a parameter that the sum of squares presses against an end stays there while the others move.
 module spintop_least_squares
     use spintop_compare, only: is_finite
     use spintop_kinds, only: dp
@@ -25,6 +26,7 @@ module spintop_least_squares
     contains
         procedure(evaluate_i), deferred :: evaluate
         procedure(scale_i), deferred :: step_scale
+        procedure :: limited
     end type residuals_t
 
     abstract interface
@@ -58,15 +60,26 @@ module spintop_least_squares
         logical :: has_converged = .false.
     end type minimum_t
 
-    !> The state of a search in the free parameters.
+    !> The state of a search: the numbers of the n parameters that move, what belongs to each of them, and the scales of all.
     type :: search_t
         integer :: n = 0
         integer, allocatable :: free(:), pivot(:)
-        real(dp), allocatable :: jacobian(:, :), scales(:), norms(:), qtf(:), step(:), work(:, :)
+        real(dp), allocatable :: jacobian(:, :), scales(:), norms(:), qtf(:), step(:), work(:, :), scale_of(:)
         real(dp) :: bound = 0, parameter = 0
     end type search_t
 
 contains
+
+    !> The value in the range of a parameter that is nearest to another; beyond an open end that value itself. Here all values
+    !> are in the range.
+    pure real(dp) function limited(self, i, x)
+        class(residuals_t), intent(in) :: self
+        integer, intent(in) :: i !! number of the parameter
+        real(dp), intent(in) :: x !! a value
+        associate (unused => self, unused_too => i)
+        end associate
+        limited = x
+    end function limited
 
     !> Finds the least sum of squares near `x`. Parameters that are not free keep their values.
     subroutine minimize(model, x, m, free, minimum, goal, jacobian)
@@ -78,6 +91,8 @@ contains
         real(dp), intent(in), optional :: goal !! the search ends if no more than this part of the sum of squares can be gained
         real(dp), intent(in), optional :: jacobian(:, :) !! derivatives near x by all parameters: whether x will do
         type(search_t) :: search
+        integer, allocatable :: sought(:)
+        real(dp), allocatable :: slopes(:, :)
         logical :: is_valid, knows_jacobian
         integer :: i
 
@@ -87,22 +102,21 @@ contains
         minimum%evaluations = 1
         if (is_valid) minimum%sum_of_squares = sum(minimum%residuals**2)
         if (.not. (is_valid .and. is_finite(minimum%sum_of_squares))) return
-        search%free = pack([(i, i=1, size(x))], free)
-        search%n = size(search%free)
-        minimum%has_converged = search%n == 0
+        sought = pack([(i, i=1, size(x))], free)
+        minimum%has_converged = size(sought) == 0
         knows_jacobian = present(jacobian)
-        associate (n => search%n)
-            allocate (search%jacobian(m, n), search%scales(n), search%norms(n), search%qtf(n), search%step(n))
-            allocate (search%pivot(n), search%work(max(m, n), 4))
-        end associate
-        do while (.not. minimum%has_converged .and. minimum%evaluations < most_evaluations * search%n)
+        allocate (slopes(m, size(sought)), search%scale_of(size(x)), source=0.0_dp)
+        do while (.not. minimum%has_converged .and. minimum%evaluations < most_evaluations * size(sought))
             if (knows_jacobian) then
-                search%jacobian = jacobian(:, search%free)
+                slopes = jacobian(:, sought)
             else
-                call find_jacobian(model, minimum%x, search%free, minimum%residuals, .false., search%jacobian, is_valid)
-                minimum%evaluations = minimum%evaluations + search%n
+                call find_jacobian(model, minimum%x, sought, minimum%residuals, .false., slopes, is_valid)
+                minimum%evaluations = minimum%evaluations + size(sought)
             end if
             if (.not. is_valid) return
+            call choose_moving(model, sought, slopes, minimum, search)
+            minimum%has_converged = search%n == 0
+            if (minimum%has_converged) return
             call factorize(search, minimum)
             ! This is what the step to the minimum of the linear model would gain.
             if (present(goal)) minimum%has_converged = sum(search%qtf**2) <= goal * minimum%sum_of_squares
@@ -179,6 +193,33 @@ contains
         if (is_valid) slopes = (slopes - residuals) / (moved(i) - x(i))
     end subroutine take_one_side
 
+    !> The parameters that move: all that are sought, but for those that are at an end of their range and would leave it where
+    !> the sum of squares falls.
+    subroutine choose_moving(model, sought, slopes, minimum, search)
+        class(residuals_t), intent(in) :: model
+        integer, intent(in) :: sought(:)
+        real(dp), intent(in) :: slopes(:, :)
+        type(minimum_t), intent(in) :: minimum
+        type(search_t), intent(inout) :: search
+        logical :: moves(size(sought))
+        real(dp) :: slope, beyond
+        integer :: i
+
+        do i = 1, size(sought)
+            slope = dot_product(slopes(:, i), minimum%residuals)
+            beyond = nearest(minimum%x(sought(i)), -slope)
+            moves(i) = .not. abs(slope) > 0 .or. .not. abs(model%limited(sought(i), beyond) - beyond) > 0
+        end do
+        search%free = pack(sought, moves)
+        search%n = size(search%free)
+        search%jacobian = slopes(:, pack([(i, i=1, size(sought))], moves))
+        search%scales = search%scale_of(search%free)
+        if (allocated(search%norms)) deallocate (search%norms, search%qtf, search%step, search%pivot, search%work)
+        associate (n => search%n)
+            allocate (search%norms(n), search%qtf(n), search%step(n), search%pivot(n), search%work(max(size(slopes, 1), n), 4))
+        end associate
+    end subroutine choose_moving
+
     !> Factorizes the Jacobian, applies Q to the residuals, and sets the scales and, at first, the bound.
     subroutine factorize(search, minimum)
         type(search_t), intent(inout) :: search
@@ -197,12 +238,13 @@ contains
                 jacobian(j, j) = diagonal(j)
                 search%qtf(j) = f(j)
             end do
+            search%scales = max(search%scales, search%norms)
+            where (.not. search%scales > 0) search%scales = 1
+            search%scale_of(search%free) = search%scales
             if (minimum%steps == 0) then
-                search%scales = merge(search%norms, 1.0_dp, search%norms > 0)
                 size_of_x = norm2(search%scales * minimum%x(search%free))
                 search%bound = merge(first_bound * size_of_x, first_bound, size_of_x > 0)
             end if
-            search%scales = max(search%scales, search%norms)
         end associate
     end subroutine factorize
 
@@ -215,7 +257,7 @@ contains
         real(dp), intent(in), optional :: goal
         real(dp) :: x(size(minimum%x)), residuals(size(minimum%residuals)), norm, new_norm, length, actual, predicted, &
             slope, ratio, factor, least
-        logical :: exists
+        logical :: exists, is_cut
 
         least = tolerance
         if (present(goal)) least = goal
@@ -230,7 +272,7 @@ contains
                 length = norm2(search%scales * step)
                 if (minimum%steps == 0) search%bound = min(search%bound, length)
                 x = minimum%x
-                x(search%free) = x(search%free) + step
+                call add_step(model, search%free, x, step, is_cut)
                 call model%evaluate(x, residuals, exists)
                 minimum%evaluations = minimum%evaluations + 1
                 new_norm = huge(norm)
@@ -238,8 +280,13 @@ contains
                 actual = -1
                 if (0.1_dp * new_norm < norm) actual = 1 - (new_norm / norm)**2
                 predicted = (norm2(times_r(search, step)) / norm)**2
-                slope = -(predicted + search%parameter * (length / norm)**2)
-                predicted = predicted + 2 * search%parameter * (length / norm)**2
+                if (is_cut) then
+                    slope = dot_product(search%qtf, times_r(search, step)) / norm**2
+                    predicted = -2 * slope - predicted
+                else
+                    slope = -(predicted + search%parameter * (length / norm)**2)
+                    predicted = predicted + 2 * search%parameter * (length / norm)**2
+                end if
             end associate
             ratio = 0
             if (predicted > 0) ratio = actual / predicted
@@ -259,12 +306,38 @@ contains
                 minimum%sum_of_squares = new_norm**2
                 minimum%steps = minimum%steps + 1
             end if
-            minimum%has_converged = (abs(actual) <= least .and. predicted <= least) .or. &
+            minimum%has_converged = (abs(actual) <= least .and. predicted <= least .and. (predicted > 0 .or. .not. is_cut)) .or. &
                                     search%bound <= tolerance * norm2(search%scales * minimum%x(search%free))
+            if (.not. exists .and. minimum%has_converged) then
+                ! The steps came to nothing because there are no residuals near by, not because this is a minimum.
+                minimum%has_converged = .false.
+                is_valid = .false.
+                return
+            end if
             if (minimum%has_converged .or. ratio >= 1.0e-4_dp) return
             is_valid = minimum%evaluations < most_evaluations * search%n
         end do
     end subroutine take_step
+
+    !> Adds a step to the parameters that move, as far as their ranges allow.
+    subroutine add_step(model, free, x, step, is_cut)
+        class(residuals_t), intent(in) :: model
+        integer, intent(in) :: free(:)
+        real(dp), intent(inout) :: x(:), step(:) !! the step is that which was made
+        logical, intent(out) :: is_cut !! whether a range did not allow it
+        real(dp) :: wanted
+        integer :: i
+        is_cut = .false.
+        do i = 1, size(free)
+            wanted = x(free(i)) + step(i)
+            if (abs(model%limited(free(i), wanted) - wanted) > 0) then
+                is_cut = .true.
+                wanted = model%limited(free(i), wanted)
+                step(i) = wanted - x(free(i))
+            end if
+            x(free(i)) = wanted
+        end do
+    end subroutine add_step
 
     !> R times the permuted step.
     pure function times_r(search, step) result(product)

@@ -12,12 +12,15 @@ module spintop_capabilities
     implicit none
     private
     public :: capability_t, flows_t, stages_t, group_action_t, series_t, quadruple_series_t, ends_t, reset_t, action_t
-    public :: max_states, max_series_order
+    public :: max_states, max_series_order, directions, direction_omega, direction_velocity, direction_force
     public :: structure_none, structure_split, structure_group, structure_series, &
         structure_quadruple, structure_names
 
     !> Largest number of state variables of any formulation, and highest order of its Taylor series.
     integer, parameter :: max_states = 8, max_series_order = 30
+
+    !> Vectors at whose zeros effects are not smooth (`find_directions`).
+    integer, parameter :: direction_omega = 1, direction_velocity = 2, direction_force = 3, directions = 3
 
     !> Capabilities that a method may need: drift and kick, the two parts of the motion with flows of
     !> their own; motion on a Lie group; Taylor coefficients of the motion; the same in quadruple precision.
@@ -100,7 +103,7 @@ module spintop_capabilities
         procedure(find_powers), deferred :: find_powers
         procedure(next_knot), deferred :: next_knot
         procedure(find_speed), deferred :: find_speed
-        procedure(find_omega), deferred :: angular_velocity
+        procedure(find_directions), deferred :: directions_at
         procedure(find_reach), deferred :: find_reach
         procedure(at_rest), deferred :: at_rest
         procedure(excess), deferred :: excess
@@ -132,21 +135,23 @@ module spintop_capabilities
             real(dp), intent(out) :: speed, slowing, across !! rad/s, rad/s^2, rad/s
         end subroutine find_speed
 
-        !> Angular velocity in body axes, rad/s.
-        pure function find_omega(self, t, y) result(omega)
-            import :: action_t, dp, max_states
+        !> Vectors at whose zeros f is not smooth: angular velocity, rad/s, in body axes; velocity of the centre of mass, m/s,
+        !> likewise, if it is dragged; support force, N, in space axes, if friction depends on it. Others are zero.
+        pure function find_directions(self, t, y) result(vectors)
+            import :: action_t, directions, dp, max_states
             class(action_t), intent(in) :: self
             real(dp), intent(in) :: t, y(max_states) !! time, s, and state
-            real(dp) :: omega(3)
-        end function find_omega
+            real(dp) :: vectors(3, directions)
+        end function find_directions
 
         !> How far the angular velocity may move away in `span` seconds, in which the state variables change by `change` at
-        !> most, so that it keeps a share of its magnitude if `reach` is less than that share of `speed`.
-        pure subroutine find_reach(self, t, y, span, change, speed, reach)
+        !> most, so that it keeps a share of its magnitude if `reach` is less than that share of `speed`; and all those vectors
+        !> do if it is less than that share of `narrowest`.
+        pure subroutine find_reach(self, t, y, span, change, speed, reach, narrowest)
             import :: action_t, dp, max_states
             class(action_t), intent(in) :: self
             real(dp), intent(in) :: t, y(max_states), span, change(max_states) !! time, s; state; s; bounds
-            real(dp), intent(out) :: speed, reach !! magnitude of the angular velocity in space, rad/s, and that bound, rad/s
+            real(dp), intent(out) :: speed, reach, narrowest !! magnitude of the angular velocity in space, and these bounds, rad/s
         end subroutine find_reach
 
         !> The state at rest at a time, with the attitude that the motion in a state reaches after `left` seconds of

@@ -25,6 +25,7 @@ module spintop_number_slot
         procedure :: is_same
         procedure :: refusal
         procedure :: accepts
+        procedure :: nearest
     end type number_slot_t
 
 contains
@@ -143,6 +144,13 @@ contains
             accepts = is_equal(value, anint(value)) .and. abs(value) < huge(1)
         end if
     end function accepts
+
+    !> The value in the range that is nearest to another; beyond an open end that value itself.
+    pure real(dp) function nearest(self, value)
+        class(number_slot_t), intent(in) :: self
+        real(dp), intent(in) :: value !! the other value
+        nearest = self%range%nearest(value)
+    end function nearest
 
     !> The reason why the variable cannot have a value ('must be > 0'), or ''.
     function refusal(self, value) result(reason)

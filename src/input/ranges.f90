@@ -11,6 +11,7 @@ module spintop_ranges
         logical :: lower_open = .false., upper_open = .false.
     contains
         procedure :: contains => range_contains
+        procedure :: nearest => nearest_in_range
     end type range_t
 
 contains
@@ -23,6 +24,15 @@ contains
         if (self%lower_open) range_contains = range_contains .and. x > self%lower
         if (self%upper_open) range_contains = range_contains .and. x < self%upper
     end function range_contains
+
+    !> The number in the range that is nearest to another; beyond an open end the number itself.
+    pure real(dp) function nearest_in_range(self, x) result(nearest)
+        class(range_t), intent(in) :: self
+        real(dp), intent(in) :: x !! a number
+        nearest = x
+        if (.not. self%lower_open) nearest = max(nearest, self%lower)
+        if (.not. self%upper_open) nearest = min(nearest, self%upper)
+    end function nearest_in_range
 
     !> Reads a rule. Numbers may be multiples of pi, or half of one: `2 pi`, `-pi/2`.
     subroutine parse_range(rule, range, valid)

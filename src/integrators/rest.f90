@@ -8,9 +8,9 @@ module spintop_rest
     use spintop_event, only: occasion_none, occasion_slip, occasion_stuck
     use spintop_formulation, only: formulation_t, max_states, structure_none, structure_series
     use spintop_kinds, only: dp
-    use spintop_motions, only: instants
     use spintop_status, only: status_non_finite, status_ok, status_step_too_small
     use spintop_lying, only: lying_t
+    use spintop_reversals, only: end_before_reversal, end_step, may_reverse
     use spintop_stepper, only: method_info_t, stepper_t, workspace_t
     implicit none
     private
@@ -27,6 +27,8 @@ module spintop_rest
         logical :: is_other = .false.
         class(stepper_t), allocatable :: stepper
         class(workspace_t), allocatable :: work
+        !> Whether the next step must be one of another stepper: at its beginning there is no series.
+        logical, private :: leads_on = .false.
         !> Whether the angular velocity surely kept its direction, and more than half of its magnitude, in the last step.
         logical, private :: goes_on = .false.
         !> Largest angular velocity so far, rad/s, and deceleration, rad/s^2, where it was looked at.
@@ -39,6 +41,7 @@ module spintop_rest
         procedure :: settle
         procedure :: carry
         procedure, private :: advance_by_other
+        procedure, private :: lead_on
         procedure, private :: check_rest
         procedure, private :: find_slowing
         procedure, private :: latest_end
@@ -108,24 +111,25 @@ contains
         if (slowing > 0 .and. speed > 0) latest_end = t + share * speed / slowing
     end function latest_end
 
-    !> Notes whether the angular velocity is far from any reversal in a step by series: it changes by less than `share` of its
-    !> magnitude, as all terms of its series together are less. Then the step is also shorter than that to `latest_end`.
+    !> Notes whether the angular velocity, and the velocity on which drag depends, are far from any reversal in a step by series:
+    !> they change by less than `share` of their magnitude, as all terms of its series together are less. Then the step is also
+    !> shorter than that to `latest_end`.
     subroutine check_direction(self, formulation, stepper, work)
         class(rest_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
         class(stepper_t), intent(in) :: stepper
         class(workspace_t), intent(in) :: work
-        real(dp) :: span, change(max_states), speed, reach, speed_now
+        real(dp) :: span, change(max_states), speed, reach, narrowest, speed_now
         logical :: is_known
 
         call stepper%bound_changes(work, change, is_known)
         self%goes_on = .false.
         if (.not. is_known) return
         span = work%t - work%t_last
-        call formulation%action%find_reach(work%t_last, work%y_last, span, change, speed, reach)
-        self%goes_on = reach < share * speed
+        call formulation%action%find_reach(work%t_last, work%y_last, span, change, speed, reach, narrowest)
+        self%goes_on = reach < share * narrowest
         if (.not. self%goes_on) return
-        call formulation%action%find_reach(work%t, work%y, 0.0_dp, change, speed_now, reach)
+        call formulation%action%find_reach(work%t, work%y, 0.0_dp, change, speed_now, reach, narrowest)
         self%largest = max(self%largest, speed, speed_now)
         self%steepest = max(self%steepest, (speed - speed_now) / span)
     end subroutine check_direction
@@ -177,17 +181,14 @@ contains
                 work%t_end = min(work%t_end, self%latest_end(formulation, stepper, work%t, work%y))
             end if
         end if
-        call stepper%advance(formulation, work, status)
-        if (needs_series(stepper)) call keep_direction()
-        if (needs_series(stepper) .and. (status == status_non_finite .or. status == status_step_too_small)) then
-            self%is_other = .true.
-            if (allocated(self%stepper)) deallocate (self%stepper)
-            allocate (self%stepper, source=dop853_t(table=dop853_table(), info=method_info_t('dop853')))
-            associate (own => self%stepper%controls, given => stepper%controls)
-                own%relative_tolerance = max(finest_tolerance, min(crossing_tolerance, given%relative_tolerance))
-                own%absolute_tolerance = max(finest_tolerance, min(crossing_tolerance, given%absolute_tolerance))
-            end associate
-            call self%advance_by_other(formulation, work, status)
+        if (self%leads_on) then
+            call self%lead_on(formulation, stepper, work, status)
+        else
+            call stepper%advance(formulation, work, status)
+            if (needs_series(stepper)) call keep_direction()
+            if (needs_series(stepper) .and. (status == status_non_finite .or. status == status_step_too_small)) then
+                call self%lead_on(formulation, stepper, work, status)
+            end if
         end if
         work%t_end = t_end
 
@@ -210,69 +211,29 @@ contains
                 end if
             end if
             if (status /= status_ok) return
-            if (may_reverse(formulation, stepper, work)) call end_before_reversal(formulation, stepper, work, status)
+            if (.not. may_reverse(formulation, stepper, work)) return
+            call end_before_reversal(formulation, stepper, work, self%leads_on, status)
         end subroutine keep_direction
 
     end subroutine advance
 
-    !> Ends a step by series earlier, at a time and in a state within it.
-    subroutine end_step(formulation, stepper, work, t, y, status)
+    !> Takes a Runge-Kutta step, where there is no series.
+    subroutine lead_on(self, formulation, stepper, work, status)
+        class(rest_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
         class(stepper_t), intent(in) :: stepper
-        class(workspace_t), intent(inout) :: work
-        real(dp), intent(in) :: t, y(max_states)
+        class(workspace_t), intent(in) :: work
         integer, intent(out) :: status
-        work%t = t
-        work%y = y
-        work%rest = 0
-        call stepper%begin(formulation, work, status)
-    end subroutine end_step
-
-    !> Whether friction or drag may change its direction in a step: always under friction, and under a drag where the angular
-    !> velocity turns by more than a right angle in half of the step.
-    logical function may_reverse(formulation, stepper, work)
-        class(formulation_t), intent(in) :: formulation
-        class(stepper_t), intent(in) :: stepper
-        class(workspace_t), intent(inout) :: work
-        real(dp) :: middle, omega(3)
-        may_reverse = formulation%action%may_stick
-        if (may_reverse .or. .not. formulation%action%may_turn) return
-        middle = work%t_last + (work%t - work%t_last) / 2
-        associate (action => formulation%action)
-            omega = action%angular_velocity(middle, stepper%interpolate(formulation, work, middle))
-            may_reverse = dot_product(omega, action%angular_velocity(work%t_last, work%y_last)) < 0 .or. &
-                dot_product(omega, action%angular_velocity(work%t, work%y)) < 0
+        self%leads_on = .false.
+        self%is_other = .true.
+        if (allocated(self%stepper)) deallocate (self%stepper)
+        allocate (self%stepper, source=dop853_t(table=dop853_table(), info=method_info_t('dop853')))
+        associate (own => self%stepper%controls, given => stepper%controls)
+            own%relative_tolerance = max(finest_tolerance, min(crossing_tolerance, given%relative_tolerance))
+            own%absolute_tolerance = max(finest_tolerance, min(crossing_tolerance, given%absolute_tolerance))
         end associate
-    end function may_reverse
-
-    !> Ends a step by series before the angular velocity reverses in it. There a plane motion comes to rest, and friction or
-    !> drag is another one beyond; but the series, in which its direction is constant, goes on. That of a motion that is
-    !> nearly plane does so too, as far as its terms can tell.
-    subroutine end_before_reversal(formulation, stepper, work, status)
-        class(formulation_t), intent(in) :: formulation
-        class(stepper_t), intent(in) :: stepper
-        class(workspace_t), intent(inout) :: work
-        integer, intent(inout) :: status
-        real(dp) :: span, times(instants), y(instants, max_states), before(3), now(3)
-        integer :: i
-
-        span = work%t - work%t_last
-        do
-            times = work%t_last + span * [(real(i, dp) / instants, i=1, instants)]
-            call stepper%states_within(formulation, work, times, y)
-            before = formulation%action%angular_velocity(work%t_last, work%y_last)
-            do i = 1, instants
-                now = formulation%action%angular_velocity(times(i), y(i, :))
-                if (dot_product(before, now) < 0) exit
-                before = now
-            end do
-            ! Not within the first part, or at once.
-            if (i > 1 .or. .not. times(1) > work%t_last) exit
-            span = span / instants
-        end do
-        if (i == 1 .or. i > instants) return
-        call end_step(formulation, stepper, work, times(i - 1), y(i - 1, :), status)
-    end subroutine end_before_reversal
+        call self%advance_by_other(formulation, work, status)
+    end subroutine lead_on
 
     !> Takes a step of the other stepper from the state of the method.
     subroutine advance_by_other(self, formulation, work, status)
@@ -361,6 +322,7 @@ contains
         call archive%carry(self%is_resting)
         call archive%carry(self%t_stuck)
         call archive%carry(self%occasion)
+        call archive%carry(self%leads_on)
         call archive%carry(self%largest)
         call archive%carry(self%steepest)
         call archive%carry(self%seen_at)

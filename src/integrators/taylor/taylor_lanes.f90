@@ -11,6 +11,7 @@ module spintop_taylor_lanes
     use spintop_attitude, only: nearest_turn, vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_lane_effects, only: lane_effects_t, lane_kinds_t, more_rows
+    use spintop_lane_reversals, only: find_reversals
     use spintop_lane_series, only: expand, lanes, parts, rows
     use spintop_lane_steps, only: add_terms, border, choose_durations, closest_to_pole, follow, largest_turn, &
         non_finite, pole_bend, sharp, straight, turns_far
@@ -64,6 +65,8 @@ module spintop_taylor_lanes
         integer(int64) :: steps(lanes) = 0
         !> Whether there is a drag on a lane that changes its direction with that of the angular velocity at once.
         logical, private :: has_cusps(lanes) = .false.
+        !> The centre of mass of a body on which a drag force acts, m; otherwise 0.
+        real(dp), private :: dragged(lanes, 3) = 0
         type(controls_t), private :: controls
         !> Memory for both.
         real(dp), allocatable, private :: room(:)
@@ -160,6 +163,8 @@ contains
         if (allocated(self%effects)) then
             call self%effects%put(lane, body)
             self%has_cusps(lane) = body%effects%has_cusps()
+            self%dragged(lane, :) = 0
+            if (body%effects%drag_force > 0) self%dragged(lane, :) = body%centre_of_mass
         end if
         self%steps(lane) = 0
         self%status(lane) = status_ok
@@ -171,6 +176,7 @@ contains
         class(taylor_lanes_t), intent(inout) :: self
         integer(int64) :: trouble(lanes), doubt(lanes), worst
         real(dp) :: t, gamma(2), other
+        logical :: reverses(lanes)
         integer :: lane
 
         associate (now => self%now, c => self%c)
@@ -181,7 +187,11 @@ contains
             end if
             call choose_durations(self%order, self%controls, c, now%scale, now%t, now%t_end, self%steps, &
                                   now%h, now%duration, trouble, worst)
-            if (any(self%has_cusps)) call find_reversals(self, trouble, worst)
+            if (any(self%has_cusps)) then
+                call find_reversals(self%order, c, now%duration, self%dragged, reverses)
+                where (self%has_cusps .and. reverses) trouble = max(trouble, non_finite)
+                worst = max(worst, maxval(trouble))
+            end if
             if (worst > 0) call end_lanes(self, trouble)
             call add_terms(self%order, c, now%duration, now%t_end, now%t_last, now%t, now%state, now%rest, self%steps)
             now%side_last = now%side
@@ -202,41 +212,6 @@ contains
             end do
         end associate
     end subroutine advance
-
-    !> Finds the lanes whose angular velocity turns by more than a right angle in half of the coming step, under a drag with
-    !> cusps: it may reverse there, and the series goes on with the drag of the old direction.
-    pure subroutine find_reversals(self, trouble, worst)
-        class(taylor_lanes_t), intent(in) :: self
-        integer(int64), intent(inout) :: trouble(lanes), worst
-        real(dp) :: h, m1, m2, m3, e1, e2, e3
-        logical :: reverses(lanes)
-        integer :: k, i
-
-        associate (c => self%c, last => self%order)
-            ! As in `terms_at` of spintop_lane_steps: scalar sums stay in registers.
-            !$omp simd private(h, m1, m2, m3, e1, e2, e3, k)
-            do i = 1, lanes
-                h = self%now%duration(i)
-                m1 = c(i, 1, last)
-                m2 = c(i, 2, last)
-                m3 = c(i, 3, last)
-                e1 = m1
-                e2 = m2
-                e3 = m3
-                do k = 1, max(last, 1)
-                    m1 = m1 * (h / 2) + c(i, 1, last - k)
-                    m2 = m2 * (h / 2) + c(i, 2, last - k)
-                    m3 = m3 * (h / 2) + c(i, 3, last - k)
-                    e1 = e1 * h + c(i, 1, last - k)
-                    e2 = e2 * h + c(i, 2, last - k)
-                    e3 = e3 * h + c(i, 3, last - k)
-                end do
-                reverses(i) = m1 * c(i, 1, 0) + m2 * c(i, 2, 0) + m3 * c(i, 3, 0) < 0 .or. m1 * e1 + m2 * e2 + m3 * e3 < 0
-            end do
-        end associate
-        where (self%has_cusps .and. reverses) trouble = max(trouble, non_finite)
-        worst = max(worst, maxval(trouble))
-    end subroutine find_reversals
 
     !> Ends a lane at a time within the last step: its motion is that then.
     pure subroutine stop_lane(self, lane, t)

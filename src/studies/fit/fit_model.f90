@@ -30,9 +30,10 @@ module spintop_fit_model
         type(scene_t), private :: scene
         type(case_t), private :: case
         type(plan_t), private :: plan
-        !> The sought numbers in the scene, and whether their signs cannot change.
+        !> The sought numbers in the scene, and changes of them that matter, whatever their values; 0 for numbers of which the
+        !> sign cannot change, where those in proportion to the value do.
         type(number_slot_t), allocatable, private :: slots(:)
-        logical, allocatable, private :: keeps_sign(:)
+        real(dp), allocatable, private :: scales(:)
         !> In equations of a symmetric top the sought I1 is also I2.
         logical, private :: ties_inertia = .false.
         type(row_maker_t), private :: maker
@@ -42,6 +43,7 @@ module spintop_fit_model
         procedure :: evaluate
         procedure :: predict
         procedure :: step_scale
+        procedure :: limited
     end type fit_model_t
 
 contains
@@ -55,6 +57,7 @@ contains
         type(plan_t), intent(in) :: plan !! model and method
         type(measurements_t), intent(in) :: measured !! the measurements
         type(formulation_info_t) :: form
+        real(dp) :: value
         integer :: seeks(size(keys)), i
 
         seeks = 0
@@ -64,10 +67,14 @@ contains
         self%scene%certified = .false.
         self%case = case
         self%plan = plan
-        allocate (self%slots(size(keys)), self%keeps_sign(size(keys)))
+        allocate (self%slots(size(keys)), self%scales(size(keys)))
         do i = 1, size(keys)
             self%slots(i) = keys(i)%slot%in_copy(c_loc(scene), c_loc(self%scene), storage_size(scene))
-            self%keeps_sign(i) = .not. keys(i)%slot%accepts(-abs(keys(i)%slot%get()))
+            value = abs(keys(i)%slot%get())
+            self%scales(i) = 1
+            if (value > 0 .and. .not. keys(i)%slot%accepts(-value)) then
+                self%scales(i) = merge(value, 0.0_dp, keys(i)%slot%accepts(0.0_dp))
+            end if
             if (keys(i)%name == 'top.inertia(1)') seeks(i) = 1
             if (keys(i)%name == 'top.inertia(2)') seeks(i) = 2
         end do
@@ -210,8 +217,16 @@ contains
         class(fit_model_t), intent(in) :: self
         integer, intent(in) :: i !! which number
         real(dp), intent(in) :: x !! its value
-        step = abs(x)
-        if (.not. (step > 0 .and. self%keeps_sign(i))) step = max(step, 1.0_dp)
+        step = max(abs(x), self%scales(i))
+        if (.not. step > 0) step = 1
     end function step_scale
+
+    !> The value in the range of a number that is nearest to another; beyond an open end that value itself.
+    pure real(dp) function limited(self, i, x)
+        class(fit_model_t), intent(in) :: self
+        integer, intent(in) :: i !! which number
+        real(dp), intent(in) :: x !! a value
+        limited = self%slots(i)%nearest(x)
+    end function limited
 
 end module spintop_fit_model

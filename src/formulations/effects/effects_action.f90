@@ -1,0 +1,169 @@
+!> What effects do to a body beside changing its equations: their work, knots of tables, vectors at whose zeros nothing is
+!> smooth, and rest under dry friction.
+module spintop_effects_action
+    use spintop_attitude, only: quaternion_product, rotation_minus_one
+    use spintop_body, only: body_t
+    use spintop_capabilities, only: action_t, direction_force, direction_omega, direction_velocity, directions, max_states
+    use spintop_compare, only: is_zero
+    use spintop_effects, only: effects_t
+    use spintop_kinds, only: dp, pi
+    use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, total_momentum, works
+    use spintop_motion, only: motion_t
+    use spintop_motions, only: instants
+    use spintop_powers, only: find_powers
+    use spintop_vectors, only: cross
+    implicit none
+    private
+    public :: effects_action_t
+
+    !> That of the formulation `rigid_body` with effects, with its state.
+    type, extends(action_t) :: effects_action_t
+        private
+        type(body_t) :: body
+        type(effects_t) :: effects
+    contains
+        procedure :: set => set_action
+        procedure :: find_powers => find_powers_of_action
+        procedure :: next_knot
+        procedure :: find_speed
+        procedure :: directions_at
+        procedure :: find_reach
+        procedure :: at_rest
+        procedure :: excess
+        procedure :: pause
+    end type effects_action_t
+
+    !> Relative size of what a cross product loses in rounding.
+    real(dp), parameter :: rounding = 1.0e-14_dp
+    !> So often in a period of a vibration a resting body is looked at.
+    integer, parameter :: looks_per_period = 64
+
+contains
+
+    !> Constants of the action.
+    pure subroutine set_action(self, body, start)
+        class(effects_action_t), intent(inout) :: self
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        associate (unused => start)
+        end associate
+        self%body = body
+        self%effects = effects_t()
+        if (allocated(body%effects)) self%effects = body%effects
+        self%may_stick = self%effects%is_dry()
+        self%may_slip = self%may_stick .and. self%effects%depends_on_time()
+        self%may_turn = self%effects%has_cusps()
+        self%does_work = self%effects%do_work() .or. any(body%damping > 0)
+    end subroutine set_action
+
+    !> Power of each part of the work.
+    pure subroutine find_powers_of_action(self, t, y, power)
+        class(effects_action_t), intent(in) :: self
+        real(dp), intent(in) :: t(instants), y(instants, max_states)
+        real(dp), intent(out) :: power(instants, works)
+        call find_powers(self%body, self%effects, t, y(:, 1:4), y(:, 5:7), power)
+    end subroutine find_powers_of_action
+
+    !> The next knot of the table of torques.
+    pure real(dp) function next_knot(self, t)
+        class(effects_action_t), intent(in) :: self
+        real(dp), intent(in) :: t
+        next_knot = huge(t)
+        if (allocated(self%effects%table)) next_knot = self%effects%table%next_knot(t)
+    end function next_knot
+
+    !> |w| and -|w|'.
+    pure subroutine find_speed(self, t, y, speed, slowing, across)
+        class(effects_action_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states)
+        real(dp), intent(out) :: speed, slowing, across
+        real(dp) :: rate(3)
+        type(loads_t) :: loads
+        call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
+        rate = acceleration(self%body, loads)
+        speed = norm2(loads%omega)
+        slowing = 0
+        across = speed
+        if (.not. (speed > 0 .and. norm2(rate) > 0)) return
+        slowing = -dot_product(loads%omega / speed, rate)
+        across = norm2(cross(loads%omega, rate / norm2(rate)))
+    end subroutine find_speed
+
+    !> w and w x r in body axes, and the support force in space axes.
+    pure function directions_at(self, t, y) result(vectors)
+        class(effects_action_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states)
+        real(dp) :: vectors(3, directions)
+        type(loads_t) :: loads
+        vectors = 0
+        if (self%effects%friction_arm > 0) then
+            call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
+            vectors(:, direction_force) = matmul(loads%rows, loads%force)
+        else
+            call find_kinematics(self%body, self%effects, t, y(1:4), y(5:7), loads)
+        end if
+        vectors(:, direction_omega) = loads%omega
+        if (.not. self%effects%drag_force > 0) return
+        associate (w => loads%omega, r => self%body%centre_of_mass)
+            vectors(:, direction_velocity) = cross(w, r)
+            ! Of a body that turns about r, rounding has any direction.
+            if (norm2(vectors(:, direction_velocity)) <= rounding * norm2(w) * norm2(r)) vectors(:, direction_velocity) = 0
+        end associate
+    end function directions_at
+
+    !> That of w + O and that of w: O, of constant magnitude, turns by any angle, and is missing in w at the beginning. A change
+    !> of w is one of w across r at the most. Nothing bounds the support force.
+    pure subroutine find_reach(self, t, y, span, change, speed, reach, narrowest)
+        class(effects_action_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states), span, change(max_states)
+        real(dp), intent(out) :: speed, reach, narrowest
+        real(dp) :: omega(3)
+        associate (effects => self%effects, inertia => self%body%inertia, r => self%body%centre_of_mass)
+            omega = (y(5:7) - (effects%rotor_momentum + effects%rotor_torque * t)) / inertia
+            speed = norm2(omega)
+            narrowest = speed
+            if (effects%drag_force > 0 .and. norm2(r) > 0) narrowest = norm2(cross(omega, r / norm2(r)))
+            if (effects%friction_arm > 0) narrowest = 0
+            reach = norm2((change(5:7) + abs(effects%rotor_torque) * span) / inertia) + 3 * norm2(effects%frame_rate)
+        end associate
+    end subroutine find_reach
+
+    !> The state at rest.
+    pure function at_rest(self, t, y, left) result(resting)
+        class(effects_action_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states), left
+        real(dp) :: resting(max_states)
+        type(loads_t) :: loads
+        real(dp), parameter :: still(3) = 0
+        resting = y
+        if (left > 0) then
+            call find_kinematics(self%body, self%effects, t - left, y(1:4), y(5:7), loads)
+            resting(1:4) = y(1:4) + quaternion_product(y(1:4), rotation_minus_one(loads%omega * left / 2))
+        end if
+        resting(5:7) = total_momentum(self%body, t, resting(1:4), still)
+    end function at_rest
+
+    !> |T| - M at rest.
+    pure real(dp) function excess(self, t, y)
+        class(effects_action_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states)
+        type(loads_t) :: loads
+        call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
+        excess = norm2(loads%pull) - loads%dry
+        if (loads%sticks) excess = min(excess, 0.0_dp)
+    end function excess
+
+    !> A part of the period of the vibration, or of the interval of the table up to the next knot; for a driven rotor, in which
+    !> the torque grows steadily, all the time there is.
+    pure real(dp) function pause(self, t) result(time)
+        class(effects_action_t), intent(in) :: self
+        real(dp), intent(in) :: t
+        time = huge(t)
+        if (.not. all(is_zero(self%effects%vibration_amplitude))) then
+            time = 2 * pi / self%effects%vibration_rate / looks_per_period
+        end if
+        if (.not. self%next_knot(t) < huge(t)) return
+        time = min(time, self%next_knot(t) - t, self%effects%table%pace(t))
+    end function pause
+
+end module spintop_effects_action

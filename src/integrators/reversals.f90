@@ -1,0 +1,160 @@
+!> Vectors that vanish within a step by series: the angular velocity, of which friction and drag have the direction; the velocity
+!> of the centre of mass, of which drag on it has the direction; and the support force, of which friction takes the magnitude.
+!> There the equations are not analytic; but the series, in which a direction is constant or a magnitude has its sign, goes on.
+!> Such a step ends before.
+module spintop_reversals
+    use spintop_capabilities, only: direction_force, direction_omega, directions, max_states
+    use spintop_formulation, only: formulation_t
+    use spintop_kinds, only: dp
+    use spintop_motions, only: instants
+    use spintop_status, only: status_ok, status_step_too_small
+    use spintop_stepper, only: stepper_t, workspace_t
+    implicit none
+    private
+    public :: end_step, may_reverse, end_before_reversal
+
+    !> A time at which a vector reverses is found up to so many spacings of the time.
+    real(dp), parameter :: spacings = 4
+    !> A vector that is not below this share of what it was at the beginning of the step passes zero at a distance. There the
+    !> series has a small radius of convergence; a step to this part of the way is well within.
+    real(dp), parameter :: vanishing = 1.0e-12_dp, part_of_way = 0.5_dp
+    !> The cosine of the largest angle by which the support force turns in a step: where it passes zero at a distance it turns by
+    !> half a turn, and the terms of a step that leads across do not tell.
+    real(dp), parameter :: turned = 0.5_dp
+
+contains
+
+    !> Ends a step by series earlier, at a time and in a state within it.
+    subroutine end_step(formulation, stepper, work, t, y, status)
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(stepper_t), intent(in) :: stepper !! the method
+        class(workspace_t), intent(inout) :: work !! its workspace
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        work%t = t
+        work%y = y
+        work%rest = 0
+        call stepper%begin(formulation, work, status)
+    end subroutine end_step
+
+    !> Whether one of the vectors may vanish in a step: always under friction that is dry or depends on the support, and under a
+    !> drag where one turns by more than a right angle in half of the step.
+    logical function may_reverse(formulation, stepper, work)
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(stepper_t), intent(in) :: stepper !! the method
+        class(workspace_t), intent(inout) :: work !! its workspace, after a step
+        real(dp) :: middle, at_middle(3, directions)
+        may_reverse = formulation%action%may_stick
+        if (may_reverse .or. .not. formulation%action%may_turn) return
+        middle = work%t_last + (work%t - work%t_last) / 2
+        at_middle = formulation%action%directions_at(middle, stepper%interpolate(formulation, work, middle))
+        associate (first => formulation%action%directions_at(work%t_last, work%y_last), &
+                   last => formulation%action%directions_at(work%t, work%y))
+            may_reverse = norm2(at_middle(:, direction_force)) > 0 .or. which_reversed(first, first, at_middle) > 0 .or. &
+                which_reversed(first, at_middle, last) > 0
+        end associate
+    end function may_reverse
+
+    !> Which vector reverses; 0 if none does: it differs by more than a right angle from what it was before, or, of the support
+    !> force, by less from what it was at first.
+    pure integer function which_reversed(first, before, now) result(which)
+        real(dp), intent(in) :: first(3, directions), before(3, directions), now(3, directions)
+        do which = 1, directions
+            if (has_reversed(which, first, before, now)) return
+        end do
+        which = 0
+    end function which_reversed
+
+    pure logical function has_reversed(which, first, before, now)
+        integer, intent(in) :: which
+        real(dp), intent(in) :: first(3, directions), before(3, directions), now(3, directions)
+        if (which == direction_force) then
+            has_reversed = dot_product(first(:, which), now(:, which)) < turned * norm2(first(:, which)) * norm2(now(:, which))
+        else
+            has_reversed = dot_product(before(:, which), now(:, which)) < 0
+        end if
+    end function has_reversed
+
+    !> Ends a step before a vector reverses in it. Where the angular velocity does, a plane motion comes to rest; that of a motion
+    !> that is nearly plane reverses too, as far as its terms can tell. Where another vector vanishes, a step without series
+    !> must lead on, from there: `leads_on`. If that is the beginning of the step, the step is undone and the status is that of
+    !> a step that is too small.
+    subroutine end_before_reversal(formulation, stepper, work, leads_on, status)
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(stepper_t), intent(in) :: stepper !! the method
+        class(workspace_t), intent(inout) :: work !! its workspace, after a step
+        logical, intent(out) :: leads_on !! whether a step without series must follow
+        integer, intent(inout) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        real(dp) :: span, times(instants), y(instants, max_states), lower
+        real(dp) :: first(3, directions), before(3, directions), now(3, directions)
+        integer :: i, which
+
+        leads_on = .false.
+        span = work%t - work%t_last
+        first = formulation%action%directions_at(work%t_last, work%y_last)
+        do
+            times = work%t_last + span * [(real(i, dp) / instants, i=1, instants)]
+            call stepper%states_within(formulation, work, times, y)
+            before = first
+            do i = 1, instants
+                now = formulation%action%directions_at(times(i), y(i, :))
+                which = which_reversed(first, before, now)
+                if (which > 0) exit
+                before = now
+            end do
+            ! Not within the first part, or at once.
+            if (i > 1 .or. which /= direction_omega .or. .not. times(1) > work%t_last) exit
+            span = span / instants
+        end do
+        if (which == 0) return
+        lower = work%t_last
+        if (i > 1) lower = times(i - 1)
+        if (which == direction_omega) then
+            if (i > 1) call end_step(formulation, stepper, work, lower, y(i - 1, :), status)
+            return
+        end if
+        call approach(formulation, stepper, work, which, first, lower, times(i), leads_on)
+        if (lower - work%t_last > spacings * spacing(lower)) then
+            call end_step(formulation, stepper, work, lower, stepper%state_within(formulation, work, lower), status)
+        else
+            leads_on = .false.
+            work%t = work%t_last
+            work%y = work%y_last
+            work%rest = 0
+            status = status_step_too_small
+        end if
+    end subroutine end_before_reversal
+
+    !> Moves the lower of two times, between which a vector reverses, to the last at which it has not; if it does not vanish there,
+    !> to a part of the way to that.
+    subroutine approach(formulation, stepper, work, which, first, lower, upper, vanishes)
+        class(formulation_t), intent(in) :: formulation
+        class(stepper_t), intent(in) :: stepper
+        class(workspace_t), intent(inout) :: work
+        integer, intent(in) :: which
+        real(dp), intent(in) :: first(3, directions)
+        real(dp), intent(inout) :: lower
+        real(dp), intent(in) :: upper
+        logical, intent(out) :: vanishes
+        real(dp) :: last, times(instants), y(instants, max_states), before(3, directions), now(3, directions)
+        integer :: i
+
+        last = upper
+        before = formulation%action%directions_at(lower, stepper%state_within(formulation, work, lower))
+        do while (last - lower > spacings * spacing(last))
+            times = lower + (last - lower) * [(real(i, dp) / instants, i=1, instants)]
+            times(instants) = last
+            call stepper%states_within(formulation, work, times, y)
+            do i = 1, instants - 1
+                now = formulation%action%directions_at(times(i), y(i, :))
+                if (has_reversed(which, first, before, now)) exit
+            end do
+            last = times(i)
+            if (i > 1) lower = times(i - 1)
+        end do
+        now = formulation%action%directions_at(lower, stepper%state_within(formulation, work, lower))
+        vanishes = norm2(now(:, which)) <= vanishing * norm2(first(:, which))
+        if (.not. vanishes) lower = work%t_last + part_of_way * (lower - work%t_last)
+    end subroutine approach
+
+end module spintop_reversals

@@ -5,7 +5,7 @@ module spintop_text
     use spintop_kinds, only: dp
     implicit none
     private
-    public :: string_t, lower_case, nearest_word, did_you_mean, join, split, to_text, counted, replace_all, abbreviate
+    public :: string_t, append, lower_case, nearest_word, did_you_mean, join, split, to_text, counted, replace_all, abbreviate
     public :: write_reals, write_integer, real_width
 
     !> Maximum number of characters of a real number.
@@ -205,6 +205,23 @@ contains
         end do
         parts(part)%text = trim(adjustl(text(first:)))
     end subroutine split
+
+    !> Adds a text to a list. The constructor `[list, string_t(text)]` of gfortran does not free its parts.
+    pure subroutine append(list, text)
+        type(string_t), allocatable, intent(inout) :: list(:) !! the list; empty if it is not allocated
+        character(*), intent(in) :: text !! the text; none of the list
+        type(string_t), allocatable :: longer(:)
+        integer :: i, n
+
+        n = 0
+        if (allocated(list)) n = size(list)
+        allocate (longer(n + 1))
+        do i = 1, n
+            call move_alloc(list(i)%text, longer(i)%text)
+        end do
+        longer(n + 1)%text = text
+        call move_alloc(longer, list)
+    end subroutine append
 
     !> The text with every occurrence of one character replaced.
     pure function replace_all(text, old, new) result(replaced)

@@ -7,7 +7,7 @@ module spintop_study_head
     use spintop_provenance, only: describe_provenance, fact_count, fact_t, gather_facts
     use spintop_table_column, only: column_t
     use spintop_table_head, only: table_head
-    use spintop_text, only: string_t, to_text
+    use spintop_text, only: append, string_t, to_text
     implicit none
     private
     public :: study_head, study_facts
@@ -23,13 +23,16 @@ contains
         character(*), intent(in), optional :: part !! first line of the table of a part; '' for the whole
         character(:), allocatable :: head
         type(fact_t) :: facts(fact_count)
-        type(string_t), allocatable :: input(:), lines(:)
+        type(string_t), allocatable :: input(:), lines(:), first(:)
 
         call study_facts(job, facts, input)
         call describe_provenance(facts, input, columns, lines)
         if (present(remarks)) lines = [lines, remarks]
         if (present(part)) then
-            if (part /= '') lines = [string_t(part), lines]
+            if (part /= '') then
+                call append(first, part)
+                lines = [first, lines]
+            end if
         end if
         head = table_head(lines, columns%name)
     end function study_head

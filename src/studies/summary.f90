@@ -15,7 +15,7 @@ module spintop_summary
     use spintop_status, only: status_ok
     use spintop_stepper, only: counts_t
     use spintop_sweep_axes, only: axes_t
-    use spintop_text, only: to_text, string_t
+    use spintop_text, only: append, to_text, string_t
     implicit none
     private
     public :: summary_t, decimal, rounded, text_column
@@ -46,7 +46,8 @@ contains
     subroutine headline(self, text)
         class(summary_t), intent(inout) :: self
         character(*), intent(in) :: text !! the first line
-        self%lines = [string_t(escaped(text))]
+        if (allocated(self%lines)) deallocate (self%lines)
+        call append(self%lines, escaped(text))
     end subroutine headline
 
     !> Adds a line with its keyword.
@@ -55,7 +56,7 @@ contains
         character(*), intent(in) :: keyword, text !! keyword, and text of the line
         character(max(keyword_width, len(keyword) + 1)) :: column
         column = keyword
-        self%lines = [self%lines, string_t(indent // column // escaped(text))]
+        call append(self%lines, indent // column // escaped(text))
     end subroutine add
 
     !> A line without indentation, with a colon after its keyword.

@@ -10,7 +10,7 @@ module spintop_merge
     use spintop_shard, only: read_shard_line, shard_t
     use spintop_table_file, only: table_file_t
     use spintop_table_head, only: check_format, compare_heads, first_line_of, is_dated, read_head
-    use spintop_text, only: string_t, to_text
+    use spintop_text, only: append, string_t, to_text
     implicit none
     private
     public :: merge_tables, order_parts, head_of_table
@@ -217,7 +217,7 @@ contains
         end do
         call table%put(text(head_length + 1:first - 1), error)
         do while (first <= last)
-            words = [words, string_t(text(first + len('# '):first + index(text(first:), nl) - 2))]
+            call append(words, text(first + len('# '):first + index(text(first:), nl) - 2))
             first = first + index(text(first:), nl)
         end do
     end subroutine copy_cases

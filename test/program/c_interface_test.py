@@ -340,7 +340,37 @@ class CInterfaceTest(unittest.TestCase):
     def test_number_of_threads(self) -> None:
         """More threads than a system has room for are as many as there is work for."""
         driver = self.driver()
-        self.assertEqual(self.run_it(driver, "tops", "2000000000"), self.run_it(driver, "tops", "1"))
+        self.assertEqual(
+            self.run_it(driver, "tops", "2000000000"), self.run_it(driver, "tops", "1")
+        )
+
+    @unittest.skipIf(KIND == "sanitized", "its allocator does not count")
+    def test_memory(self) -> None:
+        """Each kind of call gives back all that it took, also after an error."""
+        driver = self.driver()
+        # Without the caches of threads, whose blocks count as used.
+        os.environ["GLIBC_TUNABLES"] = "glibc.malloc.tcache_count=0"
+        self.addCleanup(os.environ.pop, "GLIBC_TUNABLES")
+        motion = f"{TOP} {START} &span t_end = 1 samples = 3 /"
+        some = "&output columns = 't', 'theta' events = 'lower_turning_points' /"
+        sweep = "&sweep parameter = 'initial.psi_rate' values = 0, 9 / &output columns = 'notes' /"
+        data = f"&fit data = '{ROOT}/input/fit.csv' unknown = 'top.inertia(3)' /"
+        for arguments in (
+            ("at", motion + some, "0", "0.5"),
+            ("at", motion + some, "0", "nan"),
+            ("at", motion + "&initial thta = 1 /", "0"),
+            ("at", motion + "&integration method = 'arkode_erk' /", "0", "1"),
+            ("at", motion + "&output columns = 'theta__top.mass' /", "0", "1"),
+            ("events", motion + some),
+            ("run", motion + some),
+            ("run", motion + "&integration method = 'taylor' max_steps = 3 /"),
+            ("run", f"&study kind = 'sweep' / {motion} {sweep}"),
+            ("run", f"&study kind = 'fit' / {TOP} {START} {data}"),
+            ("list", "columns"),
+        ):
+            with self.subTest(arguments):
+                last = self.run_it(driver, "again", *arguments).splitlines()[-1]
+                self.assertEqual(last, "grown by 0 bytes")
 
     def test_lists(self) -> None:
         """The registries are those of the program."""

@@ -18,7 +18,7 @@ module spintop_motion_table
     use spintop_status, only: status_ok
     use spintop_study_head, only: study_facts, study_head
     use spintop_table_column, only: column_of_words, table_column_t
-    use spintop_text, only: string_t, to_text
+    use spintop_text, only: append, string_t, to_text
     use spintop_trajectory_column, only: trajectory_column_t
     implicit none
     private
@@ -69,14 +69,16 @@ contains
         type(job_t), intent(in) :: job !! the job
         type(trajectory_column_t), intent(in) :: columns(:) !! columns of the table
         type(table_column_t) :: described(size(columns))
-        integer :: i
+        integer :: i, k
 
         self%path = job%output
         do i = 1, size(columns)
             described(i) = table_column_t(columns(i)%name, columns(i)%unit, columns(i)%what)
             if (.not. columns(i)%is_proof) cycle
             described(i)%kind = column_of_words
-            described(i)%words = [string_t(trim(proof_words(0))), string_t(trim(proof_words(1)))]
+            do k = 0, 1
+                call append(described(i)%words, trim(proof_words(k)))
+            end do
         end do
         if (job%scene%format == 'netcdf') then
             allocate (netcdf_table_t :: self%rows_table)
@@ -238,7 +240,8 @@ contains
 
         call self%put_block(error)
         if (allocated(error)) return
-        self%rows_table%trailer = [string_t(status_key // ': ' // status)]
+        allocate (self%rows_table%trailer(0))
+        call append(self%rows_table%trailer, status_key // ': ' // status)
         select type (table => self%rows_table)
         type is (netcdf_table_t)
             table%description%facts(size(table%description%facts))%value = status

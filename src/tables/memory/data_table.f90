@@ -6,7 +6,7 @@ module spintop_data_table
     use spintop_loaded_table, only: read_table, table_t
     use spintop_table_column, only: column_t
     use spintop_table_head, only: read_head
-    use spintop_text, only: split, string_t
+    use spintop_text, only: append, split, string_t
     implicit none
     private
     public :: data_table_t, data_column_t, load_table
@@ -111,7 +111,7 @@ contains
             if (column%words(number)%text == word) exit
         end do
         if (number == 0) then
-            column%words = [column%words, string_t(word)]
+            call append(column%words, word)
             number = size(column%words)
         end if
         number = number - 1

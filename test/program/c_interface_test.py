@@ -310,7 +310,7 @@ class CInterfaceTest(unittest.TestCase):
         self.assertEqual(*both)
 
     def test_arithmetic_of_the_caller(self) -> None:
-        """Rounding and traps of the caller change no bit, end no process, and are left as they were."""
+        """Rounding and traps of the caller change no bit, end no process, and stay as they were."""
         start = START + "&span t_end = 3 /"
         top = TOP + start
         general = "&top mass = 1 inertia = 0.9, 0.7, 0.25 centre_of_mass = 0.05, 0, 0.8 /" + start

@@ -235,7 +235,7 @@ contains
             row%reason = 'no reference: ' // status_meaning(facts%status)
         else
             call run_trial(facts%case, plan, facts%reference, row%trial)
-            row%verdict = judge_trial(row%trial, row%inherent_error)
+            row%verdict = judge_trial(row%trial, row%inherent_error, row%reference_error)
             row%reason = explain_trial(row%trial, row%verdict)
         end if
     end subroutine run_method

@@ -38,18 +38,20 @@ contains
         case (verdict_failed)
             meaning = 'the method ended before the end of the span, with a status'
         case (verdict_no_reference)
-            meaning = 'there is no motion to compare with; the status is that of its computation'
+            meaning = 'there is no motion to compare with, or it is not known to ' // to_text(wrong_above) // ' rad'
         case default
             meaning = 'the method or its equations do not apply to the body'
         end select
     end function verdict_meaning
 
-    !> The verdict on a trial; `floor` is the inherent error of the attitude, rad.
-    pure integer function judge_trial(trial, floor) result(verdict)
+    !> The verdict on a trial; `floor` is the inherent error of the attitude, rad, and `uncertainty` that of the reference.
+    pure integer function judge_trial(trial, floor, uncertainty) result(verdict)
         type(trial_t), intent(in) :: trial !! result of the computation
-        real(dp), intent(in) :: floor !! inherent error of the attitude, rad
+        real(dp), intent(in) :: floor, uncertainty !! inherent error of the attitude, and error of the reference, rad
         if (trial%status /= status_ok) then
             verdict = verdict_failed
+        else if (accurate_below + floors * floor > wrong_above .or. uncertainty > wrong_above) then
+            verdict = verdict_no_reference
         else if (trial%errors%orientation <= accurate_below + floors * floor) then
             verdict = verdict_accurate
         else if (trial%errors%orientation <= wrong_above) then
@@ -73,6 +75,8 @@ contains
         select case (verdict)
         case (verdict_failed)
             reason = 'at t = ' // rounded(trial%t) // ' s: ' // trim(status_meanings(trial%status))
+        case (verdict_no_reference)
+            reason = 'the motion is not known to ' // to_text(wrong_above) // ' rad'
         case (verdict_drifts, verdict_wrong)
             associate (errors => trial%errors)
                 reason = 'orientation error ' // scientific(errors%orientation) // ' rad'

@@ -20,36 +20,35 @@ module spintop_lane_tangents
     integer, parameter :: components = 6
 
     interface
-        pure subroutine c_carry_tangents(order, coupling, decay, pull, swing, c, is_forced, force, duration, pace, &
-                                         before, after, whole, last) bind(C, name='spintop_carry_tangents')
+        pure subroutine c_carry_tangents(order, coupling, decay, pull, swing, c, duration, pace, number, which, free, &
+                                         force, before, after, whole, last) bind(C, name='spintop_carry_tangents')
             import :: c_double, c_int
-            integer(c_int), value :: order, is_forced
-            real(c_double), dimension(*), intent(in) :: coupling, decay, pull, swing, c, force, duration, pace, before
-            real(c_double), intent(out) :: after(*), whole(*), last(*)
+            integer(c_int), value :: order, number, free
+            integer(c_int), intent(in) :: which(*)
+            real(c_double), dimension(*), intent(in) :: coupling, decay, pull, swing, c, duration, pace, force, before
+            real(c_double), intent(inout) :: after(*)
+            real(c_double), intent(out) :: whole(*), last(*)
         end subroutine c_carry_tangents
     end interface
 
 contains
 
-    !> Carries a perturbation along the motions. `whole` is the sum of the magnitudes of its components, those of delta
-    !> in units of `pace`, and `last` the same of the last two terms of its series.
-    pure subroutine carry_tangents(order, coupling, decay, pull, swing, c, duration, pace, before, after, whole, last, &
-                                   force)
+    !> Carries some perturbations along the motions. `whole` is the sum of the magnitudes of their components, those of
+    !> delta in units of `pace`, and `last` the same of the last two terms of their series.
+    pure subroutine carry_tangents(order, coupling, decay, pull, swing, c, duration, pace, which, free, force, before, &
+                                   after, whole, last)
         integer, intent(in) :: order !! order of the series, up to that of the motions
         real(dp), dimension(lanes, 3), intent(in) :: coupling, decay, pull, swing !! as in `expand`
         real(dp), intent(in) :: c(lanes, rows, 0:order) !! Taylor coefficients of the motions
         real(dp), intent(in) :: duration(lanes), pace(lanes) !! s; rad/s
-        real(dp), intent(in) :: before(lanes, components) !! the perturbations: delta, epsilon
-        real(dp), intent(out) :: after(lanes, components), whole(lanes), last(lanes)
-            !! perturbations after the duration; their size before it, and the size of the last two terms
-        real(dp), intent(in), optional :: force(lanes, 3, 0:order) !! Taylor coefficients of f, 1/s^2
-        if (present(force)) then
-            call c_carry_tangents(order, coupling, decay, pull, swing, c, 1, force, duration, pace, before, after, &
-                                  whole, last)
-        else
-            call c_carry_tangents(order, coupling, decay, pull, swing, c, 0, before, duration, pace, before, after, &
-                                  whole, last)
-        end if
+        integer, intent(in) :: which(:), free !! which perturbations to carry; those beyond `free` are forced
+        real(dp), contiguous, intent(in) :: force(:, :, :, :)
+            !! Taylor coefficients of f (lane, component, term up to `order` - 1, number beyond `free`), 1/s^2
+        real(dp), contiguous, intent(in) :: before(:, :, :) !! the perturbations (lane, component, number): delta, epsilon
+        real(dp), contiguous, intent(inout) :: after(:, :, :) !! those that are carried, after the duration
+        real(dp), intent(out) :: whole(lanes), last(lanes) !! their size before it, and the size of the last two terms
+        call c_carry_tangents(int(order, c_int), coupling, decay, pull, swing, c, duration, pace, size(which, kind=c_int), &
+                              int(which, c_int), int(free, c_int), force, before, after, whole, last)
     end subroutine carry_tangents
 
 end module spintop_lane_tangents

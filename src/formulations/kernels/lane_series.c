@@ -11,8 +11,9 @@
 
 #include "lane_rows.h"
 
-// Components of a perturbation, those of a force on it, and terms at most, as in lane_tangents.f90.
-enum { components = 6, forces = 3, most_terms = 30 };
+// Components of a perturbation, those of a force on it, and terms at most, as in lane_tangents.f90; and perturbations
+// that are carried in turn, so that one is computed while another waits for its last term.
+enum { components = 6, forces = 3, most_terms = 30, in_turn = 2 };
 
 // The rows of a term of a perturbation: of omega, and the rotation.
 enum { d1, d2, d3, r1, r2, r3 };
@@ -29,9 +30,9 @@ int spintop_expand_lanes_at(int level, int order, const double *coupling, const 
                             const double *swing, const double *side, const double *state, const double *share,
                             const double *share_rest, double *c);
 typedef void carry_tangents_t(int order, const double *coupling, const double *decay, const double *pull,
-                              const double *swing, const double *c, int is_forced, const double *force,
-                              const double *duration, const double *pace, const double *before, double *after,
-                              double *whole, double *last);
+                              const double *swing, const double *c, const double *duration, const double *pace,
+                              int number, const int *which, int free, const double *force, const double *before,
+                              double *after, double *whole, double *last);
 carry_tangents_t spintop_carry_tangents;
 int spintop_processor_level(void);
 
@@ -56,11 +57,11 @@ void spintop_expand_lanes(int order, const double *coupling, const double *decay
 }
 
 void spintop_carry_tangents(int order, const double *coupling, const double *decay, const double *pull,
-                            const double *swing, const double *c, int is_forced, const double *force,
-                            const double *duration, const double *pace, const double *before, double *after,
-                            double *whole, double *last) {
-    chosen_to_carry(order, coupling, decay, pull, swing, c, is_forced, force, duration, pace, before, after, whole,
-                    last);
+                            const double *swing, const double *c, const double *duration, const double *pace,
+                            int number, const int *which, int free, const double *force, const double *before,
+                            double *after, double *whole, double *last) {
+    chosen_to_carry(order, coupling, decay, pull, swing, c, duration, pace, number, which, free, force, before, after,
+                    whole, last);
 }
 
 // The same at a level, for tests; returns whether there is a build for it.
@@ -79,6 +80,7 @@ int spintop_expand_lanes_at(int level, int order, const double *coupling, const 
 #define append_tangent LEVEL(append_tangent)
 #define magnitude LEVEL(magnitude)
 #define size_of LEVEL(size_of)
+#define add_terms LEVEL(add_terms)
 #define carry LEVEL(carry)
 
 #include "lane_vectors.h"
@@ -201,37 +203,57 @@ inlined void append_tangent(int k, int lane, struct body b, const double *c, con
 
 inlined vector magnitude(vector x) { return (vector)((bits)x & 0x7fffffffffffffffLL); }
 
-// Sum of the magnitudes of a term; those of omega in units of `pace`.
-inlined vector size_of(const double *z, vector pace) {
-    return (magnitude(get(z, d1)) + magnitude(get(z, d2)) + magnitude(get(z, d3))) / pace
+// Sum of the magnitudes of a term; those of omega times `unit`.
+inlined vector size_of(const double *z, vector unit) {
+    return (magnitude(get(z, d1)) + magnitude(get(z, d2)) + magnitude(get(z, d3))) * unit
            + (magnitude(get(z, r1)) + magnitude(get(z, r2)) + magnitude(get(z, r3)));
 }
 
+// The perturbation after the duration, from its series; adds its size, and that of its last terms, to the sums.
+inlined void add_terms(int order, int lane, const double *z, vector h, vector unit, double *after, double *whole,
+                       double *last) {
+    enum { step = lanes * components };
+    const double *newest = z + step * order + lane;
+    vector sum[components], power = h;
+    for_all(row, components) sum[row] = get(newest, row);
+    for (int k = order - 1; k >= 0; --k) {
+        for_all(row, components) sum[row] = sum[row] * h + get(z + step * k + lane, row);
+    }
+    for_all(row, components) put(after + lane, row, sum[row]);
+    for (int k = 2; k < order; ++k) power *= h;
+    put(whole + lane, 0, get(whole + lane, 0) + size_of(z + lane, unit));
+    put(last + lane, 0,
+        get(last + lane, 0) + power * (size_of(newest - step, unit) + h * size_of(newest, unit)));
+}
+
 static void carry(int order, const double *coupling, const double *decay, const double *pull, const double *swing,
-                  const double *c, int is_forced, const double *force, const double *duration, const double *pace,
-                  const double *before, double *after, double *whole, double *last) {
+                  const double *c, const double *duration, const double *pace, int number, const int *which, int free,
+                  const double *force, const double *before, double *after, double *whole, double *last) {
     enum { step = lanes * components };
     const struct body b = {coupling, decay, pull, swing};
-    double z[step * (most_terms + 1)] __attribute__((aligned(64)));
+    const int length = lanes * forces * order;
+    double z[in_turn][step * (most_terms + 1)] __attribute__((aligned(64)));
 
-    memcpy(z, before, step * sizeof *z);
-    for (int k = 0; k < order; ++k) {
+    memset(whole, 0, lanes * sizeof *whole);
+    memset(last, 0, lanes * sizeof *last);
+    for (int first = 0; first < number; first += in_turn) {
+        const int many = number - first < in_turn ? number - first : in_turn;
+        const int *const one = which + first;
+        for (int v = 0; v < many; ++v) memcpy(z[v], before + step * (one[v] - 1), step * sizeof **z);
+        for (int k = 0; k < order; ++k) {
+            for (int v = 0; v < many; ++v) {
+                const double *own = one[v] > free ? force + length * (one[v] - free - 1) : 0;
+                for (int lane = 0; lane < lanes; lane += width) {
+                    append_tangent(k, lane, b, c + lane, own ? own + lane : 0, z[v] + lane);
+                }
+            }
+        }
         for (int lane = 0; lane < lanes; lane += width) {
-            append_tangent(k, lane, b, c + lane, is_forced ? force + lane : 0, z + lane);
+            const vector h = get(duration + lane, 0), unit = 1 / get(pace + lane, 0);
+            for (int v = 0; v < many; ++v) {
+                add_terms(order, lane, z[v], h, unit, after + step * (one[v] - 1), whole, last);
+            }
         }
-    }
-    for (int lane = 0; lane < lanes; lane += width) {
-        const double *newest = z + step * order + lane;
-        const vector h = get(duration + lane, 0), p = get(pace + lane, 0);
-        vector sum[components], power = h;
-        for (int row = 0; row < components; ++row) sum[row] = get(newest, row);
-        for (int k = order - 1; k >= 0; --k) {
-            for (int row = 0; row < components; ++row) sum[row] = sum[row] * h + get(z + step * k + lane, row);
-        }
-        for (int row = 0; row < components; ++row) put(after + lane, row, sum[row]);
-        for (int k = 2; k < order; ++k) power *= h;
-        put(whole + lane, 0, size_of(z + lane, p));
-        put(last + lane, 0, power * (size_of(newest - step, p) + h * size_of(newest, p)));
     }
 }
 

@@ -92,7 +92,7 @@ contains
         duration = run%now%t - run%now%t_last
         call self%try(run, run%c, duration, after, excess)
         if (all(excess <= 1)) then
-            self%z = after
+            self%z(:, :, :) = after
             self%parts = self%parts + merge(1, 0, duration > 0)
         else
             call self%divide(run, duration, after, excess)
@@ -107,36 +107,33 @@ contains
         class(tangent_lanes_t), intent(in) :: self
         type(taylor_lanes_t), intent(in) :: run
         real(dp), intent(in) :: c(lanes, rows, 0:run%order), duration(lanes)
-        real(dp), intent(out) :: after(:, :, :), excess(lanes)
-        real(dp), dimension(lanes) :: whole, last, all_whole, all_last
-        real(dp) :: products(lanes, 3, 0:run%order), force(lanes, 3, 0:run%order)
-        integer :: v, order, free
+        real(dp), contiguous, intent(out) :: after(:, :, :)
+        real(dp), intent(out) :: excess(lanes)
+        real(dp), dimension(lanes) :: whole, last
+        real(dp) :: products(lanes, 3, 0:run%order)
+        real(dp) :: force(lanes, 3, 0:min(self%most_order, run%order) - 1, size(self%change))
+        integer :: which(size(self%z, 3)), v, n, order, free
 
         order = min(self%most_order, run%order)
         free = size(self%z, 3) - size(self%change)
-        all_whole = 0
-        all_last = 0
+        n = 0
         if (size(self%change) > 0) call multiply_rates(order - 1, c, products)
         do v = 1, size(self%z, 3)
-            associate (now => run%now)
-                if (is_idle(self%z(:, :, v), v - free, self%change)) then
-                    after(:, :, v) = 0
-                    cycle
-                else if (v <= free) then
-                    call carry_tangents(order, now%coupling, now%decay, now%pull, now%swing, c, duration, now%scale, &
-                                        self%z(:, :, v), after(:, :, v), whole, last)
-                else
-                    call find_force(order - 1, self%change(v - free), c, products, force)
-                    call carry_tangents(order, now%coupling, now%decay, now%pull, now%swing, c, duration, now%scale, &
-                                        self%z(:, :, v), after(:, :, v), whole, last, force)
-                end if
-            end associate
-            all_whole = all_whole + whole
-            all_last = all_last + last
+            if (is_idle(self%z(:, :, v), v - free, self%change)) then
+                after(:, :, v) = 0
+                cycle
+            end if
+            n = n + 1
+            which(n) = v
+            if (v > free) call find_force(order - 1, self%change(v - free), c, products, force(:, :, :, v - free))
         end do
-        excess = merge(all_last / (self%tolerance * all_whole), 0.0_dp, all_last > self%tolerance * all_whole)
+        associate (now => run%now)
+            call carry_tangents(order, now%coupling, now%decay, now%pull, now%swing, c, duration, now%scale, which(:n), free, &
+                                force, self%z, after, whole, last)
+        end associate
+        excess = merge(last / (self%tolerance * whole), 0.0_dp, last > self%tolerance * whole)
         ! What is not finite exceeds as well.
-        excess = merge(excess, huge(1.0_dp), all_last <= huge(1.0_dp) .and. excess <= huge(1.0_dp))
+        excess = merge(excess, huge(1.0_dp), last <= huge(1.0_dp) .and. excess <= huge(1.0_dp))
         excess = merge(excess, 0.0_dp, duration > 0 .and. self%status == status_ok)
     end subroutine try
 
@@ -157,7 +154,8 @@ contains
         class(tangent_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run
         real(dp), intent(in) :: duration(lanes)
-        real(dp), intent(inout) :: after(:, :, :), excess(lanes)
+        real(dp), contiguous, intent(inout) :: after(:, :, :)
+        real(dp), intent(inout) :: excess(lanes)
         real(dp) :: c(lanes, rows, 0:run%order), left(lanes), part(lanes)
         integer :: lane, order
 
@@ -209,14 +207,17 @@ contains
     pure subroutine settle(self, run)
         class(tangent_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run
-        real(dp) :: along
+        real(dp) :: along, share(lanes)
         integer :: i, v
         associate (x => run%now%state, z => self%z)
+            !$omp simd
+            do i = 1, lanes
+                share(i) = 1 / max(x(i, 4)**2 + x(i, 5)**2 + x(i, 6)**2, tiny(along))
+            end do
             do v = 1, size(z, 3)
                 !$omp simd private(along)
                 do i = 1, lanes
-                    along = (x(i, 4) * z(i, 4, v) + x(i, 5) * z(i, 5, v) + x(i, 6) * z(i, 6, v)) &
-                        / max(x(i, 4)**2 + x(i, 5)**2 + x(i, 6)**2, tiny(along))
+                    along = (x(i, 4) * z(i, 4, v) + x(i, 5) * z(i, 5, v) + x(i, 6) * z(i, 6, v)) * share(i)
                     z(i, 4, v) = z(i, 4, v) - along * x(i, 4)
                     z(i, 5, v) = z(i, 5, v) - along * x(i, 5)
                     z(i, 6, v) = z(i, 6, v) - along * x(i, 6)
@@ -244,17 +245,18 @@ contains
     pure subroutine scale_down(self, run)
         class(tangent_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run
-        real(dp) :: peak(lanes)
+        real(dp), dimension(lanes) :: peak, fast, turned
         integer :: i, v, m
-        peak = 0
+        fast = 0
+        turned = 0
         do v = 1, size(self%z, 3)
-            do m = 1, components
-                !$omp simd
-                do i = 1, lanes
-                    peak(i) = max(peak(i), abs(self%z(i, m, v)) / merge(run%now%scale(i), 1.0_dp, m <= 3))
-                end do
+            !$omp simd
+            do i = 1, lanes
+                fast(i) = max(fast(i), max(abs(self%z(i, 1, v)), abs(self%z(i, 2, v)), abs(self%z(i, 3, v))))
+                turned(i) = max(turned(i), max(abs(self%z(i, 4, v)), abs(self%z(i, 5, v)), abs(self%z(i, 6, v))))
             end do
         end do
+        peak = max(turned, fast / run%now%scale)
         if (all(peak < far .and. peak * far > 1)) return
         do i = 1, lanes
             if ((peak(i) < far .and. peak(i) * far > 1) .or. .not. (peak(i) > 0 .and. peak(i) <= huge(1.0_dp))) cycle
@@ -299,9 +301,10 @@ contains
         integer :: i, k
         associate (w => products, coupling => change%coupling, decay => change%decay, pull => change%pull, &
                    swing => change%swing)
-            do k = 0, order
-                !$omp simd
-                do i = 1, lanes
+            ! The numbers of the body stay in registers.
+            !$omp simd private(k)
+            do i = 1, lanes
+                do k = 0, max(order, 0)
                     force(i, 1, k) = coupling(i, 1) * w(i, 1, k) + pull(i, 1) * c(i, 5, k) - swing(i, 1) * c(i, 6, k) &
                         - decay(i, 1) * c(i, 1, k)
                     force(i, 2, k) = coupling(i, 2) * w(i, 2, k) + pull(i, 2) * c(i, 6, k) - swing(i, 2) * c(i, 4, k) &

@@ -16,7 +16,7 @@ module spintop_events
     use spintop_body, only: body_t
     use spintop_bracket, only: bracket_t
     use spintop_compare, only: is_equal, is_finite
-    use spintop_event, only: event_t
+    use spintop_event, only: event_t, occasion_none
     use spintop_event_quantities, only: event_quantities_t
     use spintop_five_values, only: passes_at_most_once, rounding_of
     use spintop_instants, only: greatest_fall_rate, is_short, next_instant, time_of_start
@@ -138,6 +138,10 @@ contains
         logical :: knows_end
 
         if (.not. t > self%t) return
+        if (all(self%events%occasion /= occasion_none)) then
+            self%t = t ! no quantity is sought
+            return
+        end if
         knows_end = .false.
         if (.not. self%is_paused) then
             self%pace = path%greatest_rate

@@ -95,7 +95,8 @@ contains
             sweep_column_t('largest_singular_value', '', &
                            'largest singular value of the tangent map over the span, in the scales of the motion', &
                            'singular', fill_largest_singular_value), &
-            sweep_column_t('upright_multiplier', '', 'largest Floquet multiplier of the upright body over a vertical vibration', &
+            sweep_column_t('upright_multiplier', '', &
+                           'largest Floquet multiplier with the centre of mass above the pivot, vibrated vertically', &
                            'multiplier', fill_upright_multiplier), &
             sweep_free_columns(), sweep_proof_columns()]
     end function sweep_columns

@@ -25,7 +25,7 @@ module spintop_number_slot
         procedure :: is_same
         procedure :: refusal
         procedure :: accepts
-        procedure :: nearest
+        procedure :: nearest => nearest_in_slot
     end type number_slot_t
 
 contains
@@ -146,11 +146,11 @@ contains
     end function accepts
 
     !> The value in the range that is nearest to another; beyond an open end that value itself.
-    pure real(dp) function nearest(self, value)
+    pure real(dp) function nearest_in_slot(self, value) result(nearest_value)
         class(number_slot_t), intent(in) :: self
         real(dp), intent(in) :: value !! the other value
-        nearest = self%range%nearest(value)
-    end function nearest
+        nearest_value = self%range%nearest(value)
+    end function nearest_in_slot
 
     !> The reason why the variable cannot have a value ('must be > 0'), or ''.
     function refusal(self, value) result(reason)

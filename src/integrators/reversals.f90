@@ -43,16 +43,15 @@ contains
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         class(stepper_t), intent(in) :: stepper !! the method
         class(workspace_t), intent(inout) :: work !! its workspace, after a step
-        real(dp) :: middle, at_middle(3, directions)
+        real(dp) :: middle, first(3, directions), at_middle(3, directions), last(3, directions)
         may_reverse = formulation%action%may_stick
         if (may_reverse .or. .not. formulation%action%may_turn) return
         middle = work%t_last + (work%t - work%t_last) / 2
         at_middle = formulation%action%directions_at(middle, stepper%interpolate(formulation, work, middle))
-        associate (first => formulation%action%directions_at(work%t_last, work%y_last), &
-                   last => formulation%action%directions_at(work%t, work%y))
-            may_reverse = norm2(at_middle(:, direction_force)) > 0 .or. which_reversed(first, first, at_middle) > 0 .or. &
-                which_reversed(first, at_middle, last) > 0
-        end associate
+        first = formulation%action%directions_at(work%t_last, work%y_last)
+        last = formulation%action%directions_at(work%t, work%y)
+        may_reverse = norm2(at_middle(:, direction_force)) > 0 .or. which_reversed(first, first, at_middle) > 0 .or. &
+            which_reversed(first, at_middle, last) > 0
     end function may_reverse
 
     !> Which vector reverses; 0 if none does: it differs by more than a right angle from what it was before, or, of the support

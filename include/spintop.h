@@ -78,6 +78,9 @@ typedef struct spintop_top spintop_top;
 spintop_top *spintop_top_new(const char *input, const char *name, spintop_error **error);
 void spintop_top_delete(spintop_top *top); /* NULL is allowed */
 
+/* Warnings of the input, such as that no body has its inertia; "" if there are none. They live as long as the top. */
+const char *spintop_top_warnings(const spintop_top *top);
+
 /* The columns: in the cells of spintop_top_at that of index c has its values in cells[c*n] to cells[c*n + n - 1]. */
 int spintop_top_column_count(const spintop_top *top);
 const spintop_column *spintop_top_columns(const spintop_top *top);

@@ -12,7 +12,14 @@ global interpreter lock, and any thread may call anything.
 
 from spintop.animation import Animation, animate
 from spintop.fits import fit
-from spintop.library import InputError, MotionError, OutputError, SpintopError, library
+from spintop.library import (
+    InputError,
+    InputWarning,
+    MotionError,
+    OutputError,
+    SpintopError,
+    library,
+)
 from spintop.results import Result, Table
 from spintop.runs import plot, read, registry, run, sweep
 from spintop.tops import Body, Motion, Top, tops
@@ -21,6 +28,7 @@ __all__ = [
     "Animation",
     "Body",
     "InputError",
+    "InputWarning",
     "Motion",
     "MotionError",
     "OutputError",

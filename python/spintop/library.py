@@ -39,6 +39,10 @@ class InputError(SpintopError, ValueError):
     """The input is wrong: nothing was computed."""
 
 
+class InputWarning(UserWarning):
+    """What the program warns of in the input of a top."""
+
+
 class MotionError(SpintopError):
     """A motion could not be computed up to the last time: `status` says why."""
 
@@ -104,6 +108,7 @@ FUNCTIONS = {
     "error_delete": (None, POINTER(CError)),
     "top_new": (c_void_p, c_char_p, c_char_p, ERROR),
     "top_delete": (None, c_void_p),
+    "top_warnings": (c_char_p, c_void_p),
     "top_column_count": (c_int, c_void_p),
     "top_columns": (POINTER(CColumn), c_void_p),
     "top_at": (c_int, c_void_p, c_size_t, c_void_p, c_void_p, ERROR),

@@ -2,6 +2,7 @@
 
 import ctypes
 import threading
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
@@ -13,6 +14,7 @@ from spintop.animation import Animation
 from spintop.inputs import Group, frozen, namelist, names_in, numbers, thread_count
 from spintop.library import (
     InputError,
+    InputWarning,
     MotionError,
     bytes_of,
     library,
@@ -91,6 +93,7 @@ class Handle:
         columns = calls.spintop_top_columns(self.top)
         count = calls.spintop_top_column_count(self.top)
         self.units = {text_of(columns[i].name): text_of(columns[i].unit) for i in range(count)}
+        self.warnings = text_of(calls.spintop_top_warnings(self.top))
         self.at, self.find_events = calls.spintop_top_at, calls.spintop_top_events
 
     def __del__(self) -> None:
@@ -157,12 +160,14 @@ class Top:
     def __init__(
         self, body: Body, *, effects: Mapping[str, Any] | None = None, **start: Any
     ) -> None:
-        """Check body and start: an InputError says what is wrong with them."""
+        """Check body and start: an InputError says what is wrong, an InputWarning what is odd."""
         self.body = body
         self._start, self._effects = frozen(start), frozen(effects or {})
         self._handles: dict[tuple[Any, ...], Handle] = {}
         self._lock = threading.Lock()
-        self._handle({}, {"t_end": 1.0}, ANGLES)
+        told = self._handle({}, {"t_end": 1.0}, ANGLES).warnings
+        if told:
+            warnings.warn(told, InputWarning, stacklevel=2)
 
     def __repr__(self) -> str:
         """The call that makes it."""

@@ -8,7 +8,7 @@ module spintop_c_top
     use spintop_c_error, only: describe_status, hand_error, hand_status, longest_message
     use spintop_c_motion, only: asked_motion_t
     use spintop_c_result, only: c_column_t, described_column_t, hand_result
-    use spintop_c_text, only: take_text
+    use spintop_c_text, only: c_text_t, take_text
     use spintop_data_table, only: data_table_t
     use spintop_errors, only: error_t, exit_failed, exit_ok, input_error
     use spintop_event_recorder, only: event_columns, event_recorder_t
@@ -33,6 +33,8 @@ module spintop_c_top
         type(asked_derivatives_t) :: derivatives
         type(described_column_t), allocatable :: described(:)
         type(c_column_t), allocatable :: columns(:)
+        !> Warnings of the input.
+        type(c_text_t) :: warnings
         !> The input, if it has events; and the columns of their table.
         type(prepared_t), allocatable :: prepared
         type(trajectory_column_t), allocatable :: chosen(:)
@@ -86,6 +88,7 @@ contains
                 error = input_error(name_of_text // ': the input of a top is that of a trajectory')
                 return
             end if
+            call top%warnings%set(job%warnings)
             allocate (known, source=trajectory_columns())
             allocate (top%chosen, source=known(job%columns))
             ! The motion itself is also asked for the columns of which there are derivatives.
@@ -117,6 +120,14 @@ contains
         call c_f_pointer(handle, top)
         columns = c_loc(top%columns)
     end function list_columns
+
+    !> Warnings of the input of a top.
+    type(c_ptr) function tell_warnings(handle) bind(C, name='spintop_top_warnings') result(warnings)
+        type(c_ptr), value :: handle !! the top
+        type(top_t), pointer :: top
+        call c_f_pointer(handle, top)
+        warnings = top%warnings%at()
+    end function tell_warnings
 
     !> Finds the motion of a top at some times, column by column.
     integer(c_int) function find_motion(handle, n, t, cells, error) bind(C, name='spintop_top_at') result(code)

@@ -6,6 +6,7 @@ import pickle
 import subprocess
 import sys
 import unittest
+import warnings
 from decimal import Decimal
 from functools import partial
 from multiprocessing import get_context
@@ -83,6 +84,16 @@ class CopiesTest(unittest.TestCase):
         self.assertEqual(found["theta"][1], top.integrate(1.0).theta)
         disc["mass"] = 5
         self.assertEqual(top.body.parts[0]["mass"], 0.5)
+
+    def test_warnings(self) -> None:
+        """A body that no mass distribution has is one with a warning, as of the program."""
+        with self.assertWarnsRegex(spintop.InputWarning, "no mass distribution has this inertia"):
+            spintop.Top(spintop.Body(mass=1, inertia=(0.5, 0.5, 0.26), length=0.9), theta=1)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            self.assertEqual(
+                theta_of(spintop.Top(BODY, theta_deg=11.25, psi_rate=1)), theta_of(TOP)
+            )
 
     def test_forked_process(self) -> None:
         """A quantity of one top needs no threads, which a forked process does not have."""

@@ -43,8 +43,8 @@ contains
     !> Constants of the action.
     pure subroutine set_action(self, body, start)
         class(effects_action_t), intent(inout) :: self
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
+        type(body_t), intent(in) :: body !! mass properties about the fixed point, and its effects
+        type(motion_t), intent(in) :: start !! not used
         associate (unused => start)
         end associate
         self%body = body
@@ -59,15 +59,15 @@ contains
     !> Power of each part of the work.
     pure subroutine find_powers_of_action(self, t, y, power)
         class(effects_action_t), intent(in) :: self
-        real(dp), intent(in) :: t(instants), y(instants, max_states)
-        real(dp), intent(out) :: power(instants, works)
+        real(dp), intent(in) :: t(instants), y(instants, max_states) !! times, s, and states
+        real(dp), intent(out) :: power(instants, works) !! of each part at each instant, W
         call find_powers(self%body, self%effects, t, y(:, 1:4), y(:, 5:7), power)
     end subroutine find_powers_of_action
 
     !> The next knot of the table of torques.
     pure real(dp) function next_knot(self, t)
         class(effects_action_t), intent(in) :: self
-        real(dp), intent(in) :: t
+        real(dp), intent(in) :: t !! s
         next_knot = huge(t)
         if (allocated(self%effects%table)) next_knot = self%effects%table%next_knot(t)
     end function next_knot
@@ -75,8 +75,8 @@ contains
     !> |w| and -|w|'.
     pure subroutine find_speed(self, t, y, speed, slowing, across)
         class(effects_action_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states)
-        real(dp), intent(out) :: speed, slowing, across
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+        real(dp), intent(out) :: speed, slowing, across !! rad/s, rad/s^2; the part across the acceleration, rad/s
         real(dp) :: rate(3)
         type(loads_t) :: loads
         call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
@@ -92,7 +92,7 @@ contains
     !> w and w x r in body axes, and the support force in space axes.
     pure function directions_at(self, t, y) result(vectors)
         class(effects_action_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states)
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         real(dp) :: vectors(3, directions)
         type(loads_t) :: loads
         vectors = 0
@@ -115,8 +115,8 @@ contains
     !> of w is one of w across r at the most. Nothing bounds the support force.
     pure subroutine find_reach(self, t, y, span, change, speed, reach, narrowest)
         class(effects_action_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states), span, change(max_states)
-        real(dp), intent(out) :: speed, reach, narrowest
+        real(dp), intent(in) :: t, y(max_states), span, change(max_states) !! time, s; state; s; bounds of its change
+        real(dp), intent(out) :: speed, reach, narrowest !! as of `action_t`, rad/s
         real(dp) :: omega(3)
         associate (effects => self%effects, inertia => self%body%inertia, r => self%body%centre_of_mass)
             omega = (y(5:7) - (effects%rotor_momentum + effects%rotor_torque * t)) / inertia
@@ -131,7 +131,7 @@ contains
     !> The state at rest.
     pure function at_rest(self, t, y, left) result(resting)
         class(effects_action_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states), left
+        real(dp), intent(in) :: t, y(max_states), left !! time, s; state; time to rest, s
         real(dp) :: resting(max_states)
         type(loads_t) :: loads
         real(dp), parameter :: still(3) = 0
@@ -146,7 +146,7 @@ contains
     !> |T| - M at rest.
     pure real(dp) function excess(self, t, y)
         class(effects_action_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states)
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and a state at rest
         type(loads_t) :: loads
         call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
         excess = norm2(loads%pull) - loads%dry
@@ -157,7 +157,7 @@ contains
     !> the torque grows steadily, all the time there is.
     pure real(dp) function pause(self, t) result(time)
         class(effects_action_t), intent(in) :: self
-        real(dp), intent(in) :: t
+        real(dp), intent(in) :: t !! s
         time = huge(t)
         if (.not. all(is_zero(self%effects%vibration_amplitude))) then
             time = 2 * pi / self%effects%vibration_rate / looks_per_period

@@ -5,8 +5,7 @@
 !> the vertical, because Euler angles and their rates vary on this scale. Each interval is halved until a parabola shows that
 !> the quantity is monotone, or does not reach its level (`spintop_five_values`). Any number of passages between two instants
 !> is therefore found. The following are not events: a level that is touched and not passed, to the rounding error of the
-!> quantity, which is measured where it matters; passages of a quantity that is equal to its level within rounding errors; the
-!> start itself.
+!> quantity, which is measured where it matters; passages of one that equals its level within rounding errors; the start.
 !>
 !> Each evaluation counts as work. The search ends when the path allows no more.
 module spintop_events
@@ -137,11 +136,8 @@ contains
         real(dp) :: next
         logical :: knows_end
 
+        if (all(self%events%occasion /= occasion_none)) self%t = max(self%t, t) ! no quantity is sought
         if (.not. t > self%t) return
-        if (all(self%events%occasion /= occasion_none)) then
-            self%t = t ! no quantity is sought
-            return
-        end if
         knows_end = .false.
         if (.not. self%is_paused) then
             self%pace = path%greatest_rate

@@ -28,8 +28,7 @@ contains
                            'nutation', fill_theta_max, is_default=.true.), &
             sweep_column_t('delta_u', '', 'range of cos(theta)', 'nutation', fill_delta_u, is_default=.true.), &
             sweep_column_t('delta_u_fast_top', '', 'the same by Eq 29', 'fast_top', fill_delta_u_fast_top, is_default=.true.), &
-            sweep_column_t('nutation_period', 's', 'nutation period', &
-                           'nutation', fill_nutation_period, is_default=.true.), &
+            sweep_column_t('nutation_period', 's', 'nutation period', 'nutation', fill_nutation_period, is_default=.true.), &
             sweep_column_t('nutation_rate', 'rad/s', '2 pi over the nutation period', &
                            'nutation', fill_nutation_rate, is_default=.true.), &
             sweep_column_t('nutation_rate_fast_top', 'rad/s', 'the same by Eq 30', &

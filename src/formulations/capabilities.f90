@@ -105,6 +105,7 @@ module spintop_capabilities
         procedure(find_speed), deferred :: find_speed
         procedure(find_directions), deferred :: directions_at
         procedure(find_reach), deferred :: find_reach
+        procedure(find_turn), deferred :: drag_turns
         procedure(at_rest), deferred :: at_rest
         procedure(excess), deferred :: excess
         procedure(pause), deferred :: pause
@@ -145,14 +146,22 @@ module spintop_capabilities
         end function find_directions
 
         !> How far the angular velocity may move away in `span` seconds, in which the state variables change by `change` at
-        !> most, so that it keeps a share of its magnitude if `reach` is less than that share of `speed`; and all those vectors
-        !> do if it is less than that share of `narrowest`.
+        !> most, so that it keeps a share of its magnitude if `reach` is less than that share of `speed`; and so does the
+        !> velocity of the dragged centre of mass if it is less than that share of `narrowest`, which is negative where the
+        !> support force matters, too.
         pure subroutine find_reach(self, t, y, span, change, speed, reach, narrowest)
             import :: action_t, dp, max_states
             class(action_t), intent(in) :: self
             real(dp), intent(in) :: t, y(max_states), span, change(max_states) !! time, s; state; s; bounds
             real(dp), intent(out) :: speed, reach, narrowest !! magnitude of the angular velocity in space, and these bounds, rad/s
         end subroutine find_reach
+
+        !> Whether the velocity of the dragged centre of mass turns by more than a right angle from one state to the next.
+        pure logical function find_turn(self, t, y)
+            import :: action_t, dp, instants, max_states
+            class(action_t), intent(in) :: self
+            real(dp), intent(in) :: t(0:instants), y(0:instants, max_states) !! times, s, and states
+        end function find_turn
 
         !> The state at rest at a time, with the attitude that the motion in a state reaches after `left` seconds of
         !> constant deceleration to rest.

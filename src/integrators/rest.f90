@@ -10,6 +10,7 @@ module spintop_rest
     use spintop_kinds, only: dp
     use spintop_status, only: status_non_finite, status_ok, status_step_too_small
     use spintop_lying, only: lying_t
+    use spintop_motions, only: instants
     use spintop_reversals, only: end_before_reversal, end_step, may_reverse
     use spintop_stepper, only: method_info_t, stepper_t, workspace_t
     implicit none
@@ -118,7 +119,7 @@ contains
         class(rest_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
         class(stepper_t), intent(in) :: stepper
-        class(workspace_t), intent(in) :: work
+        class(workspace_t), intent(inout) :: work
         real(dp) :: span, change(max_states), speed, reach, narrowest, speed_now
         logical :: is_known
 
@@ -127,11 +128,25 @@ contains
         if (.not. is_known) return
         span = work%t - work%t_last
         call formulation%action%find_reach(work%t_last, work%y_last, span, change, speed, reach, narrowest)
-        self%goes_on = reach < share * narrowest
+        self%goes_on = reach < share * min(speed, narrowest)
+        if (.not. self%goes_on .and. narrowest >= 0 .and. reach < share * speed) self%goes_on = .not. turns_back()
         if (.not. self%goes_on) return
         call formulation%action%find_reach(work%t, work%y, 0.0_dp, change, speed_now, reach, narrowest)
         self%largest = max(self%largest, speed, speed_now)
         self%steepest = max(self%steepest, (speed - speed_now) / span)
+
+    contains
+
+        !> Whether the velocity on which drag depends reverses.
+        logical function turns_back()
+            real(dp) :: t(0:instants), y(0:instants, max_states)
+            integer :: i
+            t = work%t_last + span * [(real(i, dp) / instants, i=0, instants)]
+            y(0, :) = work%y_last
+            call stepper%states_within(formulation, work, t(1:), y(1:, :))
+            turns_back = formulation%action%drag_turns(t, y)
+        end function turns_back
+
     end subroutine check_direction
 
     !> Whether a method steps by series.

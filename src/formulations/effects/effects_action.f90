@@ -28,6 +28,7 @@ module spintop_effects_action
         procedure :: find_speed
         procedure :: directions_at
         procedure :: find_reach
+        procedure :: drag_turns
         procedure :: at_rest
         procedure :: excess
         procedure :: pause
@@ -123,10 +124,35 @@ contains
             speed = norm2(omega)
             narrowest = speed
             if (effects%drag_force > 0 .and. norm2(r) > 0) narrowest = norm2(cross(omega, r / norm2(r)))
-            if (effects%friction_arm > 0) narrowest = 0
+            if (effects%friction_arm > 0) narrowest = -1
             reach = norm2((change(5:7) + abs(effects%rotor_torque) * span) / inertia) + 3 * norm2(effects%frame_rate)
         end associate
     end subroutine find_reach
+
+    !> Whether w x r turns back, in body axes, which turn by less in the meantime.
+    pure logical function drag_turns(self, t, y)
+        class(effects_action_t), intent(in) :: self
+        real(dp), intent(in) :: t(0:instants), y(0:instants, max_states) !! times, s, and states
+        real(dp) :: w(0:instants, 3), v(0:instants, 3), least
+        type(loads_t) :: loads
+        integer :: i
+        associate (effects => self%effects, r => self%body%centre_of_mass)
+            do i = 1, 3
+                w(:, i) = (y(:, 4 + i) - (effects%rotor_momentum(i) + effects%rotor_torque(i) * t)) / self%body%inertia(i)
+            end do
+            if (any(abs(effects%frame_rate) > 0)) then
+                do i = 0, instants
+                    call find_kinematics(self%body, effects, t(i), y(i, 1:4), y(i, 5:7), loads)
+                    w(i, :) = loads%omega
+                end do
+            end if
+            v(:, 1) = w(:, 2) * r(3) - w(:, 3) * r(2)
+            v(:, 2) = w(:, 3) * r(1) - w(:, 1) * r(3)
+            v(:, 3) = w(:, 1) * r(2) - w(:, 2) * r(1)
+            least = -rounding**2 * sum(w(0, :)**2) * sum(r**2)
+        end associate
+        drag_turns = any(v(1:, 1) * v(:instants - 1, 1) + v(1:, 2) * v(:instants - 1, 2) + v(1:, 3) * v(:instants - 1, 3) < least)
+    end function drag_turns
 
     !> The state at rest.
     pure function at_rest(self, t, y, left) result(resting)

@@ -11,7 +11,7 @@ module spintop_taylor_lanes
     use spintop_attitude, only: nearest_turn, vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_lane_effects, only: lane_effects_t, lane_kinds_t, more_rows
-    use spintop_lane_reversals, only: find_reversals
+    use spintop_lane_reversals, only: end_before_reversals, find_reversals
     use spintop_lane_series, only: expand, lanes, parts, rows
     use spintop_lane_steps, only: add_terms, border, choose_durations, closest_to_pole, follow, largest_turn, &
         non_finite, pole_bend, sharp, straight, turns_far
@@ -188,8 +188,12 @@ contains
             call choose_durations(self%order, self%controls, c, now%scale, now%t, now%t_end, self%steps, &
                                   now%h, now%duration, trouble, worst)
             if (any(self%has_cusps)) then
-                call find_reversals(self%order, c, now%duration, self%dragged, reverses)
+                call find_reversals(self%order, c, now%duration, reverses)
                 where (self%has_cusps .and. reverses) trouble = max(trouble, non_finite)
+                if (any(abs(self%dragged) > 0)) then
+                    call end_before_reversals(self%order, c, self%dragged, now%duration, reverses)
+                    where (reverses) trouble = max(trouble, non_finite)
+                end if
                 worst = max(worst, maxval(trouble))
             end if
             if (worst > 0) call end_lanes(self, trouble)

@@ -79,7 +79,7 @@ module spintop_benchmark_cases
                     'top.mass=1;top.inertia=25,42,18;top.length=0;initial.quaternion=1,0,0,0;initial.omega=0,0.75,2.5;' // &
                     'span.t_end=20'), &
         benchmark_t('free_symmetric_body', 'free symmetric body in regular precession', &
-                    'OpenTurbine, test PrecessionTest, National Renewable Energy Laboratory and Sandia National Laboratories', &
+                    'OpenTurbine, test PrecessionTest, National Renewable Energy Laboratory, 2026', &
                     'top.mass=1;top.inertia=1,1,0.5;top.length=0;initial.quaternion=1,0,0,0;' // &
                     'initial.omega=0.5,0.5,1;span.t_end=5'), &
         benchmark_t('tumbling_brick', 'free brick that turns with 10, 20 and 30 deg/s about its axes', &

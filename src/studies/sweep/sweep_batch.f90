@@ -7,7 +7,7 @@ module spintop_sweep_batch
     use spintop_body, only: body_t
     use spintop_body_with_effects, only: body_with_effects_t
     use spintop_case, only: case_t
-    use spintop_compare, only: is_zero
+    use spintop_compare, only: is_equal, is_zero
     use spintop_exact_block, only: block_size
     use spintop_instants, only: through_pole
     use spintop_integration, only: outcome_t
@@ -30,10 +30,12 @@ module spintop_sweep_batch
     private
     public :: sweep_batch_t, goes_in_batch
 
-    !> Waiting cases with the same plan, and their positions in their block.
+    !> Waiting cases, and their positions in their block.
     type :: sweep_batch_t
         integer :: n = 0
-        type(controls_t), private :: controls
+        !> The settings of each, and those for which the watches were made.
+        type(controls_t), allocatable, private :: controls(:)
+        type(controls_t), private :: watched
         integer, allocatable, private :: place(:)
         type(body_t), allocatable, private :: bodies(:)
         type(motion_t), allocatable, private :: starts(:)
@@ -48,13 +50,15 @@ module spintop_sweep_batch
     contains
         procedure :: add
         procedure :: compute
+        procedure, private :: integrate
+        procedure, private :: take
     end type sweep_batch_t
 
 contains
 
     !> Whether a case can be computed together with others: a body without a closed form, with Taylor's method
-    !> for the equations of any body, with effects that have series and without, with a plan that is the same for all, and
-    !> with no event before the end that the watches in lanes do not find.
+    !> for the equations of any body, with effects that have series and without, and with no event before the end that the
+    !> watches in lanes do not find.
     logical function goes_in_batch(job, case, plan, wanted)
         type(job_t), intent(in) :: job !! the job
         type(case_t), intent(in) :: case !! body, start and span
@@ -69,7 +73,6 @@ contains
             if (swings_over_poles(case%body, case%start, nearly_plane) .or. starts_beside_pole(case%start)) return
         end if
         if ((wanted%force .or. wanted%vertical_force) .and. all(is_zero(case%body%centre_of_mass))) return
-        if (job%axes%varies('integration')) return
         if (.not. ends_in_lanes(job%events, case)) return
         if (plan%stepper%controls%project /= project_nothing) return
         select type (stepper => plan%stepper)
@@ -108,11 +111,11 @@ contains
         type(plan_t), intent(in) :: plan !! model, method and settings
         integer, intent(in) :: k !! position of the case in its block
         if (.not. allocated(self%place)) then
-            allocate (self%place(block_size), self%bodies(block_size), self%starts(block_size), &
+            allocate (self%controls(block_size), self%place(block_size), self%bodies(block_size), self%starts(block_size), &
                       self%t_end(block_size), self%ends(block_size), self%outcomes(block_size))
         end if
         self%n = self%n + 1
-        self%controls = plan%stepper%controls
+        self%controls(self%n) = plan%stepper%controls
         self%place(self%n) = k
         self%bodies(self%n) = case%body
         self%starts(self%n) = case%start
@@ -129,9 +132,42 @@ contains
         type(sweep_result_t), intent(inout) :: values(:) !! the values
         integer, intent(inout) :: status(:) !! statuses of the cases of the block
         type(note_t), intent(inout) :: note(:) !! notes on the cases of the block
+        logical :: waits(self%n), is_like(self%n)
+        integer :: i, first
+
+        self%n_left = 0
+        waits = .true.
+        do first = 1, self%n
+            if (.not. waits(first)) cycle
+            ! Cases with the same settings share lanes.
+            is_like = are_like(self%controls(:self%n), self%controls(first))
+            call self%integrate(job, wanted, pack([(i, i=1, self%n)], is_like), cases, values, status, note)
+            waits = waits .and. .not. is_like
+        end do
+        self%n = 0
+    end subroutine compute
+
+    !> Whether the settings that concern lanes are the same.
+    elemental logical function are_like(a, b)
+        type(controls_t), intent(in) :: a, b
+        are_like = is_equal(a%relative_tolerance, b%relative_tolerance) .and. a%max_steps == b%max_steps &
+            .and. is_equal(a%absolute_tolerance, b%absolute_tolerance)
+    end function are_like
+
+    !> Integrates those of the waiting cases that have the same settings.
+    subroutine integrate(self, job, wanted, like, cases, values, status, note)
+        class(sweep_batch_t), intent(inout) :: self
+        type(job_t), intent(in) :: job
+        type(sweep_work_t), intent(in) :: wanted
+        integer, intent(in) :: like(:)
+        type(case_t), intent(in) :: cases(:)
+        type(sweep_result_t), intent(inout) :: values(:)
+        integer, intent(inout) :: status(:)
+        type(note_t), intent(inout) :: note(:)
         type(sweep_work_t) :: in_lanes, alone
-        integer(int64) :: max_steps
-        integer :: i, k, stability
+        type(controls_t) :: controls
+        logical :: is_new
+        integer :: i
 
         in_lanes = wanted
         alone = wanted
@@ -143,41 +179,59 @@ contains
             alone%lyapunov = .false.
             alone%singular = .false.
         end if
-        if (.not. allocated(self%watches%slots)) then
-            call self%watches%create(in_lanes, self%controls, job%events, job%stop_after)
-        end if
-        associate (n => self%n)
-            call integrate_many(self%controls, self%bodies(:n), self%starts(:n), self%t_end(:n), &
-                                self%ends(:n), self%outcomes(:n), self%watches%slots)
+        controls = self%controls(like(1))
+        is_new = .not. allocated(self%watches%slots)
+        if (.not. is_new) is_new = .not. are_like(self%watched, controls)
+        if (is_new) call self%watches%create(in_lanes, controls, job%events, job%stop_after)
+        self%watched = controls
+        associate (n => size(like))
+            call integrate_many(controls, self%bodies(like), self%starts(like), self%t_end(like), self%ends(:n), &
+                                self%outcomes(:n), self%watches%slots)
         end associate
-        self%n_left = 0
-        do i = 1, self%n
-            k = self%place(i)
-            status(k) = self%outcomes(i)%status
-            if (allocated(self%bodies(i)%effects) .and. any(status(k) == [status_non_finite, status_step_too_small])) then
-                self%n_left = self%n_left + 1
-                self%left(self%n_left) = k
-                cycle
-            end if
-            values(k) = sweep_result_t()
-            call note(k)%clear()
-            max_steps = self%controls%max_steps - self%outcomes(i)%counts%steps
-            if (status(k) == status_ok) then
-                call put_stability(cases(k), self%ends(i)%t, alone, max_steps, values(k), stability, note(k))
-                status(k) = stability
-            end if
-            if (wanted%fast_top) call put_fast_top(cases(k), values(k), note(k))
-            values(k)%evaluations = real(self%outcomes(i)%counts%evaluations, dp)
-            if (status(k) == status_ok) then
-                ! Without an energy error, which a watch measures if it is wanted.
-                call put_end(cases(k), self%ends(i), (values(k)%energy_error_max), values(k))
-                call self%watches%put(cases(k), wanted, i, self%ends(i), values(k), status(k), note(k))
-                call find_free_constants(cases(k), wanted, values(k), note(k))
-            else
-                call note(k)%explain(trim(status_meanings(status(k))))
-            end if
+        do i = 1, size(like)
+            associate (k => self%place(like(i)))
+                call self%take(cases(k), wanted, alone, i, like(i), values(k), status(k), note(k))
+            end associate
         end do
-        self%n = 0
-    end subroutine compute
+    end subroutine integrate
+
+    !> Takes the quantities of case `i` of those integrated, number `waiting` of those that waited.
+    subroutine take(self, case, wanted, alone, i, waiting, values, status, note)
+        class(sweep_batch_t), intent(inout) :: self
+        type(case_t), intent(in) :: case
+        type(sweep_work_t), intent(in) :: wanted, alone
+        integer, intent(in) :: i, waiting
+        type(sweep_result_t), intent(inout) :: values
+        integer, intent(inout) :: status
+        type(note_t), intent(inout) :: note
+        integer(int64) :: max_steps
+        integer :: stability
+
+        associate (ended => self%ends(i), outcome => self%outcomes(i))
+            status = outcome%status
+            if (allocated(self%bodies(waiting)%effects) .and. any(status == [status_non_finite, status_step_too_small])) then
+                self%n_left = self%n_left + 1
+                self%left(self%n_left) = self%place(waiting)
+                return
+            end if
+            values = sweep_result_t()
+            call note%clear()
+            max_steps = self%controls(waiting)%max_steps - outcome%counts%steps
+            if (status == status_ok) then
+                call put_stability(case, ended%t, alone, max_steps, values, stability, note)
+                status = stability
+            end if
+            if (wanted%fast_top) call put_fast_top(case, values, note)
+            values%evaluations = real(outcome%counts%evaluations, dp)
+            if (status == status_ok) then
+                ! Without an energy error, which a watch measures if it is wanted.
+                call put_end(case, ended, (values%energy_error_max), values)
+                call self%watches%put(case, wanted, i, ended, values, status, note)
+                call find_free_constants(case, wanted, values, note)
+            else
+                call note%explain(trim(status_meanings(status)))
+            end if
+        end associate
+    end subroutine take
 
 end module spintop_sweep_batch

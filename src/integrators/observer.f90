@@ -15,6 +15,8 @@ module spintop_observer
         !> Whether phi and psi count their turns, which requires an evaluation in every step; otherwise the
         !> angles are the values nearest to those of the start.
         logical :: counts_turns = .true.
+        !> Whether the end of each step is observed too.
+        logical :: sees_steps = .false.
         !> Whether the work of effects is wanted; then it is set before each motion is observed, J, by its parts.
         logical :: wants_work = .false.
         real(dp) :: work(works) = 0

@@ -219,7 +219,7 @@ contains
         end do
     end subroutine look_to_knots
 
-    !> Shows the samples up to a time within the last step.
+    !> Shows the samples up to a time within the last step, and its end to an observer of steps.
     subroutine show_until(self, t)
         class(run_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
@@ -238,6 +238,7 @@ contains
                 next = next + 1
             end do
             call self%follower%walk_to(self%formulation, self%stepper, work, work%t, work%y)
+            if (self%observer%sees_steps .and. self%shown < work%t) call self%show()
         end associate
     end subroutine show_until
 

@@ -28,9 +28,14 @@ contains
     pure subroutine fill(self, motion)
         class(motions_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion !! the motion
-        integer :: i
-        do i = 1, instants
-            call self%put(i, motion)
+        integer :: k
+        self%t = motion%t
+        do k = 1, 4
+            self%quaternion(:, k) = motion%quaternion(k)
+        end do
+        do k = 1, 3
+            self%omega(:, k) = motion%omega(k)
+            self%omega_rate(:, k) = motion%omega_rate(k)
         end do
     end subroutine fill
 

@@ -14,7 +14,7 @@ module spintop_event
     type :: event_t
         !> Name in tables.
         character(80) :: name = ''
-        !> 1 if the quantity rises through the level, -1 if it falls.
+        !> 1 if the quantity rises through the level, -1 if it falls, 0 for both.
         integer :: direction = 1
         !> The level, in the unit of the quantity.
         real(dp) :: level = 0

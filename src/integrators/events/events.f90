@@ -89,12 +89,12 @@ module spintop_events
 
 contains
 
-    !> `status_ok`, or `status_bad_events` if an event has no direction or a level that is not finite.
+    !> `status_ok`, or `status_bad_events` if an event has another direction than -1, 0 or 1, or a level that is not finite.
     pure integer function check(self) result(status)
         class(event_watch_t), intent(in) :: self
         status = status_ok
         if (.not. allocated(self%events)) return
-        if (.not. all(abs(self%events%direction) == 1 .and. is_finite(self%events%level))) status = status_bad_events
+        if (.not. all(abs(self%events%direction) <= 1 .and. is_finite(self%events%level))) status = status_bad_events
     end function check
 
     !> Begins at a motion of the body.
@@ -357,7 +357,7 @@ contains
             end if
             if (.not. abs(distance) > side%rounding) return
             new_sign = sign_of(distance)
-            if (side%sign == -new_sign .and. self%events(k)%direction == new_sign) then
+            if (side%sign == -new_sign .and. self%events(k)%direction /= -new_sign) then
                 call self%find_root(path, k, a, b, g, found)
             end if
             side%sign = new_sign

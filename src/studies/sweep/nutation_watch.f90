@@ -27,12 +27,11 @@ module spintop_nutation_watch
     integer, parameter :: no_class = 0
 
     !> The events that can be measured; those that are wanted follow those of the scene.
-    integer, parameter :: lowest_centre = 3, fastest(2) = [4, 5], fastest_nutation(2) = [6, 7], vertical_force(2) = [8, 9], &
-        largest_force = 10
+    integer, parameter :: lowest_centre = 3, fastest = 4, fastest_nutation = 5, vertical_force = 6, largest_force = 7
     !> Their names and directions.
     character(*), parameter :: own_names(largest_force) = [character(16) :: 'upper', 'lower', 'lowest', 'fastest', &
-        'fastest', 'fastest nutation', 'fastest nutation', 'vertical force', 'vertical force', 'largest force']
-    integer, parameter :: own_directions(largest_force) = [-1, 1, 1, 1, -1, 1, -1, 1, -1, -1]
+        'fastest nutation', 'vertical force', 'largest force']
+    integer, parameter :: own_directions(largest_force) = [-1, 1, 1, 0, 0, 0, -1]
 
     !> Directions in a motion that is nearly plane, and in one that is plane to rounding, differ by no more from those of the
     !> plane, rad.
@@ -104,7 +103,7 @@ contains
         self%takes_several = size(self%events) == 0 .and. .not. case%body%given%differ
         self%own = measures%events()
         ! Without an arm the support force is constant.
-        if (all(is_zero(case%body%centre_of_mass))) self%own = pack(self%own, self%own < vertical_force(1))
+        if (all(is_zero(case%body%centre_of_mass))) self%own = pack(self%own, self%own < vertical_force)
         self%events = [self%events, (event_t(own_names(self%own(k)), own_directions(self%own(k))), k=1, size(self%own))]
         ! The precession is fastest near a pole.
         if (measures%fastest .or. measures%nutation_rate) self%pole_axis = case%turn%vector([0.0_dp, 0.0_dp, 1.0_dp])
@@ -162,8 +161,8 @@ contains
         class(measures_t), intent(in) :: self
         integer, allocatable :: own(:)
         integer :: k
-        own = pack([(k, k=1, largest_force)], [self%turning, self%turning, self%lowest, self%fastest, self%fastest, &
-            self%nutation_rate, self%nutation_rate, self%vertical_force, self%vertical_force, self%force])
+        own = pack([(k, k=1, largest_force)], [self%turning, self%turning, self%lowest, self%fastest, &
+            self%nutation_rate, self%vertical_force, self%force])
     end function wanted_events
 
     !> The quantities of the events of the scene, and of the measured ones.
@@ -179,9 +178,12 @@ contains
         if (allocated(self%own)) then
             n = n - size(self%own)
             call motions%fill(motion)
-            given = motions
-            if (self%case%body%given%differ) call given%fill(self%as_given(motion))
-            call self%find_own(motions, given, own)
+            if (self%case%body%given%differ) then
+                call given%fill(self%as_given(motion))
+                call self%find_own(motions, given, own)
+            else
+                call self%find_own(motions, motions, own)
+            end if
             values(n + 1:) = own(1, self%own)
         end if
         if (n > 0) call self%event_recorder_t%quantities(motion, values(:n))
@@ -219,17 +221,10 @@ contains
                 gamma = cross_of_all(gamma, motions%omega)
                 own(:, lowest_centre) = r(1) * gamma(:, 1) + r(2) * gamma(:, 2) + r(3) * gamma(:, 3)
             end if
-            if (measures%fastest) then
-                own(:, fastest(1)) = precession_slopes(given)
-                own(:, fastest(2)) = own(:, fastest(1))
-            end if
-            if (measures%nutation_rate) then
-                own(:, fastest_nutation(1)) = nutation_slopes(given)
-                own(:, fastest_nutation(2)) = own(:, fastest_nutation(1))
-            end if
+            if (measures%fastest) own(:, fastest) = precession_slopes(given)
+            if (measures%nutation_rate) own(:, fastest_nutation) = nutation_slopes(given)
             if (measures%vertical_force .or. measures%force) then
-                call find_force_slopes(self%case%body, motions, own(:, vertical_force(1)), own(:, largest_force))
-                own(:, vertical_force(2)) = own(:, vertical_force(1))
+                call find_force_slopes(self%case%body, motions, own(:, vertical_force), own(:, largest_force))
             end if
         end associate
     end subroutine find_own

@@ -148,9 +148,10 @@ contains
         if (.not. plan%exact) call plan%fit_steps(case%t_end)
         call begin_witness(case, witness)
         witness%counts_turns = wanted%turns
+        witness%sees_steps = wanted%energy
         witness%wants_work = wanted%energy .and. allocated(case%body%effects)
         times = [case%t_end]
-        if (wanted%energy) times = sample_times(case%t_end, rows(plan))
+        if (wanted%energy .and. plan%exact) times = sample_times(case%t_end, plan%samples)
         if (wanted%period) times = with_time(times, witness%period)
         if (plan%exact) then
             call walk(case, max_steps, times, witness, outcome%status, watch)
@@ -263,13 +264,6 @@ contains
             values%inherent_error = inherent_error(case%body, case%start, last%t)
         end if
     end subroutine compare_with_exact
-
-    !> Number of samples for the largest energy error.
-    pure integer function rows(plan)
-        type(plan_t), intent(in) :: plan
-        rows = plan%samples
-        if (.not. plan%is_adaptive()) rows = plan%stepper%controls%steps + 1
-    end function rows
 
     !> Times with an additional one in its place, if it lies within them.
     pure function with_time(times, extra) result(more)

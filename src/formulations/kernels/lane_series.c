@@ -168,19 +168,26 @@ inlined void append_tangent(int k, int lane, struct body b, const double *c, con
     const double share = 1.0 / (k + 1);
     double *next = z + lanes * components * (k + 1);
 
-    for (; base >= c; base -= term, now += lanes * components) {
+    // Few operands at a time, each read once for its products: what has no register would be read again for each.
+    unrolled for (; base >= c; base -= term, now += lanes * components) {
         const vector v1 = get(base, w1), v2 = get(base, w2), v3 = get(base, w3);
-        const vector u1 = get(base, g1), u2 = get(base, g2), u3 = get(base, g3);
-        const vector x1 = get(now, d1), x2 = get(now, d2), x3 = get(now, d3);
+        vector x = get(now, d1);
+        p3 += x * v2, p2 += x * v3;
+        x = get(now, d2);
+        p1 += x * v3, p3 += x * v1;
+        x = get(now, d3);
+        p2 += x * v1, p1 += x * v2;
         const vector y1 = get(now, r1), y2 = get(now, r2), y3 = get(now, r3);
-        p1 += x2 * v3, p2 += x3 * v1, p3 += x1 * v2;
-        e1 += y2 * v3, e2 += y3 * v1, e3 += y1 * v2;
-        t1 += u2 * y3, t2 += u3 * y1, t3 += u1 * y2;
-        p1 += x3 * v2, p2 += x1 * v3, p3 += x2 * v1;
-        e1 -= y3 * v2, e2 -= y1 * v3, e3 -= y2 * v1;
-        t1 -= u3 * y2, t2 -= u1 * y3, t3 -= u2 * y1;
+        e3 += y1 * v2, e2 -= y1 * v3;
+        e1 += y2 * v3, e3 -= y2 * v1;
+        e2 += y3 * v1, e1 -= y3 * v2;
+        x = get(base, g1);
+        t3 += x * y2, t2 -= x * y3;
+        x = get(base, g2);
+        t1 += x * y3, t3 -= x * y1;
+        x = get(base, g3);
+        t2 += x * y1, t1 -= x * y2;
     }
-
     now = z + lanes * components * k;
     const vector x1 = get(now, d1), x2 = get(now, d2), x3 = get(now, d3);
     p1 = get(b.coupling + lane, 0) * p1

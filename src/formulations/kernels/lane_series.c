@@ -11,15 +11,19 @@
 
 #include "lane_rows.h"
 
-// Components of a perturbation, those of a force on it, and terms at most, as in lane_tangents.f90; and perturbations
-// that are carried in turn, so that one is computed while another waits for its last term.
-enum { components = 6, forces = 3, most_terms = 30, in_turn = 2 };
+// Components of a perturbation, and terms at most, as in lane_tangents.f90; and perturbations that are carried in turn, so
+// that one is computed while another waits for its last term.
+enum { components = 6, most_terms = 30, in_turn = 2 };
 
 // The rows of a term of a perturbation: of omega, and the rotation.
 enum { d1, d2, d3, r1, r2, r3 };
 
 struct body { // a row of lanes for each number
     const double *coupling, *decay, *pull, *swing;
+};
+
+struct body_change { // the same, as in lane_tangents.f90
+    double coupling[3 * lanes], decay[3 * lanes], pull[3 * lanes], swing[3 * lanes];
 };
 
 typedef void expand_lanes_t(int order, const double *coupling, const double *decay, const double *pull,
@@ -31,8 +35,8 @@ int spintop_expand_lanes_at(int level, int order, const double *coupling, const 
                             const double *share_rest, double *c);
 typedef void carry_tangents_t(int order, const double *coupling, const double *decay, const double *pull,
                               const double *swing, const double *c, const double *duration, const double *pace,
-                              int number, const int *which, int free, const double *force, const double *before,
-                              double *after, double *whole, double *last);
+                              int number, const int *which, int free, const struct body_change *change,
+                              const double *before, double *after, double *whole, double *last);
 carry_tangents_t spintop_carry_tangents;
 int spintop_processor_level(void);
 
@@ -58,9 +62,9 @@ void spintop_expand_lanes(int order, const double *coupling, const double *decay
 
 void spintop_carry_tangents(int order, const double *coupling, const double *decay, const double *pull,
                             const double *swing, const double *c, const double *duration, const double *pace,
-                            int number, const int *which, int free, const double *force, const double *before,
-                            double *after, double *whole, double *last) {
-    chosen_to_carry(order, coupling, decay, pull, swing, c, duration, pace, number, which, free, force, before, after,
+                            int number, const int *which, int free, const struct body_change *change,
+                            const double *before, double *after, double *whole, double *last) {
+    chosen_to_carry(order, coupling, decay, pull, swing, c, duration, pace, number, which, free, change, before, after,
                     whole, last);
 }
 
@@ -75,8 +79,10 @@ int spintop_expand_lanes_at(int level, int order, const double *coupling, const 
 
 #else
 
+#define rate_of LEVEL(rate_of)
 #define append LEVEL(append)
 #define expand LEVEL(expand)
+#define multiply_rates LEVEL(multiply_rates)
 #define append_tangent LEVEL(append_tangent)
 #define magnitude LEVEL(magnitude)
 #define size_of LEVEL(size_of)
@@ -84,6 +90,13 @@ int spintop_expand_lanes_at(int level, int order, const double *coupling, const 
 #define carry LEVEL(carry)
 
 #include "lane_vectors.h"
+
+// A term of the angular acceleration about axis m, from those of the product of the angular velocities about the other axes, of
+// the vertical along the next axis and the one before, and of its own angular velocity.
+inlined vector rate_of(struct body b, int lane, int m, vector product, vector next, vector before, vector own) {
+    return get(b.coupling + lane, m) * product
+           + (next * get(b.pull + lane, m) - before * get(b.swing + lane, m) - own * get(b.decay + lane, m));
+}
 
 // Finds the term behind `now`, the k-th from `c` on, and the quotient of `now`. The sums of products start with
 // the term in the middle, if there is one, and go on to pairs of an older and a newer one; the newest
@@ -123,12 +136,9 @@ inlined void append(int k, int lane, struct body b, vector inverse, struct share
     const vector n = n1 + n2, q = (n - g3q) * inverse;
     put(now, quotient, q);
     put(now, numerator, n);
-    put(next, w1, scaled(get(b.coupling + lane, 0) * w23
-                         + (e2 * get(b.pull + lane, 0) - e3 * get(b.swing + lane, 0) - v1 * get(b.decay + lane, 0)), s));
-    put(next, w2, scaled(get(b.coupling + lane, 1) * w31
-                         + (e3 * get(b.pull + lane, 1) - e1 * get(b.swing + lane, 1) - v2 * get(b.decay + lane, 1)), s));
-    put(next, w3, scaled(get(b.coupling + lane, 2) * w12
-                         + (e1 * get(b.pull + lane, 2) - e2 * get(b.swing + lane, 2) - v3 * get(b.decay + lane, 2)), s));
+    put(next, w1, scaled(rate_of(b, lane, 0, w23, e2, e3, v1), s));
+    put(next, w2, scaled(rate_of(b, lane, 1, w31, e3, e1, v2), s));
+    put(next, w3, scaled(rate_of(b, lane, 2, w12, e1, e2, v3), s));
     put(next, g1, scaled(g23 - g32, s));
     put(next, g2, scaled(g31 - g13, s));
     put(next, g3, scaled(g12 - g21, s));
@@ -160,9 +170,25 @@ static void expand(int order, const double *coupling, const double *decay, const
     }
 }
 
-// Finds the term behind the k-th of a perturbation. The products are those of two series of different kind, so that
-// no pair is found twice.
-inlined void append_tangent(int k, int lane, struct body b, const double *c, const double *force, double *z) {
+// The series of omega2 omega3 and cyclic, of so many terms.
+static void multiply_rates(int terms, const double *c, double *products) {
+    for (int k = 0; k < terms; ++k, products += lanes * 3) {
+        for (int lane = 0; lane < lanes; lane += width) {
+            const double *older = c + lane, *newer = older + term * k;
+            vector w23 = {0}, w31 = w23, w12 = w23;
+            for (; newer >= c; older += term, newer -= term) {
+                const vector v1 = get(older, w1), v2 = get(older, w2), v3 = get(older, w3);
+                w23 += v2 * get(newer, w3), w31 += v3 * get(newer, w1), w12 += v1 * get(newer, w2);
+            }
+            put(products + lane, 0, w23), put(products + lane, 1, w31), put(products + lane, 2, w12);
+        }
+    }
+}
+
+// Finds the term behind the k-th of a perturbation, which a change of the body may force. The products are those of two
+// series of different kind, so that no pair is found twice.
+inlined void append_tangent(int k, int lane, struct body b, const double *c, const struct body_change *change,
+                            const double *products, double *z) {
     vector p1 = {0}, p2 = p1, p3 = p1, e1 = p1, e2 = p1, e3 = p1, t1 = p1, t2 = p1, t3 = p1;
     const double *base = c + term * k, *now = z;
     const double share = 1.0 / (k + 1);
@@ -190,15 +216,16 @@ inlined void append_tangent(int k, int lane, struct body b, const double *c, con
     }
     now = z + lanes * components * k;
     const vector x1 = get(now, d1), x2 = get(now, d2), x3 = get(now, d3);
-    p1 = get(b.coupling + lane, 0) * p1
-         + (t2 * get(b.pull + lane, 0) - t3 * get(b.swing + lane, 0) - x1 * get(b.decay + lane, 0));
-    p2 = get(b.coupling + lane, 1) * p2
-         + (t3 * get(b.pull + lane, 1) - t1 * get(b.swing + lane, 1) - x2 * get(b.decay + lane, 1));
-    p3 = get(b.coupling + lane, 2) * p3
-         + (t1 * get(b.pull + lane, 2) - t2 * get(b.swing + lane, 2) - x3 * get(b.decay + lane, 2));
-    if (force) {
-        force += lanes * forces * k;
-        p1 += get(force, 0), p2 += get(force, 1), p3 += get(force, 2);
+    p1 = rate_of(b, lane, 0, p1, t2, t3, x1);
+    p2 = rate_of(b, lane, 1, p2, t3, t1, x2);
+    p3 = rate_of(b, lane, 2, p3, t1, t2, x3);
+    if (change) {
+        const struct body by = {change->coupling, change->decay, change->pull, change->swing};
+        const double *product = products + lanes * 3 * k + lane;
+        base = c + term * k;
+        p1 += rate_of(by, lane, 0, get(product, 0), get(base, g2), get(base, g3), get(base, w1));
+        p2 += rate_of(by, lane, 1, get(product, 1), get(base, g3), get(base, g1), get(base, w2));
+        p3 += rate_of(by, lane, 2, get(product, 2), get(base, g1), get(base, g2), get(base, w3));
     }
     put(next, d1, share * p1);
     put(next, d2, share * p2);
@@ -235,12 +262,14 @@ inlined void add_terms(int order, int lane, const double *z, vector h, vector un
 
 static void carry(int order, const double *coupling, const double *decay, const double *pull, const double *swing,
                   const double *c, const double *duration, const double *pace, int number, const int *which, int free,
-                  const double *force, const double *before, double *after, double *whole, double *last) {
+                  const struct body_change *change, const double *before, double *after, double *whole, double *last) {
     enum { step = lanes * components };
     const struct body b = {coupling, decay, pull, swing};
-    const int length = lanes * forces * order;
     double z[in_turn][step * (most_terms + 1)] __attribute__((aligned(64)));
+    double products[lanes * 3 * most_terms] __attribute__((aligned(64)));
 
+    // Forced perturbations are the last.
+    if (number > 0 && which[number - 1] > free) multiply_rates(order, c, products);
     memset(whole, 0, lanes * sizeof *whole);
     memset(last, 0, lanes * sizeof *last);
     for (int first = 0; first < number; first += in_turn) {
@@ -249,9 +278,9 @@ static void carry(int order, const double *coupling, const double *decay, const 
         for (int v = 0; v < many; ++v) memcpy(z[v], before + step * (one[v] - 1), step * sizeof **z);
         for (int k = 0; k < order; ++k) {
             for (int v = 0; v < many; ++v) {
-                const double *own = one[v] > free ? force + length * (one[v] - free - 1) : 0;
+                const struct body_change *own = one[v] > free ? change + (one[v] - free - 1) : 0;
                 for (int lane = 0; lane < lanes; lane += width) {
-                    append_tangent(k, lane, b, c + lane, own ? own + lane : 0, z[v] + lane);
+                    append_tangent(k, lane, b, c + lane, own, products, z[v] + lane);
                 }
             }
         }

@@ -9,7 +9,7 @@
 #include "lane_rows.h"
 
 // Terms at most, as in formulation.f90, and rounds of the change to Bernstein form at once.
-enum { most_terms = 31, rounds = 4 };
+enum { most_terms = 31, rounds = 6 };
 
 typedef void find_changes_t(int n, const double *share, double rounding, const double *a, double *noise,
                             double *sign, double *changes, double *near);
@@ -88,7 +88,7 @@ inlined void to_bernstein(int n, vector *b) {
             }
         }
         // Now p[r] is of round rounds - 1 - r, at the place n - r.
-        for (int j = n; j > k + rounds - 2; --j) {
+        unrolled for (int j = n; j > k + rounds - 2; --j) {
             vector below = b[j - rounds], sum;
             for_all(i, rounds) {
                 sum = p[rounds - 1 - i] + below;
@@ -109,9 +109,9 @@ static void find_changes(int n, const double *share, double rounding, const doub
     for (int lane = 0; lane < lanes; lane += width) {
         const vector none = {0}, one = none + 1;
         vector b[most_terms], least = get(noise + lane, 0), before = get(sign + lane, 0);
-        vector found = none, place = none, here = none, last = none, ahead;
+        vector found = none, index = none, place = none, here = none, last = none, ahead;
 
-        for (int k = 0; k <= n; ++k) {
+        unrolled for (int k = 0; k <= n; ++k) {
             const vector term_k = get(a + lane, k);
             least += rounding * size(term_k);
             b[k] = share[k] * term_k;
@@ -119,13 +119,13 @@ static void find_changes(int n, const double *share, double rounding, const doub
         put(noise + lane, 0, least);
         to_bernstein(n, b);
         ahead = b[0];
-        for (int k = 0; k <= n; ++k) {
+        unrolled for (int k = 0; k <= n; ++k, index += one) {
             const vector is = size(b[k]);
             const bits has_sign = is > least;
             const vector now = (vector)((bits)b[k] & has_sign);
             const bits differs = now * before < none;
             found += (vector)((bits)one & differs);
-            place = where(differs, none + k, place);
+            place = where(differs, index, place);
             here = where(differs, is, here);
             last = where(differs, size(ahead), last);
             before = where(has_sign, (vector)(((bits)one) | ((bits)now & ~0x7fffffffffffffffLL)), before);

@@ -22,7 +22,7 @@ struct lane_arm {
 
 typedef void multiply_t(int degree, const double *x, const double *y, double *product);
 typedef void square_t(int degree, const double *x, double *product);
-typedef void find_force_slopes_t(int degree, const struct lane_arm *arm, const double *duration, const double *c, double *slope,
+typedef void find_force_slopes_t(int degree, const struct lane_arm *arm, const double *power, const double *c, double *slope,
                                  double *first);
 multiply_t spintop_multiply_lanes, spintop_multiply_slopes;
 square_t spintop_square_lanes;
@@ -58,9 +58,9 @@ void spintop_multiply_slopes(int degree, const double *x, const double *y, doubl
 
 void spintop_square_lanes(int degree, const double *x, double *product) { chosen_to_square(degree, x, product); }
 
-void spintop_find_force_slopes(int degree, const struct lane_arm *arm, const double *duration, const double *c, double *slope,
+void spintop_find_force_slopes(int degree, const struct lane_arm *arm, const double *power, const double *c, double *slope,
                                double *first) {
-    chosen_for_forces(degree, arm, duration, c, slope, first);
+    chosen_for_forces(degree, arm, power, c, slope, first);
 }
 
 #else
@@ -170,8 +170,8 @@ inlined vector turned(const struct lane_arm *arm, int lane, int axis, const doub
     return get(axes, 0) * get(x, 0) + get(axes, 1) * get(x, 1) + get(axes, 2) * get(x, 2);
 }
 
-// The slope over the step as the unit interval, so that no power of its length overflows, and the square where it begins.
-static void find_force_slopes(int degree, const struct lane_arm *arm, const double *duration, const double *c, double *slope,
+// The slope over the step as the unit interval, from the powers of its length, so that none overflows; and the square where it begins.
+static void find_force_slopes(int degree, const struct lane_arm *arm, const double *power, const double *c, double *slope,
                               double *first) {
     const int last = degree + 1;
     series w[3], f[3];
@@ -179,21 +179,21 @@ static void find_force_slopes(int degree, const struct lane_arm *arm, const doub
     for (int lane = 0; lane < lanes; lane += width) {
         const vector length = get(arm->length + lane, 0), gravity = get(arm->gravity + lane, 0);
         const double *const across[] = {w[0] + lane, w[1] + lane}, *const force[] = {f[0] + lane, f[1] + lane, f[2] + lane};
-        vector power = length * 0 + 1, rate[3], now[2], next[2];
+        vector rate[3], now[2], next[2];
 
         for_all(m, 3) rate[m] = turned(arm, lane, m, c + lane + lanes * w1);
         for (int k = 0; k <= last; ++k) {
             const double *const here = c + term * k + lane;
+            const vector scale = get(power + lane, k);
             vector vertical[3], ahead[3];
             for_all(m, 3) {
                 vertical[m] = gravity * turned(arm, lane, m, here + lanes * g1);
                 ahead[m] = turned(arm, lane, m, here + term + lanes * w1);
             }
-            put(f[0] + lane, k, power * (vertical[0] + (k + 1) * length * ahead[1]));
-            put(f[1] + lane, k, power * (vertical[1] - (k + 1) * length * ahead[0]));
-            put(f[2] + lane, k, power * vertical[2]);
-            for_all(m, 3) put(w[m] + lane, k, power * rate[m]), rate[m] = ahead[m];
-            power *= get(duration + lane, 0);
+            put(f[0] + lane, k, scale * (vertical[0] + (k + 1) * length * ahead[1]));
+            put(f[1] + lane, k, scale * (vertical[1] - (k + 1) * length * ahead[0]));
+            put(f[2] + lane, k, scale * vertical[2]);
+            for_all(m, 3) put(w[m] + lane, k, scale * rate[m]), rate[m] = ahead[m];
         }
         for (int k = -1 + last % 2; k <= last; k += 2) {
             find_products(k, 2, w[2] + lane, across, now, next);

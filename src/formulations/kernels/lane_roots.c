@@ -118,7 +118,7 @@ static void find_changes(int n, const double *share, double rounding, const doub
         }
         put(noise + lane, 0, least);
         to_bernstein(n, b);
-        ahead = b[0];
+        ahead = size(b[0]);
         unrolled for (int k = 0; k <= n; ++k, index += one) {
             const vector is = size(b[k]);
             const bits has_sign = is > least;
@@ -127,9 +127,9 @@ static void find_changes(int n, const double *share, double rounding, const doub
             found += (vector)((bits)one & differs);
             place = where(differs, index, place);
             here = where(differs, is, here);
-            last = where(differs, size(ahead), last);
+            last = where(differs, ahead, last);
             before = where(has_sign, (vector)(((bits)one) | ((bits)now & ~0x7fffffffffffffffLL)), before);
-            ahead = b[k];
+            ahead = is;
         }
         put(sign + lane, 0, before);
         put(changes + lane, 0, found);

@@ -75,11 +75,11 @@ module spintop_force_lanes
 
     interface
         !> The slope of the squared force over the mass, over the step as the unit interval, and the square where it begins.
-        pure subroutine c_find_force_slopes(degree, arm, duration, c, slope, first) bind(C, name='spintop_find_force_slopes')
+        pure subroutine c_find_force_slopes(degree, arm, power, c, slope, first) bind(C, name='spintop_find_force_slopes')
             import :: arm_t, c_double, c_int
             integer(c_int), value :: degree
             type(arm_t), intent(in) :: arm
-            real(c_double), intent(in) :: duration(*), c(*)
+            real(c_double), intent(in) :: power(*), c(*)
             real(c_double), intent(inout) :: slope(*), first(*)
         end subroutine c_find_force_slopes
     end interface
@@ -191,7 +191,7 @@ contains
             !! coefficients, and a bound of errors beside the rounding of their terms
         degree = run%order - 3
         call find_derivatives(run%order, run%c, self%centre, 3, degree, a)
-        call of_interval(degree, run%now%t - run%now%t_last, a)
+        call of_interval(degree, run%power, a)
         noise = 0
     end subroutine find_vertical_slopes
 
@@ -205,10 +205,9 @@ contains
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
             !! coefficients, and a bound of errors beside the rounding of their terms
-        real(dp), dimension(lanes) :: duration, first
+        real(dp) :: first(lanes)
         degree = min(max(nint(degree_share * run%order), least_degree), run%order - 2)
-        duration = run%now%t - run%now%t_last
-        call c_find_force_slopes(int(degree, c_int), self%arm, duration, run%c, a, first)
+        call c_find_force_slopes(int(degree, c_int), self%arm, run%power, run%c, a, first)
         ! The square of the force itself is known to rounding.
         noise = rounding * first
     end subroutine find_total_slopes

@@ -170,7 +170,8 @@ inlined vector turned(const struct lane_arm *arm, int lane, int axis, const doub
     return get(axes, 0) * get(x, 0) + get(axes, 1) * get(x, 1) + get(axes, 2) * get(x, 2);
 }
 
-// The slope over the step as the unit interval, from the powers of its length, so that none overflows; and the square where it begins.
+// The slope over the step as the unit interval, from the powers of its length, so that no term overflows, and the square where
+// it begins.
 static void find_force_slopes(int degree, const struct lane_arm *arm, const double *power, const double *c, double *slope,
                               double *first) {
     const int last = degree + 1;

@@ -100,7 +100,8 @@ inlined vector rate_of(struct body b, int lane, int m, vector product, vector ne
 
 // Finds the term behind `now`, the k-th from `c` on, and the quotient of `now`. The sums of products start with
 // the term in the middle, if there is one, and go on to pairs of an older and a newer one; the newest
-// pair comes last, as its numbers have just been found. A quotient that is not known yet is zero.
+// pair comes last, as its numbers have just been found. A quotient that is not known yet is zero. There are two passes over the
+// pairs: for the sums and the operands of both there are too few registers.
 inlined void append(int k, int lane, struct body b, vector inverse, struct share s, double *c) {
     double *now = c + term * k, *next = now + term;
     const double *middle = c + term * (k / 2), *older, *newer;
@@ -118,17 +119,41 @@ inlined void append(int k, int lane, struct body b, vector inverse, struct share
     } else {
         older = middle;
     }
-    for (newer = middle + term; newer <= now; older -= term, newer += term) {
+    const double *const first = older;
+    unrolled for (newer = middle + term; newer <= now; older -= term, newer += term) {
         const vector v1 = get(older, w1), v2 = get(older, w2), v3 = get(older, w3);
-        const vector e1 = get(older, g1), e2 = get(older, g2), e3 = get(older, g3), p = get(older, quotient);
         const vector u1 = get(newer, w1), u2 = get(newer, w2), u3 = get(newer, w3);
-        const vector f1 = get(newer, g1), f2 = get(newer, g2), f3 = get(newer, g3), q = get(newer, quotient);
         w12 += v1 * u2, w23 += v2 * u3, w31 += v3 * u1;
-        g12 += e1 * u2, g21 += e2 * u1, g23 += e2 * u3, g32 += e3 * u2, g31 += e3 * u1, g13 += e1 * u3;
-        n1 += e1 * u1, n2 += e2 * u2, g3q += p * f3;
         w12 += u1 * v2, w23 += u2 * v3, w31 += u3 * v1;
-        g12 += f1 * v2, g21 += f2 * v1, g23 += f2 * v3, g32 += f3 * v2, g31 += f3 * v1, g13 += f1 * v3;
-        n1 += f1 * v1, n2 += f2 * v2, g3q += q * e3;
+        vector x = get(older, g1);
+        n1 += x * u1;
+        x = get(older, g2);
+        n2 += x * u2;
+        x = get(older, quotient);
+        g3q += x * get(newer, g3);
+        x = get(newer, g1);
+        n1 += x * v1;
+        x = get(newer, g2);
+        n2 += x * v2;
+        x = get(newer, quotient);
+        g3q += x * get(older, g3);
+    }
+    older = first;
+    unrolled for (newer = middle + term; newer <= now; older -= term, newer += term) {
+        const vector u1 = get(newer, w1), u2 = get(newer, w2), u3 = get(newer, w3);
+        vector x = get(older, g1);
+        g12 += x * u2, g13 += x * u3;
+        x = get(older, g2);
+        g21 += x * u1, g23 += x * u3;
+        x = get(older, g3);
+        g32 += x * u2, g31 += x * u1;
+        const vector v1 = get(older, w1), v2 = get(older, w2), v3 = get(older, w3);
+        x = get(newer, g1);
+        g12 += x * v2, g13 += x * v3;
+        x = get(newer, g2);
+        g21 += x * v1, g23 += x * v3;
+        x = get(newer, g3);
+        g32 += x * v2, g31 += x * v1;
     }
 
     const vector v1 = get(now, w1), v2 = get(now, w2), v3 = get(now, w3);

@@ -14,18 +14,25 @@ module spintop_lane_tangents
     use spintop_lane_series, only: lanes, rows
     implicit none
     private
-    public :: carry_tangents, components
+    public :: carry_tangents, components, body_change_t
 
     !> Components of a perturbation: delta, epsilon. lane_series.c repeats their number.
     integer, parameter :: components = 6
 
+    !> Changes of a body that force a perturbation: of the numbers by which its motion is expanded. lane_series.c repeats
+    !> this type.
+    type, bind(C) :: body_change_t
+        real(c_double), dimension(lanes, 3) :: coupling = 0, decay = 0, pull = 0, swing = 0
+    end type body_change_t
+
     interface
         pure subroutine c_carry_tangents(order, coupling, decay, pull, swing, c, duration, pace, number, which, free, &
-                                         force, before, after, whole, last) bind(C, name='spintop_carry_tangents')
-            import :: c_double, c_int
+                                         change, before, after, whole, last) bind(C, name='spintop_carry_tangents')
+            import :: body_change_t, c_double, c_int
             integer(c_int), value :: order, number, free
             integer(c_int), intent(in) :: which(*)
-            real(c_double), dimension(*), intent(in) :: coupling, decay, pull, swing, c, duration, pace, force, before
+            real(c_double), dimension(*), intent(in) :: coupling, decay, pull, swing, c, duration, pace, before
+            type(body_change_t), intent(in) :: change(*)
             real(c_double), intent(inout) :: after(*)
             real(c_double), intent(out) :: whole(*), last(*)
         end subroutine c_carry_tangents
@@ -35,20 +42,19 @@ contains
 
     !> Carries some perturbations along the motions. `whole` is the sum of the magnitudes of their components, those of
     !> delta in units of `pace`, and `last` the same of the last two terms of their series.
-    pure subroutine carry_tangents(order, coupling, decay, pull, swing, c, duration, pace, which, free, force, before, &
+    pure subroutine carry_tangents(order, coupling, decay, pull, swing, c, duration, pace, which, free, change, before, &
                                    after, whole, last)
         integer, intent(in) :: order !! order of the series, up to that of the motions
         real(dp), dimension(lanes, 3), intent(in) :: coupling, decay, pull, swing !! as in `expand`
         real(dp), intent(in) :: c(lanes, rows, 0:order) !! Taylor coefficients of the motions
         real(dp), intent(in) :: duration(lanes), pace(lanes) !! s; rad/s
-        integer, intent(in) :: which(:), free !! which perturbations to carry; those beyond `free` are forced
-        real(dp), contiguous, intent(in) :: force(:, :, :, :)
-            !! Taylor coefficients of f (lane, component, term up to `order` - 1, number beyond `free`), 1/s^2
+        integer, intent(in) :: which(:), free !! which perturbations to carry, in rising order; those beyond `free` are forced
+        type(body_change_t), contiguous, intent(in) :: change(:) !! changes of the body that force these
         real(dp), contiguous, intent(in) :: before(:, :, :) !! the perturbations (lane, component, number): delta, epsilon
         real(dp), contiguous, intent(inout) :: after(:, :, :) !! those that are carried, after the duration
         real(dp), intent(out) :: whole(lanes), last(lanes) !! their size before it, and the size of the last two terms
         call c_carry_tangents(int(order, c_int), coupling, decay, pull, swing, c, duration, pace, size(which, kind=c_int), &
-                              int(which, c_int), int(free, c_int), force, before, after, whole, last)
+                              int(which, c_int), int(free, c_int), change, before, after, whole, last)
     end subroutine carry_tangents
 
 end module spintop_lane_tangents

@@ -9,7 +9,7 @@
 #include "lane_rows.h"
 
 // Terms at most, as in formulation.f90, and rounds of the change to Bernstein form at once.
-enum { most_terms = 31, rounds = 4 };
+enum { most_terms = 31, most_rounds = 6 };
 
 typedef void find_changes_t(int n, const double *share, double rounding, const double *a, double *noise,
                             double *sign, double *changes, double *near);
@@ -62,6 +62,7 @@ int spintop_refine_root_at(int level, int n, int iterations, double still, const
 
 #define where LEVEL(where)
 #define size LEVEL(size)
+#define add_below LEVEL(add_below)
 #define to_bernstein LEVEL(to_bernstein)
 #define find_changes LEVEL(find_changes)
 #define refine LEVEL(refine)
@@ -75,33 +76,34 @@ inlined vector where(bits holds, vector value, vector other) {
 
 inlined vector size(vector x) { return (vector)((bits)x & 0x7fffffffffffffffLL); }
 
-// In round k each coefficient from b_n down to b_k gets the one below it added. `p` are the last values in the rounds
-// that are done at once, each one place further up than in the round before.
+// In round k each coefficient from b_n down to b_k gets the one below it added: some rounds from k on at once. `p` are the last
+// values in them, each one place further up than in the round before.
+inlined void add_below(int rounds, int k, int n, vector *b) {
+    vector p[most_rounds];
+    for_all(r, rounds) p[r] = b[n - r];
+    for_all(r, rounds - 1) {
+        for_all(i, rounds - 1) {
+            if (i < rounds - 1 - r) p[i] += p[i + 1];
+        }
+    }
+    // Now p[r] is of round rounds - 1 - r, at the place n - r.
+    unrolled for (int j = n; j > k + rounds - 2; --j) {
+        vector below = b[j - rounds], sum;
+        for_all(i, rounds) {
+            sum = p[rounds - 1 - i] + below;
+            p[rounds - 1 - i] = below;
+            below = sum;
+        }
+        b[j] = below;
+    }
+    for_all(r, rounds - 1) b[k + rounds - 2 - r] = p[r];
+}
+
 inlined void to_bernstein(int n, vector *b) {
     int k = 1;
-    for (; k + rounds - 1 <= n; k += rounds) {
-        vector p[rounds];
-        for_all(r, rounds) p[r] = b[n - r];
-        for_all(r, rounds - 1) {
-            for_all(i, rounds - 1) {
-                if (i < rounds - 1 - r) p[i] += p[i + 1];
-            }
-        }
-        // Now p[r] is of round rounds - 1 - r, at the place n - r.
-        for (int j = n; j > k + rounds - 2; --j) {
-            vector below = b[j - rounds], sum;
-            for_all(i, rounds) {
-                sum = p[rounds - 1 - i] + below;
-                p[rounds - 1 - i] = below;
-                below = sum;
-            }
-            b[j] = below;
-        }
-        for_all(r, rounds - 1) b[k + rounds - 2 - r] = p[r];
-    }
-    for (; k <= n; ++k) {
-        for (int j = n; j >= k; --j) b[j] += b[j - 1];
-    }
+    for (; k + most_rounds - 1 <= n; k += most_rounds) add_below(most_rounds, k, n, b);
+    for (; k + 1 <= n; k += 2) add_below(2, k, n, b);
+    if (k <= n) add_below(1, k, n, b);
 }
 
 static void find_changes(int n, const double *share, double rounding, const double *a, double *noise,
@@ -109,27 +111,28 @@ static void find_changes(int n, const double *share, double rounding, const doub
     for (int lane = 0; lane < lanes; lane += width) {
         const vector none = {0}, one = none + 1;
         vector b[most_terms], least = get(noise + lane, 0), before = get(sign + lane, 0);
-        vector found = none, place = none, here = none, last = none, ahead;
+        vector found = none, total = none, index = none, place = none, here = none, last = none, ahead;
 
-        for (int k = 0; k <= n; ++k) {
+        unrolled for (int k = 0; k <= n; ++k) {
             const vector term_k = get(a + lane, k);
-            least += rounding * size(term_k);
+            total += size(term_k);
             b[k] = share[k] * term_k;
         }
+        least += rounding * total;
         put(noise + lane, 0, least);
         to_bernstein(n, b);
-        ahead = b[0];
-        for (int k = 0; k <= n; ++k) {
+        ahead = size(b[0]);
+        unrolled for (int k = 0; k <= n; ++k, index += one) {
             const vector is = size(b[k]);
             const bits has_sign = is > least;
             const vector now = (vector)((bits)b[k] & has_sign);
             const bits differs = now * before < none;
             found += (vector)((bits)one & differs);
-            place = where(differs, none + k, place);
+            place = where(differs, index, place);
             here = where(differs, is, here);
-            last = where(differs, size(ahead), last);
+            last = where(differs, ahead, last);
             before = where(has_sign, (vector)(((bits)one) | ((bits)now & ~0x7fffffffffffffffLL)), before);
-            ahead = b[k];
+            ahead = is;
         }
         put(sign + lane, 0, before);
         put(changes + lane, 0, found);

@@ -11,15 +11,19 @@
 
 #include "lane_rows.h"
 
-// Components of a perturbation, those of a force on it, and terms at most, as in lane_tangents.f90; and perturbations
-// that are carried in turn, so that one is computed while another waits for its last term.
-enum { components = 6, forces = 3, most_terms = 30, in_turn = 2 };
+// Components of a perturbation, and terms at most, as in lane_tangents.f90; and perturbations that are carried in turn, so
+// that one is computed while another waits for its last term.
+enum { components = 6, most_terms = 30, in_turn = 2 };
 
 // The rows of a term of a perturbation: of omega, and the rotation.
 enum { d1, d2, d3, r1, r2, r3 };
 
 struct body { // a row of lanes for each number
     const double *coupling, *decay, *pull, *swing;
+};
+
+struct body_change { // the same, as in lane_tangents.f90
+    double coupling[3 * lanes], decay[3 * lanes], pull[3 * lanes], swing[3 * lanes];
 };
 
 typedef void expand_lanes_t(int order, const double *coupling, const double *decay, const double *pull,
@@ -31,8 +35,8 @@ int spintop_expand_lanes_at(int level, int order, const double *coupling, const 
                             const double *share_rest, double *c);
 typedef void carry_tangents_t(int order, const double *coupling, const double *decay, const double *pull,
                               const double *swing, const double *c, const double *duration, const double *pace,
-                              int number, const int *which, int free, const double *force, const double *before,
-                              double *after, double *whole, double *last);
+                              int number, const int *which, int free, const struct body_change *change,
+                              const double *before, double *after, double *whole, double *last);
 carry_tangents_t spintop_carry_tangents;
 int spintop_processor_level(void);
 
@@ -58,9 +62,9 @@ void spintop_expand_lanes(int order, const double *coupling, const double *decay
 
 void spintop_carry_tangents(int order, const double *coupling, const double *decay, const double *pull,
                             const double *swing, const double *c, const double *duration, const double *pace,
-                            int number, const int *which, int free, const double *force, const double *before,
-                            double *after, double *whole, double *last) {
-    chosen_to_carry(order, coupling, decay, pull, swing, c, duration, pace, number, which, free, force, before, after,
+                            int number, const int *which, int free, const struct body_change *change,
+                            const double *before, double *after, double *whole, double *last) {
+    chosen_to_carry(order, coupling, decay, pull, swing, c, duration, pace, number, which, free, change, before, after,
                     whole, last);
 }
 
@@ -75,8 +79,10 @@ int spintop_expand_lanes_at(int level, int order, const double *coupling, const 
 
 #else
 
+#define rate_of LEVEL(rate_of)
 #define append LEVEL(append)
 #define expand LEVEL(expand)
+#define multiply_rates LEVEL(multiply_rates)
 #define append_tangent LEVEL(append_tangent)
 #define magnitude LEVEL(magnitude)
 #define size_of LEVEL(size_of)
@@ -85,9 +91,17 @@ int spintop_expand_lanes_at(int level, int order, const double *coupling, const 
 
 #include "lane_vectors.h"
 
+// A term of the angular acceleration about axis m, from those of the product of the angular velocities about the other axes, of
+// the vertical along the next axis and the one before, and of its own angular velocity.
+inlined vector rate_of(struct body b, int lane, int m, vector product, vector next, vector before, vector own) {
+    return get(b.coupling + lane, m) * product
+           + (next * get(b.pull + lane, m) - before * get(b.swing + lane, m) - own * get(b.decay + lane, m));
+}
+
 // Finds the term behind `now`, the k-th from `c` on, and the quotient of `now`. The sums of products start with
 // the term in the middle, if there is one, and go on to pairs of an older and a newer one; the newest
-// pair comes last, as its numbers have just been found. A quotient that is not known yet is zero.
+// pair comes last, as its numbers have just been found. A quotient that is not known yet is zero. There are two passes over the
+// pairs: for the sums and the operands of both there are too few registers.
 inlined void append(int k, int lane, struct body b, vector inverse, struct share s, double *c) {
     double *now = c + term * k, *next = now + term;
     const double *middle = c + term * (k / 2), *older, *newer;
@@ -105,17 +119,41 @@ inlined void append(int k, int lane, struct body b, vector inverse, struct share
     } else {
         older = middle;
     }
-    for (newer = middle + term; newer <= now; older -= term, newer += term) {
+    const double *const first = older;
+    unrolled for (newer = middle + term; newer <= now; older -= term, newer += term) {
         const vector v1 = get(older, w1), v2 = get(older, w2), v3 = get(older, w3);
-        const vector e1 = get(older, g1), e2 = get(older, g2), e3 = get(older, g3), p = get(older, quotient);
         const vector u1 = get(newer, w1), u2 = get(newer, w2), u3 = get(newer, w3);
-        const vector f1 = get(newer, g1), f2 = get(newer, g2), f3 = get(newer, g3), q = get(newer, quotient);
         w12 += v1 * u2, w23 += v2 * u3, w31 += v3 * u1;
-        g12 += e1 * u2, g21 += e2 * u1, g23 += e2 * u3, g32 += e3 * u2, g31 += e3 * u1, g13 += e1 * u3;
-        n1 += e1 * u1, n2 += e2 * u2, g3q += p * f3;
         w12 += u1 * v2, w23 += u2 * v3, w31 += u3 * v1;
-        g12 += f1 * v2, g21 += f2 * v1, g23 += f2 * v3, g32 += f3 * v2, g31 += f3 * v1, g13 += f1 * v3;
-        n1 += f1 * v1, n2 += f2 * v2, g3q += q * e3;
+        vector x = get(older, g1);
+        n1 += x * u1;
+        x = get(older, g2);
+        n2 += x * u2;
+        x = get(older, quotient);
+        g3q += x * get(newer, g3);
+        x = get(newer, g1);
+        n1 += x * v1;
+        x = get(newer, g2);
+        n2 += x * v2;
+        x = get(newer, quotient);
+        g3q += x * get(older, g3);
+    }
+    older = first;
+    unrolled for (newer = middle + term; newer <= now; older -= term, newer += term) {
+        const vector u1 = get(newer, w1), u2 = get(newer, w2), u3 = get(newer, w3);
+        vector x = get(older, g1);
+        g12 += x * u2, g13 += x * u3;
+        x = get(older, g2);
+        g21 += x * u1, g23 += x * u3;
+        x = get(older, g3);
+        g32 += x * u2, g31 += x * u1;
+        const vector v1 = get(older, w1), v2 = get(older, w2), v3 = get(older, w3);
+        x = get(newer, g1);
+        g12 += x * v2, g13 += x * v3;
+        x = get(newer, g2);
+        g21 += x * v1, g23 += x * v3;
+        x = get(newer, g3);
+        g32 += x * v2, g31 += x * v1;
     }
 
     const vector v1 = get(now, w1), v2 = get(now, w2), v3 = get(now, w3);
@@ -123,12 +161,9 @@ inlined void append(int k, int lane, struct body b, vector inverse, struct share
     const vector n = n1 + n2, q = (n - g3q) * inverse;
     put(now, quotient, q);
     put(now, numerator, n);
-    put(next, w1, scaled(get(b.coupling + lane, 0) * w23
-                         + (e2 * get(b.pull + lane, 0) - e3 * get(b.swing + lane, 0) - v1 * get(b.decay + lane, 0)), s));
-    put(next, w2, scaled(get(b.coupling + lane, 1) * w31
-                         + (e3 * get(b.pull + lane, 1) - e1 * get(b.swing + lane, 1) - v2 * get(b.decay + lane, 1)), s));
-    put(next, w3, scaled(get(b.coupling + lane, 2) * w12
-                         + (e1 * get(b.pull + lane, 2) - e2 * get(b.swing + lane, 2) - v3 * get(b.decay + lane, 2)), s));
+    put(next, w1, scaled(rate_of(b, lane, 0, w23, e2, e3, v1), s));
+    put(next, w2, scaled(rate_of(b, lane, 1, w31, e3, e1, v2), s));
+    put(next, w3, scaled(rate_of(b, lane, 2, w12, e1, e2, v3), s));
     put(next, g1, scaled(g23 - g32, s));
     put(next, g2, scaled(g31 - g13, s));
     put(next, g3, scaled(g12 - g21, s));
@@ -160,38 +195,62 @@ static void expand(int order, const double *coupling, const double *decay, const
     }
 }
 
-// Finds the term behind the k-th of a perturbation. The products are those of two series of different kind, so that
-// no pair is found twice.
-inlined void append_tangent(int k, int lane, struct body b, const double *c, const double *force, double *z) {
+// The series of omega2 omega3 and cyclic, of so many terms.
+static void multiply_rates(int terms, const double *c, double *products) {
+    for (int k = 0; k < terms; ++k, products += lanes * 3) {
+        for (int lane = 0; lane < lanes; lane += width) {
+            const double *older = c + lane, *newer = older + term * k;
+            vector w23 = {0}, w31 = w23, w12 = w23;
+            for (; newer >= c; older += term, newer -= term) {
+                const vector v1 = get(older, w1), v2 = get(older, w2), v3 = get(older, w3);
+                w23 += v2 * get(newer, w3), w31 += v3 * get(newer, w1), w12 += v1 * get(newer, w2);
+            }
+            put(products + lane, 0, w23), put(products + lane, 1, w31), put(products + lane, 2, w12);
+        }
+    }
+}
+
+// Finds the term behind the k-th of a perturbation, which a change of the body may force. The products are those of two
+// series of different kind, so that no pair is found twice.
+inlined void append_tangent(int k, int lane, struct body b, const double *c, const struct body_change *change,
+                            const double *products, double *z) {
     vector p1 = {0}, p2 = p1, p3 = p1, e1 = p1, e2 = p1, e3 = p1, t1 = p1, t2 = p1, t3 = p1;
     const double *base = c + term * k, *now = z;
     const double share = 1.0 / (k + 1);
     double *next = z + lanes * components * (k + 1);
 
-    for (; base >= c; base -= term, now += lanes * components) {
+    // Few operands at a time, each read once for its products: what has no register would be read again for each.
+    unrolled for (; base >= c; base -= term, now += lanes * components) {
         const vector v1 = get(base, w1), v2 = get(base, w2), v3 = get(base, w3);
-        const vector u1 = get(base, g1), u2 = get(base, g2), u3 = get(base, g3);
-        const vector x1 = get(now, d1), x2 = get(now, d2), x3 = get(now, d3);
+        vector x = get(now, d1);
+        p3 += x * v2, p2 += x * v3;
+        x = get(now, d2);
+        p1 += x * v3, p3 += x * v1;
+        x = get(now, d3);
+        p2 += x * v1, p1 += x * v2;
         const vector y1 = get(now, r1), y2 = get(now, r2), y3 = get(now, r3);
-        p1 += x2 * v3, p2 += x3 * v1, p3 += x1 * v2;
-        e1 += y2 * v3, e2 += y3 * v1, e3 += y1 * v2;
-        t1 += u2 * y3, t2 += u3 * y1, t3 += u1 * y2;
-        p1 += x3 * v2, p2 += x1 * v3, p3 += x2 * v1;
-        e1 -= y3 * v2, e2 -= y1 * v3, e3 -= y2 * v1;
-        t1 -= u3 * y2, t2 -= u1 * y3, t3 -= u2 * y1;
+        e3 += y1 * v2, e2 -= y1 * v3;
+        e1 += y2 * v3, e3 -= y2 * v1;
+        e2 += y3 * v1, e1 -= y3 * v2;
+        x = get(base, g1);
+        t3 += x * y2, t2 -= x * y3;
+        x = get(base, g2);
+        t1 += x * y3, t3 -= x * y1;
+        x = get(base, g3);
+        t2 += x * y1, t1 -= x * y2;
     }
-
     now = z + lanes * components * k;
     const vector x1 = get(now, d1), x2 = get(now, d2), x3 = get(now, d3);
-    p1 = get(b.coupling + lane, 0) * p1
-         + (t2 * get(b.pull + lane, 0) - t3 * get(b.swing + lane, 0) - x1 * get(b.decay + lane, 0));
-    p2 = get(b.coupling + lane, 1) * p2
-         + (t3 * get(b.pull + lane, 1) - t1 * get(b.swing + lane, 1) - x2 * get(b.decay + lane, 1));
-    p3 = get(b.coupling + lane, 2) * p3
-         + (t1 * get(b.pull + lane, 2) - t2 * get(b.swing + lane, 2) - x3 * get(b.decay + lane, 2));
-    if (force) {
-        force += lanes * forces * k;
-        p1 += get(force, 0), p2 += get(force, 1), p3 += get(force, 2);
+    p1 = rate_of(b, lane, 0, p1, t2, t3, x1);
+    p2 = rate_of(b, lane, 1, p2, t3, t1, x2);
+    p3 = rate_of(b, lane, 2, p3, t1, t2, x3);
+    if (change) {
+        const struct body by = {change->coupling, change->decay, change->pull, change->swing};
+        const double *product = products + lanes * 3 * k + lane;
+        base = c + term * k;
+        p1 += rate_of(by, lane, 0, get(product, 0), get(base, g2), get(base, g3), get(base, w1));
+        p2 += rate_of(by, lane, 1, get(product, 1), get(base, g3), get(base, g1), get(base, w2));
+        p3 += rate_of(by, lane, 2, get(product, 2), get(base, g1), get(base, g2), get(base, w3));
     }
     put(next, d1, share * p1);
     put(next, d2, share * p2);
@@ -228,12 +287,14 @@ inlined void add_terms(int order, int lane, const double *z, vector h, vector un
 
 static void carry(int order, const double *coupling, const double *decay, const double *pull, const double *swing,
                   const double *c, const double *duration, const double *pace, int number, const int *which, int free,
-                  const double *force, const double *before, double *after, double *whole, double *last) {
+                  const struct body_change *change, const double *before, double *after, double *whole, double *last) {
     enum { step = lanes * components };
     const struct body b = {coupling, decay, pull, swing};
-    const int length = lanes * forces * order;
     double z[in_turn][step * (most_terms + 1)] __attribute__((aligned(64)));
+    double products[lanes * 3 * most_terms] __attribute__((aligned(64)));
 
+    // Forced perturbations are the last.
+    if (number > 0 && which[number - 1] > free) multiply_rates(order, c, products);
     memset(whole, 0, lanes * sizeof *whole);
     memset(last, 0, lanes * sizeof *last);
     for (int first = 0; first < number; first += in_turn) {
@@ -242,9 +303,9 @@ static void carry(int order, const double *coupling, const double *decay, const 
         for (int v = 0; v < many; ++v) memcpy(z[v], before + step * (one[v] - 1), step * sizeof **z);
         for (int k = 0; k < order; ++k) {
             for (int v = 0; v < many; ++v) {
-                const double *own = one[v] > free ? force + length * (one[v] - free - 1) : 0;
+                const struct body_change *own = one[v] > free ? change + (one[v] - free - 1) : 0;
                 for (int lane = 0; lane < lanes; lane += width) {
-                    append_tangent(k, lane, b, c + lane, own ? own + lane : 0, z[v] + lane);
+                    append_tangent(k, lane, b, c + lane, own, products, z[v] + lane);
                 }
             }
         }

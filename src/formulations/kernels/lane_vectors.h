@@ -13,10 +13,12 @@ typedef long long bits __attribute__((vector_size(8 * width)));
 
 #define inlined static inline __attribute__((always_inline))
 
-// A loop of few turns, which becomes none.
+// A loop of few turns, which becomes none, and one of many, of which two become one.
 #if defined(__clang__)
+#define unrolled _Pragma("clang loop unroll_count(2)")
 #define for_all(i, n) _Pragma("clang loop unroll(full)") for (int i = 0; i < (n); ++i)
 #else
+#define unrolled _Pragma("GCC unroll 2")
 #define for_all(i, n) _Pragma("GCC unroll 8") for (int i = 0; i < (n); ++i)
 #endif
 

@@ -89,7 +89,7 @@ contains
         else
             call find_azimuth_polynomials(degree, run%c, run%now%side_last * cosine, sine, a)
         end if
-        call of_interval(degree, run%now%t - run%now%t_last, a)
+        call of_interval(degree, run%power, a)
         ! What cancels in the first term is rounding.
         noise = rounding * (abs(run%c(:, 4, 0)) + abs(run%c(:, 5, 0)))
     end subroutine find_polynomials

@@ -9,7 +9,7 @@ module spintop_extreme_lanes
     use spintop_motion, only: motion_t
     use spintop_quantities, only: angular_acceleration, polar_precession_rate
     use spintop_lane_products, only: multiply, multiply_slopes, square
-    use spintop_root_watch, only: find_derivatives, find_powers, find_row, of_interval, root_watch_t, states_at
+    use spintop_root_watch, only: find_derivatives, find_row, of_interval, root_watch_t, states_at
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
     private
@@ -88,14 +88,12 @@ contains
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
             !! coefficients, and a bound of errors beside the rounding of their terms
-        real(dp), dimension(lanes, 0:max_series_order) :: power, n, height, d
+        real(dp), dimension(lanes, 0:max_series_order) :: n, height, d
         associate (unused => self)
         end associate
         degree = run%order - 2
-        ! On the unit interval, so that no power overflows.
-        call find_powers(degree + 1, run%now%t - run%now%t_last, power)
-        call find_row(run%order, run%c, numerator, degree + 1, power, n)
-        call find_row(run%order, run%c, 6, degree + 1, power, height)
+        call find_row(run%order, run%c, numerator, degree + 1, run%power, n)
+        call find_row(run%order, run%c, 6, degree + 1, run%power, height)
         call find_sine2(degree + 1, run%c(:, 4:5, 0), height, d)
         call multiply_slopes(degree, n, d, a)
         noise = 0
@@ -154,13 +152,12 @@ contains
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
             !! coefficients, and a bound of errors beside the rounding of their terms
-        real(dp), dimension(lanes, 0:max_series_order) :: power, height, w, w_rate, w2, d, product
+        real(dp), dimension(lanes, 0:max_series_order) :: height, w, w_rate, w2, d, product
         integer :: k
         associate (unused => self)
         end associate
         degree = run%order - 2
-        call find_powers(degree + 2, run%now%t - run%now%t_last, power)
-        call find_row(run%order, run%c, 6, degree + 2, power, height)
+        call find_row(run%order, run%c, 6, degree + 2, run%power, height)
         do k = 0, degree + 1
             w(:, k) = (k + 1) * height(:, k + 1)
         end do
@@ -247,7 +244,7 @@ contains
             !! coefficients, and a bound of errors beside the rounding of their terms
         degree = run%order - 1
         call find_derivatives(run%order, run%c, self%centre, 1, degree, a)
-        call of_interval(degree, run%now%t - run%now%t_last, a)
+        call of_interval(degree, run%power, a)
         noise = 0
     end subroutine find_height_slopes
 

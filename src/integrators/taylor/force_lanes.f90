@@ -6,13 +6,13 @@
 !>
 !> Its vertical part is g + (Gamma.r)''.
 module spintop_force_lanes
+    use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_body, only: body_t
     use spintop_formulation, only: max_series_order
     use spintop_kinds, only: dp
-    use spintop_lane_products, only: add_squares, multiply, square
-    use spintop_lane_series, only: parts, rows
+    use spintop_lane_series, only: parts
     use spintop_motion, only: motion_t
-    use spintop_root_watch, only: find_derivatives, find_powers, of_interval, root_watch_t, rounding, states_at
+    use spintop_root_watch, only: find_derivatives, of_interval, root_watch_t, rounding, states_at
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     use spintop_vectors, only: cross
     implicit none
@@ -25,11 +25,15 @@ module spintop_force_lanes
     real(dp), parameter :: degree_share = 0.7_dp
     integer, parameter :: least_degree = 12
 
+    !> Unit vectors, two beside r and one along it, and |r|; gravity. lane_products.c repeats this type.
+    type, bind(C) :: arm_t
+        real(c_double) :: axes(lanes, 3, 3) = 0, length(lanes) = 0, gravity(lanes) = 0
+    end type arm_t
+
     !> What both watches know of the bodies.
     type, abstract, extends(root_watch_t) :: body_watch_t
-        real(dp), private :: mass(lanes) = 1, gravity(lanes) = 0, centre(lanes, 3) = 0
-        !> Unit vectors, two beside r and one along it, and |r|.
-        real(dp), private :: axes(lanes, 3, 3) = 0, arm(lanes) = 0
+        real(dp), private :: mass(lanes) = 1, centre(lanes, 3) = 0
+        type(arm_t), private :: arm
         real(dp), dimension(lanes), private :: least = 0, largest = 0
     contains
         procedure :: begin
@@ -69,6 +73,17 @@ module spintop_force_lanes
         end subroutine forces_i
     end interface
 
+    interface
+        !> The slope of the squared force over the mass, over the step as the unit interval, and the square where it begins.
+        pure subroutine c_find_force_slopes(degree, arm, power, c, slope, first) bind(C, name='spintop_find_force_slopes')
+            import :: arm_t, c_double, c_int
+            integer(c_int), value :: degree
+            type(arm_t), intent(in) :: arm
+            real(c_double), intent(in) :: power(*), c(*)
+            real(c_double), intent(inout) :: slope(*), first(*)
+        end subroutine c_find_force_slopes
+    end interface
+
 contains
 
     !> A case begins in a lane.
@@ -83,10 +98,10 @@ contains
         end associate
         self%sign(lane) = 0
         self%mass(lane) = body%mass
-        self%gravity(lane) = body%gravity
+        self%arm%gravity(lane) = body%gravity
         self%centre(lane, :) = body%centre_of_mass
-        self%axes(lane, :, :) = axes_along(body%centre_of_mass)
-        self%arm(lane) = norm2(body%centre_of_mass)
+        self%arm%axes(lane, :, :) = axes_along(body%centre_of_mass)
+        self%arm%length(lane) = norm2(body%centre_of_mass)
         call self%forces(run, run%now%state, force)
         self%least(lane) = force(lane)
         self%largest(lane) = force(lane)
@@ -126,7 +141,7 @@ contains
         real(dp), intent(out) :: f(lanes, 3)
         real(dp) :: b1, b2, b3, along, rate2
         integer :: i
-        associate (now => run%now, r => self%centre, g => self%gravity)
+        associate (now => run%now, r => self%centre, g => self%arm%gravity)
             !$omp simd private(b1, b2, b3, along, rate2)
             do i = 1, lanes
                 ! The angular acceleration by Euler's equations, see `expand`.
@@ -176,7 +191,7 @@ contains
             !! coefficients, and a bound of errors beside the rounding of their terms
         degree = run%order - 3
         call find_derivatives(run%order, run%c, self%centre, 3, degree, a)
-        call of_interval(degree, run%now%t - run%now%t_last, a)
+        call of_interval(degree, run%power, a)
         noise = 0
     end subroutine find_vertical_slopes
 
@@ -190,71 +205,12 @@ contains
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
             !! coefficients, and a bound of errors beside the rounding of their terms
-        real(dp), dimension(lanes, 0:max_series_order) :: power, product, total
-        real(dp), dimension(lanes, 0:max_series_order, 3) :: w, f
-        integer :: k, m
-
+        real(dp) :: first(lanes)
         degree = min(max(nint(degree_share * run%order), least_degree), run%order - 2)
-        ! On the unit interval, so that no power overflows.
-        call find_powers(degree + 1, run%now%t - run%now%t_last, power)
-        call turn_rows(self%axes, run%order, run%c, 1, degree + 2, w)
-        call turn_rows(self%axes, run%order, run%c, 4, degree + 1, f)
-        associate (arm => self%arm)
-            do k = 0, degree + 1
-                f(:, k, 1) = power(:, k) * (self%gravity * f(:, k, 1) + (k + 1) * arm * w(:, k + 1, 2))
-                f(:, k, 2) = power(:, k) * (self%gravity * f(:, k, 2) - (k + 1) * arm * w(:, k + 1, 1))
-                f(:, k, 3) = power(:, k) * self%gravity * f(:, k, 3)
-                do m = 1, 3
-                    w(:, k, m) = power(:, k) * w(:, k, m)
-                end do
-            end do
-            call multiply(degree + 1, w(:, :, 3), w(:, :, 1), product)
-            call add_to(f(:, :, 1), 1.0_dp)
-            call multiply(degree + 1, w(:, :, 3), w(:, :, 2), product)
-            call add_to(f(:, :, 2), 1.0_dp)
-            call add_squares(degree + 1, w(:, :, 1), w(:, :, 2), product)
-            call add_to(f(:, :, 3), -1.0_dp)
-        end associate
-        call add_squares(degree + 1, f(:, :, 1), f(:, :, 2), total)
-        call square(degree + 1, f(:, :, 3), product)
-        do k = 0, degree
-            a(:, k) = (k + 1) * (total(:, k + 1) + product(:, k + 1))
-        end do
+        call c_find_force_slopes(int(degree, c_int), self%arm, run%power, run%c, a, first)
         ! The square of the force itself is known to rounding.
-        noise = rounding * (total(:, 0) + product(:, 0))
-
-    contains
-
-        !> Adds the product, times |r| and a sign, to a component of the force.
-        subroutine add_to(component, sign)
-            real(dp), intent(inout) :: component(lanes, 0:max_series_order)
-            real(dp), intent(in) :: sign
-            do k = 0, degree + 1
-                component(:, k) = component(:, k) + sign * self%arm * product(:, k)
-            end do
-        end subroutine add_to
-
+        noise = rounding * first
     end subroutine find_total_slopes
-
-    !> The series of a vector in the axes beside r and along it, from its three rows of the states.
-    pure subroutine turn_rows(axes, order, c, row, degree, x)
-        integer, intent(in) :: order, row, degree
-        real(dp), intent(in) :: axes(lanes, 3, 3), c(lanes, rows, 0:order)
-        real(dp), intent(inout) :: x(lanes, 0:max_series_order, 3)
-        real(dp) :: c1, c2, c3
-        integer :: i, k
-        do k = 0, degree
-            !$omp simd private(c1, c2, c3)
-            do i = 1, lanes
-                c1 = c(i, row, k)
-                c2 = c(i, row + 1, k)
-                c3 = c(i, row + 2, k)
-                x(i, k, 1) = axes(i, 1, 1) * c1 + axes(i, 2, 1) * c2 + axes(i, 3, 1) * c3
-                x(i, k, 2) = axes(i, 1, 2) * c1 + axes(i, 2, 2) * c2 + axes(i, 3, 2) * c3
-                x(i, k, 3) = axes(i, 1, 3) * c1 + axes(i, 2, 3) * c2 + axes(i, 3, 3) * c3
-            end do
-        end do
-    end subroutine turn_rows
 
     !> Makes room for so many cases.
     subroutine prepare_vertical(self, cases)

@@ -127,7 +127,7 @@ contains
         degree = run%order
         call find_form(self, degree, run%c, a)
         a(:, 0) = a(:, 0) - self%threshold
-        call of_interval(degree, run%now%t - run%now%t_last, a)
+        call of_interval(degree, run%power, a)
         noise = rounding * sizes_of_terms(self, run%c(:, 1:3, 0))
     end subroutine find_polynomials
 

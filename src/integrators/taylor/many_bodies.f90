@@ -141,6 +141,7 @@ contains
             end do
             if (all(case_in == 0)) exit
             call run%advance()
+            if (watching > 0) call run%find_powers()
             do i = 1, watching
                 call watches(i)%watch%look(run)
             end do

@@ -13,7 +13,7 @@ module spintop_root_watch
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
     private
-    public :: root_watch_t, find_derivatives, find_height_rates, find_powers, find_row, of_interval, rounding, states_at
+    public :: root_watch_t, find_derivatives, find_height_rates, find_row, of_interval, rounding, states_at
 
     !> A watch for roots.
     type, abstract, extends(lane_watch_t) :: root_watch_t
@@ -80,23 +80,6 @@ contains
         end do
     end subroutine look
 
-    !> Powers of the durations of the steps.
-    pure subroutine find_powers(degree, step, power)
-        integer, intent(in) :: degree !! last power, 1 or more
-        real(dp), intent(in) :: step(lanes) !! durations of the steps, s
-        real(dp), intent(out) :: power(lanes, 0:degree) !! their powers
-        integer :: i, k
-        power(:, 0) = 1
-        power(:, 1) = step
-        ! A chain of products would wait for each.
-        do k = 2, degree
-            !$omp simd
-            do i = 1, lanes
-                power(i, k) = power(i, k / 2) * power(i, k - k / 2)
-            end do
-        end do
-    end subroutine find_powers
-
     !> A row of the series over the steps as the unit interval. Here and below the series come as an array of known shape:
     !> behind a pointer they would be read number by number.
     pure subroutine find_row(order, c, row, degree, power, x)
@@ -147,13 +130,11 @@ contains
     end subroutine find_height_rates
 
     !> A polynomial of the time since the step began, over the step as the unit interval.
-    pure subroutine of_interval(degree, step, a)
+    pure subroutine of_interval(degree, power, a)
         integer, intent(in) :: degree !! degree of the polynomials
-        real(dp), intent(in) :: step(lanes) !! durations of the steps, s
+        real(dp), intent(in) :: power(lanes, 0:degree) !! powers of the durations of the steps
         real(dp), intent(inout) :: a(lanes, 0:degree) !! coefficients, of the powers of t and then of u
-        real(dp) :: power(lanes, 0:max_series_order) ! of known size, on the stack
         integer :: i, k
-        call find_powers(degree, step, power)
         do k = 1, degree
             !$omp simd
             do i = 1, lanes

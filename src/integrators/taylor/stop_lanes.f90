@@ -6,7 +6,7 @@ module spintop_stop_lanes
     use spintop_instants, only: time_of_start
     use spintop_motion, only: motion_t
     use spintop_quantities, only: axis_height_rate
-    use spintop_root_watch, only: find_height_rates, find_powers, find_row, of_interval, root_watch_t, rounding
+    use spintop_root_watch, only: find_height_rates, find_row, of_interval, root_watch_t, rounding
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
     private
@@ -104,17 +104,15 @@ contains
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
             !! coefficients, and a bound of errors beside the rounding of their terms
-        real(dp) :: power(lanes, 0:max_series_order)
         if (self%is_level) then
             degree = run%order
-            call find_powers(degree, run%now%t - run%now%t_last, power)
-            call find_row(run%order, run%c, 6, degree, power, a)
+            call find_row(run%order, run%c, 6, degree, run%power, a)
             a(:, 0) = a(:, 0) - self%level
             noise = rounding
         else
             degree = run%order - 1
             call find_height_rates(run%order, run%c, degree, a, noise)
-            call of_interval(degree, run%now%t - run%now%t_last, a)
+            call of_interval(degree, run%power, a)
         end if
     end subroutine find_polynomials
 

@@ -7,7 +7,7 @@ module spintop_tangent_lanes
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_lane_series, only: rows
-    use spintop_lane_tangents, only: carry_tangents, components
+    use spintop_lane_tangents, only: body_change_t, carry_tangents, components
     use spintop_status, only: status_non_finite, status_ok, status_step_limit
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
@@ -18,11 +18,6 @@ module spintop_tangent_lanes
     real(dp), parameter :: far = 2.0_dp**200
     !> Fraction of the part that the last terms allow, its smallest and largest ratio to the one before.
     real(dp), parameter :: safety = 0.8_dp, least_ratio = 1.0e-3_dp, most_ratio = 4
-
-    !> Changes of a body that force a perturbation: of the numbers by which its motion is expanded.
-    type :: body_change_t
-        real(dp), dimension(lanes, 3) :: coupling = 0, decay = 0, pull = 0, swing = 0
-    end type body_change_t
 
     !> Perturbations of the motions in all lanes. `set`, `load` some lanes, then `carry` after every step.
     type :: tangent_lanes_t
@@ -110,14 +105,10 @@ contains
         real(dp), contiguous, intent(out) :: after(:, :, :)
         real(dp), intent(out) :: excess(lanes)
         real(dp), dimension(lanes) :: whole, last
-        real(dp) :: products(lanes, 3, 0:run%order)
-        real(dp) :: force(lanes, 3, 0:min(self%most_order, run%order) - 1, size(self%change))
-        integer :: which(size(self%z, 3)), v, n, order, free
+        integer :: which(size(self%z, 3)), v, n, free
 
-        order = min(self%most_order, run%order)
         free = size(self%z, 3) - size(self%change)
         n = 0
-        if (size(self%change) > 0) call multiply_rates(order - 1, c, products)
         do v = 1, size(self%z, 3)
             if (is_idle(self%z(:, :, v), v - free, self%change)) then
                 after(:, :, v) = 0
@@ -125,11 +116,10 @@ contains
             end if
             n = n + 1
             which(n) = v
-            if (v > free) call find_force(order - 1, self%change(v - free), c, products, force(:, :, :, v - free))
         end do
         associate (now => run%now)
-            call carry_tangents(order, now%coupling, now%decay, now%pull, now%swing, c, duration, now%scale, which(:n), free, &
-                                force, self%z, after, whole, last)
+            call carry_tangents(min(self%most_order, run%order), now%coupling, now%decay, now%pull, now%swing, c, duration, &
+                                now%scale, which(:n), free, self%change, self%z, after, whole, last)
         end associate
         excess = merge(last / (self%tolerance * whole), 0.0_dp, last > self%tolerance * whole)
         ! What is not finite exceeds as well.
@@ -266,54 +256,5 @@ contains
             self%doublings(i) = self%doublings(i) + m
         end do
     end subroutine scale_down
-
-    !> The series of omega2 omega3 and cyclic.
-    pure subroutine multiply_rates(order, c, products)
-        integer, intent(in) :: order
-        real(dp), intent(in) :: c(lanes, rows, 0:order)
-        real(dp), intent(out) :: products(lanes, 3, 0:order)
-        real(dp) :: w1, w2, w3
-        integer :: i, j, k
-        do k = 0, order
-            !$omp simd private(w1, w2, w3, j)
-            do i = 1, lanes
-                w1 = 0
-                w2 = 0
-                w3 = 0
-                do j = 0, max(k, 0)
-                    w1 = w1 + c(i, 2, j) * c(i, 3, k - j)
-                    w2 = w2 + c(i, 3, j) * c(i, 1, k - j)
-                    w3 = w3 + c(i, 1, j) * c(i, 2, k - j)
-                end do
-                products(i, 1, k) = w1
-                products(i, 2, k) = w2
-                products(i, 3, k) = w3
-            end do
-        end do
-    end subroutine multiply_rates
-
-    !> The angular acceleration due to a change of the body.
-    pure subroutine find_force(order, change, c, products, force)
-        integer, intent(in) :: order
-        type(body_change_t), intent(in) :: change
-        real(dp), intent(in) :: c(lanes, rows, 0:order), products(lanes, 3, 0:order)
-        real(dp), intent(out) :: force(lanes, 3, 0:order)
-        integer :: i, k
-        associate (w => products, coupling => change%coupling, decay => change%decay, pull => change%pull, &
-                   swing => change%swing)
-            ! The numbers of the body stay in registers.
-            !$omp simd private(k)
-            do i = 1, lanes
-                do k = 0, max(order, 0)
-                    force(i, 1, k) = coupling(i, 1) * w(i, 1, k) + pull(i, 1) * c(i, 5, k) - swing(i, 1) * c(i, 6, k) &
-                        - decay(i, 1) * c(i, 1, k)
-                    force(i, 2, k) = coupling(i, 2) * w(i, 2, k) + pull(i, 2) * c(i, 6, k) - swing(i, 2) * c(i, 4, k) &
-                        - decay(i, 2) * c(i, 2, k)
-                    force(i, 3, k) = coupling(i, 3) * w(i, 3, k) + pull(i, 3) * c(i, 4, k) - swing(i, 3) * c(i, 5, k) &
-                        - decay(i, 3) * c(i, 3, k)
-                end do
-            end do
-        end associate
-    end subroutine find_force
 
 end module spintop_tangent_lanes

@@ -10,6 +10,7 @@ module spintop_taylor_lanes
     use spintop_kinds, only: dp, pi, qp
     use spintop_attitude, only: nearest_turn, vertical_from_quaternion
     use spintop_body, only: body_t
+    use spintop_formulation, only: max_series_order
     use spintop_lane_effects, only: lane_effects_t, lane_kinds_t, more_rows
     use spintop_lane_reversals, only: end_before_reversals, find_reversals
     use spintop_lane_series, only: expand, lanes, parts, rows
@@ -60,6 +61,9 @@ module spintop_taylor_lanes
         !> The effects on the bodies, if there are any, and the coefficients of their rows, likewise.
         type(lane_effects_t), allocatable :: effects
         real(dp), pointer, contiguous :: more(:, :, :) => null()
+        !> Powers of the length of the last step, s, for what looks at its polynomials over the step as the unit interval,
+        !> where no power of the terms overflows: see `find_powers`.
+        real(dp) :: power(lanes, 0:max_series_order) = 1
         !> `status_ok`, or the reason why a lane does not continue.
         integer :: status(lanes) = status_ok
         integer(int64) :: steps(lanes) = 0
@@ -75,6 +79,7 @@ module spintop_taylor_lanes
         procedure :: load
         procedure :: advance
         procedure :: stop => stop_lane
+        procedure :: find_powers
         procedure :: motion
         procedure :: other_at
         procedure :: angles_at
@@ -237,7 +242,22 @@ contains
             now%t(lane) = t
             now%t_end(lane) = t
         end associate
+        call self%find_powers()
     end subroutine stop_lane
+
+    !> Finds the powers of the lengths of the last steps.
+    pure subroutine find_powers(self)
+        class(taylor_lanes_t), intent(inout) :: self
+        integer :: i, k
+        self%power(:, 1) = self%now%t - self%now%t_last
+        ! A chain of products would wait for each.
+        do k = 2, self%order
+            !$omp simd
+            do i = 1, lanes
+                self%power(i, k) = self%power(i, k / 2) * self%power(i, k - k / 2)
+            end do
+        end do
+    end subroutine find_powers
 
     !> Sets the statuses of lanes that can take no step, and ends these where they are.
     pure subroutine end_lanes(self, trouble)

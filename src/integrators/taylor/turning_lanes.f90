@@ -81,7 +81,7 @@ contains
         end associate
         degree = run%order - 1
         call find_height_rates(run%order, run%c, degree, a, noise)
-        call of_interval(degree, run%now%t - run%now%t_last, a)
+        call of_interval(degree, run%power, a)
     end subroutine find_polynomials
 
     !> Takes the turning points at shares `u` of the step: a lower one where `slope` of Gamma3' is positive, an

@@ -118,11 +118,13 @@ static void find_stages(int from, int to, const struct body *body, const double 
     const double twice = 2 / ((y[0] * y[0] + y[3] * y[3]) + (y[1] * y[1] + y[2] * y[2]));
     for (int i = from; i <= to; ++i) {
         const double *weight = a + (long)stride * i;
+        const double *newest = k + numbers * (i - 1);
         double now[numbers] = {0}, *rate = k + numbers * i;
-        for (int j = 0; j < i; ++j) {
+        for (int j = 0; j + 1 < i; ++j) {
             for (int n = 0; n < numbers; ++n) now[n] += weight[j] * k[numbers * j + n];
         }
-        for (int n = 0; n < numbers; ++n) now[n] = y[n] + h * now[n];
+        // The newest stage comes last, as all others are known before it.
+        for (int n = 0; n < numbers; ++n) now[n] = (y[n] + h * now[n]) + (h * weight[i - 1]) * newest[n];
         const double q0 = now[0], q1 = now[1], q2 = now[2], q3 = now[3], p1 = now[4], p2 = now[5], p3 = now[6];
         const double w1 = v[0] * p1 / 2, w2 = v[1] * p2 / 2, w3 = v[2] * p3 / 2;
         const double g1 = twice * (q1 * q3 - q0 * q2), g2 = twice * (q2 * q3 + q0 * q1);

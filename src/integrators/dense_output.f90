@@ -8,6 +8,7 @@ module spintop_dense_output
     use spintop_kinds, only: dp
     use spintop_formulation, only: formulation_t, max_states
     use spintop_lapack, only: dgetrf, dgetrs
+    use spintop_motions, only: instants
     use spintop_stepper, only: workspace_t
     use spintop_status, only: status_ok
     implicit none
@@ -34,6 +35,7 @@ module spintop_dense_output
         procedure :: set_order
         procedure :: fit
         procedure :: at
+        procedure :: at_several
     end type dense_output_t
 
 contains
@@ -110,5 +112,19 @@ contains
             y = y * fraction + self%coefficient(:, k)
         end do
     end function at
+
+    !> The states at several fractions of the step, all by the same instructions.
+    pure subroutine at_several(self, fraction, y)
+        class(dense_output_t), intent(in) :: self
+        real(dp), intent(in) :: fraction(instants) !! positions in the step, from 0 to 1
+        real(dp), intent(out) :: y(instants, max_states) !! the states
+        integer :: k, m
+        do m = 1, max_states
+            y(:, m) = self%coefficient(m, self%degree)
+            do k = self%degree - 1, 0, -1
+                y(:, m) = y(:, m) * fraction + self%coefficient(m, k)
+            end do
+        end do
+    end subroutine at_several
 
 end module spintop_dense_output

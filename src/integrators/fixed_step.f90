@@ -4,6 +4,7 @@ module spintop_fixed_step
     use spintop_compare, only: is_equal
     use spintop_dense_output, only: dense_output_t
     use spintop_formulation, only: formulation_t, max_states
+    use spintop_motions, only: instants
     use spintop_stepper, only: stepper_t, workspace_t
     use spintop_status, only: status_ok, status_outside, status_non_finite, status_step_too_small
     implicit none
@@ -29,6 +30,7 @@ module spintop_fixed_step
         procedure :: new_workspace
         procedure :: try_step => try_formula
         procedure :: state_within
+        procedure :: states_within
         procedure(step), deferred :: step
         procedure :: starts_from_slope
     end type fixed_step_t
@@ -173,22 +175,45 @@ contains
         class(workspace_t), intent(inout) :: work !! state and workspace of the run
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states)
-        integer :: status
 
         y = work%y
         select type (work)
         class is (grid_workspace_t)
-            if (.not. is_equal(work%t_fitted, work%t)) then
-                if (.not. self%starts_from_slope()) then
-                    call work%evaluate(formulation, work%t_last, work%y_last, work%slope_last, status)
-                    call work%evaluate(formulation, work%t, work%y, work%slope, status)
-                end if
-                call work%dense%set_order(self%order())
-                call work%dense%fit(formulation, work, work%slope_last)
-                work%t_fitted = work%t
-            end if
+            call fit_step(self, formulation, work)
             y = work%dense%at((t - work%t_last) / (work%t - work%t_last))
         end select
     end function state_within
+
+    !> The states at several times within the last step, all by the same instructions.
+    subroutine states_within(self, formulation, work, t, y)
+        class(fixed_step_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        real(dp), intent(in) :: t(instants) !! times, s
+        real(dp), intent(out) :: y(instants, max_states) !! states
+
+        y = 0
+        select type (work)
+        class is (grid_workspace_t)
+            call fit_step(self, formulation, work)
+            call work%dense%at_several((t - work%t_last) / (work%t - work%t_last), y)
+        end select
+    end subroutine states_within
+
+    !> Fits the polynomial of the last step, if this was not done yet.
+    subroutine fit_step(self, formulation, work)
+        class(fixed_step_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(grid_workspace_t), intent(inout) :: work
+        integer :: status
+        if (is_equal(work%t_fitted, work%t)) return
+        if (.not. self%starts_from_slope()) then
+            call work%evaluate(formulation, work%t_last, work%y_last, work%slope_last, status)
+            call work%evaluate(formulation, work%t, work%y, work%slope, status)
+        end if
+        call work%dense%set_order(self%order())
+        call work%dense%fit(formulation, work, work%slope_last)
+        work%t_fitted = work%t
+    end subroutine fit_step
 
 end module spintop_fixed_step

@@ -98,7 +98,6 @@ contains
         call self%stepper%bound_changes(self%work, change, is_known)
         self%greatest_rate = 0
         if (is_known) self%greatest_rate = self%formulation%bound_rate(self%work%y_last, change)
-        self%gives_several = self%greatest_rate > 0
     end subroutine begin_step
 
     !> The work of effects up to a time within the last step.

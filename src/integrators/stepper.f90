@@ -208,7 +208,7 @@ contains
         real(dp), intent(out) :: y(instants, max_states) !! states
         integer :: i
         do i = 1, instants
-            y(i, :) = self%state_within(formulation, work, t(i))
+            y(i, :) = self%interpolate(formulation, work, t(i))
         end do
     end subroutine states_within
 

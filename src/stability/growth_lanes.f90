@@ -179,8 +179,8 @@ contains
         type(growth_t), intent(out) :: growth(:) !! what was found, one for each case
         type(watch_slot_t) :: watches(1)
         type(growth_lanes_t) :: watch
-        type(motion_t) :: ends(size(bodies))
-        type(outcome_t) :: outcomes(size(bodies))
+        type(motion_t), allocatable :: ends(:)
+        type(outcome_t), allocatable :: outcomes(:)
         type(controls_t) :: controls
         integer :: i
 
@@ -189,6 +189,7 @@ contains
         controls%max_steps = max_steps
         call watch%set(controls, with_singular, with_exponent)
         allocate (watches(1)%watch, source=watch)
+        allocate (ends(size(bodies)), outcomes(size(bodies)))
         call integrate_many(controls, bodies, starts, t_end, ends, outcomes, watches)
         growth%steps = outcomes%counts%steps
         select type (found => watches(1)%watch)

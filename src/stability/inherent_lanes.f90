@@ -21,7 +21,7 @@ module spintop_inherent_lanes
     use spintop_validity, only: plain_body_status
     implicit none
     private
-    public :: inherent_lanes_t, find_inherent_error
+    public :: inherent_lanes_t, find_inherent_errors
 
     !> Relative error of a rounded datum.
     real(dp), parameter :: rounding = epsilon_dp / 2
@@ -200,38 +200,42 @@ contains
         self%error(case) = merge(pi, error, error > pi)
     end subroutine finish
 
-    !> The inherent error of one body at the end of a span, rad; zero unless `status_ok`.
-    subroutine find_inherent_error(body, start, t_end, error, status, max_steps)
-        type(body_t), intent(in) :: body !! mass properties about the fixed point
-        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
-        real(dp), intent(in) :: t_end !! s
-        real(dp), intent(out) :: error !! rad
-        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        integer(int64), intent(in) :: max_steps !! maximum number of steps
+    !> The inherent errors of bodies at the ends of spans, rad; zero unless `status_ok`.
+    subroutine find_inherent_errors(bodies, starts, t_end, max_steps, errors, status)
+        type(body_t), intent(in) :: bodies(:) !! mass properties about the fixed point, one for each case
+        type(motion_t), intent(in) :: starts(:) !! attitude and angular velocity at the start, one for each case
+        real(dp), intent(in) :: t_end(:) !! s
+        integer(int64), intent(in) :: max_steps !! maximum number of steps for a case
+        real(dp), intent(out) :: errors(:) !! rad
+        integer, intent(out) :: status(:) !! `status_ok`, or the reasons of failures (spintop_status)
         !> The perturbations need no more.
         real(dp), parameter :: enough = 1.0e-10_dp
         type(watch_slot_t) :: watches(1)
         type(inherent_lanes_t) :: watch
-        type(motion_t) :: ends(1)
-        type(outcome_t) :: outcomes(1)
+        type(motion_t), allocatable :: ends(:)
+        type(outcome_t), allocatable :: outcomes(:)
         type(controls_t) :: controls
+        integer, allocatable :: valid(:)
+        integer :: i
 
-        error = 0
-        status = plain_body_status(body)
-        if (status /= status_ok) return
+        errors = 0
+        do i = 1, size(bodies)
+            status(i) = plain_body_status(bodies(i))
+        end do
+        valid = pack([(i, i=1, size(bodies))], status == status_ok)
         controls%relative_tolerance = enough
         controls%absolute_tolerance = enough
         controls%max_steps = max_steps
         call watch%set(max_steps)
         allocate (watches(1)%watch, source=watch)
-        call integrate_many(controls, [body], [start], [t_end], ends, outcomes, watches)
-        status = outcomes(1)%status
-        if (status /= status_ok) return
+        allocate (ends(size(valid)), outcomes(size(valid)))
+        call integrate_many(controls, bodies(valid), starts(valid), t_end(valid), ends, outcomes, watches)
+        status(valid) = outcomes%status
         select type (watch => watches(1)%watch)
         type is (inherent_lanes_t)
-            status = watch%status(1)
-            if (status == status_ok) error = watch%error(1)
+            where (status(valid) == status_ok) status(valid) = watch%status
+            where (status(valid) == status_ok) errors(valid) = watch%error
         end select
-    end subroutine find_inherent_error
+    end subroutine find_inherent_errors
 
 end module spintop_inherent_lanes

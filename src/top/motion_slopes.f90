@@ -49,7 +49,9 @@ contains
 
         w = motions%omega
         b = motions%omega_rate
-        r = spread(body%centre_of_mass, 1, instants)
+        do m = 1, 3
+            r(:, m) = body%centre_of_mass(m)
+        end do
         gamma = verticals(motions%quaternion)
         gamma1 = cross_of_all(gamma, w)
         b1 = cross_of_all(momenta(b), w) + cross_of_all(momenta(w), b) + body%mass * body%gravity * cross_of_all(gamma1, r)

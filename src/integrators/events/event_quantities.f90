@@ -1,12 +1,16 @@
 !> The quantities of events, whose passages through levels are searched for: their values along a path.
 module spintop_event_quantities
+    use spintop_bracket, only: bracket_t
     use spintop_compare, only: is_equal
     use spintop_event, only: event_t
     use spintop_kinds, only: dp
+    use spintop_level_side, only: side_t, sign_of
     use spintop_motion, only: motion_t
     use spintop_motions, only: instants, motions_t
+    use spintop_five_values, only: root_between
     use spintop_path, only: path_t
     use spintop_recent_values, only: recent_values_t
+    use spintop_status, only: status_ok
     implicit none
     private
     public :: event_quantities_t
@@ -30,10 +34,20 @@ module spintop_event_quantities
         procedure :: quantities_of_several
         procedure :: begin_quantities
         procedure :: value_at
+        procedure :: find_passage
+        procedure, private :: find_near
         procedure :: take_quarters
     end type event_quantities_t
 
     integer, parameter :: half = instants / 2
+
+    !> A correction of a time by more than this fraction of what it is known to does not converge.
+    real(dp), parameter :: convergent = 0.05_dp
+    !> Largest number of corrections, and the margin for the error of the last.
+    integer, parameter :: most_corrections = 5
+    real(dp), parameter :: margin = 16
+    !> Times so few spacings apart have no polynomial between them.
+    real(dp), parameter :: fewest_spacings = 4096
 
     abstract interface
         !> The quantities of all events. While a quantity is not finite, its events are not found.
@@ -83,6 +97,70 @@ contains
         call self%recent%keep(t, self%one)
         value = self%one(k)
     end function value_at
+
+    !> The time at which event `k` passes its level, between the instant at which its side was last known and the last of five
+    !> equidistant ones, where the side differs. A jump from and to infinity is not a passage.
+    subroutine find_passage(self, path, k, side, a, b, g, t, is_found)
+        class(event_quantities_t), intent(inout) :: self
+        class(path_t), intent(inout) :: path !! the motion
+        integer, intent(in) :: k !! number of the event
+        type(side_t), intent(in) :: side !! its level, and its side of it before
+        real(dp), intent(in) :: a, b, g(5) !! first and last time, s; distances from the level at the five
+        real(dp), intent(out) :: t !! the time of the passage, s
+        logical, intent(out) :: is_found !! whether it is one
+        type(bracket_t) :: bracket
+        real(dp) :: before(2)
+        integer :: i, last
+
+        last = 0
+        do i = 1, 4
+            if (.not. abs(g(i)) > side%rounding) cycle
+            if (sign_of(g(i)) == -side%sign) exit
+            last = i
+        end do
+        is_found = last > 0 .and. last == i - 1
+        if (is_found) call self%find_near(path, k, side%level, a, b, g, last, t, is_found)
+        if (is_found) return
+        before = [side%t, side%distance]
+        if (last > 0) before = [a + (b - a) * (last - 1) / 4, g(last)]
+        call bracket%begin(before(1), before(2), a + (b - a) * (i - 1) / 4, g(i), spacing(max(abs(side%t), abs(b))))
+        do while (.not. bracket%found)
+            call bracket%take(self%value_at(path, k, bracket%trial) - side%level)
+        end do
+        t = bracket%trial
+        is_found = bracket%status == status_ok .and. abs(bracket%residual) <= 2 * side%farthest
+    end subroutine find_passage
+
+    !> The time at which event `k` passes its level between the times i and i + 1 of five equidistant ones: the zero of the
+    !> polynomial through the distances from the level, corrected by values of the quantity and the slope of the polynomial. How
+    !> much smaller each correction is than the one before tells its error. Not found where they do not converge.
+    subroutine find_near(self, path, k, level, a, b, g, i, t, is_found)
+        class(event_quantities_t), intent(inout) :: self
+        class(path_t), intent(inout) :: path
+        integer, intent(in) :: k, i
+        real(dp), intent(in) :: level, a, b, g(5)
+        real(dp), intent(out) :: t
+        logical, intent(out) :: is_found
+        real(dp) :: place, slope, width, last, change
+        integer :: n
+
+        width = (b - a) / 4
+        last = 1
+        is_found = .false.
+        if (width <= fewest_spacings * spacing(max(abs(a), abs(b)))) return
+        call root_between(g, i, place, slope)
+        if (.not. (place >= i - 1 .and. place <= i)) return
+        do n = 1, most_corrections
+            t = a + width * place
+            change = -(self%value_at(path, k, t) - level) / slope
+            if (.not. abs(change) <= convergent * last) return
+            place = min(max(place + change, i - 1.0_dp), real(i, dp))
+            is_found = margin * width * abs(change) * (abs(change) / last) <= spacing(max(abs(a), abs(b)))
+            if (is_found) exit
+            last = abs(change)
+        end do
+        t = a + width * place
+    end subroutine find_near
 
     !> The quantities at each quarter of the time from `a` to `b`, and the motion at `b`, without angles. Those of as long a
     !> time after that, if it ends before `limit`, are computed by the same instructions, and kept for the next call. It moves

@@ -13,7 +13,6 @@ module spintop_events
     use spintop_archive, only: archive_t
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
-    use spintop_bracket, only: bracket_t
     use spintop_compare, only: is_equal, is_finite
     use spintop_event, only: event_t, occasion_none
     use spintop_event_quantities, only: event_quantities_t
@@ -68,7 +67,6 @@ module spintop_events
         procedure, private :: refine
         procedure, private :: measure_rounding
         procedure, private :: take_side
-        procedure, private :: find_root
         procedure, private :: advance
     end type event_watch_t
 
@@ -141,11 +139,12 @@ contains
         knows_end = .false.
         if (.not. self%is_paused) then
             self%pace = path%greatest_rate
-            knows_end = .not. self%pace > 0
-            if (knows_end) then
+            if (.not. self%pace > 0) then
+                knows_end = .not. self%takes_several
                 call path%motion_at(t, self%needs_angles, there)
                 ! A body that rotates slowly at both ends may have fallen and risen in between.
-                self%pace = max(norm2(self%here%omega), norm2(there%omega)) + 2 * self%fall_rate
+                self%pace = max(norm2(self%here%omega), norm2(there%omega)) &
+                            + self%fall_rate * min(2.0_dp, self%fall_rate * (t - self%t))
             end if
         end if
         do while (self%t < t .and. .not. self%has_enough)
@@ -222,7 +221,7 @@ contains
 
         self%five(:, 1) = self%values
         b = last
-        if (self%takes_several .and. path%gives_several) then
+        if (self%takes_several) then
             call self%take_quarters(path, self%t, b, limit, self%five(:, 2:), there)
         else
             call self%advance(path, b, there, motion_last)
@@ -348,6 +347,8 @@ contains
         integer, intent(in) :: k
         real(dp), intent(in) :: a, b, g(5)
         type(passages_t), intent(inout) :: found
+        real(dp) :: t
+        logical :: is_found
         integer :: new_sign
 
         associate (side => self%sides(k), distance => g(5))
@@ -358,43 +359,13 @@ contains
             if (.not. abs(distance) > side%rounding) return
             new_sign = sign_of(distance)
             if (side%sign == -new_sign .and. self%events(k)%direction /= -new_sign) then
-                call self%find_root(path, k, a, b, g, found)
+                call self%find_passage(path, k, side, a, b, g, t, is_found)
+                if (is_found) call found%add(k, max(t, self%t))
             end if
             side%sign = new_sign
             side%t = b
             side%distance = distance
         end associate
     end subroutine take_side
-
-    !> Adds the passage of event `k` between the instant at which its side was last known and `b`, where the
-    !> side differs, to the list `found`. A jump from and to infinity is not a passage.
-    subroutine find_root(self, path, k, a, b, g, found)
-        class(event_watch_t), intent(inout) :: self
-        class(path_t), intent(inout) :: path
-        integer, intent(in) :: k
-        real(dp), intent(in) :: a, b, g(5)
-        type(passages_t), intent(inout) :: found
-        type(bracket_t) :: bracket
-        real(dp) :: value, before(2), after(2)
-        integer :: i
-        associate (side => self%sides(k))
-            before = [side%t, side%distance]
-            after = [b, g(5)]
-            do i = 1, 4
-                if (.not. abs(g(i)) > side%rounding) cycle
-                after = [a + (b - a) * (i - 1) / 4, g(i)]
-                if (sign_of(g(i)) == -side%sign) exit
-                before = after
-                after = [b, g(5)]
-            end do
-            call bracket%begin(before(1), before(2), after(1), after(2), spacing(max(abs(side%t), abs(b))))
-            do while (.not. bracket%found)
-                value = self%value_at(path, k, bracket%trial)
-                call bracket%take(value - side%level)
-            end do
-            if (bracket%status /= status_ok .or. abs(bracket%residual) > 2 * side%farthest) return
-        end associate
-        call found%add(k, max(bracket%trial, self%t))
-    end subroutine find_root
 
 end module spintop_events

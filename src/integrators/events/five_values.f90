@@ -7,10 +7,12 @@ module spintop_five_values
     use spintop_kinds, only: dp
     implicit none
     private
-    public :: passes_at_most_once, rounding_of
+    public :: passes_at_most_once, root_between, rounding_of
 
     !> Margins for the errors of the parabola, and of its slope.
     real(dp), parameter :: margin = 4, slope_margin = 12
+    !> Steps by Newton's method to the zero of a polynomial.
+    integer, parameter :: newton_steps = 3
 
 contains
 
@@ -31,6 +33,29 @@ contains
         if (abs(slope) < 2 * abs(bend)) lowest = min(lowest, sign(1.0_dp, g(3)) * (g(3) - slope / bend * slope / 4))
         passes_at_most_once = lowest > margin * missed
     end function passes_at_most_once
+
+    !> The zero, between two neighbours of the values, of the polynomial of degree 4 through all five: its place, and the
+    !> slope there, both by the distance of two values.
+    pure subroutine root_between(g, i, place, slope)
+        real(dp), intent(in) :: g(5) !! values at the places 0, 1, 2, 3, 4
+        integer, intent(in) :: i !! the zero lies between the values i and i + 1, which have opposite signs
+        real(dp), intent(out) :: place, slope !! where it is; the slope
+        real(dp) :: c(0:4), x, value
+        integer :: n
+
+        c(0) = g(3)
+        c(1) = (8 * (g(4) - g(2)) - (g(5) - g(1))) / 12
+        c(2) = (16 * (g(2) + g(4)) - (g(1) + g(5)) - 30 * g(3)) / 24
+        c(3) = ((g(5) - g(1)) - 2 * (g(4) - g(2))) / 12
+        c(4) = ((g(1) + g(5)) - 4 * (g(2) + g(4)) + 6 * g(3)) / 24
+        x = i - 3 + g(i) / (g(i) - g(i + 1))
+        do n = 1, newton_steps
+            slope = c(1) + x * (2 * c(2) + x * (3 * c(3) + x * 4 * c(4)))
+            value = c(0) + x * (c(1) + x * (c(2) + x * (c(3) + x * c(4))))
+            x = min(max(x - value / slope, i - 3.0_dp), i - 2.0_dp)
+        end do
+        place = x + 2
+    end subroutine root_between
 
     !> Bound of the rounding error of a function, from values so close together that the function is linear
     !> between them except for rounding errors: their fourth differences.

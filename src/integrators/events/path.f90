@@ -12,8 +12,6 @@ module spintop_path
     type, abstract :: path_t
         !> A bound of the angular velocity along the path, rad/s; 0 if none is known.
         real(dp) :: greatest_rate = 0
-        !> Whether `at_several` gives the motion at several instants at once.
-        logical :: gives_several = .false.
     contains
         procedure(at), deferred :: at
         procedure :: at_without_angles

@@ -8,6 +8,7 @@ module spintop_dop853
     use spintop_dop853_table, only: dop853_table_t, main_stages, new_slope, all_stages
     use spintop_fixed_step, only: fixed_step_t, advance_on_grid, begin_on_grid, longest_step
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
+    use spintop_motions, only: instants
     use spintop_status, only: status_ok, status_non_finite, status_step_too_small
     use spintop_stepper, only: workspace_t
     implicit none
@@ -23,6 +24,7 @@ module spintop_dop853
         procedure :: advance
         procedure :: step
         procedure :: state_within
+        procedure :: states_within
     end type dop853_t
 
     !> Keeps the stages of the last step for dense output.
@@ -329,6 +331,30 @@ contains
             end do
         end select
     end function state_within
+
+    !> The same at several times, all by the same instructions.
+    subroutine states_within(self, formulation, work, t, y)
+        class(dop853_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        real(dp), intent(in) :: t(instants) !! times, s
+        real(dp), intent(out) :: y(instants, max_states) !! states
+        real(dp) :: s(instants), left(instants), c(8)
+        integer :: m
+
+        y = 0
+        select type (work)
+        class is (dop853_workspace_t)
+            if (.not. work%has_terms) call find_terms(self, formulation, work)
+            s = (t - work%t_last) / (work%t - work%t_last)
+            left = 1 - s
+            do m = 1, max_states
+                c = work%term(m, :)
+                y(:, m) = c(1) + s * (c(2) + left * (c(3) + s * (c(4) + left * (c(5) &
+                          + s * (c(6) + left * (c(7) + s * c(8)))))))
+            end do
+        end select
+    end subroutine states_within
 
     !> The terms of the dense output of the last step, with three more stages. If one of these does not exist,
     !> the cubic Hermite polynomial is used.

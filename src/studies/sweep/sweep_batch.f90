@@ -1,7 +1,6 @@
 !> Integrates cases of a sweep together, in vector lanes: bodies without a closed form, of which the table
 !> contains the end of the span, or what the watches in lanes measure.
 module spintop_sweep_batch
-    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_attitude, only: vertical_from_quaternion
     use spintop_body, only: body_t
@@ -204,8 +203,6 @@ contains
         type(sweep_result_t), intent(inout) :: values
         integer, intent(inout) :: status
         type(note_t), intent(inout) :: note
-        integer(int64) :: max_steps
-        integer :: stability
 
         associate (ended => self%ends(i), outcome => self%outcomes(i))
             status = outcome%status
@@ -216,11 +213,7 @@ contains
             end if
             values = sweep_result_t()
             call note%clear()
-            max_steps = self%controls(waiting)%max_steps - outcome%counts%steps
-            if (status == status_ok) then
-                call put_stability(case, ended%t, alone, max_steps, values, stability, note)
-                status = stability
-            end if
+            if (status == status_ok) call put_stability(case, ended%t, alone, self%controls(waiting)%max_steps, values, note)
             if (wanted%fast_top) call put_fast_top(case, values, note)
             values%evaluations = real(outcome%counts%evaluations, dp)
             if (status == status_ok) then

@@ -89,7 +89,9 @@ contains
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(note_t), intent(inout) :: note !! notes on the case
+        integer(int64) :: limit
 
+        limit = max_steps
         values = sweep_result_t()
         status = block%status(lane)
         if (status /= status_ok) then
@@ -113,7 +115,7 @@ contains
         if (wanted%details) call put_details(case, values, note)
         if (wanted%free) call find_free_constants(case, wanted, values, note)
         if (wanted%stability()) then
-            call put_stability(case, case%t_end, wanted, max_steps, values, status, note)
+            call put_stability(case, case%t_end, wanted, limit, values, note)
         end if
         if (wanted%inherent) then
             values%inherent_error = inherent_error(case%body, case%start, case%t_end)

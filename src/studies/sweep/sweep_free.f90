@@ -68,7 +68,7 @@ contains
         class(sweep_free_t), intent(inout) :: self
         type(case_t), intent(in) :: cases(:) !! cases of the block
         type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
-        integer(int64), intent(inout) :: max_steps(:) !! remaining work of the cases
+        integer(int64), intent(in) :: max_steps(:) !! largest number of steps of each case
         type(sweep_result_t), intent(inout) :: values(:) !! the values
         integer, intent(inout) :: status(:) !! statuses of the cases of the block
         type(note_t), intent(inout) :: note(:) !! notes on the cases of the block
@@ -91,7 +91,7 @@ contains
         integer, intent(in) :: i
         type(case_t), intent(in) :: case
         type(sweep_work_t), intent(in) :: wanted
-        integer(int64), intent(inout) :: max_steps
+        integer(int64), intent(in) :: max_steps
         type(sweep_result_t), intent(out) :: values
         integer, intent(out) :: status
         type(note_t), intent(inout) :: note
@@ -110,7 +110,7 @@ contains
         free%about = block%about(i)
         free%greatest_rate = block%greatest_rate(i)
         free%axis_angle = block%axis_angle(i, :)
-        call put_stability(case, case%t_end, wanted, max_steps, values, status, note)
+        call put_stability(case, case%t_end, wanted, max_steps, values, note)
         if (wanted%fast_top) call put_fast_top(case, values, note)
         if (wanted%period) call put_azimuth(.false., 0.0_dp, values, note)
         if (wanted%end .or. wanted%energy) then

@@ -10,7 +10,6 @@ module spintop_sweep_stepping
     use spintop_event_text, only: column_event_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_formulation, only: formulation_t, max_states
-    use spintop_inherent_lanes, only: find_inherent_error
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, find_nutation
@@ -60,8 +59,6 @@ contains
         type(note_t), intent(inout) :: note !! notes on the case
         type(nutation_watch_t), allocatable :: watch
         type(nutation_t) :: nutation
-        integer(int64) :: max_steps
-        integer :: stability
         logical :: measures
 
         values = sweep_result_t()
@@ -76,15 +73,13 @@ contains
             end if
             if (wanted%details) call put_details(case, values, note)
         end if
-        max_steps = plan%max_steps
         if (wanted%fast_top) call put_fast_top(case, values, note)
 
         measures = (wanted%nutation .or. wanted%details) .and. .not. case%body%has_closed_nutation()
         if (case%body%is_free()) measures = measures .and. (wanted%measured .or. case%turn%to_principal_axes)
         if (.not. (measures .or. wanted%period .or. wanted%end .or. wanted%energy .or. wanted%oracle .or. &
                    wanted%cost .or. wanted%inherent .or. (size(events) > 0 .and. wanted%stability()))) then
-            call put_stability(case, case%t_end, wanted, max_steps, values, stability, note)
-            if (stability /= status_ok) status = stability
+            call put_stability(case, case%t_end, wanted, plan%max_steps, values, note)
             call find_free_constants(case, wanted, values, note)
             return
         end if
@@ -97,10 +92,9 @@ contains
                     'extremes of the nutation rate and of the support force are not measured for bodies with effects')
             end if
         end if
-        call follow(case, plan, max_steps, wanted, watch, values, status, note)
+        call follow(case, plan, wanted, watch, values, status, note)
         if (.not. is_good_end(status)) return
-        call put_stability(case, values%t_end, wanted, max_steps, values, stability, note)
-        if (stability /= status_ok) status = stability
+        call put_stability(case, values%t_end, wanted, plan%max_steps, values, note)
         if (measures) then
             call watch%take_end()
             call put_measured(case, watch, wanted, values, note)
@@ -131,10 +125,9 @@ contains
     end function measures_of
 
     !> Integrates the motion to the end of its span, or to the event that ends it, within the remaining work.
-    subroutine follow(case, plan, max_steps, wanted, watch, values, status, note)
+    subroutine follow(case, plan, wanted, watch, values, status, note)
         type(case_t), intent(in) :: case
         type(plan_t), intent(inout) :: plan
-        integer(int64), intent(inout) :: max_steps
         type(sweep_work_t), intent(in) :: wanted
         type(nutation_watch_t), intent(inout), optional :: watch
         type(sweep_result_t), intent(inout) :: values
@@ -143,7 +136,6 @@ contains
         type(witness_t) :: witness
         type(outcome_t) :: outcome
         real(dp), allocatable :: times(:)
-        integer(int64) :: all_steps
 
         if (.not. plan%exact) call plan%fit_steps(case%t_end)
         call begin_witness(case, witness)
@@ -154,20 +146,16 @@ contains
         if (wanted%energy .and. plan%exact) times = sample_times(case%t_end, plan%samples)
         if (wanted%period) times = with_time(times, witness%period)
         if (plan%exact) then
-            call walk(case, max_steps, times, witness, outcome%status, watch)
+            call walk(case, plan%max_steps, times, witness, outcome%status, watch)
         else
-            all_steps = plan%stepper%controls%max_steps
-            plan%stepper%controls%max_steps = max_steps
             call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, times, &
                            witness, outcome, watch)
-            plan%stepper%controls%max_steps = all_steps
             if (is_good_end(outcome%status)) then
                 witness%last = plan%formulation%motion(witness%t, witness%y, witness%near)
                 witness%last%given_angle = witness%given_angle
             end if
         end if
         status = outcome%status
-        max_steps = max_steps - outcome%counts%steps
         values%evaluations = real(outcome%counts%evaluations, dp)
         if (wanted%period) then
             call put_azimuth(witness%saw_period, witness%azimuth_at_period, values, note)
@@ -181,7 +169,12 @@ contains
         if (case%body%has_closed_form()) then
             call compare_with_exact(case, wanted, witness%last, values)
         else if (wanted%inherent) then
-            call put_inherent_error(case, witness%last%t, max_steps, values, note)
+            if (allocated(case%body%effects)) then
+                call note%add(note_no_inherent, only_without_effects)
+            else
+                values%inherent_until = values%t_end
+                values%most_steps = max(plan%max_steps, 1_int64)
+            end if
         end if
     end subroutine follow
 
@@ -224,27 +217,6 @@ contains
             end do
         end associate
     end subroutine walk
-
-    !> The inherent error of a body without an exact solution.
-    subroutine put_inherent_error(case, t, max_steps, values, note)
-        type(case_t), intent(in) :: case
-        real(dp), intent(in) :: t
-        integer(int64), intent(in) :: max_steps
-        type(sweep_result_t), intent(inout) :: values
-        type(note_t), intent(inout) :: note
-        real(dp) :: error
-        integer :: status
-        if (allocated(case%body%effects)) then
-            call note%add(note_no_inherent, only_without_effects)
-            return
-        end if
-        call find_inherent_error(case%body, case%start, t, error, status, max_steps)
-        if (status == status_ok) then
-            values%inherent_error = error
-        else
-            call note%add(note_no_inherent, trim(status_meanings(status)))
-        end if
-    end subroutine put_inherent_error
 
     !> The error at the end with respect to the exact solution, and the inherent error.
     subroutine compare_with_exact(case, wanted, last, values)

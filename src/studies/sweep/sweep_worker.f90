@@ -24,6 +24,7 @@ module spintop_sweep_worker
     use spintop_sweep_notes, only: note_t, note_no_stop
     use spintop_sweep_proof, only: prove_case, sweep_proofs
     use spintop_sweep_result, only: sweep_result_t, sweep_work_t
+    use spintop_sweep_stability, only: put_perturbations
     use spintop_sweep_stepping, only: compute_stepping
     use spintop_sweep_table, only: cells_of_row, put_rows
     use spintop_sweep_tops, only: sweep_tops_t
@@ -275,6 +276,7 @@ contains
                                  worker%values(k), worker%status(k), worker%note(k))
                 if (worker%status(k) == status_ok .and. .not. worker%came(k)) call worker%note(k)%add(note_no_stop)
             end do
+            call put_perturbations(worker%cases(:n), wanted, worker%values(:n), worker%status(:n), worker%note(:n))
         end associate
     end subroutine compute_together
 

@@ -96,3 +96,36 @@ def test_extremes(
         assert ("no full nutation" in found[i]["notes"]) != has_period, span
     assert found[0]["nutation_period"] == "nan"
     assert found[-1]["nutation_period"] != "nan"
+
+
+# Motions in which body z passes the lower pole at 1e-6 rad.
+BESIDE_POLES = [
+    """\
+&top mass = 1  inertia = 0.6603094158617984, 0.7847621876864949, 0.2593160816891005
+     centre_of_mass = -0.017175524321969594, -0.02, 0.78  damping = 0.01, 0.01, 0.005 /
+&initial theta = 2.829913706186562  omega3 = 3.2394348014953644
+         phi_rate = -0.8454998918643344  theta_rate = 2.9866871373352657 /
+""",
+    """\
+&top mass = 1  inertia = 0.6804447361426638, 0.6937312351496909, 0.36662318784966325
+     centre_of_mass = -0.016117333434512528, -0.02, 0.78  damping = 0.01, 0.01, 0.005 /
+&initial theta = 2.9588587094695917  omega3 = 1.6702832838535508
+         phi_rate = -1.2832155308899906  theta_rate = 2.849442748767455 /
+""",
+]
+
+
+@pytest.mark.parametrize("body", BESIDE_POLES)
+def test_rates_beside_poles(tmp_path: Path, body: str) -> None:
+    """In lanes and alone the same; next to a pole the largest rate does not make a cusp of the others."""
+    sweep = body + "&study kind = 'sweep' /\n&sweep parameter = 'span.t_end'  values(1,:) = 6 /\n"
+    columns = "phi_rate_max", "theta_max", "motion_class"
+    rates = []
+    for method in (LANES, ALONE, "method = 'dop853'"):
+        accurate = f"&integration {method}  relative_tolerance = 1e-12 /\n"
+        (row,) = rows_of(tmp_path, sweep + accurate, columns)
+        assert abs(float(row["theta_max"]) - math.pi) < 3e-6
+        assert row["motion_class"] != "cusp"
+        rates.append(float(row["phi_rate_max"]))
+    assert abs(rates[0]) > 1e6
+    assert rates == pytest.approx(3 * [rates[1]], rel=1e-5)

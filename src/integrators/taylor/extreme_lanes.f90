@@ -15,6 +15,9 @@ module spintop_extreme_lanes
     private
     public :: precession_lanes_t, nutation_rate_lanes_t, height_lanes_t
 
+    !> Sine of the inclination below which body z is near a pole.
+    real(dp), parameter :: near_pole = 0.03_dp
+
     !> Watches an extreme of one quantity.
     type, abstract, extends(root_watch_t) :: extreme_lanes_t
         !> The extreme of each case; and up to now, of the case in each lane.
@@ -105,16 +108,40 @@ contains
         type(taylor_lanes_t), intent(inout) :: run !! the lanes
         real(dp), intent(in) :: u(lanes), slope(lanes)
             !! roots as fractions of the step; sign of the slope at each, 0 in lanes without a root
-        real(dp) :: x(lanes, parts), rate
+        real(dp) :: x(lanes, parts), h(lanes), t(lanes), sine2
+        logical :: is_near(lanes)
         integer :: i
-        call states_at(run, u * (run%now%t - run%now%t_last), x)
+        h = run%now%t - run%now%t_last
+        t = u * h
+        call states_at(run, t, x)
+        call take_rates(self, x, slope)
+        ! Near a pole the terms that the series leave out are large beside the distance. There the rate is largest where body z is
+        ! nearest, whose velocity is all but constant.
+        !$omp simd private(sine2)
+        do i = 1, lanes
+            sine2 = x(i, 4)**2 + x(i, 5)**2
+            is_near(i) = abs(slope(i)) > 0 .and. sine2 < near_pole**2
+            t(i) = t(i) + x(i, 6) * (x(i, 4) * x(i, 2) - x(i, 5) * x(i, 1)) / max(x(i, 1)**2 + x(i, 2)**2, tiny(sine2))
+            t(i) = min(max(t(i), 0.0_dp), h(i))
+        end do
+        if (.not. any(is_near)) return
+        call states_at(run, t, x)
+        call take_rates(self, x, merge(slope, 0.0_dp, is_near))
+    end subroutine take_precession
+
+    !> Takes the precession rates of states, in lanes where `slope` is not zero.
+    pure subroutine take_rates(self, x, slope)
+        class(precession_lanes_t), intent(inout) :: self
+        real(dp), intent(in) :: x(lanes, parts), slope(lanes)
+        real(dp) :: rate
+        integer :: i
         !$omp simd private(rate)
         do i = 1, lanes
             rate = (x(i, 4) * x(i, 1) + x(i, 5) * x(i, 2)) / (x(i, 4)**2 + x(i, 5)**2)
             self%so_far(i) = merge(rate, self%so_far(i), abs(slope(i)) > 0 .and. abs(rate) > abs(self%so_far(i)) &
                                     .and. abs(rate) <= huge(rate))
         end do
-    end subroutine take_precession
+    end subroutine take_rates
 
     !> The case in a lane is at its end.
     subroutine finish_precession(self, run, lane, case)

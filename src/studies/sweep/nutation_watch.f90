@@ -36,8 +36,8 @@ module spintop_nutation_watch
     !> Directions in a motion that is nearly plane, and in one that is plane to rounding, differ by no more from those of the
     !> plane, rad.
     real(dp), parameter :: nearly_plane = 1.0e-6_dp, exactly_plane = 1.0e-14_dp
-    !> A precession rate at the upper turning points within this fraction of the largest one, and a range of
-    !> theta within this angle, rad, count as zero.
+    !> A precession rate at the upper turning points within this fraction of the largest one and of that of the nutation, and a
+    !> range of theta within this angle, rad, count as zero. Beside a pole the largest one may have any value.
     real(dp), parameter :: class_tolerance = 1.0e-6_dp
 
     !> Closer to a pole than `near_pole`, rad, the rate is known at the nearest point of a way past the pole, and where the
@@ -363,22 +363,23 @@ contains
         end associate
         measured%precession_rate = measured%precession / measured%period
         measured%spin_rate = measured%spin / measured%period
-        if (present(phi_rate_max)) measured%class = class_of(turns, phi_rate_max)
+        if (present(phi_rate_max)) measured%class = class_of(turns, phi_rate_max, measured%period)
     end subroutine nutation_of
 
-    !> The class, from the turning points and the largest precession rate.
-    pure integer function class_of(turns, phi_rate_max) result(found)
+    !> The class, from the turning points, the largest precession rate and the period.
+    pure integer function class_of(turns, phi_rate_max, period) result(found)
         type(turning_points_t), intent(in) :: turns(upper:lower)
-        real(dp), intent(in) :: phi_rate_max
-        real(dp) :: range
+        real(dp), intent(in) :: phi_rate_max, period
+        real(dp) :: range, no_rate
         found = no_class
         range = maxval(turns%theta(2)) - minval(turns%theta(1))
+        no_rate = class_tolerance * min(abs(phi_rate_max), 2 * pi / period)
         associate (above => turns(upper)%rate, below => turns(lower)%rate)
             if (range <= class_tolerance) then
                 found = class_steady
             else if (is_zero(phi_rate_max)) then
                 found = merge(class_circulation, class_libration, range >= pi - class_tolerance)
-            else if (all(abs(above) <= class_tolerance * abs(phi_rate_max))) then
+            else if (all(abs(above) <= no_rate)) then
                 found = class_cusp
             else if (all([above, below] > 0) .or. all([above, below] < 0)) then
                 found = class_wave

@@ -117,7 +117,7 @@ BESIDE_POLES = [
 
 @pytest.mark.parametrize("body", BESIDE_POLES)
 def test_rates_beside_poles(tmp_path: Path, body: str) -> None:
-    """In lanes and alone the same; next to a pole the largest rate does not make a cusp of the others."""
+    """In lanes and alone the same; a large rate next to a pole makes no cusps of the others."""
     sweep = body + "&study kind = 'sweep' /\n&sweep parameter = 'span.t_end'  values(1,:) = 6 /\n"
     columns = "phi_rate_max", "theta_max", "motion_class"
     rates = []

@@ -11,7 +11,8 @@ module spintop_rigid_body
     use spintop_euler_poisson, only: momentum_coupling
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants
     use spintop_motion, only: motion_t, motion_from_quaternion
-    use spintop_motions, only: instants, motions_t, verticals
+    use spintop_motion_slopes, only: verticals
+    use spintop_motions, only: instants, motions_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales
     use spintop_rigid_body_flows, only: rigid_body_flows_t
     use spintop_rigid_body_series, only: body_series_t, find_quadruple_series

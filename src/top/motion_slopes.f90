@@ -1,13 +1,32 @@
-!> Slopes of rates and forces along a motion, at several instants at once. They vanish where the rate or force has an extreme.
+!> Slopes of heights, rates and forces along a motion, at several instants at once. They vanish where there is an extreme.
 module spintop_motion_slopes
     use spintop_body, only: body_t
     use spintop_kinds, only: dp
-    use spintop_motions, only: cross_of_all, instants, motions_t, verticals
+    use spintop_motions, only: instants, motions_t
     implicit none
     private
-    public :: precession_slopes, nutation_slopes, find_force_slopes
+    public :: axis_slopes, centre_slopes, precession_slopes, nutation_slopes, find_force_slopes, verticals
 
 contains
+
+    !> The slope of the height of body z, over its length: it vanishes at the turning points of theta.
+    pure function axis_slopes(motions) result(slope)
+        type(motions_t), intent(in) :: motions !! the motion in the axes in which the body was given
+        real(dp) :: slope(instants), gamma(instants, 3)
+        gamma = verticals(motions%quaternion)
+        slope = gamma(:, 1) * motions%omega(:, 2) - gamma(:, 2) * motions%omega(:, 1)
+    end function axis_slopes
+
+    !> The slope of the height of the centre of mass.
+    pure function centre_slopes(body, motions) result(slope)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motions_t), intent(in) :: motions !! the motion in principal axes
+        real(dp) :: slope(instants), gamma1(instants, 3)
+        gamma1 = cross_of_all(verticals(motions%quaternion), motions%omega)
+        associate (r => body%centre_of_mass)
+            slope = r(1) * gamma1(:, 1) + r(2) * gamma1(:, 2) + r(3) * gamma1(:, 3)
+        end associate
+    end function centre_slopes
 
     !> Angular acceleration of phi times sin(theta)^4, which is smooth at the poles; from phi' = (gamma1
     !> omega1 + gamma2 omega2)/sin(theta)^2.
@@ -80,5 +99,23 @@ contains
         end function momenta
 
     end subroutine find_force_slopes
+
+    !> Upward vertical in body axes.
+    pure function verticals(q) result(gamma)
+        real(dp), intent(in) :: q(instants, 4) !! quaternions, scalar part first
+        real(dp) :: gamma(instants, 3)
+        gamma(:, 1) = 2 * (q(:, 2) * q(:, 4) - q(:, 1) * q(:, 3))
+        gamma(:, 2) = 2 * (q(:, 3) * q(:, 4) + q(:, 1) * q(:, 2))
+        gamma(:, 3) = (q(:, 1)**2 + q(:, 4)**2) - (q(:, 2)**2 + q(:, 3)**2)
+    end function verticals
+
+    !> Vector products.
+    pure function cross_of_all(a, b) result(c)
+        real(dp), intent(in) :: a(instants, 3), b(instants, 3) !! vectors
+        real(dp) :: c(instants, 3)
+        c(:, 1) = a(:, 2) * b(:, 3) - a(:, 3) * b(:, 2)
+        c(:, 2) = a(:, 3) * b(:, 1) - a(:, 1) * b(:, 3)
+        c(:, 3) = a(:, 1) * b(:, 2) - a(:, 2) * b(:, 1)
+    end function cross_of_all
 
 end module spintop_motion_slopes

@@ -5,7 +5,7 @@ module spintop_motions
     use spintop_motion, only: motion_t
     implicit none
     private
-    public :: motions_t, instants, verticals, cross_of_all
+    public :: motions_t, instants
 
     !> Number of instants.
     integer, parameter :: instants = 8
@@ -59,23 +59,5 @@ contains
         motion%omega = self%omega(i, :)
         motion%omega_rate = self%omega_rate(i, :)
     end function motion
-
-    !> Upward vertical in body axes.
-    pure function verticals(q) result(gamma)
-        real(dp), intent(in) :: q(instants, 4) !! quaternions, scalar part first
-        real(dp) :: gamma(instants, 3)
-        gamma(:, 1) = 2 * (q(:, 2) * q(:, 4) - q(:, 1) * q(:, 3))
-        gamma(:, 2) = 2 * (q(:, 3) * q(:, 4) + q(:, 1) * q(:, 2))
-        gamma(:, 3) = (q(:, 1)**2 + q(:, 4)**2) - (q(:, 2)**2 + q(:, 3)**2)
-    end function verticals
-
-    !> Vector products.
-    pure function cross_of_all(a, b) result(c)
-        real(dp), intent(in) :: a(instants, 3), b(instants, 3) !! vectors
-        real(dp) :: c(instants, 3)
-        c(:, 1) = a(:, 2) * b(:, 3) - a(:, 3) * b(:, 2)
-        c(:, 2) = a(:, 3) * b(:, 1) - a(:, 1) * b(:, 3)
-        c(:, 3) = a(:, 1) * b(:, 2) - a(:, 2) * b(:, 1)
-    end function cross_of_all
 
 end module spintop_motions

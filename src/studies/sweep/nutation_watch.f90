@@ -11,8 +11,8 @@ module spintop_nutation_watch
     use spintop_events, only: event_t
     use spintop_instants, only: through_pole
     use spintop_motion, only: motion_from_quaternion, motion_t
-    use spintop_motion_slopes, only: find_force_slopes, nutation_slopes, precession_slopes
-    use spintop_motions, only: cross_of_all, instants, motions_t, verticals
+    use spintop_motion_slopes, only: axis_slopes, centre_slopes, find_force_slopes, nutation_slopes, precession_slopes
+    use spintop_motions, only: instants, motions_t
     use spintop_nutation, only: nutation_t, class_loop, class_cusp, class_wave, class_steady, &
         class_libration, class_circulation
     use spintop_quantities, only: angular_acceleration, axis_height_rate, polar_precession_rate, support_force
@@ -207,24 +207,18 @@ contains
         class(nutation_watch_t), intent(in) :: self
         type(motions_t), intent(in) :: motions, given
         real(dp), intent(out) :: own(instants, largest_force)
-        real(dp) :: gamma(instants, 3)
 
         own = 0
-        associate (measures => self%measures, r => self%case%body%centre_of_mass)
+        associate (measures => self%measures, body => self%case%body)
             if (measures%turning) then
-                gamma = verticals(given%quaternion)
-                own(:, upper) = gamma(:, 1) * given%omega(:, 2) - gamma(:, 2) * given%omega(:, 1)
+                own(:, upper) = axis_slopes(given)
                 own(:, lower) = own(:, upper)
             end if
-            if (measures%lowest) then
-                gamma = verticals(motions%quaternion)
-                gamma = cross_of_all(gamma, motions%omega)
-                own(:, lowest_centre) = r(1) * gamma(:, 1) + r(2) * gamma(:, 2) + r(3) * gamma(:, 3)
-            end if
+            if (measures%lowest) own(:, lowest_centre) = centre_slopes(body, motions)
             if (measures%fastest) own(:, fastest) = precession_slopes(given)
             if (measures%nutation_rate) own(:, fastest_nutation) = nutation_slopes(given)
             if (measures%vertical_force .or. measures%force) then
-                call find_force_slopes(self%case%body, motions, own(:, vertical_force), own(:, largest_force))
+                call find_force_slopes(body, motions, own(:, vertical_force), own(:, largest_force))
             end if
         end associate
     end subroutine find_own

@@ -233,8 +233,9 @@ contains
         if (may_meet_pole(y_last(1:4), omega_last, y(1:4), omega, t - t_last)) then
             call self%derivative(t_last, y_last, slope(:, 1), status)
             call self%derivative(t, y, slope(:, 2), status)
-            call follow_angles(y_last(1:4), omega_last, y(1:4), omega, t - t_last, angle, sure, &
-                               slope(5:7, :) / spread(self%body%inertia, 2, 2))
+            slope(5:7, 1) = slope(5:7, 1) / self%body%inertia
+            slope(5:7, 2) = slope(5:7, 2) / self%body%inertia
+            call follow_angles(y_last(1:4), omega_last, y(1:4), omega, t - t_last, angle, sure, slope(5:7, :))
         else
             call follow_angles(y_last(1:4), omega_last, y(1:4), omega, t - t_last, angle, sure)
         end if

@@ -12,7 +12,7 @@ module spintop_quantities
     private
     public :: kinetic_energy, potential_energy, energy_scale, vertical_momentum, axial_momentum
     public :: euler_residuals, support_force, specific_force, axis_tip, axis_height_rate
-    public :: kovalevskaya_integral, goryachev_integral, angular_acceleration, polar_precession_rate
+    public :: kovalevskaya_integral, goryachev_integral, angular_acceleration
 
 contains
 
@@ -217,18 +217,5 @@ contains
             angular_acceleration = rate(4:6) / body%inertia
         end if
     end function angular_acceleration
-
-    !> The limit of the precession rate where body z passes a pole, rad/s: of (Gamma1 omega1 + Gamma2 omega2)/(Gamma1^2 +
-    !> Gamma2^2), in which both vanish as t^2. That of `rate` if body z does not move.
-    pure real(dp) function polar_precession_rate(motion) result(rate)
-        type(motion_t), intent(in) :: motion !! the motion in the pole, with its angular acceleration
-        real(dp) :: gamma(3), across
-        gamma = vertical_from_quaternion(motion%quaternion)
-        associate (w => motion%omega, a => motion%omega_rate)
-            across = w(1)**2 + w(2)**2
-            rate = motion%rate(1)
-            if (across > 0) rate = sign(0.5_dp, gamma(3)) * (w(3) + (w(1) * a(2) - w(2) * a(1)) / across)
-        end associate
-    end function polar_precession_rate
 
 end module spintop_quantities

@@ -6,16 +6,15 @@ module spintop_instants
     use spintop_attitude, only: vertical_from_quaternion
     use spintop_compare, only: is_finite
     use spintop_motion, only: motion_t
+    use spintop_poles, only: through_pole
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: greatest_fall_rate, next_instant, is_short, through_pole, time_of_start
+    public :: greatest_fall_rate, next_instant, is_short, time_of_start
 
     !> Maximum rotation of the attitude between two instants, rad, and maximum path of the axis relative to
     !> its distance from the vertical.
     real(dp), parameter :: largest_turn = 0.4_dp
-    !> A pole that is passed at a smaller distance is passed through, rad.
-    real(dp), parameter :: through_pole = 1.0e-12_dp
     !> An interval of so many spacings of the time is not divided.
     real(dp), parameter :: least_spacings = 8
     !> An event sooner after the start than this fraction of the time of one radian is the start.

@@ -3,11 +3,12 @@
 module spintop_extreme_lanes
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
+    use spintop_compare, only: is_finite
     use spintop_formulation, only: max_series_order
     use spintop_lane_series, only: numerator, parts
-    use spintop_instants, only: through_pole
     use spintop_motion, only: motion_t
-    use spintop_quantities, only: angular_acceleration, polar_precession_rate
+    use spintop_poles, only: polar_precession_rate, precession_is_lost, through_pole
+    use spintop_quantities, only: angular_acceleration
     use spintop_lane_products, only: multiply, multiply_slopes, square
     use spintop_root_watch, only: find_derivatives, find_row, of_interval, root_watch_t, states_at
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
@@ -74,13 +75,16 @@ contains
         type(body_t), intent(in) :: body !! mass properties of the body
         type(motion_t), intent(in) :: start !! the motion at the start
         type(motion_t) :: here
-        here = start
-        if (norm2(run%now%state(lane, 4:5)) <= through_pole) then
-            here%omega_rate = angular_acceleration(body, start)
-            here%rate(1) = polar_precession_rate(here)
-        end if
         self%sign(lane) = 0
-        self%so_far(lane) = merge(here%rate(1), 0.0_dp, abs(here%rate(1)) <= huge(1.0_dp))
+        self%so_far(lane) = 0
+        if (norm2(run%now%state(lane, 4:5)) <= through_pole) then
+            here = start
+            here%omega_rate = angular_acceleration(body, start)
+            self%so_far(lane) = polar_precession_rate(here)
+            if (.not. is_finite(self%so_far(lane))) self%so_far(lane) = 0
+        else
+            call take_state(self, lane, run%now%state(lane, :5))
+        end if
     end subroutine begin_precession
 
     !> The slope of phi' = n/d times d^2, where n = Gamma1 omega1 + Gamma2 omega2 and d = Gamma1^2 + Gamma2^2: smooth
@@ -133,27 +137,30 @@ contains
     pure subroutine take_rates(self, x, slope)
         class(precession_lanes_t), intent(inout) :: self
         real(dp), intent(in) :: x(lanes, parts), slope(lanes)
-        real(dp) :: rate
         integer :: i
-        !$omp simd private(rate)
         do i = 1, lanes
-            rate = (x(i, 4) * x(i, 1) + x(i, 5) * x(i, 2)) / (x(i, 4)**2 + x(i, 5)**2)
-            self%so_far(i) = merge(rate, self%so_far(i), abs(slope(i)) > 0 .and. abs(rate) > abs(self%so_far(i)) &
-                                    .and. abs(rate) <= huge(rate))
+            if (abs(slope(i)) > 0) call take_state(self, i, x(i, :5))
         end do
     end subroutine take_rates
+
+    !> Takes the precession rate of a state in a lane.
+    pure subroutine take_state(self, lane, x)
+        class(precession_lanes_t), intent(inout) :: self
+        integer, intent(in) :: lane
+        real(dp), intent(in) :: x(5)
+        real(dp) :: rate
+        rate = (x(4) * x(1) + x(5) * x(2)) / (x(4)**2 + x(5)**2)
+        if (.not. (abs(rate) > abs(self%so_far(lane)) .and. abs(rate) <= huge(rate))) return
+        if (.not. precession_is_lost(x(4:5), x(1:2))) self%so_far(lane) = rate
+    end subroutine take_state
 
     !> The case in a lane is at its end.
     subroutine finish_precession(self, run, lane, case)
         class(precession_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(in) :: lane, case !! index of the lane, and of its case
-        real(dp) :: rate
-        associate (x => run%now%state(lane, :))
-            rate = (x(4) * x(1) + x(5) * x(2)) / (x(4)**2 + x(5)**2)
-        end associate
-        self%extreme(case) = merge(rate, self%so_far(lane), abs(rate) > abs(self%so_far(lane)) &
-                                    .and. abs(rate) <= huge(rate))
+        call take_state(self, lane, run%now%state(lane, :5))
+        self%extreme(case) = self%so_far(lane)
     end subroutine finish_precession
 
     !> A case begins in a lane.

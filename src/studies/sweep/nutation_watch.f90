@@ -9,13 +9,13 @@ module spintop_nutation_watch
     use spintop_euler_poisson, only: euler_poisson_rate
     use spintop_event_recorder, only: event_recorder_t
     use spintop_events, only: event_t
-    use spintop_instants, only: through_pole
     use spintop_motion, only: motion_from_quaternion, motion_t
     use spintop_motion_slopes, only: axis_slopes, centre_slopes, find_force_slopes, nutation_slopes, precession_slopes
     use spintop_motions, only: instants, motions_t
     use spintop_nutation, only: nutation_t, class_loop, class_cusp, class_wave, class_steady, &
         class_libration, class_circulation
-    use spintop_quantities, only: angular_acceleration, axis_height_rate, polar_precession_rate, support_force
+    use spintop_poles, only: polar_precession_rate, precession_is_lost, through_pole
+    use spintop_quantities, only: angular_acceleration, axis_height_rate, support_force
     use spintop_attitude, only: vertical_from_quaternion
     use spintop_turning_record, only: count_end, turning_points_t, upper, lower
     use spintop_vectors, only: cross
@@ -39,10 +39,6 @@ module spintop_nutation_watch
     !> A precession rate at the upper turning points within this fraction of the largest one and of that of the nutation, and a
     !> range of theta within this angle, rad, count as zero. Beside a pole the largest one may have any value.
     real(dp), parameter :: class_tolerance = 1.0e-6_dp
-
-    !> Closer to a pole than `near_pole`, rad, the rate is known at the nearest point of a way past the pole, and where the
-    !> way misses it by more than `near_miss`: a million times its rounding.
-    real(dp), parameter :: near_pole = 3.0e-5_dp, near_miss = 1.0e-9_dp
 
     !> What is measured.
     type :: measures_t
@@ -269,25 +265,15 @@ contains
     subroutine take_extremes(self, motion, given)
         class(nutation_watch_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion, given
+        real(dp) :: gamma(3)
         if (is_finite(given%rate(1)) .and. abs(given%rate(1)) > abs(self%phi_rate_max) .and. .not. self%is_plane) then
-            if (.not. is_lost(given)) self%phi_rate_max = given%rate(1)
+            gamma = vertical_from_quaternion(given%quaternion)
+            if (.not. precession_is_lost(gamma(:2), given%omega(:2))) self%phi_rate_max = given%rate(1)
         end if
         self%com_z_min = min(self%com_z_min, dot_product(self%case%body%centre_of_mass, &
                                                          vertical_from_quaternion(motion%quaternion)))
         if (self%measures%has_forces()) call self%take_forces(motion, given)
     end subroutine take_extremes
-
-    !> Whether the precession rate of a motion is lost in rounding errors, where body z passes through a pole: the numerator
-    !> of (Gamma1 omega1 + Gamma2 omega2)/sin(theta)^2 is the rate of body z times the distance at which it misses the pole.
-    pure logical function is_lost(motion)
-        type(motion_t), intent(in) :: motion
-        real(dp) :: gamma(3), sine, across
-        gamma = vertical_from_quaternion(motion%quaternion)
-        sine = hypot(gamma(1), gamma(2))
-        across = hypot(motion%omega(1), motion%omega(2))
-        is_lost = across > 0 .and. (sine <= through_pole .or. (sine <= near_pole .and. &
-            abs(dot_product(gamma(1:2), motion%omega(1:2))) <= min(near_miss, sine / 10) * across))
-    end function is_lost
 
     !> Updates the extremes of the nutation rate and of the support force.
     subroutine take_forces(self, motion, given)

@@ -8,7 +8,7 @@ module spintop_sweep_batch
     use spintop_case, only: case_t
     use spintop_compare, only: is_equal, is_zero
     use spintop_exact_block, only: block_size
-    use spintop_instants, only: through_pole
+    use spintop_poles, only: through_pole
     use spintop_integration, only: outcome_t
     use spintop_job, only: job_t
     use spintop_many_bodies, only: integrate_many

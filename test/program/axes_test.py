@@ -286,7 +286,7 @@ class CombinationTest(ProgramCase):
         self.assertTrue(found, result.stdout)
         self.assertRegex(result.stdout, r"! +memory +about \S+ MB\n")
         self.assertRegex(
-            result.stdout, r"! +time +about \S+ \w+ on 2 threads, from 200 cases in \S+ m?s\n"
+            result.stdout, r"! +time +about \S+ \w+ on 2 threads, from (200|4608) cases in \S+ m?s\n"
         )
         self.compute(scene)
         size = (self.folder / "output/scene.csv").stat().st_size

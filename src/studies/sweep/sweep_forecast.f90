@@ -21,9 +21,10 @@ module spintop_sweep_forecast
     private
     public :: forecast_sweep
 
-    !> The sample: places in the range of the cases, consecutive cases at each, and the time after which no more
-    !> places are computed, s.
-    integer, parameter :: places = 8, cases_at_place = 25
+    !> The first sample: places in the range of the cases, and consecutive cases at each. Where whole blocks at so many places
+    !> are fast, they are the sample: a case of a whole block costs less.
+    integer, parameter :: few_places = 8, cases_at_place = 25, many_places = 64
+    !> After this time no more places are computed, s.
     real(dp), parameter :: long_enough = 1
 
     !> What a sample has shown.
@@ -81,28 +82,41 @@ contains
         type(sample_t), intent(out) :: sample
         type(sweep_worker_t), allocatable, target :: worker
         type(sweep_sensitivities_t), allocatable, target :: sensitivities
-        type(row_block_t) :: rows
-        integer(int64) :: begin
-        integer :: place, last_place, width
-        real(dp) :: began
+        integer :: block
 
         allocate (worker, sensitivities)
         call worker%prepare(job)
         call sensitivities%prepare(job)
-        width = int(min(cases, int(min(cases_at_place, size_of_block(job)), int64)))
-        last_place = int(min(int(places, int64), (cases - 1) / width + 1))
-        ! The first time also pays for what later ones find done.
-        do place = 0, last_place
-            begin = first + nint(real(cases - width, dp) * max(place - 1, 0) / max(last_place - 1, 1), int64)
-            began = seconds()
-            call worker%compute_rows(job, begin, begin + width - 1, rows)
-            call sensitivities%fill(job, rows)
-            if (place == 0 .and. seconds() - began < long_enough / places) cycle
-            sample%bytes = sample%bytes + bytes_of(rows, table)
-            sample%time = sample%time + (seconds() - began)
-            sample%cases = sample%cases + width
-            if (sample%time > long_enough) exit
-        end do
+        block = size_of_block(job)
+        call compute_places(few_places, min(cases_at_place, block))
+        if (sample%time / sample%cases * block * many_places < long_enough) call compute_places(many_places, block)
+
+    contains
+
+        !> Computes consecutive cases in the middles of equal parts of the range.
+        subroutine compute_places(places, wanted)
+            integer, intent(in) :: places, wanted
+            type(row_block_t) :: rows
+            integer(int64) :: begin
+            integer :: place, last_place, width
+            real(dp) :: began
+            sample = sample_t()
+            width = int(min(cases, int(wanted, int64)))
+            last_place = int(min(int(places, int64), cases / width))
+            ! The first time also pays for what later ones find done.
+            do place = 0, last_place
+                begin = first + int(real(cases - width, dp) * (max(place, 1) - 0.5_dp) / last_place, int64)
+                began = seconds()
+                call worker%compute_rows(job, begin, begin + width - 1, rows)
+                call sensitivities%fill(job, rows)
+                if (place == 0 .and. seconds() - began < long_enough / few_places) cycle
+                sample%bytes = sample%bytes + bytes_of(rows, table)
+                sample%time = sample%time + (seconds() - began)
+                sample%cases = sample%cases + width
+                if (sample%time > long_enough) exit
+            end do
+        end subroutine compute_places
+
     end subroutine compute_sample
 
     !> Bytes of rows in the table, by its format.

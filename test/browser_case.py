@@ -46,7 +46,6 @@ FLAGS = (
     "--disable-component-update",
     "--disable-sync",
     "--hide-scrollbars",
-    "--overscroll-history-navigation=0",  # a finger that moves to the right is no way back
 )
 SOFTWARE_WEBGL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 NO_WEBGL = ("--disable-3d-apis",)
@@ -173,8 +172,9 @@ class BrowserCase(unittest.TestCase):
         self.assertEqual(self.fetched(), set())
 
     def open(self, page: Path) -> None:
-        """Open a page."""
+        """Open a page, from which a finger that moves to the right finds no way back."""
         self.browser.get(page.as_uri())
+        self.tell("Page.resetNavigationHistory")
 
     def set_screen(self, width: int, height: int, touch: bool = False, **media: str) -> None:
         """Have a screen of this size, with the media features given."""

@@ -36,16 +36,16 @@ class BatchAnswer:
 
 
 def least_time(run: Callable[[], None], before: Callable[[], None] = lambda: None) -> float:
-    """The least processor time of several runs after a first, each after what is to be done before.
+    """The least time of several runs after a first, each after what is to be done before.
 
     peers/least_time.h does the same for those in C.
     """
     spent, least, repeats = 0.0, math.inf, -1
     while repeats < LEAST_REPEATS or (spent < ENOUGH and repeats < MOST_REPEATS):
         before()
-        start = time.process_time()
+        start = time.perf_counter()
         run()
-        taken = time.process_time() - start
+        taken = time.perf_counter() - start
         repeats += 1
         if repeats > 0 or taken > LONG:
             spent, least = spent + taken, min(least, taken)

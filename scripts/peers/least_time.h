@@ -1,4 +1,4 @@
-/* The least processor time of several runs after a first, as in scripts/peers/answer.py. */
+/* The least time of several runs after a first, as in scripts/peers/answer.py. */
 #ifndef SPINTOP_LEAST_TIME_H
 #define SPINTOP_LEAST_TIME_H
 
@@ -7,7 +7,7 @@
 static double now(void)
 {
     struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    clock_gettime(CLOCK_MONOTONIC, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 

@@ -1,6 +1,10 @@
-!> Processor time of a case, for attitude and rates at the end of the span.
+!> Time of a case, for attitude and rates at the end of the span.
+!>
+!> It is the minimum of elapsed times: what else the processor does can only lengthen them. The processor time of a
+!> thread is no such bound: a virtual machine takes the time that its host withheld from where it notices, and may
+!> so count nothing for a short run.
 module spintop_trial_time
-    use spintop_clock, only: processor_seconds, seconds
+    use spintop_clock, only: seconds
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
@@ -26,7 +30,7 @@ module spintop_trial_time
 
 contains
 
-    !> The minimum processor time of `repeats` computations of a case with a plan, s. A similar computation, which took
+    !> The minimum time of `repeats` computations of a case with a plan, s. A similar computation, which took
     !> about `expected` seconds, should have run just before as a warm-up. If the repeats would take longer
     !> than two seconds there are fewer of them, but at least one. `counts` is the cost of one computation.
     subroutine time_trial(case, plan, expected, repeats, time, counts, motion, status)
@@ -34,7 +38,7 @@ contains
         type(plan_t), intent(inout) :: plan !! model, method and settings
         real(dp), intent(in) :: expected !! expected time of one computation, s
         integer, intent(in) :: repeats !! maximum number of measurements
-        real(dp), intent(out) :: time !! minimum processor time, s
+        real(dp), intent(out) :: time !! minimum time, s
         type(counts_t), intent(out) :: counts !! cost of one computation
         type(motion_t), intent(out), optional :: motion !! the end of the span, in the axes of the computation
         integer, intent(out), optional :: status !! how the last computation ended (spintop_status)
@@ -47,11 +51,11 @@ contains
         time = huge(time)
         start = seconds()
         do repeat = 1, repeats
-            began = processor_seconds()
+            began = seconds()
             do i = 1, calls
                 call go(case, plan, arrival, counts, ended)
             end do
-            time = min(time, (processor_seconds() - began) / calls)
+            time = min(time, (seconds() - began) / calls)
             if (seconds() - start > longest) exit
         end do
         if (present(motion)) motion = arrival%motion

@@ -1,6 +1,6 @@
 !> Measures the cost of the exact solution in the running process: preparation and sample.
 module spintop_exact_cost
-    use spintop_clock, only: seconds => processor_seconds
+    use spintop_clock, only: seconds
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion

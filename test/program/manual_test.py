@@ -328,6 +328,7 @@ class CommandsTest(ManualCase):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertNotEqual(result.stdout, "")
 
+    @unittest.skipUnless(IS_OPTIMISED, "the commands take long with run-time checks")
     def test_commands(self) -> None:
         """Page by page, for later blocks may use what earlier ones have made."""
         has_mpi = shutil.which("mpirun") and Path(MPI_PROGRAM).is_file()

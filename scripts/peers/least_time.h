@@ -4,10 +4,15 @@
 
 #include <time.h>
 
+/* Elapsed time: what else the processor does can only lengthen it. */
+#ifndef LEAST_TIME_CLOCK
+#define LEAST_TIME_CLOCK CLOCK_MONOTONIC
+#endif
+
 static double now(void)
 {
     struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
+    clock_gettime(LEAST_TIME_CLOCK, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 

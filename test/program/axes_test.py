@@ -285,9 +285,8 @@ class CombinationTest(ProgramCase):
         found = re.search(r"! +table +about (\S+) kB, (\S+) bytes per case", result.stdout)
         self.assertTrue(found, result.stdout)
         self.assertRegex(result.stdout, r"! +memory +about \S+ MB\n")
-        self.assertRegex(
-            result.stdout, r"! +time +about \S+ \w+ on 2 threads, from (200|4608) cases in \S+ m?s\n"
-        )
+        time = r"! +time +about \S+ \w+ on 2 threads, from (200|4608) cases in \S+ m?s\n"
+        self.assertRegex(result.stdout, time)
         self.compute(scene)
         size = (self.folder / "output/scene.csv").stat().st_size
         self.assertAlmostEqual(float(found[1]) * 1000, size, delta=0.1 * size)

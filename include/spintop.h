@@ -7,6 +7,7 @@
  *    structures are for reading. Texts end with a null character, are in UTF-8, and live as long as their structure.
  *  - `spintop_error **error` may be NULL. Otherwise the function sets *error where it fails, and leaves it unchanged
  *    where it succeeds; set *error to NULL before the call.
+ *  - NULL where nothing is said of it is an error, SPINTOP_BAD_INPUT. As a top it has no columns and no warnings.
  *  - Any thread may call any function. spintop_top_at and spintop_tops run side by side, also with the same
  *    spintop_top; those that read a text or make a result (spintop_top_new, spintop_top_events, spintop_run,
  *    spintop_sweep, spintop_list) wait for each other.

@@ -7,7 +7,7 @@ module spintop_c_error
     use spintop_status, only: status_bad_input, status_meanings, status_names, status_ok
     implicit none
     private
-    public :: hand_error, hand_status, describe_status, longest_message
+    public :: hand_error, hand_status, is_null, describe_status, longest_message
 
     !> `spintop_error` of the header.
     type, bind(C) :: c_error_t
@@ -51,6 +51,16 @@ contains
         call describe_status(status, t, message)
         call hand_over(int(code), trim(status_names(status)), message, '', [0, 0], place)
     end function hand_status
+
+    !> Whether C gave a null pointer where something has to be: that is an error, which it hands over. No text is made
+    !> by a function here either.
+    logical function is_null(pointer, what, place)
+        type(c_ptr), intent(in) :: pointer !! what C gave
+        character(*), intent(in) :: what !! what it should be, for the message
+        type(c_ptr), intent(in) :: place !! where C wants its pointer to the error; may be null
+        is_null = .not. c_associated(pointer)
+        if (is_null) call hand_over(exit_input, '', what // ' is a null pointer', '', [0, 0], place)
+    end function is_null
 
     !> Describes how a motion ended.
     subroutine describe_status(status, t, message)

@@ -7,7 +7,7 @@ module spintop_c_run
     use spintop_axes_of_arrays, only: given_axis_t
     use spintop_c_error, only: hand_error
     use spintop_c_result, only: hand_result
-    use spintop_c_text, only: c_text_t, take_text, take_texts
+    use spintop_c_text, only: c_text_t, is_any_null, take_text, take_texts
     use spintop_errors, only: error_t, input_error
     use spintop_in_memory, only: memory_run_t, run_in_memory
     use spintop_listing, only: list_as_json, list_topic
@@ -73,6 +73,10 @@ contains
         handle = c_null_ptr
         if (cases < 1 .and. count > 0 .or. cases > most_cases .or. count < 0) then
             call hand_error(input_error('a sweep over arrays has 1 to 2147483647 cases'), error)
+        else if (is_any_null(names, int(count))) then
+            call hand_error(input_error('the name of a parameter is a null pointer'), error)
+        else if (is_any_null(values, int(count))) then
+            call hand_error(input_error('the array of a parameter is a null pointer'), error)
         else
             call take_axes(count, names, values, cases, given)
             call run_text(input, c_null_ptr, c_null_ptr, threads, error, handle, given)

@@ -5,7 +5,7 @@ module spintop_c_text
     use spintop_text, only: string_t
     implicit none
     private
-    public :: c_text_t, take_text, take_texts
+    public :: c_text_t, is_any_null, take_text, take_texts
 
     !> A text for C.
     type :: c_text_t
@@ -56,6 +56,23 @@ contains
             text(i:i) = letters(i)
         end do
     end subroutine take_text
+
+    !> Whether an array of pointers is null, or one of them is.
+    logical function is_any_null(places, n)
+        type(c_ptr), intent(in) :: places !! where the pointers are
+        integer, intent(in) :: n !! their number
+        type(c_ptr), pointer :: each(:)
+        integer :: i
+
+        is_any_null = .false.
+        if (n <= 0) return
+        is_any_null = .not. c_associated(places)
+        if (is_any_null) return
+        call c_f_pointer(places, each, [n])
+        do i = 1, n
+            is_any_null = is_any_null .or. .not. c_associated(each(i))
+        end do
+    end function is_any_null
 
     !> Takes an array of texts of C.
     subroutine take_texts(from, n, texts)

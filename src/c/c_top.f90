@@ -2,15 +2,16 @@
 !> `include/spintop.h` describes the functions. An object does not change after it was made, so threads may share it; those
 !> that ask for the motion do not wait for each other.
 module spintop_c_top
-    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr, c_size_t
+    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, c_null_ptr, &
+        c_ptr, c_size_t
     use spintop_arithmetic, only: default_arithmetic_t
     use spintop_c_derivatives, only: asked_derivatives_t
-    use spintop_c_error, only: describe_status, hand_error, hand_status, longest_message
+    use spintop_c_error, only: describe_status, hand_error, hand_status, is_null, longest_message
     use spintop_c_motion, only: asked_motion_t
     use spintop_c_result, only: c_column_t, described_column_t, hand_result
     use spintop_c_text, only: c_text_t, take_text
     use spintop_data_table, only: data_table_t
-    use spintop_errors, only: error_t, exit_failed, exit_ok, input_error
+    use spintop_errors, only: error_t, exit_failed, exit_input, exit_ok, input_error
     use spintop_event_recorder, only: event_columns, event_recorder_t
     use spintop_in_memory, only: memory_run_t
     use spintop_integration, only: outcome_t
@@ -39,6 +40,9 @@ module spintop_c_top
         type(prepared_t), allocatable :: prepared
         type(trajectory_column_t), allocatable :: chosen(:)
     end type top_t
+
+    !> The text ''.
+    character(c_char), target :: no_text = c_null_char
 
 contains
 
@@ -107,24 +111,30 @@ contains
 
     !> Number of columns of a top.
     integer(c_int) function count_columns(handle) bind(C, name='spintop_top_column_count') result(columns)
-        type(c_ptr), value :: handle !! the top
+        type(c_ptr), value :: handle !! the top; a null pointer has no columns
         type(top_t), pointer :: top
+        columns = 0
+        if (.not. c_associated(handle)) return
         call c_f_pointer(handle, top)
         columns = size(top%columns)
     end function count_columns
 
     !> The columns of a top.
     type(c_ptr) function list_columns(handle) bind(C, name='spintop_top_columns') result(columns)
-        type(c_ptr), value :: handle !! the top
+        type(c_ptr), value :: handle !! the top; a null pointer has no columns
         type(top_t), pointer :: top
+        columns = c_null_ptr
+        if (.not. c_associated(handle)) return
         call c_f_pointer(handle, top)
         columns = c_loc(top%columns)
     end function list_columns
 
     !> Warnings of the input of a top.
     type(c_ptr) function tell_warnings(handle) bind(C, name='spintop_top_warnings') result(warnings)
-        type(c_ptr), value :: handle !! the top
+        type(c_ptr), value :: handle !! the top; a null pointer has no warnings
         type(top_t), pointer :: top
+        warnings = c_loc(no_text)
+        if (.not. c_associated(handle)) return
         call c_f_pointer(handle, top)
         warnings = top%warnings%at()
     end function tell_warnings
@@ -143,8 +153,13 @@ contains
         integer :: status
 
         call arithmetic%begin()
+        code = exit_input
+        if (is_null(handle, 'the top', error)) return
         code = exit_ok
         if (n == 0) return
+        code = exit_input
+        if (is_null(t, 'the array of times', error)) return
+        if (is_null(cells, 'the array of cells', error)) return
         call c_f_pointer(handle, top)
         call c_f_pointer(t, times, [n])
         call c_f_pointer(cells, found, [n, size(top%columns, kind=c_size_t)])
@@ -171,6 +186,7 @@ contains
 
         call arithmetic%begin()
         found = c_null_ptr
+        if (is_null(handle, 'the top', error)) return
         call c_f_pointer(handle, top)
         !$omp critical (library)
         if (allocated(top%prepared)) then

@@ -4,6 +4,7 @@ module spintop_c_tops
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_arithmetic, only: default_arithmetic_t
     use spintop_c_error, only: hand_error
+    use spintop_c_text, only: is_any_null
     use spintop_errors, only: error_t, exit_input
     use spintop_exact_block, only: block_size, exact_block_t
     use spintop_exact_cases, only: exact_cases_t
@@ -64,8 +65,12 @@ contains
 
         call arithmetic%begin()
         request%n = n
-        call take_arrays(given_count, given_names, given, data_names, request%given, problem)
-        call take_arrays(wanted_count, wanted_names, wanted, quantity_names, request%wanted, problem)
+        call take_arrays(given_count, given_names, data_names, request%given, problem)
+        call take_arrays(wanted_count, wanted_names, quantity_names, request%wanted, problem)
+        if (given_count > 0 .and. .not. c_associated(strides)) problem = error_t(exit_input, 'the array of strides is null')
+        if (n > 0 .and. (is_any_null(given, int(given_count)) .or. is_any_null(wanted, int(wanted_count)))) then
+            problem = error_t(exit_input, 'an array of values is null')
+        end if
         if (given_count > 0 .and. .not. allocated(problem)) then
             call c_f_pointer(strides, steps, [given_count])
             request%given%stride = steps
@@ -114,9 +119,9 @@ contains
     end subroutine check
 
     !> Finds arrays by their names among the known ones.
-    subroutine take_arrays(count, names, places, known, arrays, problem)
+    subroutine take_arrays(count, names, known, arrays, problem)
         integer(c_int), intent(in) :: count
-        type(c_ptr), intent(in) :: names, places
+        type(c_ptr), intent(in) :: names
         character(*), intent(in) :: known(:)
         type(array_t), allocatable, intent(out) :: arrays(:)
         type(error_t), allocatable, intent(inout) :: problem
@@ -125,9 +130,7 @@ contains
         integer :: i, k
 
         allocate (arrays(max(0, count)))
-        if (count > 0 .and. .not. (c_associated(names) .and. c_associated(places))) then
-            problem = error_t(exit_input, 'an array of pointers is null')
-        end if
+        if (is_any_null(names, int(count))) problem = error_t(exit_input, 'the name of an array is null')
         if (allocated(problem)) return
         do i = 1, count
             call c_f_pointer(array_at(names, i), letters, [name_length + 1])

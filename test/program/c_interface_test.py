@@ -191,6 +191,14 @@ class CInterfaceTest(unittest.TestCase):
         told = self.run_it(driver, "list", "methos", code=2)
         self.assertIn("did you mean 'methods'?", told)
 
+    def test_null_pointers(self) -> None:
+        """Where something has to be they are errors, at each place of each function."""
+        told = self.run_it(self.driver(), "null", f"{TOP} {START} &span t_end = 1 /")
+        errors = [line for line in told.splitlines() if "|" in line]
+        self.assertEqual(len(errors), 19)
+        for line in errors:
+            self.assertRegex(line, r"^2\|\|.*( is a null pointer| is null|the file has no group)$")
+
     def test_events_of_a_top(self) -> None:
         """The cells of the program's table: exact, by steps of both kinds, up to an end."""
         driver = self.driver()

@@ -7,11 +7,12 @@
 !> reading continues after an error.
 module spintop_namelist
     use spintop_assignment, only: assignment_t
+    use spintop_completeness, only: missing_element
     use spintop_diagnostics, only: diagnostics_t, place_t
     use spintop_errors, only: error_t
     use spintop_files, only: read_file
     use spintop_overrides, only: read_override
-    use spintop_parameter, only: all_elements, leading_elements, one_per_group, parameter_t, quoted
+    use spintop_parameter, only: one_per_group, parameter_t, quoted
     use spintop_parameters, only: parameter_table_t
     use spintop_scanner, only: scanner_t, token_comma, token_end, token_equals, token_group, &
         token_slash, token_t, token_word
@@ -299,24 +300,13 @@ contains
     subroutine check_complete(parameter, diagnostics)
         type(parameter_t), intent(inout) :: parameter
         type(diagnostics_t), intent(inout) :: diagnostics
-        integer :: row, column, last
+        character(:), allocatable :: missing
 
-        if (parameter%faulty .or. .not. parameter%is_given()) return
-        do row = 1, parameter%extents(1)
-            last = 0
-            if (parameter%elements == all_elements) last = parameter%extents(2)
-            if (parameter%elements == one_per_group .and. parameter%rank == 2 .and. parameter%last_set(row) > 0) then
-                last = parameter%extents(2)
-            end if
-            if (parameter%elements == leading_elements) last = parameter%last_set(row)
-            do column = 1, last
-                if (parameter%is_set(row, column)) cycle
-                call diagnostics%error(parameter%key_place, parameter%element_name(row, column) // &
-                    ' is missing', 'the elements that are given require it')
-                parameter%faulty = .true.
-                return
-            end do
-        end do
+        if (parameter%faulty) return
+        missing = missing_element(parameter)
+        if (missing == '') return
+        call diagnostics%error(parameter%key_place, missing // ' is missing', 'the elements that are given require it')
+        parameter%faulty = .true.
     end subroutine check_complete
 
 end module spintop_namelist

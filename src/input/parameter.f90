@@ -67,7 +67,6 @@ module spintop_parameter
         procedure :: real_target, integer_target
         procedure :: is_given
         procedure :: is_set
-        procedure :: last_set
         procedure :: clear_row
         procedure :: value_text
         procedure :: row_text
@@ -283,15 +282,6 @@ contains
             is_set = self%flag .or. self%is_given()
         end select
     end function is_set
-
-    !> Column of the last element of a row that has a value; 0 if none has.
-    pure integer function last_set(self, row) result(last)
-        class(parameter_t), intent(in) :: self
-        integer, intent(in) :: row !! row of the parameter, from 1
-        do last = self%extents(2), 1, -1
-            if (self%is_set(row, last)) return
-        end do
-    end function last_set
 
     !> Deletes the values of a row, and the places where they were given.
     subroutine clear_row(self, row)

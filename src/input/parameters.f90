@@ -44,11 +44,11 @@ module spintop_parameters
         !> `add(name, variable, what)` for logicals.
         generic :: add => add_real, add_reals, add_real_rows, add_integer, add_integers, add_long, &
             add_text, add_texts, add_flag
-        procedure :: find, find_group, find_number, is_given, place_of, key_place_of
+        procedure :: find, find_group, find_number, is_given, locate, place_of, key_place_of
         procedure :: verify => verify_table
         procedure, private :: add_real, add_reals, add_real_rows, add_integer, add_integers, add_long
         procedure, private :: add_text, add_texts, add_flag
-        procedure, private :: append, locate
+        procedure, private :: append
     end type parameter_table_t
 
 contains
@@ -322,9 +322,9 @@ contains
     !> Finds the element of a name such as `top.mass`, `top.inertia(2)`, `sweep.values(1,3)`.
     subroutine locate(self, name, number, row, column, problem)
         class(parameter_table_t), intent(in) :: self
-        character(*), intent(in) :: name
-        integer, intent(out) :: number, row, column
-        character(:), allocatable, intent(out) :: problem
+        character(*), intent(in) :: name !! `group.key`
+        integer, intent(out) :: number, row, column !! index of the parameter, row and column of the element, from 1
+        character(:), allocatable, intent(out) :: problem !! what is wrong with the name, or ''
         type(string_t), allocatable :: subscripts(:), names(:)
         integer :: open, last, i, values(2)
 

@@ -8,6 +8,7 @@ module spintop_job
     use spintop_body, only: body_t
     use spintop_body_of_scene, only: is_set, make_body
     use spintop_case, only: case_t, make_case
+    use spintop_completeness, only: missing_beside
     use spintop_diagnostics, only: diagnostics_t
     use spintop_event_text, only: column_event_t
     use spintop_kinds, only: dp
@@ -19,7 +20,7 @@ module spintop_job
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_sweep_axes, only: axes_t, swept_scene_t
     use spintop_table_column, only: column_t
-    use spintop_text, only: to_text
+    use spintop_text, only: string_t, to_text
     implicit none
     private
     public :: job_t
@@ -106,7 +107,26 @@ contains
         else
             call read_axes(self%input, self%scene, self%table, self%axes, problems, diagnostics)
         end if
+        if (.not. problems%any() .and. self%axes%cases > 0) call check_complete(self%axes, self%table, problems)
     end subroutine make_axes
+
+    !> Checks that no element is missing that those on the axes require: of a vector all vary or have values.
+    subroutine check_complete(axes, table, problems)
+        type(axes_t), intent(in) :: axes
+        type(parameter_table_t), intent(in) :: table
+        type(problems_t), intent(inout) :: problems
+        character(:), allocatable :: missing
+        type(string_t) :: names(size(axes%axis))
+        integer :: i
+
+        do i = 1, size(names)
+            names(i)%text = axes%axis(i)%name
+        end do
+        missing = missing_beside(table, names)
+        if (missing == '') return
+        call problems%add('sweep.parameter', missing // ' is missing', &
+                          'the elements that vary require it: give it a value, or vary it too')
+    end subroutine check_complete
 
     !> Makes the case of the input, or the first of those of its axes that can be computed, and its plan if `planned`.
     !> `first` is the scene of that case. If none of the first cases can be computed, the problems are those of the first.

@@ -5,7 +5,7 @@ module spintop_completeness
     use spintop_text, only: string_t
     implicit none
     private
-    public :: missing_element, missing_beside
+    public :: missing_element, find_missing_beside
 
 contains
 
@@ -41,27 +41,29 @@ contains
         end do
     end function missing_element
 
-    !> Full name of the first element that is missing beside those that get their values elsewhere, as the axes of a sweep
-    !> give them; '' if none is.
-    function missing_beside(table, names) result(missing)
+    !> Finds the first element that is missing beside those that get their values elsewhere, as the axes of a sweep give
+    !> them.
+    subroutine find_missing_beside(table, names, missing, given)
         type(parameter_table_t), intent(in) :: table !! the parameters of an input
         type(string_t), intent(in) :: names(:) !! the elements with values from elsewhere, as `top.inertia(2)`; all are known
-        character(:), allocatable :: missing
+        character(:), allocatable, intent(out) :: missing !! its full name; '' if none is missing
+        integer, intent(out) :: given !! which of `names` requires it; 0 if none is missing
         character(:), allocatable :: problem
-        integer :: at(3, size(names)), i
+        integer :: at(3, size(names))
 
-        do i = 1, size(names)
-            call table%locate(names(i)%text, at(1, i), at(2, i), at(3, i), problem)
+        do given = 1, size(names)
+            call table%locate(names(given)%text, at(1, given), at(2, given), at(3, given), problem)
         end do
-        missing = ''
-        do i = 1, size(names)
-            if (any(at(1, :i - 1) == at(1, i))) cycle
-            missing = missing_in(table%parameters(at(1, i)), at(2:, :), at(1, :) == at(1, i))
+        do given = 1, size(names)
+            if (any(at(1, :given - 1) == at(1, given))) cycle
+            missing = missing_in(table%parameters(at(1, given)), at(2:, :), at(1, :) == at(1, given))
             if (missing == '') cycle
-            missing = table%parameters(at(1, i))%group // '.' // missing
+            missing = table%parameters(at(1, given))%group // '.' // missing
             return
         end do
-    end function missing_beside
+        missing = ''
+        given = 0
+    end subroutine find_missing_beside
 
     !> What is missing in a parameter of which some elements get their values elsewhere.
     function missing_in(parameter, places, is_here) result(missing)

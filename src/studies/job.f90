@@ -8,7 +8,7 @@ module spintop_job
     use spintop_body, only: body_t
     use spintop_body_of_scene, only: is_set, make_body
     use spintop_case, only: case_t, make_case
-    use spintop_completeness, only: missing_beside
+    use spintop_completeness, only: find_missing_beside
     use spintop_diagnostics, only: diagnostics_t
     use spintop_event_text, only: column_event_t
     use spintop_kinds, only: dp
@@ -122,10 +122,10 @@ contains
         do i = 1, size(names)
             names(i)%text = axes%axis(i)%name
         end do
-        missing = missing_beside(table, names)
-        if (missing == '') return
-        call problems%add('sweep.parameter', missing // ' is missing', &
-                          'the elements that vary require it: give it a value, or vary it too')
+        call find_missing_beside(table, names, missing, i)
+        if (i == 0) return
+        call problems%add('sweep', missing // ' is missing', &
+                          names(i)%text // ' varies and requires it: give it a value, or vary it too')
     end subroutine check_complete
 
     !> Makes the case of the input, or the first of those of its axes that can be computed, and its plan if `planned`.

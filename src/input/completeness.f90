@@ -49,20 +49,20 @@ contains
         character(:), allocatable, intent(out) :: missing !! its full name; '' if none is missing
         integer, intent(out) :: given !! which of `names` requires it; 0 if none is missing
         character(:), allocatable :: problem
-        integer :: at(3, size(names))
+        integer :: at(3, size(names)), i
 
-        do given = 1, size(names)
-            call table%locate(names(given)%text, at(1, given), at(2, given), at(3, given), problem)
+        do i = 1, size(names)
+            call table%locate(names(i)%text, at(1, i), at(2, i), at(3, i), problem)
         end do
-        do given = 1, size(names)
-            if (any(at(1, :given - 1) == at(1, given))) cycle
-            missing = missing_in(table%parameters(at(1, given)), at(2:, :), at(1, :) == at(1, given))
+        given = 0
+        missing = ''
+        do i = 1, size(names)
+            missing = missing_in(table%parameters(at(1, i)), at(2:, :), at(1, :) == at(1, i))
             if (missing == '') cycle
-            missing = table%parameters(at(1, given))%group // '.' // missing
+            given = i
+            missing = table%parameters(at(1, i))%group // '.' // missing
             return
         end do
-        missing = ''
-        given = 0
     end subroutine find_missing_beside
 
     !> What is missing in a parameter of which some elements get their values elsewhere.

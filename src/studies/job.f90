@@ -117,15 +117,15 @@ contains
         type(problems_t), intent(inout) :: problems
         character(:), allocatable :: missing
         type(string_t) :: names(size(axes%axis))
-        integer :: i
+        integer :: i, given
 
         do i = 1, size(names)
             names(i)%text = axes%axis(i)%name
         end do
-        call find_missing_beside(table, names, missing, i)
-        if (i == 0) return
+        call find_missing_beside(table, names, missing, given)
+        if (missing == '') return
         call problems%add('sweep', missing // ' is missing', &
-                          names(i)%text // ' varies and requires it: give it a value, or vary it too')
+                          names(given)%text // ' varies and requires it: give it a value, or vary it too')
     end subroutine check_complete
 
     !> Makes the case of the input, or the first of those of its axes that can be computed, and its plan if `planned`.

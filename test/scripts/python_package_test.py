@@ -336,6 +336,7 @@ class SweepTest(unittest.TestCase):
             ({"initial.theta": []}, "1 to 2147483647 cases"),
             ({"initial.theta": [1.0, 2.0], "span.t_end": [1.0, 2.0, 3.0]}, "different shapes"),
             ({"output.samples": [1.0]}, "output.samples"),
+            ({"top.centre_of_mass(1)": [0.1]}, r"centre_of_mass\(2\) is missing"),
         ):
             with self.subTest(parameters), self.assertRaisesRegex(spintop.InputError, message):
                 spintop.sweep(self.groups, parameters)

@@ -47,7 +47,7 @@ from spintop_figures.sweeps.statistics import (
     object_to_bins,
     object_to_distributions,
 )
-from spintop_figures.sweeps.sweep import draw_sweep, good_rows, sweep_columns
+from spintop_figures.sweeps.sweep import draw_sweep, formula_columns, good_rows, sweep_columns
 from spintop_figures.tables.table import Table, TableError
 
 TRIALS = ("case", "method", "formulation", "verdict", "status", "reference", "reason")
@@ -110,6 +110,8 @@ def object_to_sweep(table: Table) -> str:
         return "is a sweep over more than one parameter"
     if good_rows(table).empty:
         return "has no case that succeeded"
+    if table.empty(formula_columns()) == formula_columns():
+        return "has no formula for a fast top"
     return ""
 
 

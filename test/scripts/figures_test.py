@@ -376,6 +376,33 @@ class SweepTest(FigureCase):
             heights = axes.transData.transform(line.get_xydata())[:, 1]
             self.assertLess(heights.max(), legend.y0)
 
+    def test_without_formulas(self) -> None:
+        """Bodies that the paper's formulas do not hold for have no such figure, and no error."""
+        table = self.read(a_sweep("initial.omega3"))
+        self.assertIn("sweep", [kind.name for kind in choose_figures(table)[0]])
+        formulas = {name: math.nan for name in table.rows if name.endswith("_fast_top")}
+        table = replace(table, rows=table.rows.assign(**formulas))
+        good, wrong = choose_figures(table)
+        self.assertNotIn("sweep", [kind.name for kind in good])
+        self.assertEqual(wrong, [])
+        refusal = "no formula for a fast top: no sweep figure"
+        self.assertRegex(choose_figures(table, ["sweep"])[1][0], refusal)
+
+    def test_columns_without_numbers(self) -> None:
+        """Figures that may lack numbers are drawn whichever of their columns has none."""
+        table = self.compute("spinning_wheel_sweep")
+        kinds = [kind for kind in FIGURES if kind.sparse and not kind.refusal(table)]
+        self.assertEqual([kind.name for kind in kinds], ["sweep", "table1"])
+        for kind in kinds:
+            for column in kind.columns:
+                with self.subTest(f"{kind.name} without {column}"):
+                    poorer = replace(table, rows=table.rows.assign(**{column: math.nan}))
+                    self.assertTrue(kind.refusal(poorer) or kind.draw(poorer).axes)
+        azimuth = {"azimuth_after_period_deg": math.nan}
+        axes = draw_sweep(replace(table, rows=table.rows.assign(**azimuth))).axes[4]
+        labels = [text.get_text() for text in axes.get_legend().get_texts()]
+        self.assertEqual(labels, ["paper's Eq 32: a full turn", "not computed: no row at $T_p$"])
+
     def test_signs(self) -> None:
         """Errors of a formula have no line through a change of their sign, like a dip."""
         table = self.compute("spinning_wheel_sweep")

@@ -43,10 +43,14 @@ TOO = {1: "too large", -1: "too small"}
 AZIMUTH = "azimuth_after_period_deg"
 
 
+def formula_columns() -> list[str]:
+    """The columns that hold the paper's formulas."""
+    return [quantity.column + FORMULA for quantity in QUANTITIES]
+
+
 def sweep_columns() -> list[str]:
     """The columns that the figure is made of."""
-    pairs = [q.column + ending for q in QUANTITIES for ending in ("", FORMULA)]
-    return [*pairs, AZIMUTH]
+    return [*(quantity.column for quantity in QUANTITIES), *formula_columns(), AZIMUTH]
 
 
 def good_rows(table: Table) -> pd.DataFrame:
@@ -99,9 +103,11 @@ def draw_azimuth(axes: Axes, x: np.ndarray, azimuth: np.ndarray) -> None:
     """The azimuth after T_p, which the paper's Eq 32 makes a full turn."""
     axes.plot(x, np.full_like(x, 360), **LINES[1], label="paper's Eq 32: a full turn")
     style = marks(x, "o", markersize=3) | LINES[0]
-    axes.plot(x, azimuth, **style, label="computed by the run")
+    known = np.isfinite(azimuth).any()
+    label = "computed by the run" if known else "not computed: no row at $T_p$"
+    axes.plot(x, azimuth, **style, label=label)
     axes.set_ylabel("azimuth after $T_p$ (degrees)")
-    low, high = min(np.nanmin(azimuth), 0.0), max(np.nanmax(azimuth), 360.0)
+    low, high = np.nanmin([0, *azimuth]), np.nanmax([360, *azimuth])
     axes.set_ylim(low - 0.06 * (high - low), high + 0.45 * (high - low))  # the legend is above
     axes.yaxis.set_major_locator(MultipleLocator(90 * max(1, round((high - low) / 450))))
     axes.legend(loc="upper left")

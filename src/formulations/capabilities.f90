@@ -12,12 +12,14 @@ module spintop_capabilities
     implicit none
     private
     public :: capability_t, flows_t, stages_t, group_action_t, series_t, quadruple_series_t, ends_t, reset_t, action_t
-    public :: max_states, max_series_order, directions, direction_omega, direction_velocity, direction_force
+    public :: max_states, max_series_order, max_aside, directions, direction_omega, direction_velocity, direction_force
     public :: structure_none, structure_split, structure_group, structure_series, &
         structure_quadruple, structure_names
 
     !> Largest number of state variables of any formulation, and highest order of its Taylor series.
     integer, parameter :: max_states = 8, max_series_order = 30
+    !> How many numbers a stage may leave aside, of variables that follow from the state and have stages of their own.
+    integer, parameter :: max_aside = 12
 
     !> Vectors at whose zeros effects are not smooth (`find_directions`).
     integer, parameter :: direction_omega = 1, direction_velocity = 2, direction_force = 3, directions = 3
@@ -204,14 +206,17 @@ module spintop_capabilities
         end subroutine flow
 
         !> Stages of a step of size h from the state y.
-        pure subroutine find_stages(self, from, to, t, y, h, a, c, k)
-            import :: stages_t, dp, max_states
+        pure subroutine find_stages(self, from, to, t, y, h, stages, a, since, c, k, aside)
+            import :: stages_t, dp, max_aside, max_states
             class(stages_t), intent(in) :: self
             integer, intent(in) :: from, to !! first and last stage; there is at least one before
             real(dp), intent(in) :: t, y(max_states), h !! time and state at the beginning of the step, and its size, s
-            real(dp), contiguous, intent(in) :: a(:, :) !! column i contains the weights of the stages before stage i
-            real(dp), contiguous, intent(in) :: c(:) !! times of the stages in the step, over its size
-            real(dp), contiguous, intent(inout) :: k(:, :) !! slopes: column i is that of stage i
+            integer, intent(in) :: stages !! their number in the table of the method
+            real(dp), intent(in) :: a(stages, stages) !! column i contains the weights of the stages before stage i
+            integer, intent(in) :: since(stages) !! stage i depends on the first one and on those from `since(i)` on
+            real(dp), intent(in) :: c(stages) !! times of the stages in the step, over its size
+            real(dp), intent(inout) :: k(max_states, stages) !! slopes: column i is that of stage i
+            real(dp), intent(inout) :: aside(max_aside, stages) !! column i is what stage i leaves aside
         end subroutine find_stages
 
         !> The element xi of the Lie algebra along which the state `y` moves whose slope is `dy`: finite where

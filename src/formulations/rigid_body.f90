@@ -7,6 +7,7 @@ module spintop_rigid_body
     use spintop_attitude, only: follow_angles, may_meet_pole, quaternion_product, rotation_minus_one, &
         vertical_from_quaternion
     use spintop_body, only: body_t
+    use spintop_body_products, only: body_products_t, products_of
     use spintop_capabilities, only: group_action_t, max_series_order, max_states, quadruple_series_t, series_t
     use spintop_euler_poisson, only: momentum_coupling
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants
@@ -15,7 +16,7 @@ module spintop_rigid_body
     use spintop_motions, only: instants, motions_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales
     use spintop_rigid_body_flows, only: rigid_body_flows_t
-    use spintop_rigid_body_series, only: body_series_t, find_quadruple_series
+    use spintop_rigid_body_series, only: find_quadruple_series, find_series
     use spintop_rigid_body_stages, only: rigid_body_stages_t
     use spintop_status, only: status_ok
     use spintop_vectors, only: cross
@@ -60,7 +61,7 @@ module spintop_rigid_body
     !> The Taylor series of the motion.
     type, extends(series_t) :: rigid_body_series_t
         private
-        type(body_series_t) :: of
+        type(body_products_t) :: products = body_products_t()
     contains
         procedure :: set => set_series
         procedure :: expand
@@ -263,7 +264,7 @@ contains
         type(motion_t), intent(in) :: start
         associate (unused => start)
         end associate
-        call self%of%set(body)
+        self%products = products_of(body)
     end subroutine set_series
 
     !> Taylor coefficients of the motion.
@@ -274,7 +275,7 @@ contains
         real(dp), intent(out) :: coefficient(max_states, 0:max_series_order)
         associate (unused => t)
         end associate
-        call self%of%find(y, order, coefficient)
+        call find_series(self%products, y, order, coefficient)
     end subroutine expand
 
     !> Constants of the series in quadruple precision.

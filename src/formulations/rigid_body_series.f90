@@ -12,24 +12,11 @@ module spintop_rigid_body_series
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_kinds, only: dp, qp
     use spintop_body, only: body_t
-    use spintop_euler_poisson, only: momentum_coupling
+    use spintop_body_products, only: body_products_t
     use spintop_formulation, only: max_series_order, max_states
     implicit none
     private
-    public :: body_series_t, find_quadruple_series, share
-
-    !> Constants of body_series.c: factors of its three products of vectors, of damping and torque.
-    integer, parameter :: first = 1, second = 2, third = 3, decay = 4, pull = 5, swing = 6
-
-    !> The series of a body.
-    type :: body_series_t
-        private
-        !> The constants of the equations.
-        real(dp) :: of(max_states, swing) = 0
-    contains
-        procedure :: set => set_constants
-        procedure :: find => find_series
-    end type body_series_t
+    public :: find_series, find_quadruple_series, share
 
     !> 1/(k + 1), by which coefficient k of a rate becomes the next one of the state.
     integer :: term
@@ -37,41 +24,23 @@ module spintop_rigid_body_series
 
     interface
         pure subroutine c_expand(order, body, state, share, c) bind(C, name='spintop_expand_body')
-            import :: c_double, c_int
+            import :: body_products_t, c_double, c_int
             integer(c_int), value :: order
-            real(c_double), intent(in) :: body(*), state(*), share(*)
+            type(body_products_t), intent(in) :: body
+            real(c_double), intent(in) :: state(*), share(*)
             real(c_double), intent(out) :: c(*)
         end subroutine c_expand
     end interface
 
 contains
 
-    !> Sets the constants for a body. Those of products have the order of the products in body_series.c.
-    pure subroutine set_constants(self, body)
-        class(body_series_t), intent(inout) :: self
-        type(body_t), intent(in) :: body !! mass properties about the fixed point
-        real(dp) :: v(3), moment(3)
-
-        v = 1 / body%inertia
-        moment = body%weight_moment()
-        self%of = 0
-        self%of(:3, first) = momentum_coupling(body)
-        self%of(5:7, first) = v([3, 1, 2])
-        self%of(:4, second) = -v([3, 2, 3, 1]) / 2
-        self%of(5:7, second) = -v([2, 3, 1])
-        self%of(:, third) = [-1, 1, 1, 1, -1, 1, 1, 1] * v([1, 1, 2, 3, 2, 3, 1, 2]) / 2
-        self%of(:3, decay) = body%damping * v
-        self%of(:3, pull) = moment([3, 1, 2])
-        self%of(:3, swing) = moment([2, 3, 1])
-    end subroutine set_constants
-
     !> Taylor coefficients of the motion.
-    pure subroutine find_series(self, y, order, coefficient)
-        class(body_series_t), intent(in) :: self
+    pure subroutine find_series(products, y, order, coefficient)
+        type(body_products_t), intent(in) :: products !! the equations of the body
         real(dp), intent(in) :: y(max_states) !! state
         integer, intent(in) :: order !! order of the highest coefficient
         real(dp), intent(out) :: coefficient(max_states, 0:max_series_order) !! column k is the coefficient of h^k
-        call c_expand(order, self%of, y, share, coefficient)
+        call c_expand(order, products, y, share, coefficient)
     end subroutine find_series
 
     !> Taylor coefficients of the motion in quadruple precision.

@@ -1,40 +1,49 @@
 !> Stages of a Runge-Kutta step for any rigid body with a fixed point, by body_stages.c.
 !>
-!> Within a step the quaternion has the norm |q| = N of its beginning, as in the motion. The equations are therefore
+!> The angular velocity omega and the vertical Gamma in body axes start from the momentum and the quaternion, and have stages of
+!> their own,
 !>
-!>     q' = q (0, omega)/2,   Pi' = Pi x omega + m g Gamma x r - damping omega,
-!>     Gamma = 2/N^2 (q1 q3 - q0 q2, q2 q3 + q0 q1, q0^2 + q3^2 - N^2/2),
+!>     I omega' = (I omega) x omega + m g Gamma x r - damping omega,   Gamma' = Gamma x omega,   q' = q (0, omega)/2,
 !>
-!> without a quotient in the stages. On the way from a state they have the same solution as those of `rigid_body_t`, so
-!> the order of a method is the same.
+!> for which the next stage waits half as long as for a vertical that is found from the quaternion in each stage. From a state on
+!> all of these have the same solution, and at the end of the step omega and Gamma are dropped, so the order of a method is the
+!> same.
 module spintop_rigid_body_stages
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
-    use spintop_capabilities, only: max_states, stages_t
-    use spintop_euler_poisson, only: momentum_coupling
+    use spintop_capabilities, only: max_aside, max_states, stages_t
     use spintop_motion, only: motion_t
     implicit none
     private
     public :: rigid_body_stages_t
 
+    !> Room of a vector of three components in body_stages.c.
+    integer, parameter :: room = 4
+
+    !> Constants of the equations of omega, as in body_stages.c: those of momenta over I.
+    type, bind(C) :: constants_t
+        real(c_double), dimension(room) :: inertia = 0, mobility = 0, coupling = 0, decay = 0, pull = 0, swing = 0
+    end type constants_t
+
     !> Stages of the state y = (q0, q1, q2, q3, Pi1, Pi2, Pi3).
     type, extends(stages_t) :: rigid_body_stages_t
         private
-        !> Constants of body_stages.c: 1/I, `momentum_coupling`, the gravitational torque, damping/I.
-        real(dp) :: of(3, 4) = 0
+        type(constants_t) :: of = constants_t()
     contains
         procedure :: set
         procedure :: find
     end type rigid_body_stages_t
 
     interface
-        pure subroutine c_find(from, to, body, y, h, a, stride, k) bind(C, name='spintop_find_stages')
-            import :: c_double, c_int
-            integer(c_int), value :: from, to, stride
+        pure subroutine c_find(from, to, body, y, h, stages, a, since, k, aside) bind(C, name='spintop_find_stages')
+            import :: c_double, c_int, constants_t
+            integer(c_int), value :: from, to, stages
+            type(constants_t), intent(in) :: body
             real(c_double), value :: h
-            real(c_double), intent(in) :: body(*), y(*), a(*)
-            real(c_double), intent(inout) :: k(*)
+            real(c_double), intent(in) :: y(*), a(*)
+            integer(c_int), intent(in) :: since(*)
+            real(c_double), intent(inout) :: k(*), aside(*)
         end subroutine c_find
     end interface
 
@@ -45,25 +54,34 @@ contains
         class(rigid_body_stages_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        real(dp) :: moment(3)
         associate (unused => start)
         end associate
-        self%of(:, 1) = 1 / body%inertia
-        self%of(:, 2) = momentum_coupling(body)
-        self%of(:, 3) = body%weight_moment()
-        self%of(:, 4) = body%damping / body%inertia
+        moment = body%weight_moment()
+        associate (of => self%of, i => body%inertia)
+            of%inertia(:3) = i
+            of%mobility(:3) = 1 / i
+            of%coupling(:3) = (i([2, 3, 1]) - i([3, 1, 2])) / i
+            of%decay(:3) = body%damping / i
+            of%pull(:3) = moment([3, 1, 2]) / i
+            of%swing(:3) = moment([2, 3, 1]) / i
+        end associate
     end subroutine set
 
-    !> Stages `from` to `to` of a step.
-    pure subroutine find(self, from, to, t, y, h, a, c, k)
+    !> Stages `from` to `to` of a step. Aside are the changes of q, omega and Gamma over the step at the slopes.
+    pure subroutine find(self, from, to, t, y, h, stages, a, since, c, k, aside)
         class(rigid_body_stages_t), intent(in) :: self
         integer, intent(in) :: from, to !! first and last stage; there is at least one before
         real(dp), intent(in) :: t, y(max_states), h !! time and state at the beginning of the step, and its size, s
-        real(dp), contiguous, intent(in) :: a(:, :) !! column i contains the weights of the stages before stage i
-        real(dp), contiguous, intent(in) :: c(:) !! times of the stages in the step, over its size
-        real(dp), contiguous, intent(inout) :: k(:, :) !! slopes: column i is that of stage i
+        integer, intent(in) :: stages !! their number in the table of the method
+        real(dp), intent(in) :: a(stages, stages) !! column i contains the weights of the stages before stage i
+        integer, intent(in) :: since(stages) !! stage i depends on the first one and on those from `since(i)` on
+        real(dp), intent(in) :: c(stages) !! times of the stages in the step, over its size
+        real(dp), intent(inout) :: k(max_states, stages) !! slopes: column i is that of stage i
+        real(dp), intent(inout) :: aside(max_aside, stages) !! column i is what stage i leaves aside
         associate (unused => t, also_unused => c)
         end associate
-        call c_find(from - 1, to - 1, self%of, y, h, a, size(a, 1), k)
+        call c_find(from - 1, to - 1, self%of, y, h, stages, a, since, k, aside)
     end subroutine find
 
 end module spintop_rigid_body_stages

@@ -9,7 +9,7 @@
 module spintop_effects_stages
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_body, only: body_t
-    use spintop_capabilities, only: max_states, stages_t
+    use spintop_capabilities, only: max_aside, max_states, stages_t
     use spintop_compare, only: is_zero
     use spintop_effects, only: effects_t
     use spintop_euler_poisson, only: momentum_coupling
@@ -107,14 +107,19 @@ contains
     end function flag
 
     !> Stages `from` to `to` of a step.
-    pure subroutine find(self, from, to, t, y, h, a, c, k)
+    pure subroutine find(self, from, to, t, y, h, stages, a, since, c, k, aside)
         class(effects_stages_t), intent(in) :: self
         integer, intent(in) :: from, to !! first and last stage; there is at least one before
         real(dp), intent(in) :: t, y(max_states), h !! time and state at the beginning of the step, and its size, s
-        real(dp), contiguous, intent(in) :: a(:, :) !! column i contains the weights of the stages before stage i
-        real(dp), contiguous, intent(in) :: c(:) !! times of the stages in the step, over its size
-        real(dp), contiguous, intent(inout) :: k(:, :) !! slopes: column i is that of stage i
-        call c_find(from - 1, to - 1, self%of, t, y, h, a, size(a, 1), c, k)
+        integer, intent(in) :: stages !! their number in the table of the method
+        real(dp), intent(in) :: a(stages, stages) !! column i contains the weights of the stages before stage i
+        integer, intent(in) :: since(stages) !! stage i depends on the first one and on those from `since(i)` on
+        real(dp), intent(in) :: c(stages) !! times of the stages in the step, over its size
+        real(dp), intent(inout) :: k(max_states, stages) !! slopes: column i is that of stage i
+        real(dp), intent(inout) :: aside(max_aside, stages) !! not used: stages need nothing but the slopes
+        associate (unused => since, also_unused => aside)
+        end associate
+        call c_find(from - 1, to - 1, self%of, t, y, h, a, stages, c, k)
     end subroutine find
 
     !> The slope in a state, which is a first stage.

@@ -11,6 +11,7 @@
 module spintop_smooth_effects_series
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_body, only: body_t
+    use spintop_body_products, only: body_products_t, products_of
     use spintop_capabilities, only: max_series_order, max_states
     use spintop_compare, only: is_zero
     use spintop_effects, only: effects_t
@@ -32,7 +33,7 @@ module spintop_smooth_effects_series
 
     !> Constants of the equations, as in effects_series.c.
     type, bind(C) :: constants_t
-        !> Factors of the products of vectors: see `spintop_rigid_body_series`; then those of X and Y with U.
+        !> Factors of the products of vectors, as in `body_products_t`; then those of X and Y with U.
         real(c_double), dimension(numbers) :: first = 0, second = 0, third = 0, turn_first = 0, turn_second = 0
         !> The rotation of the frame in the rates of the quaternion, and of X and Y.
         real(c_double) :: frame(room, 3) = 0, side_frame(numbers, 2) = 0
@@ -76,11 +77,13 @@ contains
         class(smooth_series_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(effects_t), intent(in) :: effects !! effects on the body
+        type(body_products_t) :: products
         real(dp) :: v(3)
         integer :: k
 
         self%holds = effects%are_analytic()
         if (.not. self%holds) return
+        products = products_of(body)
         v = 1 / body%inertia
         self%rotor_momentum = effects%rotor_momentum
         self%amplitude = effects%vibration_amplitude
@@ -95,11 +98,9 @@ contains
             of%torque_body(:3) = effects%torque_body
             of%torque_space(:3) = effects%torque_space
             of%rotor_torque(:3) = drive
-            of%first(:3) = of%coupling(:3)
-            of%first(5:7) = v([3, 1, 2])
-            of%second(:4) = -v([3, 2, 3, 1]) / 2
-            of%second(5:7) = -v([2, 3, 1])
-            of%third = [-1, 1, 1, 1, -1, 1, 1, 1] * v([1, 1, 2, 3, 2, 3, 1, 2]) / 2
+            of%first = products%first
+            of%second = products%second
+            of%third = products%third
             of%turn_first = [of%first(5:8), of%first(5:8)]
             of%turn_second = [of%second(5:8), of%second(5:8)]
             of%inverse_inertia(:3) = v

@@ -11,7 +11,7 @@
 // As many numbers in a term as there are state variables, as in capabilities.f90; and terms, at most.
 enum { numbers = 8, half = numbers / 2, most_terms = 31 };
 
-// Constants of the equations, as set_constants in rigid_body_series.f90 has them.
+// Constants of the equations: factors of the products of vectors in body_vectors.h, as body_products.f90 finds them.
 struct body {
     double first[numbers], second[numbers], third[numbers], decay[numbers], pull[numbers], swing[numbers];
 };
@@ -49,18 +49,9 @@ int spintop_expand_body_at(int level, int order, const struct body *body, const 
 #else
 
 #define expand LEVEL(expand)
-#define find_first_term LEVEL(find_first_term)
 
 #include "body_vectors.h"
-
-// The quaternion, the momentum and the vertical in body axes, of a quaternion of any length.
-inlined void find_first_term(const double *state, half_vector *q, half_vector *momentum, half_vector *vertical) {
-    const double q0 = state[0], q1 = state[1], q2 = state[2], q3 = state[3];
-    const double upper = q0 * q0 + q3 * q3, lower = q1 * q1 + q2 * q2, inverse = 1 / (upper + lower);
-    const half_vector g = {2 * (q1 * q3 - q0 * q2), 2 * (q2 * q3 + q0 * q1), upper - lower, 0};
-    memcpy(q, state, sizeof *q), memcpy(momentum, state + half, sizeof *momentum);
-    *vertical = inverse * g;
-}
+#include "body_start.h"
 
 static void expand(int order, const struct body *body, const double *state, const double *share, double *c) {
     struct factors row[most_terms], start, next, f;

@@ -1,5 +1,6 @@
-// Stages of a Runge-Kutta step for one body; see rigid_body_stages.f90, which has the equations. C with vectors, as a
-// stage waits for the one before it: quaternion and momentum are one vector, and its rate is four products of vectors.
+// Stages of a Runge-Kutta step for one body; see rigid_body_stages.f90, which has the equations. C with vectors of three or
+// four components, as a stage waits for the one before it: the angular velocity and the vertical wait for themselves only,
+// and the quaternion follows beside.
 //
 // Each level of the processor has its build: levels.h includes this file once for each, with LEVEL set.
 
@@ -7,22 +8,31 @@
 
 #include <string.h>
 
-// As many numbers in a state as in capabilities.f90.
-enum { numbers = 8 };
+// As many numbers in a state, and set aside by a stage, as in capabilities.f90.
+enum { numbers = 8, half = numbers / 2, set_aside = 3 * half };
 
-// Constants of the equations, as rigid_body_stages.f90 has them: inverse moments of inertia, what couples the momenta, the
-// moment of the weight, damping over inertia.
+// Constants of the equations, as rigid_body_stages.f90 has them.
 struct body {
-    double mobility[3], coupling[3], moment[3], decay[3];
+    double inertia[half], mobility[half], coupling[half], decay[half], pull[half], swing[half];
 };
 
-// Finds the stages `from` to `to`, counted from zero, of a step of size h; column i of `a` has the weights of those before
-// it, `stride` apart. The vertical in body axes is that of a quaternion whose norm stays as it is in y.
-typedef void find_stages_t(int from, int to, const struct body *body, const double *y, double h, const double *a,
-                           int stride, double *k);
-find_stages_t spintop_find_stages;
-int spintop_find_stages_at(int level, int from, int to, const struct body *body, const double *y, double h,
-                           const double *a, int stride, double *k);
+// The weights of the stages: column i of `a`, `stages` apart, has those before stage i, of which the first and those from
+// number since[i] - 1 on are not zero.
+struct weights {
+    int stages;
+    const double *a;
+    const int *since;
+};
+
+// Finds the stages `from` to `to`, counted from zero, of a step of size h from y. Row i of k is the slope of quaternion and
+// momentum. Row i of `aside` is the change of quaternion, angular velocity and vertical at this slope, over the step;
+// the rows before `from` are known, but row 0 is found here.
+typedef void find_stages_t(int from, int to, const struct body *body, const double *y, double h, const struct weights *weights,
+                           double *k, double *aside);
+void spintop_find_stages(int from, int to, const struct body *body, const double *y, double h, int stages, const double *a,
+                         const int *since, double *k, double *aside);
+int spintop_find_stages_at(int level, int from, int to, const struct body *body, const double *y, double h, int stages,
+                           const double *a, const int *since, double *k, double *aside);
 int spintop_processor_level(void);
 
 // Vectors wider than those of the processor are no arguments of functions that are called.
@@ -37,110 +47,115 @@ static find_stages_t *chosen;
 
 __attribute__((constructor)) static void choose(void) { chosen = built[spintop_processor_level()]; }
 
-void spintop_find_stages(int from, int to, const struct body *body, const double *y, double h, const double *a,
-                         int stride, double *k) {
-    chosen(from, to, body, y, h, a, stride, k);
+void spintop_find_stages(int from, int to, const struct body *body, const double *y, double h, int stages, const double *a,
+                         const int *since, double *k, double *aside) {
+    const struct weights weights = {stages, a, since};
+    chosen(from, to, body, y, h, &weights, k, aside);
 }
 
 // The same at a level, for tests; returns whether there is a build for it.
-int spintop_find_stages_at(int level, int from, int to, const struct body *body, const double *y, double h,
-                           const double *a, int stride, double *k) {
+int spintop_find_stages_at(int level, int from, int to, const struct body *body, const double *y, double h, int stages,
+                           const double *a, const int *since, double *k, double *aside) {
+    const struct weights weights = {stages, a, since};
     if (!HAS_BUILD(built, level)) return 0;
-    built[level](from, to, body, y, h, a, stride, k);
+    built[level](from, to, body, y, h, &weights, k, aside);
     return 1;
 }
 
 #else
 
 #define find_stages LEVEL(find_stages)
+#define constants LEVEL(constants)
+#define variables LEVEL(variables)
+#define half_bits LEVEL(half_bits)
+#define get_half LEVEL(get_half)
+#define get_row LEVEL(get_row)
+#define put_row LEVEL(put_row)
+#define add LEVEL(add)
+#define find_changes LEVEL(find_changes)
 
-#if defined(__AVX512F__)
+#include "body_vectors.h"
+#include "body_start.h"
 
-#define vector LEVEL(vector)
-#define bits LEVEL(bits)
-#define shuffle __builtin_shufflevector
+typedef unsigned long long half_bits __attribute__((vector_size(8 * half)));
 
-typedef double vector __attribute__((vector_size(8 * numbers)));
-typedef long long bits __attribute__((vector_size(8 * numbers)));
+// Those of the body, and 1 and 1/2, times the size of the step.
+struct constants {
+    half_vector one, half, coupling, decay, pull, swing;
+};
 
-static void find_stages(int from, int to, const struct body *body, const double *y, double h, const double *a, int stride,
-                        double *k) {
-    const double *v = body->mobility, *s = body->coupling, *d = body->decay;
-    const double norm = (y[0] * y[0] + y[3] * y[3]) + (y[1] * y[1] + y[2] * y[2]), twice = 2 / norm;
-    const double r1 = twice * body->moment[0], r2 = twice * body->moment[1], r3 = twice * body->moment[2];
-    // y is (q0 q1 q2 q3 P1 P2 P3 .). The first half of each product is one of the three in the rate of q; the last is
-    // P x P, and the torque with half the vertical (g1 g2 g3) as (g2 g3 g1) and (g3 g1 g2).
-    const vector first = {-v[0] / 2, v[0] / 2, v[1] / 2, v[2] / 2, s[0], s[1], s[2], 0};
-    const vector second = {-v[1] / 2, v[2] / 2, v[0] / 2, v[1] / 2, 0, 0, 0, 0};
-    const vector third = {-v[2] / 2, -v[1] / 2, -v[2] / 2, -v[0] / 2, 0, 0, 0, 0};
-    const vector pull = {0, 0, 0, 0, r3, r1, r2, 0}, swing = {0, 0, 0, 0, -r2, -r3, -r1, 0};
-    const vector decay = {0, 0, 0, 0, -d[0], -d[1], -d[2], 0};
-    const vector up_second = {0, 0, 0, 0, 0, -norm / 2, 0, 0}, up_third = {0, 0, 0, 0, -norm / 2, 0, 0, 0};
-    const vector one = {1, 1, 1, 1, 1, 1, 1, 1}, none = {0};
-    const vector sign_second = {0, 0, 0, 0, 0, 0, -0.0, 0}, sign_third = {0, 0, 0, 0, 0, -0.0, 0, 0};
-    vector start, newest;
-    memcpy(&start, y, sizeof start), memcpy(&newest, k + numbers * (from - 1), sizeof newest);
-    for (int i = from; i <= to; ++i) {
-        const double *weight = a + (long)stride * i;
-        vector even = none, odd = none, older;
-        int j = 0;
-        // The newest stage comes last, as all others are known before it.
-        for (; j + 2 < i; j += 2) {
-            memcpy(&older, k + numbers * j, sizeof older), even += weight[j] * older;
-            memcpy(&older, k + numbers * (j + 1), sizeof older), odd += weight[j + 1] * older;
-        }
-        if (j + 1 < i) memcpy(&older, k + numbers * j, sizeof older), even += weight[j] * older;
-        const vector now = (start + h * (even + odd)) + (h * weight[i - 1]) * newest;
-        const vector q3 = shuffle(now, one, 8, 8, 8, 8, 3, 3, 3, 3), q0 = shuffle(now, none, 8, 8, 8, 8, 0, 0, 0, 0);
-        const vector q0_second = (vector)((bits)q0 ^ (bits)sign_second), q0_third = (vector)((bits)q0 ^ (bits)sign_third);
-        const vector a2 = q3 * shuffle(now, now, 2, 2, 3, 1, 2, 3, 1, 0)
-                          + (q0_second * shuffle(now, now, 1, 1, 1, 1, 1, 0, 2, 0) + up_second);
-        const vector a3 = q3 * shuffle(now, now, 3, 3, 1, 2, 3, 1, 2, 0)
-                          + (q0_third * shuffle(now, now, 1, 1, 1, 1, 0, 2, 1, 0) + up_third);
-        const vector b1 = first * shuffle(now, now, 4, 4, 5, 6, 6, 4, 5, 7);
-        const vector b2 = second * shuffle(now, now, 5, 6, 4, 5, 5, 5, 5, 7) + pull;
-        const vector b3 = third * shuffle(now, now, 6, 5, 6, 4, 6, 6, 6, 7) + swing;
-        const vector rate = (decay * now + shuffle(now, now, 1, 0, 0, 0, 5, 6, 4, 7) * b1) + a2 * b2;
-        newest = rate + a3 * b3;
-        memcpy(k + numbers * i, &newest, sizeof newest);
-    }
+// The quaternion, the angular velocity, and the vertical in body axes; or their changes.
+struct variables {
+    half_vector q, w, g;
+};
+
+inlined half_vector get_half(const double *from) {
+    half_vector v;
+    memcpy(&v, from, sizeof v);
+    return v;
 }
 
-#undef vector
-#undef bits
-#undef shuffle
-
-#else
-
-static void find_stages(int from, int to, const struct body *body, const double *y, double h, const double *a, int stride,
-                        double *k) {
-    const double *v = body->mobility, *s = body->coupling, *r = body->moment, *d = body->decay;
-    const double twice = 2 / ((y[0] * y[0] + y[3] * y[3]) + (y[1] * y[1] + y[2] * y[2]));
-    for (int i = from; i <= to; ++i) {
-        const double *weight = a + (long)stride * i;
-        const double *newest = k + numbers * (i - 1);
-        double now[numbers] = {0}, *rate = k + numbers * i;
-        for (int j = 0; j + 1 < i; ++j) {
-            for (int n = 0; n < numbers; ++n) now[n] += weight[j] * k[numbers * j + n];
-        }
-        // The newest stage comes last, as all others are known before it.
-        for (int n = 0; n < numbers; ++n) now[n] = (y[n] + h * now[n]) + (h * weight[i - 1]) * newest[n];
-        const double q0 = now[0], q1 = now[1], q2 = now[2], q3 = now[3], p1 = now[4], p2 = now[5], p3 = now[6];
-        const double w1 = v[0] * p1 / 2, w2 = v[1] * p2 / 2, w3 = v[2] * p3 / 2;
-        const double g1 = twice * (q1 * q3 - q0 * q2), g2 = twice * (q2 * q3 + q0 * q1);
-        const double g3 = twice * (q0 * q0 + q3 * q3) - 1;
-        rate[0] = -(q1 * w1 + q2 * w2 + q3 * w3);
-        rate[1] = q0 * w1 + q2 * w3 - q3 * w2;
-        rate[2] = q0 * w2 + q3 * w1 - q1 * w3;
-        rate[3] = q0 * w3 + q1 * w2 - q2 * w1;
-        rate[4] = s[0] * p2 * p3 + (g2 * r[2] - g3 * r[1]) - d[0] * p1;
-        rate[5] = s[1] * p3 * p1 + (g3 * r[0] - g1 * r[2]) - d[1] * p2;
-        rate[6] = s[2] * p1 * p2 + (g1 * r[1] - g2 * r[0]) - d[2] * p3;
-        rate[7] = 0;
-    }
+inlined struct variables get_row(const double *row) {
+    return (struct variables){get_half(row), get_half(row + half), get_half(row + 2 * half)};
 }
 
-#endif
+inlined void put_row(double *row, const struct variables *v) {
+    put(row, &v->q), put(row + half, &v->w), put(row + 2 * half, &v->g);
+}
+
+inlined void add(struct variables *sum, double weight, const struct variables *v) {
+    sum->q += weight * v->q, sum->w += weight * v->w, sum->g += weight * v->g;
+}
+
+// The changes at the rates of a state, over the step.
+inlined struct variables find_changes(const struct constants *of, const struct variables *now) {
+    const half_vector q = now->q, w = now->w, g = now->g, turn = of->one * w, roll = of->half * w;
+    const half_vector w_ahead = shuffle(w, w, 1, 2, 0, 3), w_behind = shuffle(w, w, 2, 0, 1, 3);
+    const half_vector g_ahead = shuffle(g, g, 1, 2, 0, 3), g_behind = shuffle(g, g, 2, 0, 1, 3);
+    const half_vector turn_ahead = shuffle(turn, turn, 1, 2, 0, 3), turn_behind = shuffle(turn, turn, 2, 0, 1, 3);
+    const half_vector rolled = shuffle(q, q, 1, 0, 0, 0) * shuffle(roll, roll, 0, 0, 1, 2)
+                               + shuffle(q, q, 2, 2, 3, 1) * shuffle(roll, roll, 1, 2, 0, 1);
+    const half_bits sign = {1ULL << 63, 0, 0, 0};
+    return (struct variables){
+        .q = (half_vector)((half_bits)rolled ^ sign) - shuffle(q, q, 3, 3, 1, 2) * shuffle(roll, roll, 2, 1, 2, 0),
+        .w = ((of->coupling * w_behind) * w_ahead - of->decay * w) + (of->pull * g_ahead - of->swing * g_behind),
+        .g = g_ahead * turn_behind - g_behind * turn_ahead,
+    };
+}
+
+static void find_stages(int from, int to, const struct body *body, const double *y, double h, const struct weights *weights,
+                        double *k, double *aside) {
+    const half_vector one = {1, 1, 1, 1}, inertia = get_half(body->inertia) / h;
+    const double share = 1 / h;
+    const struct constants of = {h * one, h / 2 * one, h * get_half(body->coupling), h * get_half(body->decay),
+                                 h * get_half(body->pull), h * get_half(body->swing)};
+    struct variables start, newest;
+    half_vector momentum;
+    vector slope[parts];
+
+    find_first_term(y, &start.q, &momentum, &start.g);
+    start.w = get_half(body->mobility) * momentum;
+    if (from == 1) {
+        newest = find_changes(&of, &start);
+        put_row(aside, &newest);
+    }
+    newest = get_row(aside + set_aside * (from - 1));
+    for (int i = from; i <= to; ++i) {
+        const double *weight = weights->a + (long)weights->stages * i;
+        struct variables now = start, older;
+        // The newest stage comes last, as all others are known before it.
+        if (i > 1) older = get_row(aside), add(&now, weight[0], &older);
+        for (int j = weights->since[i] - 1; j < i - 1; ++j) {
+            older = get_row(aside + set_aside * j), add(&now, weight[j], &older);
+        }
+        add(&now, weight[i - 1], &newest);
+        newest = find_changes(&of, &now);
+        put_row(aside + set_aside * i, &newest);
+        const half_vector q_slope = share * newest.q, p_slope = inertia * newest.w;
+        from_halves(&q_slope, &p_slope, slope);
+        for_parts memcpy(k + numbers * i + width * p, &slope[p], sizeof *slope);
+    }
+}
 
 #undef find_stages
 

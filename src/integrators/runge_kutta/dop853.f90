@@ -4,6 +4,8 @@
 !>
 !> The state is summed with compensation, so that small steps at tight tolerances lose no digits.
 module spintop_dop853
+    use, intrinsic :: iso_c_binding, only: c_double, c_int
+    use spintop_capabilities, only: max_aside
     use spintop_kinds, only: dp
     use spintop_dop853_table, only: dop853_table_t, main_stages, new_slope, all_stages
     use spintop_fixed_step, only: fixed_step_t, advance_on_grid, begin_on_grid, longest_step
@@ -14,6 +16,19 @@ module spintop_dop853
     implicit none
     private
     public :: dop853_t
+
+    !> Fraction of the step that the error estimate allows, and bounds of its change from step to step.
+    real(dp), parameter :: safety = 0.9_dp, largest_growth = 6, largest_cut = 1.0_dp / 3
+    !> Smallest step in units of the spacing of the time.
+    real(dp), parameter :: smallest_spacings = 16
+    !> Power of the error estimate in the step size.
+    real(dp), parameter :: power = 8
+    !> By which powers of the error of a step, and of that before it, the next one changes: the control that DOP853 offers
+    !> with BETA = 0.04 (section IV.2 of volume II). Without the second one, a step in five of a body that spins fast is
+    !> rejected.
+    real(dp), parameter :: by_last_error = 0.04_dp, by_error = 1 / power - 0.2_dp * by_last_error
+    !> Logarithm to base 2 of the least error before a step that counts, 1e-4; also that before the first step.
+    real(dp), parameter :: least_error = -13.287712379549449_dp
 
     !> The method, with its coefficients.
     type, extends(fixed_step_t) :: dop853_t
@@ -30,19 +45,29 @@ module spintop_dop853
     !> Keeps the stages of the last step for dense output.
     type, extends(workspace_t) :: dop853_workspace_t
         real(dp) :: k(max_states, all_stages) = 0
+        !> What stages that are found at once leave for those after them.
+        real(dp) :: aside(max_aside, all_stages) = 0
         !> Terms of the dense output, once it was needed in the last step.
         real(dp) :: term(max_states, 8) = 0
         logical :: has_terms = .false.
         !> Number of components in use: the error is their root mean square.
         integer :: states = max_states
+        !> Logarithm to base 2 of the error of the last step, in units of the tolerance.
+        real(dp) :: last_error = least_error
     end type dop853_workspace_t
 
-    !> Fraction of the step that the error estimate allows, and bounds of its change from step to step.
-    real(dp), parameter :: safety = 0.9_dp, largest_growth = 6, largest_cut = 1.0_dp / 3
-    !> Power of the error estimate in the step size.
-    real(dp), parameter :: power = 8
-    !> Smallest step in units of the spacing of the time.
-    real(dp), parameter :: smallest_spacings = 16
+    interface
+        !> The change of the state over a step, the state after it, the logarithm of its error, and by which factor the next
+        !> step is larger.
+        real(c_double) function c_sum(since, stages, weights, k, y, rest, h, absolute, relative, states, most, share, &
+                                      change, y_new, growth) bind(C, name='spintop_sum_stages')
+            import :: c_double, c_int
+            integer(c_int), value :: since, stages, states
+            real(c_double), value :: h, most, share
+            real(c_double), intent(in) :: weights(*), k(*), y(*), rest(*), absolute(*), relative(*)
+            real(c_double), intent(out) :: change(*), y_new(*), growth
+        end function c_sum
+    end interface
 
 contains
 
@@ -66,6 +91,7 @@ contains
         select type (work)
         class is (dop853_workspace_t)
             work%has_terms = .false.
+            work%last_error = least_error
             info = formulation%info()
             work%states = info%states
         end select
@@ -78,7 +104,7 @@ contains
 
     !> A step for which Euler's method has an error of about 1% of the state; then, from the curvature found
     !> with it, one for the order of this method. Times are relative to the time in which the state would
-    !> change by its magnitude, so that the unit of time does not matter.
+    !> change by its scale, so that the unit of time does not matter, nor that a variable is zero at the start.
     real(dp) function first_step(formulation, work) result(h)
         class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(inout) :: work
@@ -88,8 +114,8 @@ contains
 
         span = work%t_end - work%t
         h = span
-        allowed = work%weight%allowed(work%y, work%y)
-        size = norm2(work%weight%magnitude(work%y) / allowed)
+        allowed = work%weight%allowed(work%weight%scale, work%weight%scale)
+        size = norm2(work%weight%scale / allowed)
         steepness = norm2(work%slope / allowed)
         if (.not. steepness > 0) return
         unit = size / steepness
@@ -125,11 +151,12 @@ contains
         class(dop853_workspace_t), intent(inout) :: work
         integer, intent(out) :: status
         real(dp) :: h, h_smallest, h_left, t_new, error, growth
-        real(dp), dimension(max_states) :: change, y_new, slope, error5, error3
-        logical :: was_rejected, changed
+        real(dp), dimension(max_states) :: change, y_new, slope
+        logical :: was_rejected, changed, at_once
 
-        h_smallest = smallest_spacings * spacing(work%t)
+        at_once = finds_at_once(formulation)
         h_left = longest_step(formulation, work%y)
+        h_smallest = smallest_step(work%h, work%t)
         work%h = max(work%h, h_smallest)
         was_rejected = .false.
         do
@@ -140,38 +167,49 @@ contains
             t_new = min(t_new, work%t_end)
             h = t_new - work%t
             work%k(:, 1) = work%slope
-            call find_stages(self, formulation, work, work%t, work%y, h, 2, main_stages, status)
+            call find_stages(self, formulation, work, work%t, work%y, h, 2, merge(new_slope, main_stages, at_once), status)
             error = 0
             if (status == status_ok) then
-                call sum_stages(self%table, work%k, change, error5, error3)
-                change = h * change
-                y_new = work%y + (change + work%rest)
-                error = error_estimate(work, h, y_new, error5, error3)
-                if (.not. abs(error) <= huge(error)) status = status_non_finite
+                associate (w => work%weight)
+                    error = c_sum(self%table%since(new_slope), main_stages, self%table%sums, work%k, work%y, work%rest, h, &
+                                  w%absolute, w%relative, work%states, by_last_error * work%last_error, by_error, &
+                                  change, y_new, growth)
+                end associate
+                if (.not. error <= huge(error)) status = status_non_finite
             end if
             ! The slope at the new state must exist: it begins the next step.
-            if (status == status_ok .and. error <= 1) then
-                call work%evaluate(formulation, t_new, y_new, slope, status)
+            if (status == status_ok .and. error <= 0) then
+                slope = work%k(:, new_slope)
+                if (.not. at_once) call work%evaluate(formulation, t_new, y_new, slope, status)
             end if
-            if (status == status_ok .and. error <= 1) exit
+            if (status == status_ok .and. error <= 0) exit
             work%counts%rejected = work%counts%rejected + 1
+            h_smallest = smallest_step(h, work%t)
             if (h <= h_smallest) then
                 if (status == status_ok) status = status_step_too_small
                 return
             end if
             growth = 0.5_dp
-            if (status == status_ok) growth = max(largest_cut, growth_for(error))
+            if (status == status_ok) growth = max(largest_cut, safety * 2**(-by_error * error))
             work%h = max(h * growth, h_smallest)
             was_rejected = .true.
         end do
         call work%settle_change(formulation, t_new, change, changed)
         work%slope = slope
         if (changed) call work%evaluate(formulation, work%t, work%y, work%slope, status)
-        growth = largest_growth
-        if (error > 0) growth = min(growth, max(largest_cut, growth_for(error)))
+        growth = min(largest_growth, max(largest_cut, safety * growth))
         if (was_rejected) growth = min(growth, 1.0_dp)
         work%h = h * growth
+        work%last_error = max(error, least_error)
     end subroutine advance_adaptively
+
+    !> Size of the smallest step at a time, exactly only if a step of size h might be smaller: `spacing` takes longer than
+    !> the control of a step.
+    pure real(dp) function smallest_step(h, t)
+        real(dp), intent(in) :: h, t
+        smallest_step = smallest_spacings * max(epsilon(t) * t, tiny(t))
+        if (h <= smallest_step) smallest_step = smallest_spacings * spacing(t)
+    end function smallest_step
 
     !> The stages of a step of size h, and the change of the state over it.
     subroutine step(self, formulation, work, h, change, status)
@@ -203,17 +241,15 @@ contains
         integer, intent(in) :: from, to
         integer, intent(out) :: status
         real(dp) :: stage(max_states)
-        logical :: at_once
         integer :: i
 
         status = status_ok
-        at_once = allocated(formulation%stages)
-        if (at_once) at_once = formulation%stages%holds
-        if (at_once) then
-            call formulation%stages%find(from, to, t, y, h, self%table%a, self%table%c, work%k)
+        if (finds_at_once(formulation)) then
+            call formulation%stages%find(from, to, t, y, h, all_stages, self%table%a, self%table%since, self%table%c, &
+                                         work%k, work%aside)
             work%counts%evaluations = work%counts%evaluations + (to - from + 1)
             ! What is no number in a stage is none in those after it.
-            if (.not. all(abs(work%k(:, to)) <= huge(1.0_dp))) status = status_non_finite
+            if (.not. is_finite(work%k(:, to))) status = status_non_finite
             return
         end if
         do i = from, to
@@ -223,64 +259,20 @@ contains
         end do
     end subroutine find_stages
 
-    !> The sums of the stages that make the change of the state, and the errors of the embedded methods of orders 5 and
-    !> 3, each over h. In one loop, as each sum waits for its last term.
-    pure subroutine sum_stages(table, k, change, error5, error3)
-        type(dop853_table_t), intent(in) :: table
-        real(dp), intent(in) :: k(max_states, all_stages)
-        real(dp), dimension(max_states), intent(out) :: change, error5, error3
-        real(dp), dimension(max_states) :: main, rest, fifth, third
-        integer :: i, j
-        main = 0
-        rest = 0
-        fifth = 0
-        third = 0
-        do i = 1, main_stages
-            !$omp simd
-            do j = 1, max_states
-                main(j) = main(j) + table%b(i) * k(j, i)
-                rest(j) = rest(j) + table%b_rest(i) * k(j, i)
-                fifth(j) = fifth(j) + table%error5(i) * k(j, i)
-                third(j) = third(j) + table%error3(i) * k(j, i)
-            end do
-        end do
-        change = main + rest
-        error5 = fifth
-        error3 = third
-    end subroutine sum_stages
-
-    !> Error of a step in units of the tolerance: the errors of the embedded methods, combined to an estimate of
-    !> order h^8.
-    pure real(dp) function error_estimate(work, h, y_new, error5, error3) result(error)
-        class(dop853_workspace_t), intent(in) :: work
-        real(dp), intent(in) :: h, y_new(max_states), error5(max_states), error3(max_states)
-        real(dp) :: share(max_states), fifth(max_states), third(max_states), square5, square3
-        integer :: i
-        associate (w => work%weight)
-            !$omp simd
-            do i = 1, max_states
-                share(i) = 1 / (w%absolute(i) + w%relative(i) * max(abs(work%y(i)), abs(y_new(i))))
-                fifth(i) = (error5(i) * share(i))**2
-                third(i) = (error3(i) * share(i))**2
-            end do
-        end associate
-        square5 = total(fifth)
-        square3 = total(third)
-        error = 0
-        if (square5 > 0) error = h * square5 / sqrt((square5 + 0.01_dp * square3) * work%states)
-    end function error_estimate
-
-    !> Sum of all components, in pairs, which do not wait for one another.
-    pure real(dp) function total(x)
+    !> Whether all components are finite: no difference of one from itself is NaN.
+    pure logical function is_finite(x)
         real(dp), intent(in) :: x(max_states)
-        total = ((x(1) + x(5)) + (x(2) + x(6))) + ((x(3) + x(7)) + (x(4) + x(8)))
-    end function total
+        real(dp) :: zero(max_states)
+        zero = x - x
+        is_finite = ((zero(1) + zero(5)) + (zero(2) + zero(6))) + ((zero(3) + zero(7)) + (zero(4) + zero(8))) >= 0
+    end function is_finite
 
-    !> Growth of the step that an error in units of the tolerance allows, which goes with the power 8 of the step.
-    pure real(dp) function growth_for(error) result(growth)
-        real(dp), intent(in) :: error
-        growth = safety / sqrt(sqrt(sqrt(error)))
-    end function growth_for
+    !> Whether a formulation finds all stages of a step in one call.
+    pure logical function finds_at_once(formulation)
+        class(formulation_t), intent(in) :: formulation
+        finds_at_once = allocated(formulation%stages)
+        if (finds_at_once) finds_at_once = formulation%stages%holds
+    end function finds_at_once
 
     !> Sum of the first n stages with the weights given.
     pure function weighted(k, weight, n) result(total)

@@ -17,7 +17,11 @@ module spintop_dop853_table
     type :: dop853_table_t
         !> a(j, i) multiplies k_j in stage i: columns are stages.
         real(dp) :: a(all_stages, all_stages) = 0
+        !> Stage i depends on stage 1 and on those from since(i) to i - 1.
+        integer :: since(all_stages) = 1
         real(dp) :: b(all_stages) = 0
+        !> Weights of stage i in the sums of a step, column i: b, its rounding error, and `error5` and `error3`.
+        real(dp) :: sums(4, all_stages) = 0
         !> Where the stages lie in the step.
         real(dp) :: c(all_stages) = 0
         !> Rounding errors of b, which would accumulate over long times.
@@ -34,6 +38,7 @@ contains
     !> The coefficients.
     pure type(dop853_table_t) function dop853_table() result(table)
         real(xp) :: b(all_stages)
+        integer :: i
 
         table%a(1, 2) = 0.0526001519587677318785587544488_dp
         table%a(1:2, 3) = [0.0197250569845378994544595329183_dp, &
@@ -141,6 +146,10 @@ contains
             104.09964950896230045147246184_dp, 29.840293426660503123344363579_dp, &
             -43.533456590011143754432175058_dp, 96.3245539591882829483949506_dp, &
             -39.177261675615439165231486172_dp, -149.72683625798562581422125276_dp]
+        do i = 3, all_stages
+            table%since(i) = min(1 + findloc(abs(table%a(2:, i)) > 0, .true., dim=1), i - 1)
+        end do
+        table%sums = transpose(reshape([table%b, table%b_rest, table%error5, table%error3], [all_stages, 4]))
     end function dop853_table
 
 end module spintop_dop853_table

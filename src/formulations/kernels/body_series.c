@@ -55,6 +55,7 @@ int spintop_expand_body_at(int level, int order, const struct body *body, const 
 
 static void expand(int order, const struct body *body, const double *state, const double *share, double *c) {
     struct factors row[most_terms], start, next, f;
+    struct inner_sums later;
     vector first[parts], second[parts], third[parts], decay[parts], pull[parts], swing[parts];
     vector now[parts], both[parts], rate[parts], ahead[parts], torque[2][parts], by_torque[2][parts];
     vector s1[parts], s2[parts];
@@ -114,9 +115,9 @@ static void expand(int order, const struct body *body, const double *state, cons
             s1[p] = next.a1[p] * f.a1[p] + next.b1[p] * f.b1[p];
             s2[p] = next.a2[p] * f.a2[p] + next.b2[p] * f.b2[p];
         }
-        add_inner_products(k, row, ahead, s1, s2);
         for_parts f.a0[p] *= first[p], f.a1[p] *= second[p], f.a2[p] *= third[p];
         row[k] = f;
+        add_inner_products(k, row, ahead, s1, s2, &later);
         add_last_half(ahead, s1);
     }
 }

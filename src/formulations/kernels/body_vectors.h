@@ -6,6 +6,7 @@
 #define vector LEVEL(vector)
 #define half_vector LEVEL(half_vector)
 #define factors LEVEL(factors)
+#define inner_sums LEVEL(inner_sums)
 #define get LEVEL(get)
 #define put LEVEL(put)
 #define arrange LEVEL(arrange)
@@ -27,6 +28,11 @@ typedef double half_vector __attribute__((vector_size(8 * half)));
 //     a2 = (q1 q0 q0 q0 q2 q2 q3 q1)   b2 = (P1 P1 P2 P3 P2 P3 P1 P2)
 struct factors {
     vector a0[parts], b0[parts], a1[parts], b1[parts], a2[parts], b2[parts];
+};
+
+// Sums of the three products of two terms.
+struct inner_sums {
+    vector s0[parts], s1[parts], s2[parts];
 };
 
 #define inlined static inline __attribute__((always_inline))
@@ -137,32 +143,34 @@ inlined void add_last_half(vector *sum, const vector *s1) {
 #endif
 }
 
-// Adds the products of the terms 2 to k - 1 to coefficient k + 1 of the rates.
-inlined void add_inner_products(int k, const struct factors *row, vector *s0, vector *s1, vector *s2) {
-    const struct factors *older = row + 2, *newer = row + k - 1;
-    if (parts <= 2) {
-        // As many sums again, so that a product need not wait for the last one.
-        vector t0[parts], t1[parts], t2[parts];
-        for_parts t0[p] = t1[p] = t2[p] = (vector){0};
-        for (; older < newer; ++older, --newer) {
-            for_parts {
-                s0[p] += older->a0[p] * newer->b0[p], t0[p] += newer->a0[p] * older->b0[p];
-                s1[p] += older->a1[p] * newer->b1[p], t1[p] += newer->a1[p] * older->b1[p];
-                s2[p] += older->a2[p] * newer->b2[p], t2[p] += newer->a2[p] * older->b2[p];
-            }
-        }
-        if (older == newer) {
-            for_parts t0[p] += older->a0[p] * older->b0[p];
-            for_parts t1[p] += older->a1[p] * older->b1[p];
-            for_parts t2[p] += older->a2[p] * older->b2[p];
-        }
-        for_parts s0[p] += t0[p], s1[p] += t1[p], s2[p] += t2[p];
-    } else {
+// Adds the products of the terms 2 to k - 1 to coefficient k + 1 of the rates. Where k is even, those of the terms 2 to k are
+// found for coefficient k + 2 as well, as what is loaded then serves twice; `later` keeps them for the next term.
+inlined void add_inner_products(int k, const struct factors *row, vector *s0, vector *s1, vector *s2, struct inner_sums *later) {
+    const struct factors *older = row + 2, *newer = row + k;
+    if (parts > 2) {
         // There are registers for one sum each.
-        for (; older < row + k; ++older, --newer) {
+        for (--newer; older < row + k; ++older, --newer) {
             for_parts s0[p] += older->a0[p] * newer->b0[p];
             for_parts s1[p] += older->a1[p] * newer->b1[p];
             for_parts s2[p] += older->a2[p] * newer->b2[p];
         }
+    } else if (k % 2) {
+        for_parts s0[p] += later->s0[p], s1[p] += later->s1[p], s2[p] += later->s2[p];
+    } else {
+        struct inner_sums next;
+        for_parts {
+            next.s0[p] = older->a0[p] * newer->b0[p];
+            next.s1[p] = older->a1[p] * newer->b1[p], next.s2[p] = older->a2[p] * newer->b2[p];
+        }
+        while (newer > row + 2) {
+            --newer;
+            for_parts {
+                const vector b0 = newer->b0[p], b1 = newer->b1[p], b2 = newer->b2[p];
+                s0[p] += older->a0[p] * b0, s1[p] += older->a1[p] * b1, s2[p] += older->a2[p] * b2;
+                next.s0[p] += older[1].a0[p] * b0, next.s1[p] += older[1].a1[p] * b1, next.s2[p] += older[1].a2[p] * b2;
+            }
+            ++older;
+        }
+        *later = next;
     }
 }

@@ -129,3 +129,31 @@ def test_rates_beside_poles(tmp_path: Path, body: str) -> None:
         rates.append(float(row["phi_rate_max"]))
     assert abs(rates[0]) > 1e6
     assert rates == pytest.approx(3 * [rates[1]], rel=1e-5)
+
+
+# Bodies that are all but symmetric, so that they are integrated: cusps for phi_rate = 0, loops and waves for others; and plane
+# swings, below the pivot and over the poles.
+CLASSES = {
+    """\
+&top mass = 1  inertia = 0.9, 0.9000000001, 0.3  centre_of_mass = 0, 0, 0.4 /
+&initial theta = 0.9  theta_rate = 0  omega3 = 9 /
+&sweep parameter = 'initial.phi_rate'  values(1,:) = -0.2, 0, 0.2, 0.6, 1.5 /
+""": {"cusp", "loop", "wave"},
+    """\
+&top mass = 1  inertia = 0.9, 0.7, 0.3  centre_of_mass = 0, 0, 0.4 /
+&initial theta = 2  omega = 0, 0, 0 /
+&sweep parameter = 'initial.omega(1)'  values(1,:) = 0, 1, 9 /
+""": {"libration", "circulation"},
+}
+
+
+@pytest.mark.parametrize("scene", CLASSES)
+@pytest.mark.parametrize("method", [ALONE, "method = 'dop853'"])
+def test_class_alone(tmp_path: Path, scene: str, method: str) -> None:
+    """The class of a motion is the same without a search for its largest precession rate."""
+    settings = f"&integration {method}  relative_tolerance = 1e-11 /\n&span t_end = 8 /\n"
+    sweep = scene + settings + "&study kind = 'sweep' /\n"
+    alone = [row["motion_class"] for row in rows_of(tmp_path, sweep, ("motion_class",))]
+    both = rows_of(tmp_path, sweep, ("motion_class", "phi_rate_max"))
+    assert alone == [row["motion_class"] for row in both]
+    assert CLASSES[scene] <= set(alone)

@@ -44,7 +44,7 @@ module spintop_nutation_watch
     type :: measures_t
         logical :: turning = .true. !! the turning points
         logical :: lowest = .true. !! the minimum height of the centre of mass
-        logical :: fastest = .true. !! the largest precession rate, for the class as well
+        logical :: fastest = .true. !! the largest precession rate
         logical :: nutation_rate = .false. !! the largest nutation rate
         logical :: vertical_force = .false. !! the extremes of the vertical support force
         logical :: force = .false. !! the largest support force
@@ -74,6 +74,7 @@ module spintop_nutation_watch
         procedure :: quantities_of_several
         procedure :: meet
         procedure :: nutation
+        procedure :: knows_class
         procedure :: take_end
         procedure, private :: find_own
         procedure, private :: as_given
@@ -303,16 +304,24 @@ contains
     end subroutine take_forces
 
     !> The measured nutation; `is_whole` reports whether there was a whole one.
-    subroutine nutation(self, measured, is_whole)
+    pure subroutine nutation(self, measured, is_whole)
         class(nutation_watch_t), intent(in) :: self
         type(nutation_t), intent(out) :: measured !! the nutation as measured
         logical, intent(out) :: is_whole !! whether there is a whole nutation
-        if (self%measures%fastest) then
-            call nutation_of(self%turns, self%end_theta, measured, is_whole, self%phi_rate_max)
-        else
-            call nutation_of(self%turns, self%end_theta, measured, is_whole)
-        end if
+        call nutation_of(self%turns, self%end_theta, measured, is_whole, self%phi_rate_max)
+        if (.not. self%measures%fastest) measured%phi_rate_max = no_number
     end subroutine nutation
+
+    !> Whether the class is certain although the largest precession rate may lie between the turning points: there may be a
+    !> cusp only if the rates at all upper turning points are small compared to that of the nutation. Call after `take_end`.
+    pure logical function knows_class(self)
+        class(nutation_watch_t), intent(in) :: self
+        type(nutation_t) :: measured
+        logical :: is_whole
+        call self%nutation(measured, is_whole)
+        knows_class = self%measures%fastest .or. self%is_plane .or. .not. is_whole
+        if (.not. knows_class) knows_class = any(abs(self%turns(upper)%rate) > class_tolerance * 2 * pi / measured%period)
+    end function knows_class
 
     !> The nutation in a span: the extremes of theta; and if `is_whole`, which reports whether there was a whole nutation,
     !> means over all whole ones between turning points. The class is `no_class` if it changes, or if the largest

@@ -31,6 +31,7 @@ module spintop_sweep_result
         logical :: singular = .false. !! the largest singular value
         logical :: multiplier = .false. !! the Floquet multipliers over a period of the vibration
         logical :: fastest = .false. !! the largest precession rate
+        logical :: for_class = .false. !! that rate for the class alone
         logical :: lowest = .false. !! the minimum height of the centre of mass
         logical :: nutation_rate = .false. !! the largest nutation rate
         logical :: vertical_force = .false. !! the extremes of the vertical force

@@ -59,6 +59,8 @@ contains
         type(note_t), intent(inout) :: note !! notes on the case
         type(nutation_watch_t), allocatable :: watch
         type(nutation_t) :: nutation
+        type(measures_t) :: which
+        type(note_t) :: before
         logical :: measures
 
         values = sweep_result_t()
@@ -83,22 +85,30 @@ contains
             call find_free_constants(case, wanted, values, note)
             return
         end if
-        if (measures .or. size(events) > 0) then
-            allocate (watch)
-            call watch%set(events, n, case)
-            if (measures) then
-                call watch%measure_nutation(case, measures_of(wanted, case))
-                if (has_extremes(wanted) .and. allocated(case%body%effects)) call note%add(note_no_details, &
-                    'extremes of the nutation rate and of the support force are not measured for bodies with effects')
+        if (measures .and. has_extremes(wanted) .and. allocated(case%body%effects)) call note%add(note_no_details, &
+            'extremes of the nutation rate and of the support force are not measured for bodies with effects')
+        which = measures_of(wanted, case)
+        ! The search for the largest precession rate costs more than the motion. For the class the turning points suffice,
+        ! unless there may be a cusp.
+        which%fastest = which%fastest .and. .not. wanted%for_class
+        before = note
+        do
+            if (measures .or. size(events) > 0) then
+                if (allocated(watch)) deallocate (watch)
+                allocate (watch)
+                call watch%set(events, n, case)
+                if (measures) call watch%measure_nutation(case, which)
             end if
-        end if
-        call follow(case, plan, wanted, watch, values, status, note)
-        if (.not. is_good_end(status)) return
+            call follow(case, plan, wanted, watch, values, status, note)
+            if (.not. is_good_end(status)) return
+            if (measures) call watch%take_end()
+            if (.not. (measures .and. wanted%for_class) .or. which%fastest) exit
+            if (watch%knows_class()) exit
+            which%fastest = .true.
+            note = before
+        end do
         call put_stability(case, values%t_end, wanted, plan%max_steps, values, note)
-        if (measures) then
-            call watch%take_end()
-            call put_measured(case, watch, wanted, values, note)
-        end if
+        if (measures) call put_measured(case, watch, wanted, values, note)
         call find_free_constants(case, wanted, values, note)
         if (size(events) > 0) then
             if (watch%ended_by == 0) call note%add(note_no_stop)

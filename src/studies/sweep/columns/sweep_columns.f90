@@ -118,6 +118,7 @@ contains
         work%multiplier = any(columns%group == 'multiplier')
         ! The class of a motion derives from the largest precession rate.
         work%fastest = any(columns%name == 'phi_rate_max' .or. columns%name == 'motion_class')
+        work%for_class = work%fastest .and. .not. any(columns%name == 'phi_rate_max')
         work%lowest = any(columns%name == 'com_z_min')
         work%free = any(columns%group == 'free')
         associate (in_range => columns%name == 'theta_min' .or. columns%name == 'theta_max' .or. columns%name == 'delta_u')

@@ -20,7 +20,7 @@ module spintop_sweep_team
     use spintop_row_queue, only: none_left, retry_later, row_queue_t
     use spintop_row_table, only: row_table_t
     use spintop_sweep_sensitivities, only: sweep_sensitivities_t
-    use spintop_sweep_worker, only: size_of_block, sweep_worker_t
+    use spintop_sweep_worker, only: computing, filling, making, size_of_block, sweep_worker_t
     use spintop_text, only: to_text
     !$ use omp_lib, only: omp_get_max_threads, omp_get_num_threads, omp_get_thread_num
     implicit none
@@ -163,7 +163,7 @@ contains
             call worker%compute_rows(job, start, min(start + cases_of_block - 1, self%cases(2)), rows)
             moment = processor_seconds()
             call sensitivities%fill(job, rows)
-            worker%computing = worker%computing + (processor_seconds() - moment)
+            worker%costs(computing) = worker%costs(computing) + (processor_seconds() - moment)
             moment = processor_seconds()
             call table%format(rows)
             formatting = formatting + (processor_seconds() - moment)
@@ -171,9 +171,9 @@ contains
         !$omp critical (queue)
         self%active = self%active - 1
         associate (costs => self%costs)
-            costs%making = costs%making + worker%making
-            costs%computing = costs%computing + worker%computing
-            costs%formatting = costs%formatting + worker%filling + formatting
+            costs%making = costs%making + worker%costs(making)
+            costs%computing = costs%computing + worker%costs(computing)
+            costs%formatting = costs%formatting + worker%costs(filling) + formatting
         end associate
         !$omp end critical (queue)
     end subroutine compute_share

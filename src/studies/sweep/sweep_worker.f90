@@ -1,7 +1,7 @@
 !> The work of one thread in a sweep: makes cases, computes them, and fills their rows.
 module spintop_sweep_worker
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_clock, only: seconds => processor_seconds
+    use spintop_clock, only: processor_seconds, seconds
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_case, only: attitude_parameters, case_t, kept_parts_t, make_case
@@ -30,7 +30,7 @@ module spintop_sweep_worker
     use spintop_sweep_tops, only: sweep_tops_t
     implicit none
     private
-    public :: sweep_worker_t, size_of_block
+    public :: sweep_worker_t, size_of_block, making, computing, filling
 
     !> Cases per block if each is expensive. Otherwise a block has as many cases as the exact solution
     !> computes at once.
@@ -47,6 +47,9 @@ module spintop_sweep_worker
         !> Why there is no such plan; not allocated if there is one.
         character(:), allocatable :: problem
     end type kept_plan_t
+
+    !> What is done with a case, of which the costs are counted.
+    integer, parameter :: making = 1, computing = 2, filling = 3
 
     !> Data of a thread for making and computing cases.
     type :: sweep_worker_t
@@ -83,10 +86,10 @@ module spintop_sweep_worker
         type(exact_block_t), allocatable, private :: block
         type(sweep_batch_t), private :: batch
         type(sweep_free_t), private :: free
-        !> Time for making and computing cases, and for filling their rows, s.
-        real(dp) :: making = 0, computing = 0, filling = 0
-        !> Since when time was not yet counted.
-        real(dp), private :: since = 0
+        !> Time of the processor for making and computing cases, and for filling their rows, s.
+        real(dp) :: costs(filling) = 0
+        !> The same of the block, as elapsed time, and since when time was not yet counted.
+        real(dp), private :: spent(filling) = 0, since = 0
     contains
         procedure :: prepare
         procedure :: compute_rows
@@ -151,17 +154,20 @@ contains
         type(job_t), intent(in) :: job !! the job
         integer(int64), intent(in) :: first, last !! first and last case
         type(row_block_t), intent(inout) :: rows !! the rows of the cases
+        real(dp) :: began
         integer :: k, n
 
+        began = processor_seconds()
         worker%since = seconds()
+        worker%spent = 0
         n = int(last - first + 1)
         call job%axes%find_block(first, worker%parameters(:, :n), worker%changed(:n))
         worker%is_done(:n) = .false.
-        call charge(worker%making, worker%since)
+        call charge(worker, making)
         if (worker%tops%applies) then
             call worker%tops%compute(job%axes, worker%columns, worker%wanted, worker%parameters(:, :n), worker%block, &
                                      worker%values, worker%is_done(:n))
-            call charge(worker%computing, worker%since)
+            call charge(worker, computing)
         end if
         worker%block%n = 0
         do k = 1, n
@@ -170,21 +176,24 @@ contains
             worker%lane(k) = 0
             if (.not. worker%is_done(k)) call begin_case(worker, job, k)
         end do
-        call charge(worker%making, worker%since)
+        call charge(worker, making)
         call compute_together(worker, job, n)
         if (any(worker%proofs)) call prove_cases(worker, job, n)
-        call charge(worker%computing, worker%since)
+        call charge(worker, computing)
         call fill_rows(worker, job, first, n, rows)
-        call charge(worker%filling, worker%since)
+        call charge(worker, filling)
+        worker%costs = worker%costs + worker%spent * ((processor_seconds() - began) / max(sum(worker%spent), tiny(began)))
     end subroutine compute_rows
 
-    !> Adds the time since the last call to one of the costs.
-    subroutine charge(cost, since)
-        real(dp), intent(inout) :: cost, since
+    !> Adds the time since the last call to one of the costs of the block. The time of the processor takes a call of the system,
+    !> which may cost as much as a case: it is asked for once a block.
+    subroutine charge(worker, cost)
+        class(sweep_worker_t), intent(inout) :: worker
+        integer, intent(in) :: cost
         real(dp) :: now
         now = seconds()
-        cost = cost + (now - since)
-        since = now
+        worker%spent(cost) = worker%spent(cost) + (now - worker%since)
+        worker%since = now
     end subroutine charge
 
     !> Makes the k-th case of the block, and computes it or puts it to those that are computed together.
@@ -232,10 +241,10 @@ contains
             else if (goes_in_batch(job, case, plan, worker%wanted)) then
                 call worker%batch%add(case, plan, k)
             else
-                call charge(worker%making, worker%since)
+                call charge(worker, making)
                 call compute_stepping(case, plan, worker%wanted, job%events, job%stop_after, worker%values(k), &
                                       status, note)
-                call charge(worker%computing, worker%since)
+                call charge(worker, computing)
             end if
         end associate
     end subroutine begin_case

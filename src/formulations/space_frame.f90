@@ -35,6 +35,7 @@ module spintop_space_frame
         procedure :: prepare
         procedure :: derivative
         procedure :: motion
+        procedure :: motion_without_angles
         procedure :: follow
         procedure :: invariants
     end type space_frame_t
@@ -159,21 +160,37 @@ contains
     pure type(motion_t) function motion(self, t, y, near)
         class(space_frame_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
+        type(motion_t) :: here
+        here = self%motion_without_angles(t, y, near)
+        motion = motion_from_quaternion(t, here%quaternion, here%omega, near)
+        motion%norm_error = here%norm_error
+        motion%omega_rate = here%omega_rate
+    end function motion
+
+    !> The same without angles and their rates.
+    pure function motion_without_angles(self, t, y, near) result(motion)
+        class(space_frame_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
+        type(motion_t) :: motion
         real(dp) :: dy(max_states), q(4), back(4), momentum(3), axis(3), omega(3), norm
         integer :: status
 
+        associate (unused => near)
+        end associate
         norm = sqrt(sum(y(3:6)**2))
         q = with_spin(self, t, y(3:6) / norm)
         back = conjugate_quaternion(q)
         momentum = [y(1:2), self%vertical]
         omega = to_space(back, momentum) / self%i1
         omega(3) = omega(3) + self%sigma
-        motion = motion_from_quaternion(t, q, omega, near)
+        motion%t = t
+        motion%quaternion = q
+        motion%omega = omega
         motion%norm_error = norm - 1
         call self%derivative(t, y, dy, status)
         axis = to_space(q, [0.0_dp, 0.0_dp, 1.0_dp])
         motion%omega_rate = to_space(back, [dy(1:2), 0.0_dp] + self%sigma * cross(momentum, axis)) / self%i1
-    end function motion
+    end function motion_without_angles
 
     !> Unit quaternion of the attitude, from that without the spin.
     pure function with_spin(self, t, p) result(q)

@@ -17,9 +17,10 @@ module spintop_trial_time
     private
     public :: time_trial
 
-    !> Keeps the last motion.
+    !> Keeps the last motion, and the state that it is made of.
     type, extends(observer_t) :: arrival_t
         type(motion_t) :: motion
+        real(dp) :: t = 0, y(max_states) = 0, near(3) = 0
     contains
         procedure :: observe
     end type arrival_t
@@ -58,7 +59,10 @@ contains
             time = min(time, (seconds() - began) / calls)
             if (seconds() - start > longest) exit
         end do
-        if (present(motion)) motion = arrival%motion
+        if (present(motion)) then
+            motion = arrival%motion
+            if (.not. plan%exact) motion = plan%formulation%motion(arrival%t, arrival%y, arrival%near)
+        end if
         if (present(status)) status = ended
     end subroutine time_trial
 
@@ -83,12 +87,15 @@ contains
         end if
     end subroutine go
 
-    !> Keeps the motion.
+    !> Keeps the motion: attitude and rates, without the angles that describe the attitude.
     subroutine observe(self, formulation, t, y, near)
         class(arrival_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: t, y(max_states), near(3)
-        self%motion = formulation%motion(t, y, near)
+        self%motion = formulation%motion_without_angles(t, y, near)
+        self%t = t
+        self%y = y
+        self%near = near
     end subroutine observe
 
 end module spintop_trial_time

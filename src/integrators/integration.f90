@@ -86,8 +86,8 @@ contains
                 call run%look_for_events(path, watch, status, ends)
                 if (ends) exit
             end if
-            if (status == status_ok) call run%show_until(run%work%t)
-            call run%check_arrival(status)
+            if (status == status_ok .and. run%work%t >= run%due) call run%show_until(run%work%t)
+            if (allocated(formulation%ends)) call run%check_arrival(status)
             if (allocated(formulation%action)) call run%end_step(stepper, work, path, status, ends, watch)
             if (ends) exit
             if (observer%keeps_states .and. status == status_ok) call run%keep(watch)

@@ -29,8 +29,12 @@ module spintop_run
         real(dp), pointer :: samples(:) => null()
         !> Index of the first sample that was not shown, and the number of samples.
         integer :: next = 1, last = 0
-        !> Time of the last motion that was shown, s.
-        real(dp) :: shown = -1
+        !> Time of the last motion that was shown, and from which on a step is one to look at, s: that of the next sample, or
+        !> any if the angles are followed, or an observer or a search for events sees each step.
+        real(dp) :: shown = -1, due = -huge(1.0_dp)
+        !> How much a sample may lie behind the end of a step of a fixed-step method and be shown there, s.
+        real(dp), private :: slack = 0
+        logical, private :: looks_at_steps = .true.
         type(follower_t) :: follower
         !> Rest under dry friction and breaks of the right-hand side, and the work of effects; of no use without these.
         type(rest_t) :: rest
@@ -45,6 +49,7 @@ module spintop_run
         procedure, private :: look_to_knots
         procedure, private :: meet_occasion
         procedure :: show_until
+        procedure, private :: set_due
         procedure, private :: show_end
         procedure, private :: show_within
         procedure, private :: show
@@ -86,6 +91,9 @@ contains
             is_idle = .not. self%observer%counts_turns
             if (present(watch)) is_idle = is_idle .and. .not. watch%needs_turns
             self%follower = follower_t(0.0_dp, work%y, start%angle, start%given_angle, is_idle)
+            self%looks_at_steps = .not. is_idle .or. present(watch) .or. self%observer%sees_steps &
+                                  .or. allocated(formulation%action)
+            if (stepper%controls%steps > 0) self%slack = grid_slack * work%t_end / stepper%controls%steps
             call self%show_until(0.0_dp)
             call self%leave_rest()
             call stepper%begin(formulation, work, status)
@@ -111,7 +119,17 @@ contains
         call self%rest%carry(archive)
         call self%work%carry(archive)
         if (present(watch)) call watch%carry(archive)
+        call self%set_due()
     end subroutine carry
+
+    !> Sets from when on a step is to be looked at.
+    pure subroutine set_due(self)
+        class(run_t), intent(inout) :: self
+        self%due = -huge(self%due)
+        if (self%looks_at_steps) return
+        self%due = huge(self%due)
+        if (self%next <= self%last) self%due = self%samples(self%next) - self%slack
+    end subroutine set_due
 
     !> Has the observer keep the state, if it wants to.
     subroutine keep(self, watch)
@@ -223,13 +241,10 @@ contains
     subroutine show_until(self, t)
         class(run_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
-        real(dp) :: slack
         associate (samples => self%samples, next => self%next, work => self%work, steps => self%stepper%controls%steps)
-            slack = 0
-            if (steps > 0) slack = grid_slack * work%t_end / steps
             do while (next <= self%last .and. .not. self%observer%has_enough)
-                if (samples(next) > t + slack) exit
-                if (abs(samples(next) - t) <= slack) then
+                if (samples(next) > t + self%slack) exit
+                if (abs(samples(next) - t) <= self%slack) then
                     call self%follower%walk_to(self%formulation, self%stepper, work, work%t, work%y)
                     call self%show()
                 else if (steps == 0) then
@@ -240,6 +255,7 @@ contains
             call self%follower%walk_to(self%formulation, self%stepper, work, work%t, work%y)
             if (self%observer%sees_steps .and. self%shown < work%t) call self%show()
         end associate
+        call self%set_due()
     end subroutine show_until
 
     !> Shows the remaining samples, and the end, of a run that ends within the last step.

@@ -365,7 +365,9 @@ contains
         work%term(:, 3) = h * work%k(:, 1) - work%term(:, 2)
         work%term(:, 4) = work%term(:, 2) - h * work%slope - work%term(:, 3)
         work%term(:, 5:8) = 0
-        call find_stages(self, formulation, work, work%t_last, work%y_last, h, new_slope + 1, all_stages, status)
+        ! Stages that are found at once depend on what that of the slope leaves aside.
+        call find_stages(self, formulation, work, work%t_last, work%y_last, h, &
+                         merge(new_slope, new_slope + 1, finds_at_once(formulation)), all_stages, status)
         if (status /= status_ok) return
         do i = 1, 4
             work%term(:, 4 + i) = h * weighted(work%k, self%table%dense(:, i), all_stages)

@@ -61,6 +61,8 @@ module spintop_rest
     !> Tolerance of the steps where there is no series, if that of the method is not smaller; and the smallest, for steps in
     !> double precision.
     real(dp), parameter :: crossing_tolerance = 1.0e-12_dp, finest_tolerance = 1.0e-14_dp
+    !> Part of its own first step that the other stepper takes: its estimate may not see what a bend in the step errs.
+    real(dp), parameter :: first_part = 0.1_dp
 
 contains
 
@@ -183,7 +185,7 @@ contains
             if (allocated(self%stepper)) deallocate (self%stepper)
             allocate (lying_t :: self%stepper)
             self%stepper%controls = stepper%controls
-            call self%advance_by_other(formulation, work, status)
+            call self%advance_by_other(formulation, work, 1.0_dp, status)
             return
         end if
         ! Whether the step is looked at when it is done, which is cheap; its state can be had at any time in double precision.
@@ -247,14 +249,15 @@ contains
             own%relative_tolerance = max(finest_tolerance, min(crossing_tolerance, given%relative_tolerance))
             own%absolute_tolerance = max(finest_tolerance, min(crossing_tolerance, given%absolute_tolerance))
         end associate
-        call self%advance_by_other(formulation, work, status)
+        call self%advance_by_other(formulation, work, first_part, status)
     end subroutine lead_on
 
-    !> Takes a step of the other stepper from the state of the method.
-    subroutine advance_by_other(self, formulation, work, status)
+    !> Takes a step of the other stepper from the state of the method: a part of its first step, if the size is its own.
+    subroutine advance_by_other(self, formulation, work, part, status)
         class(rest_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
         class(workspace_t), intent(in) :: work
+        real(dp), intent(in) :: part
         integer, intent(out) :: status
         if (allocated(self%work)) deallocate (self%work)
         call self%stepper%new_workspace(self%work)
@@ -265,6 +268,7 @@ contains
         self%work%grid = work%grid
         self%work%counts = work%counts
         call self%stepper%begin(formulation, self%work, status)
+        self%work%h = part * self%work%h
         if (status == status_ok) call self%stepper%advance(formulation, self%work, status)
     end subroutine advance_by_other
 

@@ -101,8 +101,9 @@ def test_all_ways_agree(tmp_path: Path, name: str, spin: str) -> None:
     columns = "&output columns = 't', 'theta', 'psi', 'omega3', 'energy_error' /\n"
     ends = {}
     # Near zeros of the support force there are many steps, of which the errors add up.
-    near = 1e-12 if spin in PLACES else 1e-9
-    for method, tolerance in (("dop853", 1e-13), ("taylor", near), ("taylor_quadruple", 1e-20)):
+    # An estimate may not see what a step across one of them errs, unless it is short.
+    near, short = (1e-12, 1e-14) if spin in PLACES else (1e-9, 1e-13)
+    for method, tolerance in (("dop853", short), ("taylor", near), ("taylor_quadruple", 1e-20)):
         how = f"&integration method = '{method}'  relative_tolerance = {tolerance} /\n"
         ends[method] = last_row(tmp_path, scene + how + columns)
     for method, end in ends.items():

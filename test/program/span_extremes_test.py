@@ -131,8 +131,8 @@ def test_rates_beside_poles(tmp_path: Path, body: str) -> None:
     assert rates == pytest.approx(3 * [rates[1]], rel=1e-5)
 
 
-# Bodies that are all but symmetric, so that they are integrated: cusps for phi_rate = 0, loops and waves for others; and plane
-# swings, below the pivot and over the poles.
+# Bodies that are all but symmetric, so that they are integrated: cusps for phi_rate = 0, loops and
+# waves for others; and plane swings, below the pivot and over the poles.
 CLASSES = {
     """\
 &top mass = 1  inertia = 0.9, 0.9000000001, 0.3  centre_of_mass = 0, 0, 0.4 /

@@ -81,6 +81,7 @@ int spintop_expand_lanes_at(int level, int order, const double *coupling, const 
 
 #define rate_of LEVEL(rate_of)
 #define append LEVEL(append)
+#define passes LEVEL(passes)
 #define expand LEVEL(expand)
 #define multiply_rates LEVEL(multiply_rates)
 #define append_tangent LEVEL(append_tangent)
@@ -91,6 +92,10 @@ int spintop_expand_lanes_at(int level, int order, const double *coupling, const 
 
 #include "lane_vectors.h"
 
+// Passes over the pairs of terms: in one there is room for all sums of products and their operands where the processor has
+// 32 registers, as it has with the widest vectors.
+enum { passes = (int)width == (int)lanes ? 1 : 2 };
+
 // A term of the angular acceleration about axis m, from those of the product of the angular velocities about the other axes, of
 // the vertical along the next axis and the one before, and of its own angular velocity.
 inlined vector rate_of(struct body b, int lane, int m, vector product, vector next, vector before, vector own) {
@@ -100,8 +105,8 @@ inlined vector rate_of(struct body b, int lane, int m, vector product, vector ne
 
 // Finds the term behind `now`, the k-th from `c` on, and the quotient of `now`. The sums of products start with
 // the term in the middle, if there is one, and go on to pairs of an older and a newer one; the newest
-// pair comes last, as its numbers have just been found. A quotient that is not known yet is zero. There are two passes over the
-// pairs: for the sums and the operands of both there are too few registers.
+// pair comes last, as its numbers have just been found. A quotient that is not known yet is zero. Of two passes the first has
+// the products along the same axis and those of angular velocities, the last one those along two axes.
 inlined void append(int k, int lane, struct body b, vector inverse, struct share s, double *c) {
     double *now = c + term * k, *next = now + term;
     const double *middle = c + term * (k / 2), *older, *newer;
@@ -120,40 +125,33 @@ inlined void append(int k, int lane, struct body b, vector inverse, struct share
         older = middle;
     }
     const double *const first = older;
-    unrolled for (newer = middle + term; newer <= now; older -= term, newer += term) {
-        const vector v1 = get(older, w1), v2 = get(older, w2), v3 = get(older, w3);
-        const vector u1 = get(newer, w1), u2 = get(newer, w2), u3 = get(newer, w3);
-        w12 += v1 * u2, w23 += v2 * u3, w31 += v3 * u1;
-        w12 += u1 * v2, w23 += u2 * v3, w31 += u3 * v1;
-        vector x = get(older, g1);
-        n1 += x * u1;
-        x = get(older, g2);
-        n2 += x * u2;
-        x = get(older, quotient);
-        g3q += x * get(newer, g3);
-        x = get(newer, g1);
-        n1 += x * v1;
-        x = get(newer, g2);
-        n2 += x * v2;
-        x = get(newer, quotient);
-        g3q += x * get(older, g3);
-    }
-    older = first;
-    unrolled for (newer = middle + term; newer <= now; older -= term, newer += term) {
-        const vector u1 = get(newer, w1), u2 = get(newer, w2), u3 = get(newer, w3);
-        vector x = get(older, g1);
-        g12 += x * u2, g13 += x * u3;
-        x = get(older, g2);
-        g21 += x * u1, g23 += x * u3;
-        x = get(older, g3);
-        g32 += x * u2, g31 += x * u1;
-        const vector v1 = get(older, w1), v2 = get(older, w2), v3 = get(older, w3);
-        x = get(newer, g1);
-        g12 += x * v2, g13 += x * v3;
-        x = get(newer, g2);
-        g21 += x * v1, g23 += x * v3;
-        x = get(newer, g3);
-        g32 += x * v2, g31 += x * v1;
+    for_all(pass, passes) {
+        const int is_first = pass == 0, is_last = pass + 1 == passes;
+        older = first;
+        unrolled for (newer = middle + term; newer <= now; older -= term, newer += term) {
+            const vector v1 = get(older, w1), v2 = get(older, w2), v3 = get(older, w3);
+            const vector u1 = get(newer, w1), u2 = get(newer, w2), u3 = get(newer, w3);
+            if (is_first) w12 += v1 * u2, w23 += v2 * u3, w31 += v3 * u1;
+            vector x = get(older, g1);
+            if (is_first) n1 += x * u1;
+            if (is_last) g12 += x * u2, g13 += x * u3;
+            x = get(older, g2);
+            if (is_first) n2 += x * u2;
+            if (is_last) g21 += x * u1, g23 += x * u3;
+            x = get(older, g3);
+            if (is_first) g3q += x * get(newer, quotient);
+            if (is_last) g32 += x * u2, g31 += x * u1;
+            if (is_first) w12 += u1 * v2, w23 += u2 * v3, w31 += u3 * v1;
+            x = get(newer, g1);
+            if (is_first) n1 += x * v1;
+            if (is_last) g12 += x * v2, g13 += x * v3;
+            x = get(newer, g2);
+            if (is_first) n2 += x * v2;
+            if (is_last) g21 += x * v1, g23 += x * v3;
+            x = get(newer, g3);
+            if (is_first) g3q += x * get(older, quotient);
+            if (is_last) g32 += x * v2, g31 += x * v1;
+        }
     }
 
     const vector v1 = get(now, w1), v2 = get(now, w2), v3 = get(now, w3);

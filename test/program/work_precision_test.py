@@ -131,7 +131,7 @@ class TableTest(WorkPrecisionCase):
             SLOW_TOP, "ode45,dop853,rk4", "formulations=lagrange", "tolerances=1e-3,1e-9"
         )
         chosen = {(r["method"], r["setting"]) for r in rows if r["auto"] == "yes"}
-        self.assertEqual(chosen, {("ode45", "tolerance 0.001"), ("dop853", "tolerance 1e-09")})
+        self.assertEqual(chosen, {("dop853", f"tolerance {x}") for x in ("0.001", "1e-09")})
 
     def test_errors_of_columns_are_those_of_trajectories(self) -> None:
         """The last rows of two trajectories differ by what the study says."""

@@ -355,7 +355,7 @@ contains
         class(formulation_t), intent(in) :: formulation
         class(dop853_workspace_t), intent(inout) :: work
         real(dp) :: h
-        integer :: i, status
+        integer :: i, from, status
 
         h = work%t - work%t_last
         work%has_terms = .true.
@@ -365,9 +365,10 @@ contains
         work%term(:, 3) = h * work%k(:, 1) - work%term(:, 2)
         work%term(:, 4) = work%term(:, 2) - h * work%slope - work%term(:, 3)
         work%term(:, 5:8) = 0
-        ! Stages that are found at once depend on what that of the slope leaves aside.
-        call find_stages(self, formulation, work, work%t_last, work%y_last, h, &
-                         merge(new_slope, new_slope + 1, finds_at_once(formulation)), all_stages, status)
+        ! Stages that are found at once depend on what that of the slope leaves aside, which was not found on a grid.
+        from = new_slope + 1
+        if (self%controls%steps > 0 .and. finds_at_once(formulation)) from = new_slope
+        call find_stages(self, formulation, work, work%t_last, work%y_last, h, from, all_stages, status)
         if (status /= status_ok) return
         do i = 1, 4
             work%term(:, 4 + i) = h * weighted(work%k, self%table%dense(:, i), all_stages)

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure  # noqa: E402
 from plot_case import TableCase  # noqa: E402
 from spintop_figures.registry import draw  # noqa: E402
 from spintop_figures.sweeps.quantities import parameter_words, unit_shown  # noqa: E402
-from spintop_figures.sweeps.statistics import mark_negative  # noqa: E402
+from spintop_figures.sweeps.statistics import head, mark_negative  # noqa: E402
 from spintop_figures.tables.table import Table, read_table  # noqa: E402
 
 HEAD = """\
@@ -102,6 +102,19 @@ class StatisticsTest(TableCase):
         (line,) = panel.lines
         np.testing.assert_allclose(line.get_ydata(), np.degrees(MEAN))
         self.assertIn("(degrees)", figure.axes[-1].get_xlabel())
+
+    def test_long_headings(self) -> None:
+        """A heading ends before the next panel begins."""
+        words = "end of the span, or time of the event that ended the motion (s)"
+        figure = Figure(figsize=(7.2, 4), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        head(left, words)
+        figure.draw_without_rendering()
+        lines = left.get_title(loc="left").split("\n")
+        self.assertEqual(" ".join(lines), words)
+        place = dict(fontsize=9.5, transform=left.transAxes)
+        ends = [left.text(0, 1, line, **place).get_window_extent().x1 for line in lines]
+        self.assertLess(max(ends), right.get_window_extent().x0)
 
     def test_signs_without_colours(self) -> None:
         """Each bin below zero has a minus, white where the bin is dark; others have none."""

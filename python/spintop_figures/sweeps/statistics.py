@@ -1,5 +1,6 @@
 """The statistics of a sweep: maps or curves over its bins, and the distributions over all cases."""
 
+import textwrap
 from pathlib import Path
 from typing import NamedTuple
 
@@ -35,6 +36,8 @@ SLIT = 0.05
 MINUS = "\N{MINUS SIGN}"
 DARK = -0.5
 """Bins below this part of the largest size have dark colours."""
+LETTERS = 14
+"""Letters of the heading of a panel in an inch."""
 NAME_ROOM = 0.14
 """Distance of the names of two lines, in inches."""
 
@@ -181,7 +184,7 @@ def draw_map(axes: Axes, table: Table, bins: list[Bins], rows: pd.DataFrame, nam
         wide = above.size and above.max() > 100 * above.min()
         norm, extend, colours = LogNorm() if wide else None, "neither", COLOURS
         heading = "number of cases"
-    axes.set_title(heading, loc="left", fontsize=9.5, pad=4)
+    head(axes, heading)
     cells = np.ma.masked_invalid(values.reshape(shape))
     image = axes.pcolormesh(
         bins[0].edges, bins[1].edges, cells, cmap=colours, norm=norm, rasterized=True
@@ -201,7 +204,7 @@ def draw_curve(axes: Axes, table: Table, bins: Bins, rows: pd.DataFrame, name: s
     """A mean with standard deviation and extremes, or the number of cases, over one quantity."""
     if not name:
         axes.stairs(rows["cases"].to_numpy(float), bins.edges, fill=True, color=HIDDEN)
-        axes.set_title("number of cases", loc="left", fontsize=9.5, pad=4)
+        head(axes, "number of cases")
         axes.set_ylim(bottom=0)
         return
     middle = rows[bins.column].to_numpy(float)
@@ -220,7 +223,7 @@ def draw_curve(axes: Axes, table: Table, bins: Bins, rows: pd.DataFrame, name: s
         label="standard deviation",
     )
     axes.plot(middle, mean, **LINES[0], label="mean")
-    axes.set_title(with_unit(words, unit), loc="left", fontsize=9.5, pad=4)
+    head(axes, with_unit(words, unit))
     if not axes.get_subplotspec().is_first_row() or not axes.get_subplotspec().is_first_col():
         return
     axes.legend(loc="best", fontsize=8)
@@ -314,6 +317,12 @@ def mark_values(axes: Axes, marks: dict[str, float], factor: float) -> None:
         axes.axvline(factor * value, **look | {"linewidth": 1.0})
         style = {"fontsize": 8, "color": look["color"], "rotation": 90, "ha": "center"}
         axes.annotate(words, (last, 1.02), xycoords="axes fraction", va="bottom", **style)
+
+
+def head(axes: Axes, words: str) -> None:
+    """The heading of a panel, in lines no longer than the panel is wide."""
+    lines = textwrap.fill(words, int(LETTERS * width_of(axes)))
+    axes.set_title(lines, loc="left", fontsize=9.5, pad=4)
 
 
 def width_of(axes: Axes) -> float:

@@ -14,8 +14,9 @@ from matplotlib.figure import Figure  # noqa: E402
 
 from plot_case import TableCase  # noqa: E402
 from spintop_figures.registry import draw  # noqa: E402
+from spintop_figures.style.page import head  # noqa: E402
 from spintop_figures.sweeps.quantities import parameter_words, unit_shown  # noqa: E402
-from spintop_figures.sweeps.statistics import head, mark_negative  # noqa: E402
+from spintop_figures.sweeps.statistics import mark_negative  # noqa: E402
 from spintop_figures.tables.table import Table, read_table  # noqa: E402
 
 HEAD = """\

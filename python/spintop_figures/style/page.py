@@ -10,6 +10,9 @@ from spintop_figures.style.look import GREY, WIDTH
 from spintop_figures.style.provenance import caption_of, provenance_of
 from spintop_figures.tables.table import Table
 
+LETTERS = 14
+"""Letters of the heading of a panel in an inch."""
+
 
 class Page(Figure):
     """A figure that knows the provenance of what it shows."""
@@ -53,3 +56,15 @@ def add_panels(figure: Figure, count: int, sharey: bool = True) -> list[Axes]:
         spot = cells[0, :] if count % 2 and not panels else cells[divmod(place, 2)]
         panels.append(figure.add_subplot(spot, sharex=first, sharey=first if sharey else None))
     return panels
+
+
+def head(axes: Axes, words: str) -> None:
+    """The heading of a panel, in lines no longer than the panel is wide."""
+    lines = textwrap.fill(words, int(LETTERS * width_of(axes)))
+    axes.set_title(lines, loc="left", fontsize=9.5, pad=4)
+
+
+def width_of(axes: Axes) -> float:
+    """About how wide a panel is, in inches, before it is laid out."""
+    spot = axes.get_subplotspec()
+    return 0.85 * axes.figure.get_size_inches()[0] * len(spot.colspan) / 2

@@ -8,7 +8,7 @@ from matplotlib.ticker import FuncFormatter
 
 from spintop_figures.style.lines import with_unit
 from spintop_figures.style.look import FAINT, FAULT, LINES
-from spintop_figures.style.page import add_panels, new_figure
+from spintop_figures.style.page import add_panels, head, new_figure
 from spintop_figures.sweeps.quantities import (
     Quantity,
     has_log_axis,
@@ -95,4 +95,4 @@ def draw_curve(
         elif np.nanmin(numbers) < 0 < np.nanmax(numbers):
             axes.axhline(0, color=FAINT, linewidth=0.8)
         axes.plot(x, numbers, **style)
-    axes.set_title(title, loc="left", fontsize=9.5, pad=4)
+    head(axes, title)

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from spintop_figures.style.look import FAULT, HIDDEN, LINES
-from spintop_figures.style.page import add_panels, new_figure
+from spintop_figures.style.page import add_panels, head, new_figure
 from spintop_figures.sweeps.maps import PANEL_HEIGHT
 from spintop_figures.sweeps.quantities import PARAMETERS
 from spintop_figures.sweeps.statistics import beside, describe, tell_cases
@@ -100,7 +100,7 @@ def draw_bars(axes: Axes, name: str, rows: pd.DataFrame) -> None:
     tilt = {"rotation": 30, "ha": "right"} if len(labels) >= MANY_FACTORS else {}
     axes.set_xticks(places, labels, **tilt)
     axes.axhline(0, color="0.4", linewidth=0.6)
-    axes.set_title(name, loc="left", fontsize=9.5, pad=4)
+    head(axes, name)
     looks = ((-1, "first order", LINES[0]["color"]), (1, "total", HIDDEN))
     for index, (side, label, colour) in zip(INDICES, looks, strict=True):
         values = rows[index].to_numpy(float)

@@ -16,7 +16,7 @@ from matplotlib.ticker import FuncFormatter
 
 from spintop_figures.style.lines import set_degree_ticks, with_unit
 from spintop_figures.style.look import FAULT
-from spintop_figures.style.page import add_panels, new_figure
+from spintop_figures.style.page import add_panels, head, new_figure
 from spintop_figures.sweeps.fields import jumps, spots
 from spintop_figures.sweeps.quantities import (
     Quantity,
@@ -118,7 +118,7 @@ def draw_map(
     """A filled map; cases without a value are hatched, failed ones crossed."""
     axes.patch.set(facecolor="white", edgecolor="0.7", hatch="////")
     title = with_unit(quantity.label, quantity.unit)
-    axes.set_title(title, loc="left", fontsize=9.5, pad=4)
+    head(axes, title)
     if is_words(values):
         draw_classes(axes, grid, values, failed)
     else:

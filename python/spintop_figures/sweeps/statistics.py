@@ -1,6 +1,5 @@
 """The statistics of a sweep: maps or curves over its bins, and the distributions over all cases."""
 
-import textwrap
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,7 +12,7 @@ from matplotlib.ticker import FuncFormatter
 
 from spintop_figures.style.lines import set_degree_ticks, with_unit
 from spintop_figures.style.look import FAINT, GREY, HIDDEN, LINES
-from spintop_figures.style.page import add_panels, new_figure
+from spintop_figures.style.page import add_panels, head, new_figure, width_of
 from spintop_figures.sweeps.maps import LEAST_HEIGHT, PANEL_HEIGHT, scale_name
 from spintop_figures.sweeps.quantities import (
     PARAMETERS,
@@ -36,8 +35,6 @@ SLIT = 0.05
 MINUS = "\N{MINUS SIGN}"
 DARK = -0.5
 """Bins below this part of the largest size have dark colours."""
-LETTERS = 14
-"""Letters of the heading of a panel in an inch."""
 NAME_ROOM = 0.14
 """Distance of the names of two lines, in inches."""
 
@@ -317,15 +314,3 @@ def mark_values(axes: Axes, marks: dict[str, float], factor: float) -> None:
         axes.axvline(factor * value, **look | {"linewidth": 1.0})
         style = {"fontsize": 8, "color": look["color"], "rotation": 90, "ha": "center"}
         axes.annotate(words, (last, 1.02), xycoords="axes fraction", va="bottom", **style)
-
-
-def head(axes: Axes, words: str) -> None:
-    """The heading of a panel, in lines no longer than the panel is wide."""
-    lines = textwrap.fill(words, int(LETTERS * width_of(axes)))
-    axes.set_title(lines, loc="left", fontsize=9.5, pad=4)
-
-
-def width_of(axes: Axes) -> float:
-    """About how wide a panel is, in inches, before it is laid out."""
-    spot = axes.get_subplotspec()
-    return 0.85 * axes.figure.get_size_inches()[0] * len(spot.colspan) / 2

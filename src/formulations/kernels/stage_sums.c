@@ -104,7 +104,7 @@ static double sum_stages(int since, int stages, const struct weights *weight, co
     }
     const double fifth = h * h * total(squares[0]), both = (fifth + h * h * 0.01 * total(squares[1])) * control->states;
     if (!(fifth <= DBL_MAX && both <= DBL_MAX)) return fifth + both;
-    // Of no error: about -1000.
+    // Of no error: about -500.
     const double error = binary_logarithm(fifth) - 0.5 * binary_logarithm(both);
     *growth = power_of_two(control->most - control->share * error);
     return error;

@@ -40,9 +40,16 @@ ASSERTS = {
     "assertRelativelyEqual": (2, {"tolerance", "message"}),
 }
 ASSERT_NAMES = {name.lower(): name for name in ASSERTS}
+# The names that a suite cannot have for entities of its module, declared or imported.
+TAKEN = set((ROOT / "test/funit/taken_names.txt").read_text(encoding="utf-8").split())
 SUBROUTINE = re.compile(r"\s*subroutine\s+(\w+)\s*(?:\(\s*\))?\s*(?:!.*)?$", re.IGNORECASE)
 MODULE = re.compile(r"\s*module\s+(\w+)\s*(?:!.*)?$", re.IGNORECASE)
 DIRECTIVE = re.compile(r"\s*@(\w+)\s*(.*?)\s*$")
+# What begins and ends a part of a file that has names of its own, and what declares names.
+PROCEDURE = re.compile(r"(?:(?!end\b)[\w() ,*=]+ )?(?:subroutine|function) +(\w+)", re.IGNORECASE)
+BLOCK = re.compile(r"(?:abstract +)?interface\b|type\b(?! *\(| +is\b)", re.IGNORECASE)
+END = re.compile(r"end *(?:subroutine|function|interface|type)\b", re.IGNORECASE)
+ENTITIES = re.compile(r".*?::(.*)|use +\w+ *, *only *:(.*)", re.IGNORECASE)
 
 
 class RefusedError(Exception):
@@ -123,6 +130,7 @@ class Reader:
         self.path = path
         self.suite = Suite()
         self.pending = ""  # 'test', 'before' or 'after' while their subroutine is awaited
+        self.depth = 0  # of procedures, interfaces and types: entities of the module have 0
         self.number = 0
         self.output: list[str] = []
 
@@ -146,6 +154,7 @@ class Reader:
             raise RefusedError("a directive stands at the begin of a line of its own")
         if outside_text(line).strip():
             self.look_at(line)
+            self.check_names(outside_text(line).strip())
         self.output.append(line)
 
     def look_at(self, line: str) -> None:
@@ -164,6 +173,23 @@ class Reader:
         elif self.pending:
             setattr(self.suite, self.pending, subroutine[1])
         self.pending = self.pending if module else ""
+
+    def check_names(self, line: str) -> None:
+        """Refuse an entity of the module whose name `use funit` brings in under pFUnit 4.14, or
+        that stands in the function which pFUnit writes around a suite.
+        """
+        procedure, block = PROCEDURE.match(line), BLOCK.match(line)
+        names = []
+        if END.match(line):
+            self.depth -= 1
+        elif self.depth == 0 and procedure:
+            names = [procedure[1]]
+        elif self.depth == 0 and (entities := ENTITIES.match(line)):
+            listed = re.sub(r"\([^()]*\)", "", entities[1] or entities[2])
+            names = [re.split(r"[=*\s]", name.strip())[0] for name in listed.split(",")]
+        self.depth += bool(procedure or block)
+        if taken := [name for name in names if name.lower() in TAKEN]:
+            raise RefusedError(f"pFUnit has a '{taken[0]}' of its own: another name")
 
     def act(self, name: str, rest: str) -> list[str]:
         """Carry out a directive; the lines that take its place, as many as keep lines in step."""

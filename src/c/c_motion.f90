@@ -3,7 +3,7 @@
 module spintop_c_motion
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t
-    use spintop_compare, only: is_finite, is_zero
+    use spintop_compare, only: is_finite
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_formulation, only: formulation_t, max_states
     use spintop_integration, only: integrate, observer_t, outcome_t
@@ -117,7 +117,7 @@ contains
         t_reached = 0
         do i = 1, size(sampler%samples)
             associate (t => sampler%samples(i))
-                call sampler%maker%put_exact_row(self%exact, t, is_zero(t), sampler%values)
+                call sampler%maker%put_exact_row(self%exact, t, sampler%values)
                 call sampler%put_values(t)
                 if (sampler%has_enough) return
                 t_reached = t
@@ -207,7 +207,7 @@ contains
     subroutine put(self, motion)
         class(sampler_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion !! the motion
-        self%values(:) = self%maker%row(motion, is_start=is_zero(motion%t))
+        self%values(:) = self%maker%row(motion)
         call self%put_values(motion%t)
     end subroutine put
 

@@ -172,7 +172,7 @@ contains
         call view%set(case)
         seen = motion
         seen%given_angle = case%start%given_angle
-        call view%look(seen, is_start=.false.)
+        call view%look(seen, as_computed=.true.)
         do k = 1, size(wanted)
             call find_trajectory_column(trim(wanted(k)%column), column, found)
             values(k) = column%value(view)

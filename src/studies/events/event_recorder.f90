@@ -207,7 +207,7 @@ contains
         class(event_recorder_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion !! the motion at an instant
         real(dp), intent(out) :: values(:) !! one value for each event
-        values = self%quantity%row(motion)
+        values = self%quantity%row(motion, as_computed=.true.)
         where (self%events(:size(values))%turn_by_turn) values = abs(values - self%azimuth)
     end subroutine quantities
 

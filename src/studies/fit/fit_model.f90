@@ -186,7 +186,7 @@ contains
         call self%maker%set(self%measured%columns, self%case)
         do i = 1, size(values, 2)
             if (self%maker%wants_angles_of(path%exact)) then
-                call self%maker%put_exact_row(path%exact, self%measured%t(i), .false., values(:, i))
+                call self%maker%put_exact_row(path%exact, self%measured%t(i), values(:, i))
                 cycle
             end if
             call path%at(self%measured%t(i), motion)

@@ -271,7 +271,7 @@ contains
         class(writer_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion
         if (self%has_enough) return
-        associate (values => self%columns%row(motion, self%rows == 0, self%work))
+        associate (values => self%columns%row(motion, work=self%work))
             self%is_undefined = .not. self%columns%is_defined(values)
             self%t_undefined = motion%t
             self%has_enough = self%is_undefined

@@ -7,7 +7,7 @@ module spintop_motion_view
     use spintop_body, only: body_t
     use spintop_case, only: case_t
     use spintop_certificate, only: proof_count, proof_of_phi, proof_of_psi, proof_of_q0, proof_of_q3, proof_of_theta
-    use spintop_compare, only: is_finite
+    use spintop_compare, only: is_finite, is_zero
     use spintop_conditioning, only: conditioning_t, prepare_conditioning
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_kinds, only: dp
@@ -75,11 +75,14 @@ contains
         end associate
     end subroutine set
 
-    !> Looks at the next motion. That of the start is told as it was given.
-    subroutine look(self, computed, is_start)
+    !> Looks at the next motion. That at the start, by its time, is told as it was given.
+    subroutine look(self, computed, as_computed)
         class(motion_view_t), intent(inout) :: self
         type(motion_t), intent(in) :: computed !! in the axes of the computation
-        logical, intent(in) :: is_start !! whether it is the start
+        logical, intent(in), optional :: as_computed !! whether the start, too, is told as it was computed
+        logical :: is_start
+        is_start = is_zero(computed%t)
+        if (present(as_computed)) is_start = is_start .and. .not. as_computed
         self%computed = computed
         self%motion = self%case%turn%back(computed, computed%given_angle)
         if (is_start) call take_start(self%case%given_start, self%motion)
@@ -89,14 +92,13 @@ contains
 
     !> Looks at the time, the angles and their rates of the next motion alone. The axes are those of the computation, and no
     !> number is to be proved.
-    subroutine look_at_angles(self, t, angle, rate, is_start)
+    subroutine look_at_angles(self, t, angle, rate)
         class(motion_view_t), intent(inout) :: self
         real(dp), intent(in) :: t, angle(3), rate(3) !! time, s; phi, theta, psi, rad; their rates, rad/s
-        logical, intent(in) :: is_start !! whether it is the start
         self%motion%t = t
         self%motion%angle = angle
         self%motion%rate = rate
-        if (is_start) call take_start(self%case%given_start, self%motion)
+        if (is_zero(t)) call take_start(self%case%given_start, self%motion)
         call forget(self)
     end subroutine look_at_angles
 

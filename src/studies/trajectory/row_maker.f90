@@ -56,19 +56,16 @@ contains
     end subroutine set
 
     !> The row of a motion, which is in the axes of the computation; all but the errors are those of the
-    !> body as it was given. That of the start (`is_start`) is told as it was given.
-    function row(self, computed, is_start, work) result(values)
+    !> body as it was given. That at the start is told as it was given.
+    function row(self, computed, as_computed, work) result(values)
         class(row_maker_t), intent(inout) :: self
         type(motion_t), intent(in) :: computed !! the motion in the axes of the computation
-        logical, intent(in), optional :: is_start !! whether it is the start
+        logical, intent(in), optional :: as_computed !! whether the start, too, is told as it was computed
         real(dp), intent(in), optional :: work(works) !! of effects, J; that of the last motion if it is not given
         real(dp) :: values(size(self%columns))
-        logical :: at_start
         integer :: i
-        at_start = .false.
-        if (present(is_start)) at_start = is_start
         if (present(work)) self%view%work = work
-        call self%view%look(computed, at_start)
+        call self%view%look(computed, as_computed)
         do i = 1, size(self%columns)
             values(i) = self%columns(i)%value(self%view)
         end do
@@ -83,16 +80,15 @@ contains
     end function wants_angles_of
 
     !> The row at a time t of the exact motion, which is much faster than `row` and has the same values.
-    subroutine put_exact_row(self, exact, t, is_start, values)
+    subroutine put_exact_row(self, exact, t, values)
         class(row_maker_t), intent(inout) :: self
         type(exact_motion_t), intent(in) :: exact !! the exact motion of the case
         real(dp), intent(in) :: t !! time, s
-        logical, intent(in) :: is_start !! whether it is the start
         real(dp), intent(out) :: values(:) !! the row, one value per column
         real(dp) :: angle(3), rate(3)
         integer :: i
         call exact%find_angles(t, angle, rate)
-        call self%view%look_at_angles(t, angle, rate, is_start)
+        call self%view%look_at_angles(t, angle, rate)
         do i = 1, size(self%columns)
             values(i) = self%columns(i)%value(self%view)
         end do

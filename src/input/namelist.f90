@@ -54,7 +54,8 @@ contains
         if (present(given)) then
             text = given
         else
-            call read_file(path, merge(largest_table, largest_file, is_table), text, unreadable)
+            call read_file(path, merge(largest_table, largest_file, is_table), text, unreadable, &
+                           may_wait=.true.)
         end if
         if (allocated(unreadable)) then
             call diagnostics%error(place_t(), unreadable%message)

@@ -9,17 +9,18 @@
 !>     (the plan, then the accumulators, as they are in memory)
 !>     (their checksum, from the line above)
 module spintop_statistics_file
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_accumulators, only: accumulators_t
     use spintop_accumulators_state, only: read_state, write_state
     use spintop_checksum, only: add_to_checksum, checksum_t, checksum_text, checksum_width
     use spintop_errors, only: error_t, input_error
-    use spintop_files, only: file_size, input_file_t, output_file_t, remove_file, rename_file, sync_folder_of
+    use spintop_files, only: file_size, input_file_t, output_file_t
     use spintop_packed_plan, only: pack_plan, unpack_plan
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_table_head, only: read_head
     implicit none
     private
-    public :: write_snapshot, sync_snapshot, write_part, read_statistics, is_statistics
+    public :: write_snapshot, write_part, read_statistics, is_statistics
 
     character, parameter :: nl = new_line('a')
     character(*), parameter :: first_words = 'spintop statistics 1: '
@@ -47,19 +48,6 @@ contains
         if (.not. allocated(error)) call move_alloc(problem, error)
     end subroutine write_snapshot
 
-    !> Waits until a snapshot is on the disk.
-    subroutine sync_snapshot(path, error)
-        character(*), intent(in) :: path !! path of the file
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        type(output_file_t) :: file
-        type(error_t), allocatable :: problem
-        call file%open(path, error)
-        if (.not. allocated(error)) call file%sync(error)
-        call file%close(problem)
-        if (.not. allocated(error)) call move_alloc(problem, error)
-        if (.not. allocated(error)) call sync_folder_of(path, error)
-    end subroutine sync_snapshot
-
     !> Writes the result of a part of a sweep, under another name until it is complete.
     subroutine write_part(path, head, plan, accumulators, error)
         character(*), intent(in) :: path !! path of the file
@@ -68,16 +56,12 @@ contains
         type(accumulators_t), intent(in) :: accumulators !! the statistics
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         character(checksum_width) :: checksum
-        type(error_t), allocatable :: ignored
+        type(output_file_t) :: file
 
-        call write_snapshot(path // '.new', head, plan, accumulators, checksum, error)
-        if (.not. allocated(error)) call sync_snapshot(path // '.new', error)
-        if (.not. allocated(error)) call rename_file(path // '.new', path, error)
-        if (allocated(error)) then
-            call remove_file(path // '.new', ignored)
-        else
-            call sync_folder_of(path, error)
-        end if
+        call file%create(path // '.new', error)
+        if (.not. allocated(error)) call write_all(file, head, plan, accumulators, checksum, error)
+        if (.not. allocated(error)) call file%finish_as(path, -1_int64, error)
+        call file%discard()
     end subroutine write_part
 
     subroutine write_all(file, head, plan, accumulators, checksum, error)

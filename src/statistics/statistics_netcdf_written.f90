@@ -5,7 +5,7 @@ submodule(spintop_statistics_netcdf) statistics_netcdf_written
     use netcdf, only: nf90_64bit_offset, nf90_clobber, nf90_close, nf90_create, nf90_def_dim, nf90_def_var, nf90_double, &
         nf90_enddef, nf90_global, nf90_noerr, nf90_put_att, nf90_put_var, nf90_strerror
     use spintop_errors, only: output_error
-    use spintop_files, only: output_file_t, remove_file, rename_file, sync_folder_of
+    use spintop_files, only: output_file_t
     use spintop_histogram, only: histogram_t, make_histogram
     use spintop_kinds, only: dp
     use spintop_netcdf_grid, only: netcdf_name, netcdf_unit
@@ -46,7 +46,6 @@ contains
         type(table_column_t), allocatable :: columns(:)
         type(histogram_t), allocatable :: histograms(:)
         type(output_file_t) :: output
-        type(error_t), allocatable :: ignored
         integer :: i, status
 
         allocate (histograms(size(plan%numbers)))
@@ -54,7 +53,9 @@ contains
             call make_histogram(accumulators, i, histograms(i))
         end do
         columns = result_columns(plan)
-        file%status = nf90_create(path // '.new', ior(nf90_clobber, nf90_64bit_offset), file%id)
+        call output%create(path // '.new', error)
+        if (allocated(error)) return
+        file%status = nf90_create(output%path, ior(nf90_clobber, nf90_64bit_offset), file%id)
         call add_facts(file, head)
         call define(file, plan, columns, histograms)
         if (file%status == nf90_noerr) file%status = nf90_enddef(file%id)
@@ -64,16 +65,9 @@ contains
         if (file%status /= nf90_noerr) then
             error = output_error('cannot write ' // path // ': ' // trim(nf90_strerror(file%status)))
         else
-            call output%open(path // '.new', error)
-            if (.not. allocated(error)) call output%sync(error)
-            if (.not. allocated(error)) call rename_file(output%path, path, error)
-            call output%close(ignored)
+            call output%finish_as(path, -1_int64, error)
         end if
-        if (allocated(error)) then
-            call remove_file(path // '.new', ignored)
-        else
-            call sync_folder_of(path, error)
-        end if
+        call output%discard()
     end procedure write_statistics_netcdf
 
     !> The metadata of the header as attributes of the file.

@@ -7,14 +7,14 @@ module spintop_statistics_table
     use spintop_accumulators, only: accumulators_t
     use spintop_checksum, only: checksum_width
     use spintop_errors, only: error_t, input_error
-    use spintop_files, only: file_exists, remove_file
+    use spintop_files, only: file_exists, remove_file, sync_file
     use spintop_growing_table, only: growing_table_t, refusal
     use spintop_journal, only: journal_entry_t
     use spintop_kinds, only: dp
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
     use spintop_statistics_csv, only: write_statistics_csv
-    use spintop_statistics_file, only: read_statistics, sync_snapshot, write_part, write_snapshot
+    use spintop_statistics_file, only: read_statistics, write_part, write_snapshot
     use spintop_statistics_netcdf, only: write_statistics_netcdf
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_text, only: to_text
@@ -289,7 +289,7 @@ contains
         class(statistics_table_t), intent(in) :: self
         type(journal_entry_t), intent(in) :: entry !! entry of the journal
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call sync_snapshot(self%state_path(entry%state), error)
+        call sync_file(self%state_path(entry%state), error)
         if (.not. allocated(error)) call self%rows_table%keep_entry(entry, error)
     end subroutine keep_entry
 

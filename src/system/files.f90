@@ -2,13 +2,14 @@
 module spintop_files
     use, intrinsic :: iso_c_binding, only: c_int, c_long_long, c_null_char
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_errors, only: error_t, input_error
-    use spintop_posix, only: c_open, c_open_locked, c_write, c_read, c_sync, c_sync_folder, c_truncate, c_close, c_rename, &
+    use spintop_errors, only: error_t, input_error, output_error
+    use spintop_posix, only: c_open, c_open_regular, c_open_own, c_open_locked, c_remove_lock_file, c_check_target, &
+        c_check_written, c_write, c_read, c_sync, c_sync_folder, c_truncate, c_close, c_rename, &
         c_remove, c_remove_folder, c_make_folder, c_make_private_folder, c_inspect, c_is_same_file, check_call
     implicit none
     private
     public :: input_file_t, output_file_t, read_file, replace_file, file_exists, is_folder, is_same_file, file_size, path_from
-    public :: make_folder, make_private_folder, remove_folder, rename_file, remove_file, sync_folder_of
+    public :: check_target, sync_file, make_folder, make_private_folder, remove_folder, rename_file, remove_file, sync_folder_of
 
     integer, parameter :: no_file = -1
 
@@ -22,8 +23,8 @@ module spintop_files
         procedure :: close => close_input
     end type input_file_t
 
-    !> A file open for appending, locked against other runs. It must be closed, because the system may report
-    !> an error of writing only then.
+    !> A file open for appending: a regular file with this name only, so that nothing elsewhere is changed. It must be
+    !> closed, because the system may report an error of writing only then.
     type :: output_file_t
         character(:), allocatable :: path
         integer(c_int), private :: descriptor = no_file
@@ -33,14 +34,15 @@ module spintop_files
         procedure :: write => write_bytes
         procedure :: truncate
         procedure :: sync
+        procedure :: finish_as
         procedure :: close => close_file
+        procedure :: discard => discard_file
         procedure :: is_open
     end type output_file_t
 
 contains
 
-    !> Opens a file for appending, and creates it if it is missing. It is an error if another run has it open
-    !> for writing.
+    !> Opens a file for appending, creates it if it is missing, and locks it: it is an error if another run has it open.
     subroutine open_output(self, path, error)
         class(output_file_t), intent(inout) :: self
         character(*), intent(in) :: path !! path of the file
@@ -49,12 +51,13 @@ contains
         call check_call(c_open_locked(path // c_null_char, self%descriptor), 'write', path, error)
     end subroutine open_output
 
-    !> Creates an empty file, or empties an existing one.
+    !> Creates an empty file, or empties an existing one. It is not locked.
     subroutine create(self, path, error)
         class(output_file_t), intent(inout) :: self
         character(*), intent(in) :: path !! path of the file
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call self%open(path, error)
+        self%path = path
+        call check_call(c_open_own(path // c_null_char, self%descriptor), 'write', path, error)
         if (.not. allocated(error)) call self%truncate(0_int64, error)
     end subroutine create
 
@@ -81,14 +84,39 @@ contains
         call check_call(c_sync(self%descriptor), 'write', self%path, error)
     end subroutine sync
 
+    !> Renames the file when it is on the disk, and closes it. What another program has changed meanwhile is not renamed.
+    subroutine finish_as(self, path, size, error)
+        class(output_file_t), intent(inout) :: self
+        character(*), intent(in) :: path !! new path; a file that is there is replaced
+        integer(int64), intent(in) :: size !! bytes of the file; -1 if they are not known
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        call self%sync(error)
+        if (.not. allocated(error)) call check_call(c_check_written(self%descriptor, self%path // c_null_char, size), &
+                                                    'finish', self%path, error)
+        ! Renamed before it is closed: otherwise another run might lock and empty it under its new name.
+        if (.not. allocated(error)) call rename_file(self%path, path, error)
+        if (.not. allocated(error)) call self%close(error)
+        if (.not. allocated(error)) call sync_folder_of(path, error)
+    end subroutine finish_as
+
     !> Closes the file, and reports delayed errors of writing.
     subroutine close_file(self, error)
         class(output_file_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         if (.not. self%is_open()) return
         call check_call(c_close(self%descriptor), 'write', self%path, error)
+        call c_remove_lock_file(self%path // c_null_char)
         self%descriptor = no_file
     end subroutine close_file
+
+    !> Closes the file and removes it, unless another one has its name now.
+    subroutine discard_file(self)
+        class(output_file_t), intent(inout) :: self
+        type(error_t), allocatable :: ignored
+        if (.not. self%is_open()) return
+        if (c_check_written(self%descriptor, self%path // c_null_char, -1_int64) == 0) call remove_file(self%path, ignored)
+        call self%close(ignored)
+    end subroutine discard_file
 
     !> Whether the file is open.
     pure logical function is_open(self)
@@ -104,6 +132,28 @@ contains
         folder = path(:index(path, '/', back=.true.)) // '.'
         call check_call(c_sync_folder(folder // c_null_char), 'write to folder', folder, error)
     end subroutine sync_folder_of
+
+    !> Waits until a file that was closed, and its name, are on the disk.
+    subroutine sync_file(path, error)
+        character(*), intent(in) :: path !! path of the file
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(output_file_t) :: file
+        type(error_t), allocatable :: problem
+        file%path = path
+        call check_call(c_open_own(path // c_null_char, file%descriptor), 'write', path, error)
+        if (.not. allocated(error)) call file%sync(error)
+        call file%close(problem)
+        if (.not. allocated(error)) call move_alloc(problem, error)
+        if (.not. allocated(error)) call sync_folder_of(path, error)
+    end subroutine sync_file
+
+    !> An error if a file of that name is a folder, a device or a FIFO, which no file may replace.
+    subroutine check_target(path, error)
+        character(*), intent(in) :: path !! path of the file
+        type(error_t), allocatable, intent(out) :: error !! not allocated if it may be created or replaced
+        call check_call(c_check_target(path // c_null_char), 'create', path, error)
+        if (is_folder(path)) error = output_error('cannot create ' // path // ': it is a folder')
+    end subroutine check_target
 
     !> Renames a file; an existing file of the new name is replaced.
     subroutine rename_file(from, to, error)
@@ -173,16 +223,11 @@ contains
         character(*), intent(in) :: path, text !! path of the file, and its new contents
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(output_file_t) :: file
-        type(error_t), allocatable :: ignored
 
         call file%create(path // '.new', error)
-        if (allocated(error)) return
-        call file%write(text, error)
-        if (.not. allocated(error)) call file%sync(error)
-        if (.not. allocated(error)) call rename_file(file%path, path, error)
-        if (allocated(error)) call remove_file(file%path, ignored)
-        call file%close(ignored)
-        if (.not. allocated(error)) call sync_folder_of(path, error)
+        if (.not. allocated(error)) call file%write(text, error)
+        if (.not. allocated(error)) call file%finish_as(path, len(text, int64), error)
+        call file%discard()
     end subroutine replace_file
 
     !> A path that is relative to the folder of another file.
@@ -200,14 +245,20 @@ contains
         is_same_file = c_is_same_file(a // c_null_char, b // c_null_char) /= 0
     end function is_same_file
 
-    !> Opens a file for reading. Its errors are input errors.
-    subroutine open_input(self, path, error)
+    !> Opens a file for reading. Its errors are input errors. A FIFO, of which one waits for the writer, must be allowed.
+    subroutine open_input(self, path, error, may_wait)
         class(input_file_t), intent(inout) :: self
         character(*), intent(in) :: path !! path of the file
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        logical, intent(in), optional :: may_wait !! whether it may be a FIFO or a device; false by default
+        logical :: only_regular
+        only_regular = .true.
+        if (present(may_wait)) only_regular = .not. may_wait
         self%path = path
         if (is_folder(path)) then
             error = input_error('cannot read ' // path // ': it is a folder')
+        else if (only_regular) then
+            call check_call(c_open_regular(path // c_null_char, self%descriptor), 'read', path, error, reading=.true.)
         else
             call check_call(c_open(path // c_null_char, self%descriptor), 'read', path, error, reading=.true.)
         end if
@@ -234,19 +285,20 @@ contains
         self%descriptor = no_file
     end subroutine close_input
 
-    !> Reads a whole file or pipe of at most `limit` bytes. Errors are input errors.
-    subroutine read_file(path, limit, text, error)
+    !> Reads a whole file of at most `limit` bytes. Errors are input errors.
+    subroutine read_file(path, limit, text, error, may_wait)
         character(*), intent(in) :: path !! path of the file
         integer, intent(in) :: limit !! maximum size, bytes
         character(:), allocatable, intent(out) :: text !! contents of the file
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        logical, intent(in), optional :: may_wait !! whether it may be a FIFO or a device; false by default
         type(input_file_t) :: file
         character(:), allocatable :: block, more
         integer, parameter :: first_room = 65536
         integer :: length, got
 
         text = ''
-        call file%open(path, error)
+        call file%open(path, error, may_wait)
         if (allocated(error)) return
         allocate (character(first_room) :: block)
         length = 0

@@ -7,6 +7,9 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
+#include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,8 +20,12 @@
 #include <time.h>
 #include <unistd.h>
 
-// What spintop_reason says of a file that another run has locked; no errno value.
-enum { in_use = -1 };
+// What spintop_reason says beside errno values.
+enum { in_use = -1, is_link = -2, has_links = -3, is_special = -4, keeps_moving = -5, was_changed = -6, no_locks = -7 };
+
+void spintop_host(char *text, int room);
+int spintop_write(int file, const char *bytes, long long count);
+void spintop_remove_lock_file(const char *path);
 
 int spintop_open(const char *path, int *file) {
     do {
@@ -27,36 +34,154 @@ int spintop_open(const char *path, int *file) {
     return *file < 0 ? errno : 0;
 }
 
-// Locks a regular file for this run. Where the file system knows no locks the file stays unlocked:
-// not to run there at all would be worse.
-static int lock(int file) {
+// Opens a regular file for reading. A FIFO or a device, which may never answer, is refused.
+int spintop_open_regular(const char *path, int *file) {
     struct stat info;
-    if (fstat(file, &info) < 0) return errno;
-    if (!S_ISREG(info.st_mode) || flock(file, LOCK_EX | LOCK_NB) == 0) return 0;
+    do {
+        *file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    } while (*file < 0 && errno == EINTR);
+    if (*file < 0) return errno == ENXIO ? is_special : errno;
+    if (fstat(*file, &info) == 0 && S_ISREG(info.st_mode)) return 0;
+    close(*file);
+    *file = -1;
+    return is_special;
+}
+
+// Why a file is not written: through a link the bytes would go elsewhere, and what is no file may never take them.
+static int unfit(const struct stat *info) {
+    if (S_ISLNK(info->st_mode)) return is_link;
+    if (S_ISDIR(info->st_mode)) return EISDIR;
+    if (!S_ISREG(info->st_mode)) return is_special;
+    return info->st_nlink > 1 ? has_links : 0;
+}
+
+// Why a file cannot be replaced by renaming another one: a device or a FIFO would be lost.
+int spintop_check_target(const char *path) {
+    struct stat info;
+    if (lstat(path, &info) < 0 || S_ISLNK(info.st_mode) || S_ISDIR(info.st_mode)) return 0;
+    return S_ISREG(info.st_mode) ? 0 : is_special;
+}
+
+// Opens a file for writing at its end, and makes it where it is missing. All files that are written are opened here.
+int spintop_open_own(const char *path, int *file) {
+    struct stat info;
+    int status;
+    *file = -1;
+    if (lstat(path, &info) == 0) {
+        status = unfit(&info); // before it is opened: the opening of a device may do something
+        if (status != 0) return status;
+    }
+    do {
+        *file = open(path, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY, 0666);
+    } while (*file < 0 && errno == EINTR);
+    if (*file < 0) return errno;
+    status = fstat(*file, &info) < 0 ? errno : unfit(&info);
+    if (status == 0) return 0;
+    close(*file);
+    *file = -1;
+    return status;
+}
+
+// Locks a file for this run.
+static int lock(int file) {
+    if (flock(file, LOCK_EX | LOCK_NB) == 0) return 0;
     if (errno == EWOULDBLOCK) return in_use;
-    return errno == ENOLCK || errno == ENOSYS || errno == EOPNOTSUPP || errno == EINVAL ? 0 : errno;
+    return errno == ENOLCK || errno == ENOSYS || errno == EOPNOTSUPP || errno == EINVAL ? no_locks : errno;
 }
 
-// Between the opening and the lock another run may have renamed the file.
-static int still_has_name(int file, const char *path) {
+// Whether the process that made a lock file ran on this machine and is no more.
+static int is_stale(const char *name, const char *host) {
+    char text[512] = "", there[256];
+    long process = 0;
+    int file, is_over;
+    if (spintop_open_regular(name, &file) != 0) return 0;
+    is_over = read(file, text, sizeof text - 1) > 0 && sscanf(text, "%255s %ld", there, &process) == 2 &&
+              strcmp(there, host) == 0 && process > 0 && kill((pid_t)process, 0) < 0 && errno == ESRCH;
+    close(file);
+    return is_over;
+}
+
+// The lock files of this process: a place is free, taken for one that is not made yet, or has one.
+enum { most_held = 64, room_of_name = PATH_MAX + 8, is_free = 0, is_taken, is_made };
+static char held[most_held][room_of_name];
+static atomic_int state[most_held];
+
+// In place of a lock, where the file system has none: a file beside the other one, which only one run can make.
+static int make_lock_file(const char *path) {
+    char host[256], text[512], *name;
+    int file, length, status = 0, place = 0;
+    for (; place < most_held; ++place) {
+        int expected = is_free;
+        if (atomic_compare_exchange_strong(&state[place], &expected, is_taken)) break;
+    }
+    if (place == most_held) return ENOLCK;
+    name = held[place];
+    if (snprintf(name, room_of_name, "%s.lock", path) >= PATH_MAX) {
+        state[place] = is_free;
+        return ENAMETOOLONG;
+    }
+    spintop_host(host, sizeof host);
+    for (int tries = 0; tries < 2; ++tries) {
+        file = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
+        if (file >= 0) {
+            length = snprintf(text, sizeof text, "%s %ld\n", host, (long)getpid());
+            status = spintop_write(file, text, length);
+            close(file);
+            if (status == 0) {
+                state[place] = is_made;
+                return 0;
+            }
+            unlink(name);
+        } else {
+            status = errno == EEXIST ? no_locks : errno;
+        }
+        if (status != no_locks || !is_stale(name, host)) break;
+        unlink(name);
+    }
+    state[place] = is_free;
+    return status;
+}
+
+// Removes the lock file that was made for a file, or for all of them (NULL); safe in the handler of a signal.
+void spintop_remove_lock_file(const char *path) {
+    const size_t length = path == NULL ? 0 : strlen(path);
+    for (int i = 0; i < most_held; ++i) {
+        if (state[i] != is_made) continue;
+        if (path != NULL && (strncmp(held[i], path, length) != 0 || strcmp(held[i] + length, ".lock") != 0)) continue;
+        unlink(held[i]);
+        state[i] = is_free;
+    }
+}
+
+static int is_same(const struct stat *a, const struct stat *b) {
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
+}
+
+// Whether a file still has the name under which it was opened, and the size that was written to it (-1: any). If not,
+// another program has been at it, and its contents are not to be trusted.
+int spintop_check_written(int file, const char *path, long long size) {
     struct stat opened, named;
-    return fstat(file, &opened) == 0 && stat(path, &named) == 0 && opened.st_dev == named.st_dev &&
-           opened.st_ino == named.st_ino;
+    if (fstat(file, &opened) < 0 || lstat(path, &named) < 0) return errno;
+    return is_same(&opened, &named) && (size < 0 || opened.st_size == (off_t)size) ? 0 : was_changed;
 }
 
-// Opens a file for writing at its end, makes it where it is missing, and locks it until it is closed.
+// The same as spintop_open_own, and locks the file until it is closed. Where the file system has no locks, a file
+// PATH.lock is made, which the caller removes.
 int spintop_open_locked(const char *path, int *file) {
-    for (;;) {
-        int status;
-        *file = open(path, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-        if (*file < 0 && errno == EINTR) continue;
-        if (*file < 0) return errno;
+    enum { most_tries = 100 };
+    for (int tries = 0; tries < most_tries; ++tries) {
+        int status = spintop_open_own(path, file);
+        if (status != 0) return status;
         status = lock(*file);
-        if (status == 0 && still_has_name(*file, path)) return 0;
+        if (status == no_locks) status = make_lock_file(path);
+        // Between the opening and the lock another run may have renamed the file.
+        if (status == 0 && spintop_check_written(*file, path, -1) == 0) return 0;
+        if (status == 0) spintop_remove_lock_file(path);
         close(*file);
         *file = -1;
         if (status != 0) return status;
     }
+    return keeps_moving;
 }
 
 int spintop_write(int file, const char *bytes, long long count) {
@@ -107,12 +232,8 @@ int spintop_sync_folder(const char *path) {
     return status;
 }
 
-// A special file has no size that could be cut.
 int spintop_truncate(int file, long long size) {
-    struct stat info;
     int result;
-    if (fstat(file, &info) < 0) return errno;
-    if (!S_ISREG(info.st_mode)) return 0;
     do {
         result = ftruncate(file, (off_t)size);
     } while (result < 0 && errno == EINTR);
@@ -125,6 +246,8 @@ int spintop_close(int file) {
 }
 
 int spintop_rename(const char *from, const char *to) {
+    const int status = spintop_check_target(to);
+    if (status != 0) return status;
     return rename(from, to) < 0 ? errno : 0;
 }
 
@@ -215,8 +338,17 @@ long long spintop_physical_memory(void) {
 }
 
 void spintop_reason(int number, char *text, int room) {
-    if (number == in_use) {
-        snprintf(text, (size_t)room, "another run is writing it");
+    static const char *const reasons[] = {
+        "another run is writing it",
+        "it is a symbolic link; remove it, or write elsewhere",
+        "other names lead to the same file (hard links); remove it, or write elsewhere",
+        "it is a device, a FIFO or a socket, not a file; give the path of a file",
+        "its name passes from file to file; write elsewhere",
+        "another program changed it meanwhile; run it again",
+        "another run is writing it, or ended without removing the file .lock beside it; if none runs, remove that",
+    };
+    if (number < 0) {
+        snprintf(text, (size_t)room, "%s", reasons[-number - 1]);
         return;
     }
     if (strerror_r(number, text, (size_t)room) != 0) text[0] = '\0';

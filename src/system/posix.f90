@@ -5,7 +5,8 @@ module spintop_posix
     use spintop_errors, only: error_t, exit_input, output_error
     implicit none
     private
-    public :: c_open, c_open_locked, c_write, c_read, c_sync, c_sync_folder, c_truncate, c_close, c_rename, &
+    public :: c_open, c_open_regular, c_open_own, c_open_locked, c_remove_lock_file, c_check_target, c_check_written, &
+        c_write, c_read, c_sync, c_sync_folder, c_truncate, c_close, c_rename, &
         c_remove, c_remove_folder, c_make_folder, c_make_private_folder, c_inspect, c_is_same_file, c_is_terminal, c_seconds, &
         c_processor_seconds, c_pause, c_utc, c_host, c_peak_memory, c_physical_memory, check_call, up_to_null
 
@@ -17,12 +18,46 @@ module spintop_posix
             integer(c_int), intent(out) :: file !! file descriptor
         end function c_open
 
-        !> Opens a file for appending, creates it if it is missing, and locks it until it is closed.
+        !> Opens a regular file for reading; anything else is an error.
+        integer(c_int) function c_open_regular(path, file) bind(C, name='spintop_open_regular')
+            import :: c_char, c_int
+            character(c_char), intent(in) :: path(*) !! path, terminated by a null character
+            integer(c_int), intent(out) :: file !! file descriptor
+        end function c_open_regular
+
+        !> Opens a file for appending, and creates it if it is missing. Links and special files are errors.
+        integer(c_int) function c_open_own(path, file) bind(C, name='spintop_open_own')
+            import :: c_char, c_int
+            character(c_char), intent(in) :: path(*) !! path, terminated by a null character
+            integer(c_int), intent(out) :: file !! file descriptor
+        end function c_open_own
+
+        !> The same, and locks the file until it is closed.
         integer(c_int) function c_open_locked(path, file) bind(C, name='spintop_open_locked')
             import :: c_char, c_int
             character(c_char), intent(in) :: path(*) !! path, terminated by a null character
             integer(c_int), intent(out) :: file !! file descriptor
         end function c_open_locked
+
+        !> Removes the file that was made in place of a lock, if one was made.
+        subroutine c_remove_lock_file(path) bind(C, name='spintop_remove_lock_file')
+            import :: c_char
+            character(c_char), intent(in) :: path(*) !! path of the locked file, terminated by a null character
+        end subroutine c_remove_lock_file
+
+        !> Checks that a file may be replaced: that it is no device and no FIFO.
+        integer(c_int) function c_check_target(path) bind(C, name='spintop_check_target')
+            import :: c_char, c_int
+            character(c_char), intent(in) :: path(*) !! path, terminated by a null character
+        end function c_check_target
+
+        !> Checks that an open file still has its name and its size.
+        integer(c_int) function c_check_written(file, path, size) bind(C, name='spintop_check_written')
+            import :: c_char, c_int, c_long_long
+            integer(c_int), value :: file !! file descriptor
+            character(c_char), intent(in) :: path(*) !! path, terminated by a null character
+            integer(c_long_long), value :: size !! bytes written; -1 if they are not known
+        end function c_check_written
 
         !> Writes `count` bytes.
         integer(c_int) function c_write(file, bytes, count) bind(C, name='spintop_write')

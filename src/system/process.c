@@ -15,6 +15,8 @@
 #include <sys/time.h>
 #include <unistd.h>
 
+void spintop_remove_lock_file(const char *path);
+
 enum { standard_input, standard_output, standard_error };
 
 // Exit code of an unexpected end, as in errors.f90.
@@ -61,6 +63,7 @@ static void end_unplanned(void) {
 
 // Ends the process by a signal, after its message.
 static void tell_and_end(int number) {
+    spintop_remove_lock_file(NULL);
     if (atomic_exchange(&is_watching, 0)) {
         char digits[24];
         char *first = digits + sizeof digits;

@@ -10,8 +10,8 @@
 module spintop_table_file
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_checksum, only: add_to_checksum, checksum_t, checksum_text
-    use spintop_errors, only: error_t, output_error
-    use spintop_files, only: input_file_t, is_folder, output_file_t, remove_file, rename_file, sync_folder_of
+    use spintop_errors, only: error_t
+    use spintop_files, only: check_target, input_file_t, output_file_t
     use spintop_journal, only: journal_entry_t, remove_journal
     use spintop_kinds, only: dp
     use spintop_table_head, only: comment_lines
@@ -31,7 +31,6 @@ module spintop_table_file
         type(checksum_t) :: checksum          !! of the bytes written so far
         type(output_file_t), private :: file
         type(text_buffer_t), private :: pending
-        logical, private :: unfinished = .false.
     contains
         procedure :: create
         procedure :: reserve
@@ -42,6 +41,7 @@ module spintop_table_file
         procedure :: write_pending
         procedure :: sync
         procedure :: finish
+        procedure :: finish_part
         procedure :: discard
         procedure :: abandon
     end type table_file_t
@@ -79,12 +79,8 @@ contains
         self%bytes = 0
         self%checksum = checksum_t()
         call self%pending%clear()
-        if (is_folder(path)) then
-            error = output_error('cannot create ' // path // ': it is a folder')
-            return
-        end if
-        call self%file%open(part_of(path), error)
-        self%unfinished = .not. allocated(error)
+        call check_target(path, error)
+        if (.not. allocated(error)) call self%file%open(part_of(path), error)
     end subroutine reserve
 
     !> Empties the part, and writes the header. A folder that is not writable is detected here, not after the
@@ -159,29 +155,27 @@ contains
 
         call self%put(comment_lines(trailer), error)
         if (.not. allocated(error)) call self%write_pending(error)
-        if (.not. allocated(error)) call self%file%sync(error)
-        ! Renamed before it is closed: otherwise another run might lock and empty it under its new name.
-        if (.not. allocated(error)) call rename_file(self%file%path, self%path, error)
-        if (allocated(error)) return
-        self%unfinished = .false.
-        call self%file%close(error)
-        if (.not. allocated(error)) call sync_folder_of(self%path, error)
+        if (.not. allocated(error)) call self%finish_part(self%bytes, error)
     end subroutine finish
+
+    !> Renames the part to the table when it is on the disk.
+    subroutine finish_part(self, bytes, error)
+        class(table_file_t), intent(inout) :: self
+        integer(int64), intent(in) :: bytes !! size of the part; -1 if it is not known
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        call self%file%finish_as(self%path, bytes, error)
+    end subroutine finish_part
 
     !> Discards the table: the part is removed, if possible.
     subroutine discard(self)
         class(table_file_t), intent(inout) :: self
-        type(error_t), allocatable :: ignored
-        if (.not. self%unfinished) return
-        call remove_file(self%file%path, ignored)
-        call self%abandon()
+        call self%file%discard()
     end subroutine discard
 
     !> Closes the part and keeps it, so that a later run can resume it.
     subroutine abandon(self)
         class(table_file_t), intent(inout) :: self
         type(error_t), allocatable :: ignored
-        self%unfinished = .false.
         call self%file%close(ignored)
     end subroutine abandon
 

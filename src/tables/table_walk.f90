@@ -63,7 +63,7 @@ contains
 
         has_lines = .false.
         self%path = path_from(input, path)
-        call read_file(self%path, largest_table, self%text, error)
+        call read_file(self%path, largest_table, self%text, error, may_wait=.true.)
         if (.not. allocated(error)) call check_format(self%path, self%text, error)
         if (allocated(error)) return
         if (index(self%text, byte_order_mark) == 1) self%at%last = len(byte_order_mark)

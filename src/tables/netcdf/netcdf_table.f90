@@ -8,7 +8,7 @@ module spintop_netcdf_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_checksum, only: add_reals_to_checksum, checksum_t, checksum_text
     use spintop_errors, only: error_t
-    use spintop_files, only: output_file_t, remove_file, rename_file, sync_folder_of
+    use spintop_files, only: output_file_t
     use spintop_growing_table, only: difference_from, growing_table_t
     use spintop_journal, only: journal_entry_t
     use spintop_kinds, only: dp
@@ -16,7 +16,6 @@ module spintop_netcdf_table
     use spintop_netcdf_file, only: netcdf_file_t
     use spintop_row_block, only: row_block_t
     use spintop_table_file, only: changed_after, part_of
-    use spintop_text, only: string_t
     implicit none
     private
     public :: netcdf_table_t, head_of_netcdf
@@ -117,23 +116,14 @@ contains
     subroutine finish_part(self, error)
         class(netcdf_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        type(string_t) :: no_lines(0)
-        type(error_t), allocatable :: ignored
-
         if (self%is_as_wanted()) then
             call self%file%close(error)
-            if (.not. allocated(error)) call self%table%finish(no_lines, error)
+            if (.not. allocated(error)) call self%table%finish_part(-1_int64, error)
             return
         end if
         call self%file%flush(error)
-        if (.not. allocated(error)) call convert(self%file, self%description, self%table%path // '.new', error)
-        if (.not. allocated(error)) call rename_file(self%table%path // '.new', self%table%path, error)
-        if (.not. allocated(error)) call sync_folder_of(self%table%path, error)
-        if (allocated(error)) then
-            call remove_file(self%table%path // '.new', ignored)
-            return
-        end if
-        call self%file%close(error)
+        if (.not. allocated(error)) call convert(self%file, self%description, self%table%path, error)
+        if (.not. allocated(error)) call self%file%close(error)
         if (.not. allocated(error)) call self%table%discard()
     end subroutine finish_part
 
@@ -144,7 +134,7 @@ contains
         if (is_as_wanted) is_as_wanted = self%file%description%head() == self%description%head()
     end function is_as_wanted
 
-    !> Makes a file of the rows of another one, and brings it to the disk.
+    !> Makes a file of the rows of another one, under another name until it is complete.
     subroutine convert(from, description, path, error)
         type(netcdf_file_t), intent(in) :: from
         type(netcdf_description_t), intent(in) :: description
@@ -154,13 +144,13 @@ contains
         type(output_file_t) :: output
         type(error_t), allocatable :: problem
 
-        call to%create(path, description, error)
+        call output%create(path // '.new', error)
+        if (.not. allocated(error)) call to%create(output%path, description, error)
         if (.not. allocated(error)) call copy_rows(from, from%rows, to, error)
         call to%close(problem)
         if (.not. allocated(error)) call move_alloc(problem, error)
-        if (.not. allocated(error)) call output%open(path, error)
-        if (.not. allocated(error)) call output%sync(error)
-        call output%close(problem)
+        if (.not. allocated(error)) call output%finish_as(path, -1_int64, error)
+        call output%discard()
     end subroutine convert
 
     !> Puts the first rows of a file to another one.

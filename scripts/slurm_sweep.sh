@@ -19,6 +19,21 @@
 # last bits of the numbers may differ between kinds.
 set -euo pipefail
 
+# check_values: refuse what is no number of parts. The merge finds the names of tables in what --check prints, a line each.
+check_values() {
+    local word
+    if ! [[ $parts =~ ^(mpi|[1-9][0-9]*)$ ]]; then
+        printf 'slurm_sweep.sh: PARTS is a number of parts or mpi, not %q\n' "$parts" >&2
+        exit 2
+    fi
+    for word in "$input" "$output"; do
+        if [[ $word = *[[:cntrl:]]* || $word = *' -> '* || $word = *', its '* ]]; then
+            printf 'slurm_sweep.sh: a file or folder cannot have the name %q here\n' "$word" >&2
+            exit 2
+        fi
+    done
+}
+
 # Slurm runs a copy of this file from another folder, possibly without the environment of the user. A job
 # therefore gets its task and all that it needs as arguments.
 #
@@ -29,6 +44,7 @@ if [ "${1:-}" = --task ]; then
         exit 2
     fi
     task=$2 program=$3 output=$4 input=$5 parts=$6
+    check_values
 
     # run COMMAND ...: run it to its end, or until the warning, which ends it with what it has kept; then
     # this task is queued again.
@@ -57,20 +73,20 @@ if [ "${1:-}" = --task ]; then
     compute)
         # A part of its own for each task.
         run "$program" --resume --progress --threads "${SLURM_CPUS_PER_TASK:-1}" \
-            --shard "$SLURM_ARRAY_TASK_ID/$parts" --output "$output" "$input"
+            --shard "$SLURM_ARRAY_TASK_ID/$parts" --output "$output" -- "$input"
         ;;
     mpi)
         run srun --cpus-per-task="${SLURM_CPUS_PER_TASK:-1}" "$program" --resume --progress \
-            --threads "${SLURM_CPUS_PER_TASK:-1}" --output "$output" "$input"
+            --threads "${SLURM_CPUS_PER_TASK:-1}" --output "$output" -- "$input"
         ;;
     merge)
         # table_of OPTION ...: the table that the input names, of rows or, without them, of statistics.
         table_of() {
             local line
-            line=$("$program" --check "$@" --output "$output" "$input" | sed -n '/^! .* -> /p')
+            line=$("$program" --check "$@" --output "$output" -- "$input" | sed -n '/^! .* -> /p')
             line=${line%%$'\n'*}
             line=${line#*" -> "}
-            echo "${line%%", its "*}"
+            printf '%s\n' "${line%%", its "*}"
         }
         first=$(table_of --shard "1/$parts")
         tables=()
@@ -86,13 +102,18 @@ if [ $# -lt 2 ]; then
     sed -n '2,/^$/s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2
     exit 2
 fi
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
-input=$1 parts=$2
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." >/dev/null && pwd -P)
+input=$1 parts=$2 output=${OUTPUT:-output}
 shift 2
+check_values
 build=release
 if [ "$parts" = mpi ]; then build=mpi; fi
 program=${SPINTOP_EXE:-$root/build/$build/spintop}
-output=${OUTPUT:-output}
+[[ $program = [[:alnum:]./_]* ]] || program=./$program # no option of srun
+if ! command -v "$program" >/dev/null; then
+    printf 'slurm_sweep.sh: there is no program %q\n' "$program" >&2
+    exit 2
+fi
 name=${input##*/}
 
 # The batch shell gets the warning, a minute before the end, and may be queued again.
@@ -104,11 +125,11 @@ submit() {
 }
 
 if [ "$parts" = mpi ]; then
-    "$program" --check "$input" >/dev/null
+    "$program" --check -- "$input" >/dev/null
     submit mpi --job-name="spintop $name" "${warned[@]}" "$@"
     exit
 fi
-"$program" --check --shard "1/$parts" "$input" >/dev/null
+"$program" --check --shard "1/$parts" -- "$input" >/dev/null
 array=$(submit compute --job-name="spintop $name" --array="1-$parts" "${warned[@]}" "$@")
 # Not afterok: a task with failed cases ends with exit code 3. A missing part stops the merge.
 submit merge --job-name="spintop merge $name" --dependency="afterany:${array%%;*}" "$@" --cpus-per-task=1

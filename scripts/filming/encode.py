@@ -86,7 +86,7 @@ def write_by_ffmpeg(
             "-i",
             "-",
             *CODECS[path.suffix],
-            str(path),
+            f"file:{path.absolute()}",
         ),
     ]
     with tempfile.TemporaryFile() as log:

@@ -96,7 +96,11 @@ def run(file: Path, folder: Path, pictures: int, between: int) -> Table:
     command = [PROGRAM, "--quiet", "-o", str(folder)]
     for setting in (*settings, "output.format=csv"):
         command += ["--set", setting]
-    done = subprocess.run([*command, str(file)], check=False, capture_output=True, text=True)
+    command += ["--", str(file)]
+    try:
+        done = subprocess.run(command, check=False, capture_output=True, text=True)
+    except OSError as error:
+        raise FilmError(f"cannot run {PROGRAM}: {error.strerror}") from error
     table = folder / f"{file.stem}.csv"
     if not table.exists():
         raise FilmError(

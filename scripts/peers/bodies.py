@@ -96,11 +96,12 @@ def run(
     scene: Path, threads: int, span: str, tolerance: str, method: str = "taylor"
 ) -> tuple[list[list[float]], float]:
     """Run the sweep, and give the angles at the ends and the seconds of computing."""
-    command = [PROGRAM, scene, "--quiet", "--restart", "--threads", threads, "-o", scene.parent]
+    command = [PROGRAM, "--quiet", "--restart", "--threads", threads, "-o", scene.parent]
     for setting in (f"span.t_end={span}", f"integration.method={method}",
                     f"integration.relative_tolerance={tolerance}",
                     f"integration.absolute_tolerance={tolerance}"):  # fmt: skip
         command += ["--set", setting]
+    command += ["--", scene]
     result = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False)
     computing = re.search(r"computing ([0-9.E+-]+) s", result.stdout)
     if result.returncode != 0 or computing is None:

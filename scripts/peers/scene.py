@@ -75,7 +75,8 @@ class Scene:
 
 def read_scene(name: str, path: Path, overrides: list[str], general: bool = False) -> Scene:
     """Read an input as spintop resolves it."""
-    resolved = call("--check", *(part for text in overrides for part in ("--set", text)), path)
+    settings = (part for text in overrides for part in ("--set", text))
+    resolved = call("--check", *settings, "--", path)
     groups = {match[1]: match[0] for match in GROUP.finditer(resolved)}
     settings = read_head([line.strip() for line in resolved.splitlines()])[1]
     if any(key.startswith(("sweep.parameter", "sweep.table")) for key in settings):

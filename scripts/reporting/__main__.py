@@ -67,7 +67,7 @@ def complain(message: str) -> None:
 
 def run_inputs(folder: Path, inputs: list[Path]) -> int:
     """Run spintop on the inputs; return its exit code."""
-    command = [SCRIPTS / "run", "--no-plots", "-o", folder, *inputs]
+    command = [SCRIPTS / "run", "--no-plots", "-o", folder, "--", *inputs]
     return subprocess.run(command, check=False).returncode
 
 

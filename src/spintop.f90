@@ -9,7 +9,7 @@
 module spintop
     use spintop_kinds, only: dp
     use spintop_errors, only: error_t
-    use spintop_status, only: status_ok, status_name, status_meaning, status_names, status_pole, &
+    use spintop_status, only: status_ok, is_good_end, status_name, status_meaning, status_names, status_pole, &
         status_non_finite, status_step_limit, status_not_converged, status_step_too_small, &
         status_turning_point, status_outside, status_unsuitable, status_integrator, status_bad_input, &
         status_bad_body, status_bad_start, status_bad_controls, status_bad_span, status_bad_samples, &

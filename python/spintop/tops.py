@@ -279,8 +279,9 @@ class Top:
         """
         columns = names_in(columns)
         groups = self.input(integration=keys, span={"t_end": t_end}, output={"columns": columns})
-        table = sweep({"study": {"kind": "sweep"}, **groups}, {}, threads=1).rows
-        if str(table["status"][0]) != "ok":
+        found = sweep({"study": {"kind": "sweep"}, **groups}, {}, threads=1)
+        table = found.rows
+        if not found.ok:
             status, note = str(table["status"][0]), table["notes"][0]
             raise MotionError(f"{status}: {note}", code=3, status=status)
         wanted = columns if all(name in table for name in columns) else tuple(table)

@@ -9,6 +9,7 @@ import pandas as pd
 
 from peers.crew import Trial
 from peers.problem import Problem
+from spintop_figures.tables.ends import ended_well
 from spintop_figures.tables.table import Table
 
 OWN = "spintop"
@@ -74,7 +75,7 @@ def join(parts: list[pd.DataFrame]) -> pd.DataFrame:
 
 def front(rows: pd.DataFrame) -> pd.DataFrame:
     """Those that step and are both cheaper and more exact than no other, by time."""
-    good = rows[(rows["status"] == "ok") & (rows["method"] != "exact")]
+    good = rows[ended_well(rows) & (rows["method"] != "exact")]
     good = good.sort_values(["time_s", "orientation_error"])
     best = good["orientation_error"].cummin().shift(fill_value=math.inf)
     return good[good["orientation_error"] < best]

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from peers.problem import ALIKE, Problem
 from peers.quaternion import product
+from spintop_figures.tables.ends import is_good_end
 from spintop_figures.tables.table import Table, read_head, read_table
 
 ROOT = Path(__file__).resolve().parent.parent.parent
@@ -31,7 +32,7 @@ ONE_STEP = "&integration formulation = 'rigid_body' method = 'rk4' steps = 1 /"
 
 
 SOME_FAILED = 3
-"""Exit code of spintop if some rows have a status other than ok."""
+"""Exit code of spintop if the status of some rows is no good end."""
 
 
 class SceneError(Exception):
@@ -98,7 +99,7 @@ def pose(scene: Scene, folder: Path) -> Problem:
     order, turn = choose_axes(inertia, weight, scene.damping)
     start = ask_start([scene.top, scene.initial, "&span t_end = 1 /"], START, folder)
     table = compute("trajectory", [*scene.groups, ask_for(END), REFERENCE], folder)
-    if table.status != "ok":
+    if not is_good_end(table.status):
         raise SceneError(f"its reference ends with status {table.status}")
     *end, t_end = table.rows[list(END)].iloc[-1].tolist()
     return Problem(

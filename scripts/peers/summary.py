@@ -3,6 +3,7 @@
 import pandas as pd
 
 from peers.result import OWN
+from spintop_figures.tables.ends import ended_well
 
 ERRORS = tuple(float(f"1e-{digits}") for digits in range(3, 13))
 NONE = "\N{EN DASH}"
@@ -10,7 +11,7 @@ NONE = "\N{EN DASH}"
 
 def cheapest(rows: pd.DataFrame, error: float) -> pd.Series | None:
     """The fastest row whose attitude at the end is good enough."""
-    good = rows[(rows["status"] == "ok") & (rows["orientation_error"] <= error)]
+    good = rows[ended_well(rows) & (rows["orientation_error"] <= error)]
     return None if good.empty else good.loc[good["time_s"].idxmin()]
 
 

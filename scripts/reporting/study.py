@@ -14,6 +14,7 @@ from reporting.proved import SUFFIX, proved_texts
 from spintop_figures.moving.data import Data, rows_kept
 from spintop_figures.moving.motion import refusal
 from spintop_figures.tables.characters import printable
+from spintop_figures.tables.ends import ended_well, is_good_end
 from spintop_figures.tables.netcdf import FormatError
 from spintop_figures.tables.table import Table, TableError, read_table
 
@@ -89,11 +90,11 @@ class Section:
     def failed(self) -> bool:
         """Whether a motion or a case did not end well."""
         if self.table.status is not None:
-            return self.table.status != "ok"
+            return not is_good_end(self.table.status)
         rows = self.table.rows
         if "verdict" in rows:  # to fail is a result, there
             return False
-        return "status" in rows and bool((rows["status"].astype(str) != "ok").any())
+        return "status" in rows and not ended_well(rows).all()
 
     @property
     def moves(self) -> bool:

@@ -2,9 +2,9 @@
 module spintop_c_error
     use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr
     use spintop_c_text, only: c_text_t
-    use spintop_errors, only: error_t, exit_failed, exit_input, exit_ok
+    use spintop_errors, only: error_t, exit_input, exit_ok
     use spintop_kinds, only: dp
-    use spintop_status, only: status_bad_input, status_meanings, status_names, status_ok
+    use spintop_status, only: code_of, is_refusal, status_meanings, status_names
     implicit none
     private
     public :: hand_error, hand_status, is_null, describe_status, longest_message
@@ -37,7 +37,7 @@ contains
         end if
     end subroutine hand_error
 
-    !> Hands a status to C, and returns its code: 0, and no error, for `status_ok`. No text is made by a function, so
+    !> Hands a status to C, and returns its code: 0, and no error, for a good end. No text is made by a function, so
     !> several threads may call it at once: see `status_names`.
     integer(c_int) function hand_status(status, t, place) result(code)
         integer, intent(in) :: status !! how a motion ended
@@ -45,9 +45,8 @@ contains
         type(c_ptr), intent(in) :: place !! where C wants its pointer to the error; may be null
         character(longest_message) :: message
 
-        code = exit_ok
-        if (status == status_ok) return
-        code = merge(exit_input, exit_failed, status >= status_bad_input)
+        code = merge(exit_input, code_of(status), is_refusal(status))
+        if (code == exit_ok) return
         call describe_status(status, t, message)
         call hand_over(int(code), trim(status_names(status)), message, '', [0, 0], place)
     end function hand_status
@@ -68,7 +67,7 @@ contains
         real(dp), intent(in) :: t !! the time then, s
         character(longest_message), intent(out) :: message !! name and meaning of the status
         message = trim(status_names(status)) // ': ' // status_meanings(status)
-        if (status < status_bad_input) write (message, '(2a, es23.16e3, a)') trim(message), ' (reached t =', t, ' s)'
+        if (.not. is_refusal(status)) write (message, '(2a, es23.16e3, a)') trim(message), ' (reached t =', t, ' s)'
     end subroutine describe_status
 
     subroutine hand_over(code, status, message, source, at, place)

@@ -11,7 +11,7 @@ module spintop_c_motion
     use spintop_motion, only: motion_t
     use spintop_plan, only: plan_t
     use spintop_row_maker, only: row_maker_t
-    use spintop_status, only: status_bad_samples, status_non_finite, status_ok, status_step_limit
+    use spintop_status, only: is_good_end, status_bad_samples, status_non_finite, status_ok, status_step_limit
     use spintop_stepper, only: looks_per_step
     use spintop_trajectory_column, only: trajectory_column_t
     implicit none
@@ -179,7 +179,7 @@ contains
         call integrate(formulation, self%plan%stepper, self%case%body, self%case%start, t_end, sampler%samples, sampler, outcome)
         status = outcome%status
         t_reached = outcome%t
-        if (status == status_ok .and. sampler%has_missed) status = status_bad_samples
+        if (is_good_end(status) .and. sampler%has_missed) status = status_bad_samples
     end subroutine integrate_motion
 
     !> Puts a state of a formulation into the row of its sample.

@@ -11,7 +11,7 @@ module spintop_c_top
     use spintop_c_result, only: c_column_t, described_column_t, hand_result
     use spintop_c_text, only: c_text_t, take_text
     use spintop_data_table, only: data_table_t
-    use spintop_errors, only: error_t, exit_failed, exit_input, exit_ok, input_error
+    use spintop_errors, only: error_t, exit_input, exit_ok, input_error
     use spintop_event_recorder, only: event_columns, event_recorder_t
     use spintop_in_memory, only: memory_run_t
     use spintop_integration, only: outcome_t
@@ -21,7 +21,7 @@ module spintop_c_top
     use spintop_plan, only: plan_t
     use spintop_preparation, only: prepare_job, prepared_t
     use spintop_scene_words, only: kind_trajectory, study_kinds
-    use spintop_status, only: is_good_end
+    use spintop_status, only: code_of
     use spintop_table_column, only: column_t
     use spintop_trajectory_column, only: trajectory_column_t
     use spintop_trajectory_columns, only: trajectory_columns
@@ -222,10 +222,10 @@ contains
             call compute_motion(job%scene, job%case, plan, times, writer, outcome, watch)
         end associate
         call writer%columns%close()
-        call describe_status(outcome%status, outcome%t, message)
+        call describe_status(outcome%status, outcome%end_time(), message)
         run%summary = message
         run%warnings = ''
-        run%code = merge(exit_ok, exit_failed, is_good_end(outcome%status))
+        run%code = code_of(outcome%status)
         allocate (run%table(1))
         call take_events(watch, top%chosen, run%table(1))
     end subroutine record_events

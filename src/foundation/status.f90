@@ -1,14 +1,16 @@
 !> Status of a computation: an integer inside loops, a name in tables.
 module spintop_status
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_errors, only: exit_failed, exit_ok
     implicit none
     private
-    public :: status_name, status_meaning, status_names, status_meanings
+    public :: status_name, status_number, status_meaning, status_names, status_meanings
     public :: status_ok, status_pole, status_non_finite, status_step_limit, status_not_converged
     public :: status_step_too_small, status_turning_point, status_outside, status_unsuitable
     public :: status_integrator, status_bad_input, status_bad_body, status_bad_start, status_bad_controls
     public :: status_bad_span, status_bad_samples, status_bad_events, status_bad_projection
     public :: status_no_steps, status_no_structure, status_stuck_at_turn, status_unknown_name, status_too_many_events
-    public :: status_at_rest, last_status, is_good_end
+    public :: status_at_rest, last_status, is_good_end, is_refusal, code_of
 
     !> Outcomes of a computation. `status_meaning` gives a sentence for each.
     integer, parameter :: status_ok = 0
@@ -73,13 +75,48 @@ module spintop_status
         'there are more events than can be counted or kept', &
         'dry friction holds the body at rest']
 
+    !> The exit code of a run: of the status of its motion, or of the numbers of its cases with each status.
+    interface code_of
+        module procedure code_of_end
+        module procedure code_of_counts
+    end interface code_of
+
 contains
 
-    !> Whether a motion with this status was computed to its end.
+    !> Whether a motion with this status was computed to its end. Everything that tells motions that succeeded from
+    !> those that failed asks this, in the end: `spintop list statuses --json` has it as `good`.
     elemental logical function is_good_end(status)
         integer, intent(in) :: status !! number of a status
         is_good_end = status == status_ok .or. status == status_at_rest
     end function is_good_end
+
+    !> Whether this status refuses a computation before it begins.
+    elemental logical function is_refusal(status)
+        integer, intent(in) :: status !! number of a status
+        is_refusal = status >= status_bad_input .and. status <= status_unknown_name
+    end function is_refusal
+
+    !> The exit code of a run of one motion.
+    pure integer function code_of_end(status) result(code)
+        integer, intent(in) :: status !! how the motion ended
+        code = merge(exit_ok, exit_failed, is_good_end(status))
+    end function code_of_end
+
+    !> The exit code of a run of many cases: each must have a good end.
+    pure integer function code_of_counts(counts) result(code)
+        integer(int64), intent(in) :: counts(0:last_status) !! number of cases with each status
+        integer :: i
+        code = exit_ok
+        do i = 0, last_status
+            if (counts(i) > 0) code = max(code, code_of_end(i))
+        end do
+    end function code_of_counts
+
+    !> Number of a status by its name in tables; -1 if there is none of that name.
+    pure integer function status_number(name) result(number)
+        character(*), intent(in) :: name !! name of a status
+        number = findloc(status_names == name, .true., dim=1) - 1
+    end function status_number
 
     !> Name of a status in tables; 'unknown' for a number that is not a status.
     pure function status_name(status) result(name)

@@ -1,6 +1,6 @@
 !> Integrates a motion from its start to the end of the span, and passes it to an observer.
 module spintop_integration
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, no_number
     use spintop_body, only: body_t
     use spintop_events, only: event_watch_t
     use spintop_motion, only: motion_t
@@ -21,13 +21,22 @@ module spintop_integration
         integer :: status = status_ok
         !> Time reached, s: that of the event that ended the run, if there was one.
         real(dp) :: t = 0
-        !> With `status_at_rest` the time at which dry friction stopped the body, s.
-        real(dp) :: t_stuck = 0
+        !> Time at which dry friction stopped the body that lies still in the end, s; NaN of a body that moves.
+        real(dp) :: t_stuck = no_number
         !> Cost of the run.
         type(counts_t) :: counts
+    contains
+        procedure :: end_time
     end type outcome_t
 
 contains
+
+    !> The time of the end of a motion: that at which it came to rest, s.
+    pure real(dp) function end_time(self)
+        class(outcome_t), intent(in) :: self
+        end_time = self%t
+        if (self%status == status_at_rest) end_time = self%t_stuck
+    end function end_time
 
     !> Integrates a formulation from its start over `t_end` seconds. The observer receives the motion at the
     !> sample times (increasing, from 0 to t_end): an adaptive method has dense output for all of them, a
@@ -94,8 +103,10 @@ contains
         end do
         outcome%status = status
         outcome%t = run%work%t
-        if (run%rest%is_resting .and. status == status_ok .and. .not. ends) outcome%status = status_at_rest
-        outcome%t_stuck = run%rest%t_stuck
+        if (run%rest%is_resting) then
+            outcome%t_stuck = run%rest%t_stuck
+            if (status == status_ok .and. .not. ends) outcome%status = status_at_rest
+        end if
         if (ends) outcome%t = watch%t
         outcome%counts = work%counts
     end subroutine integrate

@@ -27,7 +27,7 @@ module spintop_statistics_plan
         !> The columns of numbers and those of words, and their cells in a row.
         type(table_column_t), allocatable :: numbers(:), categories(:)
         integer, allocatable :: cells_of_numbers(:), cells_of_categories(:)
-        !> The cell with the status, which is 0 where a case did not fail.
+        !> The cell with the status.
         integer :: status_cell = 0
         !> The quantiles, in [0, 1], and whether each bin has its own.
         real(dp), allocatable :: shares(:)

@@ -7,7 +7,7 @@ module spintop_statistics_table
     use spintop_accumulators, only: accumulators_t
     use spintop_checksum, only: checksum_width
     use spintop_errors, only: error_t, input_error
-    use spintop_files, only: file_exists, remove_file, sync_file
+    use spintop_files, only: file_exists, input_file_t, remove_file, sync_file
     use spintop_growing_table, only: growing_table_t, refusal
     use spintop_journal, only: journal_entry_t
     use spintop_kinds, only: dp
@@ -17,13 +17,15 @@ module spintop_statistics_table
     use spintop_statistics_file, only: read_statistics, write_part, write_snapshot
     use spintop_statistics_netcdf, only: write_statistics_netcdf
     use spintop_statistics_plan, only: statistics_plan_t
+    use spintop_statistics_result, only: columns_before
+    use spintop_status, only: is_good_end, status_bad_input, status_ok
     use spintop_text, only: to_text
     implicit none
     private
     public :: statistics_table_t, write_statistics
 
-    !> Cells of a row's digest before the values: bin, number of the case, whether it has values.
-    integer, parameter :: bin_cell = 1, number_cell = 2, ok_cell = 3, cells_before = 3
+    !> Cells of a row's digest before the values: bin, number of the case, its status.
+    integer, parameter :: bin_cell = 1, number_cell = 2, status_cell = 3, cells_before = 3
     !> Bytes of a snapshot that are written per second, at least, on any disk that is in use; and the share of the
     !> time that the first snapshot takes, as those after it.
     real(dp), parameter :: slowest_disk = 1.0e8_dp, times_pause = 20, least_pause = 0.05_dp
@@ -63,6 +65,7 @@ module spintop_statistics_table
         procedure :: abandon
         procedure, private :: state_path
         procedure, private :: resume
+        procedure, private :: recall_counts
         procedure, private :: remove_states
         procedure, private :: take_over
         procedure, private :: convert
@@ -89,7 +92,10 @@ contains
         self%is_resumable = self%rows_table%is_resumable
         self%is_complete = self%rows_table%is_complete
         self%remark = self%rows_table%remark
-        if (self%is_complete) return
+        if (self%is_complete) then
+            if (sum(self%counts) == 0) call self%recall_counts(error)
+            return
+        end if
         call self%plan%start(self%accumulators)
         if (self%rows() > 0) then
             call self%resume(error)
@@ -132,6 +138,39 @@ contains
         end if
         self%last_state = entry%state
     end subroutine resume
+
+    !> Takes the number of cases that failed from a complete result. Their reasons are not in it: they count as bad input.
+    subroutine recall_counts(self, error)
+        class(statistics_table_t), intent(inout) :: self
+        type(error_t), allocatable, intent(out) :: error
+        type(accumulators_t) :: accumulators
+        type(statistics_plan_t) :: plan
+        type(input_file_t) :: file
+        character(checksum_width) :: checksum
+        character(:), allocatable :: text
+        real(dp), allocatable :: cells(:)
+        integer, parameter :: longest_row = 1024
+        integer :: length, status
+
+        allocate (cells(columns_before(self%plan) + 2), source=0.0_dp)
+        if (self%is_part) then
+            call read_statistics(self%path, plan, accumulators, checksum, error)
+            if (allocated(error)) return
+            cells = [real(sum(accumulators%cases), dp), real(sum(accumulators%failed), dp)]
+        else
+            allocate (character(len(self%head) + longest_row) :: text)
+            call file%open(self%path, error)
+            if (.not. allocated(error)) call file%read(text, length, error)
+            call file%close()
+            if (allocated(error)) return
+            read (text(len(self%head) + 1:length), *, iostat=status) cells
+            if (status /= 0) error = refusal(self%path, 'it has no row of all cases')
+        end if
+        associate (last => cells(size(cells) - 1:))
+            self%counts(status_bad_input) = nint(last(2), int64)
+            self%counts(status_ok) = nint(last(1) - last(2), int64)
+        end associate
+    end subroutine recall_counts
 
     !> The path of a snapshot.
     pure function state_path(self, number) result(path)
@@ -185,7 +224,7 @@ contains
                     digest(k, bin_cell) = bin
                 end do
                 digest(:, number_cell) = cells(1, :rows)
-                digest(:, ok_cell) = cells(plan%status_cell, :rows)
+                digest(:, status_cell) = cells(plan%status_cell, :rows)
                 do i = 1, n
                     digest(:, cells_before + i) = cells(plan%cells_of_numbers(i), :rows)
                 end do
@@ -263,7 +302,7 @@ contains
         end if
         if (.not. allocated(self%numbers)) allocate (self%numbers(n), self%is_ok(n), self%words(n, size(digest, 2) - last))
         self%numbers(:n) = int(digest(:, number_cell), int64)
-        self%is_ok(:n) = digest(:, ok_cell) <= 0
+        self%is_ok(:n) = is_good_end(nint(digest(:, status_cell)))
         self%words(:n, :) = int(digest(:, last + 1:))
     end subroutine convert
 

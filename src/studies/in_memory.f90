@@ -7,7 +7,7 @@ module spintop_in_memory
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_axes_of_arrays, only: given_axis_t
     use spintop_data_table, only: data_table_t, load_table
-    use spintop_errors, only: error_t, exit_failed, exit_ok
+    use spintop_errors, only: error_t, exit_ok
     use spintop_execution, only: run_job
     use spintop_fit_table, only: residual_path
     use spintop_files, only: file_exists, make_private_folder, remove_folder
@@ -16,7 +16,7 @@ module spintop_in_memory
     use spintop_options, only: options_t
     use spintop_preparation, only: prepare_job, prepared_t, protect_interrupted
     use spintop_scene_words, only: kind_fit, kind_sweep, study_kinds
-    use spintop_status, only: status_ok
+    use spintop_status, only: code_of
     use spintop_sweep_table, only: describe_columns
     use spintop_sweep_team, only: sweep_team_t
     use spintop_text, only: join, string_t
@@ -91,7 +91,7 @@ contains
         call team%compute(job, table)
         call move_alloc(team%queue%error, error)
         if (allocated(error)) return
-        run%code = merge(exit_failed, exit_ok, any(table%counts(status_ok + 1:) > 0))
+        run%code = code_of(table%counts)
         allocate (run%table(1))
         call take_table(table%data, run%table(1))
     end subroutine run_sweep

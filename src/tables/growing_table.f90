@@ -15,6 +15,8 @@ module spintop_growing_table
     use spintop_process, only: keep_rows
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
+    use spintop_status_counts, only: count_statuses
+    use spintop_table_column, only: status_column
     use spintop_table_file, only: check_bytes, part_of, table_file_t
     use spintop_table_head, only: compare_heads
     use spintop_text, only: string_t, to_text
@@ -66,6 +68,7 @@ module spintop_growing_table
         procedure :: flush_part
         procedure :: check_part
         procedure :: finish_part
+        procedure :: count_complete
         procedure, nopass :: compare_head
         procedure, private :: start_anew
         procedure, private :: resume
@@ -99,6 +102,7 @@ contains
             self%is_complete = .true.
             self%remark = 'nothing was computed: the table is already complete'
             if (.not. file_exists(part_of(path))) call remove_journal(path, error)
+            if (self%keeps_rows .and. .not. allocated(error)) call self%count_complete(path, len(head), error)
         else
             call self%table%reserve(path, error)
             if (had_part .and. .not. (allocated(error) .or. restart)) then
@@ -321,6 +325,18 @@ contains
         if (.not. allocated(self%trailer)) allocate (self%trailer(0))
         call self%table%finish(self%trailer, error)
     end subroutine finish_part
+
+    !> Counts the rows of a complete table by their status, or its motion.
+    subroutine count_complete(self, path, head_length, error)
+        class(growing_table_t), intent(inout) :: self
+        character(*), intent(in) :: path !! path of the table
+        integer, intent(in) :: head_length !! bytes of its header
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        integer :: column
+        column = 0
+        if (allocated(self%columns)) column = findloc(self%columns%name == status_column, .true., dim=1)
+        call count_statuses(path, head_length, column, self%counts, error)
+    end subroutine count_complete
 
     !> Whether a file has a header; `problem` describes the difference, and is empty if there is none.
     subroutine compare_head(path, head, problem)

@@ -4,11 +4,14 @@ module spintop_table_column
     use spintop_text, only: string_t
     implicit none
     private
-    public :: column_t, table_column_t, column_of_reals, column_of_integers, column_of_words, column_of_notes
+    public :: column_t, table_column_t, column_of_reals, column_of_integers, column_of_words, column_of_notes, status_column
 
     !> Kind of the cells: a real; an integer; the index of a category, from 0; or notes, one bit for each
     !> category from the lowest, with a separate text.
     integer, parameter :: column_of_reals = 1, column_of_integers = 2, column_of_words = 3, column_of_notes = 4
+
+    !> Name of the column that tells how a case ended; and of the attribute that tells it of a single motion.
+    character(*), parameter :: status_column = 'status'
 
     !> A column: its name, unit and meaning.
     type :: column_t

@@ -1,5 +1,6 @@
 """The folders of the sources: imports go down only, tests mirror them, sizes keep bounds."""
 
+import itertools
 import re
 import sys
 import unittest
@@ -40,6 +41,11 @@ INTERFACE = re.compile(r"^\s*(end\s+|abstract\s+)?interface\b", re.I)
 LONGEST_FILE = 400
 LONGEST_PROCEDURE = 80
 FULLEST_FOLDER = 20
+# Comparisons with the words of good ends, and in Fortran with names of statuses or with `at_rest`.
+WORDS_COMPARED = re.compile(
+    r"""(==|!=|\bin\b|\bdrop\()\s*[\[({]*[^"'=]{0,40}["'](ok|at_rest)["']"""
+)
+NAMES_COMPARED = re.compile(r"\bstatus\S*\s*(==|/=)\s*'|\bstatus_at_rest\b|status_ok \+ 1", re.I)
 COEFFICIENTS = re.compile(r"(arkode|dop853|implicit|splitting)_tables?")
 
 
@@ -151,6 +157,32 @@ class ArchitectureTest(unittest.TestCase):
         self.assertGreater(len(found), 1000)
         too_long = {name: lines for name, lines in found if lines > LONGEST_PROCEDURE}
         self.assertEqual(too_long, {})
+
+    def test_good_ends_are_asked_for(self) -> None:
+        """Whether a motion ended well is asked of `is_good_end` and of the flag `good` only.
+
+        That compares with `status_at_rest`, as does what sets it; the interface exports it.
+        """
+        home = {"status.f90", "integration.f90", "spintop.f90"}
+        others = [
+            ROOT.glob(f"{folder}/**/*.{kind}")
+            for folder in ("python", "scripts")
+            for kind in ("py", "js")
+        ]
+        found = [
+            f"{path.relative_to(ROOT)}: {line.strip()}"
+            for pattern, paths in (
+                (NAMES_COMPARED, [path for path in SOURCES if path.name not in home]),
+                (WORDS_COMPARED, itertools.chain(*others)),
+            )
+            for path in paths
+            for line in path.read_text(encoding="utf-8").splitlines()
+            if pattern.search(line)
+        ]
+        self.assertEqual(found, [])
+        for line in ('rows["status"] != "ok"', "if (status === 'ok')", 'x in ("ok", "at_rest")'):
+            self.assertRegex(line, WORDS_COMPARED)
+        self.assertRegex("status(row)%text == 'ok'", NAMES_COMPARED)
 
     def test_public_items_are_documented(self) -> None:
         """Each module, and each public type, constant, variable and procedure has a docstring."""

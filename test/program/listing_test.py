@@ -20,7 +20,7 @@ TOPICS = {
     "cases": "name is_long description",
     "benchmarks": "name description source",
     "studies": "name takes_axes takes_columns has_parts has_netcdf has_events description",
-    "statuses": "name number description",
+    "statuses": "name number good description",
     "exit_codes": "code description",
 }
 """Each topic, and the members of its objects, which scripts depend on."""

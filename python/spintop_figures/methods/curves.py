@@ -9,6 +9,7 @@ import pandas as pd
 
 from spintop_figures.methods.known import rank_of
 from spintop_figures.methods.styles import style_of
+from spintop_figures.tables.ends import ended_well
 from spintop_figures.tables.table import Table
 
 EXACT = "exact"
@@ -50,7 +51,7 @@ def curves_of(rows: pd.DataFrame, columns: Iterable[str]) -> list[Curve]:
     A label names the formulation only where a method has several.
     """
     columns = list(columns)
-    sound = (rows["status"] == "ok") & np.isfinite(rows[columns].astype(float)).all(axis=1)
+    sound = ended_well(rows) & np.isfinite(rows[columns].astype(float)).all(axis=1)
     several = rows.groupby("method")["formulation"].nunique() > 1
     curves = []
     for (method, formulation), part in rows[sound].groupby(["method", "formulation"], sort=False):

@@ -1,17 +1,13 @@
 """The methods and formulations of the program, from its registries."""
 
 import functools
-import json
-import os
-import subprocess
 from pathlib import Path
 from typing import NamedTuple
 
+from spintop_figures.tables.listed import listed
+
 COPY = Path(__file__).with_name("methods.json")
 """What `spintop list methods --json` gave, for tables that are drawn without the program."""
-
-PROGRAM = Path(__file__).resolve().parents[3] / "build" / "release" / "spintop"
-"""The program of a checkout, unless SPINTOP_EXE names another one."""
 
 OTHER = "other programs"
 """The family of what the registry does not have."""
@@ -53,14 +49,8 @@ def known_methods() -> dict[str, Method]:
 
 
 def read_registry() -> list[dict]:
-    """The registry of the program if there is one that answers, else the copy of it."""
-    program = os.environ.get("SPINTOP_EXE") or PROGRAM
-    try:
-        command = [program, "list", "methods", "--json"]
-        answer = subprocess.run(command, capture_output=True, check=True, timeout=10)
-        return json.loads(answer.stdout)["methods"]
-    except (OSError, subprocess.SubprocessError, ValueError, KeyError):
-        return json.loads(COPY.read_text(encoding="utf-8"))["methods"]
+    """The registry of methods."""
+    return listed("methods", COPY)
 
 
 def family_of(method: str) -> str:

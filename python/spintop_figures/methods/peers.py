@@ -11,6 +11,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 from spintop_figures.methods.styles import style_of
 from spintop_figures.style.look import FAINT
 from spintop_figures.style.page import add_panels, new_figure
+from spintop_figures.tables.ends import ended_well
 from spintop_figures.tables.table import Table
 
 DOCUMENTED = ("peers_work_precision_slow_top",)
@@ -37,7 +38,7 @@ TICKS = 9
 
 def object_to_peers(table: Table) -> str:
     """Something has to have gone to its end."""
-    return "" if (table.rows["status"] == "ok").any() else "has no row that went to its end"
+    return "" if ended_well(table.rows).any() else "has no row that went to its end"
 
 
 def draw_peers(table: Table) -> Figure:
@@ -49,7 +50,7 @@ def draw_peers(table: Table) -> Figure:
     panels = add_panels(figure, len(problems))
     handles: dict[str, object] = {}
     for name, axes in zip(problems, panels, strict=True):
-        rows = table.rows[(table.rows["problem"] == name) & (table.rows["status"] == "ok")]
+        rows = table.rows[(table.rows["problem"] == name) & ended_well(table.rows)]
         handles |= draw_problem(axes, rows, min(len(problems), 2))
         if len(problems) > 1:
             axes.set_title(name, loc="left", fontsize=9.5, pad=4)

@@ -13,6 +13,7 @@ from spintop_figures.methods.known import family_of, order_of
 from spintop_figures.methods.styles import look_of, style_of
 from spintop_figures.style.look import FAINT, GREY
 from spintop_figures.style.page import new_figure
+from spintop_figures.tables.ends import ended_well
 from spintop_figures.tables.table import Table
 
 WORDS = ("problem", "method", "formulation", "setting", "status")
@@ -79,7 +80,7 @@ def draw_floor(axes: Axes, rows: pd.DataFrame) -> None:
 def set_limits(axes: Axes, rows: pd.DataFrame, x: str, y: str) -> None:
     """From the least to the largest, with a little room; a method that is lost is not shown."""
     cost, error = (rows[name].to_numpy(float) for name in (x, y))
-    shown = (rows["status"] == "ok").to_numpy() & (cost > 0) & np.isfinite(error)
+    shown = ended_well(rows).to_numpy() & (cost > 0) & np.isfinite(error)
     if not shown.any():
         return
     axes.set_xlim(cost[shown].min() / 2, cost[shown].max() * 2)
@@ -104,7 +105,7 @@ def object_to_precision(table: Table) -> str:
 
 def stepping(rows: pd.DataFrame) -> pd.Series:
     """Which rows are of methods that take steps, and went well."""
-    return (rows["status"] == "ok") & (rows["method"] != EXACT)
+    return ended_well(rows) & (rows["method"] != EXACT)
 
 
 def problem_panels(table: Table, title: str, rows: pd.DataFrame) -> tuple[Figure, dict[str, Axes]]:

@@ -22,6 +22,7 @@ from spintop_figures.sweeps.maps import (
     object_to_grid,
 )
 from spintop_figures.sweeps.quantities import Quantity, tell_failed, the_column
+from spintop_figures.tables.ends import ended_well
 from spintop_figures.tables.table import Table
 
 GOAL = "10\u207b\u2079 rad"
@@ -94,7 +95,7 @@ def object_to_tolerance_map(table: Table) -> str:
     problems = table_of_problems(table)
     if objection := object_to_grid(problems):
         return objection
-    if not (problems.rows["status"] == "ok").any():
+    if not ended_well(problems.rows).any():
         return f"has no method that reaches an error of {GOAL}"
     return ""
 
@@ -103,7 +104,7 @@ def draw_tolerance_map(table: Table) -> Figure:
     """The cheapest method and the next one for the target, with their times, in each cell."""
     problems = table_of_problems(table)
     grid = make_grid(problems)
-    failed = (problems.rows["status"] != "ok").to_numpy()
+    failed = ~ended_well(problems.rows).to_numpy()
     title = f"The cheapest method for an error of {GOAL} in attitude"
     figure = new_figure(table, title + tell_failed(problems), 0.9 + 2 * PANEL_HEIGHT)
     first = figure.add_subplot(2, 1, 1)

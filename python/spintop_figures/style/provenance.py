@@ -4,6 +4,7 @@ import re
 from collections.abc import Sequence
 
 from spintop_figures.tables.characters import printable
+from spintop_figures.tables.ends import is_good_end
 from spintop_figures.tables.table import Table
 
 
@@ -39,7 +40,7 @@ def caption_of(tables: Sequence[Table], letters: int) -> str:
 def warning_of(table: Table) -> str:
     """How a run ended if not well, and whether only some cases are drawn; empty if all is well."""
     words = []
-    if table.status not in (None, "ok"):
+    if table.status is not None and not is_good_end(table.status):
         status = re.sub(r"\d+\.\d{6,}", lambda time: f"{float(time[0]):.6g}", table.status)
         words.append(f"ended with status {status} s")
     if table.stride > 1:

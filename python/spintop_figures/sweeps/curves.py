@@ -21,6 +21,7 @@ from spintop_figures.sweeps.quantities import (
     tell_noise,
 )
 from spintop_figures.sweeps.sweep import marks
+from spintop_figures.tables.ends import ended_well
 from spintop_figures.tables.table import Table
 
 PANEL_HEIGHT, LEAST_HEIGHT = 1.9, 3.0
@@ -44,7 +45,7 @@ def draw_curves(table: Table) -> Figure:
     name = table.axes()[0]
     rows = table.rows.sort_values(name, kind="stable")
     x = rows[name].to_numpy(float)
-    failed = (rows["status"] != "ok").to_numpy()
+    failed = ~ended_well(rows).to_numpy()
     height = 1.3 + max(PANEL_HEIGHT * ((len(quantities) + 1) // 2), LEAST_HEIGHT)
     title = f"Curves over {parameter_words(name)}{tell_failed(table)}{tell_noise(table)}"
     figure = new_figure(table, title, height)

@@ -30,6 +30,7 @@ from spintop_figures.sweeps.quantities import (
     tell_noise,
 )
 from spintop_figures.sweeps.scales import COLOURS, colours_of, is_signed, scale_of
+from spintop_figures.tables.ends import ended_well
 from spintop_figures.tables.table import Table
 
 LETTER, LINE = 0.085, 0.16
@@ -103,7 +104,7 @@ def draw_maps(table: Table) -> Figure:
     names = " and ".join(map(parameter_words, table.axes()))
     title = f"Maps over {names}{tell_failed(table)}{tell_noise(table)}"
     figure = new_figure(table, title, 1.2 + max(PANEL_HEIGHT * down, LEAST_HEIGHT))
-    failed = (table.rows["status"] != "ok").to_numpy()
+    failed = ~ended_well(table.rows).to_numpy()
     panels = add_panels(figure, len(quantities))
     for quantity, axes in zip(quantities, panels, strict=True):
         draw_map(axes, grid, quantity, quantity.values(table.rows), failed)

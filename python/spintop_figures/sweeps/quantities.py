@@ -8,6 +8,7 @@ import pandas as pd
 from matplotlib.axis import Axis
 
 from spintop_figures.style.lines import with_unit
+from spintop_figures.tables.ends import count_failures, ended_well
 from spintop_figures.tables.table import Table
 
 PARAMETERS = {
@@ -214,7 +215,7 @@ def is_words(values: pd.Series) -> bool:
 
 def succeeded(table: Table) -> pd.DataFrame:
     """The cases that succeeded."""
-    return table.rows[table.rows["status"] == "ok"]
+    return table.rows[ended_well(table.rows)]
 
 
 def order_classes(words: pd.Series) -> list[str]:
@@ -267,6 +268,6 @@ def label_parameter(table: Table, place: int, axis: Axis) -> None:
 
 def tell_failed(table: Table) -> str:
     """How many cases have a cross, and why."""
-    counts = table.rows["status"].value_counts().drop("ok", errors="ignore")
+    counts = count_failures(table.rows)
     reasons = ", ".join(f"{count} {status}" for status, count in counts.items())
     return f" (crossed: {reasons})" if reasons else ""

@@ -39,6 +39,7 @@ from spintop_figures.sweeps.quantities import (
     tell_noise,
 )
 from spintop_figures.sweeps.scales import COLOURS, colours_of, is_signed, scale_of
+from spintop_figures.tables.ends import count_failures
 from spintop_figures.tables.table import Table
 
 MOST_PARAMETERS, MOST_QUANTITIES = 4, 6
@@ -313,8 +314,8 @@ def add_key(axes: Axes, cloud: Cloud, table: Table, tint: Tint | None) -> None:
     for layer in () if tint else cloud.layers:
         look = {"color": layer.colour, "marker": layer.marker, "markersize": 6}
         handles.append(a_mark(f"{layer.name} ({layer.count:,})", markeredgewidth=0, **look))
-    failures = table.rows["status"].value_counts().drop("ok", errors="ignore")
-    if len(failures):
+    failures = count_failures(table.rows)
+    if failures:
         words = ", ".join(f"{status} ({count:,})" for status, count in failures.items())
         handles.append(a_mark(textwrap.fill(f"failed: {words}", FAILED_LETTERS), **RUG))
     axes.set_axis_off()

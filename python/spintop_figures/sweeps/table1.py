@@ -14,6 +14,7 @@ from spintop_figures.style.cells import Cells
 from spintop_figures.style.look import GREY
 from spintop_figures.style.page import new_figure
 from spintop_figures.style.provenance import describe_run
+from spintop_figures.tables.ends import ended_well, is_good_end
 from spintop_figures.tables.table import Table
 
 MOST_ROWS = 60
@@ -87,7 +88,7 @@ def draw_table1(table: Table) -> Figure:
     axes.set_axis_off()
     axes.set(xlim=(0, PAGE_WIDTH), ylim=(lines, 0))
     write_heads(axes)
-    failed = (table.rows["status"] != "ok").to_numpy()
+    failed = ~ended_well(table.rows).to_numpy()
     cells = Cells()
     for column in COLUMNS:
         write_column(cells, column, table.rows[column.column].to_numpy(float), failed)
@@ -166,7 +167,7 @@ def notes_on(rows: pd.DataFrame) -> list[str]:
     reasons = rows["notes"] if "notes" in rows else rows["status"].map(lambda _: "")
     notes = []
     for (status, reason), cases in rows.groupby([rows["status"], reasons], sort=False):
-        mark, words = ("", []) if status == "ok" else ("* ", [status])
+        mark, words = ("", []) if is_good_end(status) else ("* ", [status])
         if reason:
             words.append(reason)
         if words:

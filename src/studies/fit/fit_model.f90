@@ -18,7 +18,7 @@ module spintop_fit_model
     use spintop_scene, only: scene_t
     use spintop_sensitivity, only: sensitive_key_t
     use spintop_stepper, only: looks_per_step
-    use spintop_status, only: status_ok
+    use spintop_status, only: is_good_end, status_ok
     implicit none
     private
     public :: fit_model_t
@@ -209,7 +209,7 @@ contains
         allocate (writer%kept(size(values, 1), size(values, 2)), source=no_number)
         times = self%measured%t
         call compute_motion(self%scene, self%case, self%plan, times, writer, outcome, no_watch)
-        if (outcome%status == status_ok) values = writer%kept
+        if (is_good_end(outcome%status)) values = writer%kept
     end subroutine integrate_to_times
 
     !> A change of a sought number that matters.

@@ -16,7 +16,7 @@ module spintop_listed_json
     use spintop_parameters, only: parameter_table_t
     use spintop_scene, only: scene_t, describe_scene
     use spintop_shapes, only: part_infos, shape_infos, shape_by_inertia
-    use spintop_status, only: status_names, status_meanings, status_ok
+    use spintop_status, only: is_good_end, status_names, status_meanings, status_ok
     use spintop_stepper, only: method_info_t, stepper_t
     use spintop_studies, only: list_studies, study_entry_t
     use spintop_study, only: study_info_t
@@ -349,6 +349,7 @@ contains
             call json%open_object()
             call json%add('name', status_names(i))
             call json%add('number', i)
+            call json%add('good', is_good_end(i))
             call json%add('description', status_meanings(i))
             call json%close()
         end do

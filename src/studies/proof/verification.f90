@@ -22,6 +22,7 @@ module spintop_verification
     use spintop_scene, only: scene_t
     use spintop_sweep_axes, only: swept_scene_t
     use spintop_table_form, only: check_cases, check_proof_cells, check_times, check_values, findings_t, is_nan
+    use spintop_status, only: is_good_end, status_number
     use spintop_text, only: string_t, to_text
     use spintop_uncertainties, only: data_radii, has_radii
     implicit none
@@ -172,7 +173,7 @@ contains
             end if
             call job%axes%find_values(int(cases(row), int64), values)
             call check_values(job, row, merge(printed(row, :), values, is_there), values, found%wrong)
-            if (size(status) > 0) call check_cells(found, row, status(row)%text == 'ok')
+            if (size(status) > 0) call check_cells(found, row, is_good_end(status_number(status(row)%text)))
             if (.not. any(is_finite(found%printed(:, row)))) cycle
             call swept%put(values)
             call make_again(swept%scene, case, error)

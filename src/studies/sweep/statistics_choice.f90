@@ -18,7 +18,8 @@ module spintop_statistics_choice
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_columns, only: sweep_columns
     use spintop_sweep_table, only: describe_columns
-    use spintop_table_column, only: column_of_integers, column_of_notes, column_of_reals, column_of_words, table_column_t
+    use spintop_table_column, only: column_of_integers, column_of_notes, column_of_reals, column_of_words, status_column, &
+        table_column_t
     use spintop_text, only: nearest_word, string_t, to_text
     implicit none
     private
@@ -67,7 +68,7 @@ contains
         plan%is_wanted = .true.
         plan%is_netcdf = job%scene%format == 'netcdf'
         plan%by_bin = job%scene%quantiles_of == 'bins'
-        plan%status_cell = place_in(cells, 'status')
+        plan%status_cell = place_in(cells, status_column)
         call choose_gathered(job, cells, plan, problems)
         call choose_quantiles(job, plan, problems)
         call choose_bins(job, cells, plan, problems)

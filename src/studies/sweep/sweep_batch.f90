@@ -17,7 +17,7 @@ module spintop_sweep_batch
     use spintop_plan, only: plan_t
     use spintop_projection, only: project_nothing
     use spintop_rigid_body, only: rigid_body_t
-    use spintop_status, only: status_meanings, status_non_finite, status_ok, status_step_too_small
+    use spintop_status, only: is_good_end, status_meanings, status_non_finite, status_step_too_small
     use spintop_stepper, only: controls_t
     use spintop_sweep_notes, only: note_t
     use spintop_sweep_quantities, only: find_free_constants, put_fast_top, put_end
@@ -213,10 +213,10 @@ contains
             end if
             values = sweep_result_t()
             call note%clear()
-            if (status == status_ok) call put_stability(case, ended%t, alone, self%controls(waiting)%max_steps, values, note)
+            if (is_good_end(status)) call put_stability(case, ended%t, alone, self%controls(waiting)%max_steps, values, note)
             if (wanted%fast_top) call put_fast_top(case, values, note)
             values%evaluations = real(outcome%counts%evaluations, dp)
-            if (status == status_ok) then
+            if (is_good_end(status)) then
                 ! Without an energy error, which a watch measures if it is wanted.
                 call put_end(case, ended, (values%energy_error_max), values)
                 call self%watches%put(case, wanted, i, ended, values, status, note)

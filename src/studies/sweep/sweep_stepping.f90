@@ -16,7 +16,7 @@ module spintop_sweep_stepping
     use spintop_nutation_watch, only: measures_t, nearly_plane, nutation_watch_t, swings_over_poles
     use spintop_plan, only: plan_t, sample_times
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
-    use spintop_status, only: is_good_end, status_at_rest, status_ok, status_step_limit, status_too_many_events, status_meanings
+    use spintop_status, only: is_good_end, status_ok, status_step_limit, status_too_many_events, status_meanings
     use spintop_stepper, only: looks_per_step
     use spintop_sweep_notes, only: note_t, note_no_details, note_no_inherent, note_no_stop, only_without_effects
     use spintop_sweep_quantities, only: find_free_constants, put_nutation, put_measured, put_fast_top, put_azimuth, put_end, &
@@ -174,7 +174,7 @@ contains
             call note%explain(trim(status_meanings(status)))
             return
         end if
-        if (status == status_at_rest) values%t_stuck = outcome%t_stuck
+        values%t_stuck = outcome%t_stuck
         call put_end(case, witness%last, witness%energy_error, values)
         if (case%body%has_closed_form()) then
             call compare_with_exact(case, wanted, witness%last, values)

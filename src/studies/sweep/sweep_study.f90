@@ -7,7 +7,7 @@ module spintop_sweep_study
     use spintop_clock, only: seconds, utc_now
     use spintop_dealt_rows, only: compare_with_writer
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_errors, only: error_t, exit_failed, exit_ok
+    use spintop_errors, only: error_t, exit_ok
     use spintop_files, only: replace_file
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
@@ -20,7 +20,7 @@ module spintop_sweep_study
     use spintop_scene_words, only: kind_sweep, study_kinds
     use spintop_shard, only: shard_t
     use spintop_statistics_choice, only: choose_statistics
-    use spintop_status, only: status_at_rest, last_status, status_meaning, status_name, status_ok
+    use spintop_status, only: code_of, is_good_end, last_status, status_meaning, status_name, status_ok
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: proof_group, study_column_t
     use spintop_summary, only: rounded, summary_t
@@ -132,8 +132,10 @@ contains
         call begin_table(job, options, table, cases, error)
         if (allocated(error)) return
         if (table%is_complete) then
+            code = code_of(table%counts)
             call summary%headline(job%input // ': sweep -> ' // job%output)
             call summary%add('note', table%remark)
+            if (code /= exit_ok) call summary%add('status', failures_of(table))
             return
         end if
         if (cases(1) <= cases(2)) then
@@ -149,7 +151,7 @@ contains
         if (.not. team%ranks%is_writer()) return
         call finish_table(table, team, error)
         if (allocated(error)) return
-        code = merge(exit_failed, exit_ok, sum(table%counts(status_ok + 1:)) > table%counts(status_at_rest))
+        code = code_of(table%counts)
         call describe_sweep(job, options%shard, table, team, seconds() - began, summary)
         ! The table itself contains nothing that varies from run to run.
         call replace_file(job%log, join(summary%lines, new_line('a')) // new_line('a'), error)
@@ -244,6 +246,15 @@ contains
                              // status_meaning(status))
         end do
     end subroutine describe_sweep
+
+    !> How many cases of a table failed.
+    function failures_of(table) result(text)
+        class(row_table_t), intent(in) :: table
+        character(:), allocatable :: text
+        integer :: i
+        text = to_text(sum(table%counts, mask=.not. is_good_end([(i, i=status_ok, last_status)]))) // ' of ' // &
+               to_text(table%rows()) // ' cases failed'
+    end function failures_of
 
     !> All quantities except the expensive ones.
     function default_columns(self, case) result(places)

@@ -27,7 +27,7 @@ module spintop_sweep_table
     use spintop_sweep_columns, only: sweep_columns
     use spintop_sweep_notes, only: note_names, note_t
     use spintop_sweep_result, only: proof_cells, sweep_result_t
-    use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words, table_column_t
+    use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words, status_column, table_column_t
     use spintop_table_head, only: comment_lines, table_head
     use spintop_text, only: string_t
     implicit none
@@ -194,7 +194,7 @@ contains
             columns(1 + i)%column_t = job%axis_column(i)
             if (job%axes%combination == combine_grid) columns(1 + i)%axis = i
         end do
-        columns(axes + 2) = table_column_t('status', '', 'ok, or the reason of the failure', column_of_words)
+        columns(axes + 2) = table_column_t(status_column, '', 'ok, or the reason of the failure', column_of_words)
         call take_words([status_names], columns(axes + 2))
         do i = 1, size(job%columns)
             associate (quantity => known(job%columns(i)), column => columns(axes + 2 + i))

@@ -14,7 +14,7 @@ module spintop_sweep_worker
     use spintop_problems, only: problems_t
     use spintop_regular_start, only: rates_describe
     use spintop_row_block, only: row_block_t
-    use spintop_status, only: status_bad_input, status_meanings, status_ok
+    use spintop_status, only: is_good_end, status_bad_input, status_meanings, status_ok
     use spintop_sweep_axes, only: axes_t, swept_scene_t
     use spintop_sweep_batch, only: sweep_batch_t, goes_in_batch
     use spintop_sweep_column, only: sweep_column_t
@@ -296,7 +296,7 @@ contains
         integer, intent(in) :: n
         integer :: k
         do k = 1, n
-            if (worker%status(k) /= status_ok) cycle
+            if (.not. is_good_end(worker%status(k))) cycle
             call prove_case(worker%cases(k), worker%proofs, job%scene, worker%values(k), worker%note(k))
         end do
     end subroutine prove_cases

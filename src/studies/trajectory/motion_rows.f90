@@ -131,6 +131,7 @@ contains
             if (is_good_end(outcome%status)) then
                 outcome%status = first%status
                 outcome%t = first%t
+                outcome%t_stuck = first%t_stuck
             end if
             call outcome%counts%add(first%counts)
         end associate

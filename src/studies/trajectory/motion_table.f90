@@ -17,7 +17,7 @@ module spintop_motion_table
     use spintop_row_block, only: row_block_t
     use spintop_status, only: status_ok
     use spintop_study_head, only: study_facts, study_head
-    use spintop_table_column, only: column_of_words, table_column_t
+    use spintop_table_column, only: column_of_words, status_column, table_column_t
     use spintop_text, only: append, string_t, to_text
     use spintop_trajectory_column, only: trajectory_column_t
     implicit none
@@ -27,8 +27,8 @@ module spintop_motion_table
     !> Name of the column that is the coordinate of the rows in NetCDF, and of the dimension where that is not chosen.
     character(*), parameter :: time_column = 't', row_dimension = 'row'
 
-    !> Key of the line, or the attribute, that says how the motion ended; its value for one that is complete.
-    character(*), parameter :: status_key = 'status', complete = 'ok'
+    !> The value of the line, or the attribute, that says how the motion ended for one that is complete.
+    character(*), parameter :: complete = 'ok'
 
     !> Rows that are passed on at once.
     integer, parameter :: rows_at_once = 1024
@@ -53,6 +53,7 @@ module spintop_motion_table
         procedure :: wants_state
         procedure :: keep_state
         procedure :: recall_state
+        procedure :: ended_with
         procedure :: finish
         procedure :: discard
         procedure :: abandon
@@ -103,7 +104,7 @@ contains
             call study_facts(job, facts, description%input)
             allocate (description%facts(fact_count + 1))
             description%facts(:fact_count) = facts
-            description%facts(fact_count + 1)%key = status_key
+            description%facts(fact_count + 1)%key = status_column
             description%facts(fact_count + 1)%value = complete
             allocate (description%columns, source=described)
             allocate (description%axes(1))
@@ -213,6 +214,12 @@ contains
         call move_alloc(text, archive%bytes)
     end subroutine recall_state
 
+    !> How the motion of a complete table ended: a status.
+    pure integer function ended_with(self)
+        class(motion_table_t), intent(in) :: self
+        ended_with = findloc(self%rows_table%counts > 0, .true., dim=1) - 1
+    end function ended_with
+
     !> The path of a state.
     pure function state_path(self, number) result(path)
         class(motion_table_t), intent(in) :: self
@@ -241,7 +248,7 @@ contains
         call self%put_block(error)
         if (allocated(error)) return
         allocate (self%rows_table%trailer(0))
-        call append(self%rows_table%trailer, status_key // ': ' // status)
+        call append(self%rows_table%trailer, status_column // ': ' // status)
         select type (table => self%rows_table)
         type is (netcdf_table_t)
             table%description%facts(size(table%description%facts))%value = status

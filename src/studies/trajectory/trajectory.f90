@@ -14,7 +14,7 @@ module spintop_trajectory
     use spintop_plan, only: sample_time
     use spintop_plain_text, only: escaped
     use spintop_process, only: watch_no_more
-    use spintop_status, only: is_good_end, status_at_rest, status_ok, status_name, status_meaning
+    use spintop_status, only: is_good_end, status_ok, status_name, status_meaning
     use spintop_study_head, only: study_head
     use spintop_summary, only: summary_t, decimal, rounded
     use spintop_text, only: to_text, string_t
@@ -49,8 +49,10 @@ contains
         call begin_tables(job, options, writer, watch, error)
         if (allocated(error)) return
         if (writer%table%rows_table%is_complete) then
+            status = writer%table%ended_with()
             call summary%headline(job%input // ': trajectory -> ' // job%output)
             call summary%add('note', writer%table%rows_table%remark)
+            if (.not. is_good_end(status)) call summary%add('status', status_name(status) // ': ' // status_meaning(status))
             return
         end if
         began = seconds()
@@ -240,7 +242,7 @@ contains
         end if
         call summary%add('time', rounded(elapsed) // ' s for ' // decimal(outcome%t) // ' s of motion')
         associate (status => outcome%status)
-            call summary%add('status', status_name(status) // ' at t = ' // to_text(end_time(outcome)) // ': ' &
+            call summary%add('status', status_name(status) // ' at t = ' // to_text(outcome%end_time()) // ': ' &
                              // status_meaning(status))
             if (job%scene%stop_at /= '' .and. is_good_end(status)) call summary%add('end', what_ended(job, watch))
         end associate
@@ -284,14 +286,7 @@ contains
         type(outcome_t), intent(in) :: outcome
         character(:), allocatable :: text
         text = status_name(outcome%status)
-        if (outcome%status /= status_ok) text = text // ' at t = ' // to_text(end_time(outcome))
+        if (outcome%status /= status_ok) text = text // ' at t = ' // to_text(outcome%end_time())
     end function ending_of
-
-    !> The time of the end of a motion: that at which it came to rest, s.
-    pure real(dp) function end_time(outcome)
-        type(outcome_t), intent(in) :: outcome
-        end_time = outcome%t
-        if (outcome%status == status_at_rest) end_time = outcome%t_stuck
-    end function end_time
 
 end module spintop_trajectory

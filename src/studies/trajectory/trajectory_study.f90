@@ -2,13 +2,13 @@
 module spintop_trajectory_study
     use spintop_case, only: case_t
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_errors, only: error_t, exit_failed, exit_ok
+    use spintop_errors, only: error_t
     use spintop_job, only: job_t
     use spintop_options, only: options_t
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
     use spintop_scene_words, only: kind_trajectory, study_kinds
-    use spintop_status, only: is_good_end
+    use spintop_status, only: code_of
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: proof_group, study_column_t
     use spintop_summary, only: summary_t
@@ -87,7 +87,7 @@ contains
         associate (unused => self)
         end associate
         call run_trajectory(job, options, summary, status, error)
-        code = merge(exit_ok, exit_failed, is_good_end(status))
+        code = code_of(status)
     end subroutine run
 
     !> Those of the default columns that the case can have.

@@ -15,6 +15,9 @@ module spintop_netcdf_table
     use spintop_netcdf_description, only: netcdf_description_t
     use spintop_netcdf_file, only: netcdf_file_t
     use spintop_row_block, only: row_block_t
+    use spintop_status, only: last_status
+    use spintop_status_counts, only: status_of_ending
+    use spintop_table_column, only: status_column
     use spintop_table_file, only: changed_after, part_of
     implicit none
     private
@@ -37,6 +40,7 @@ module spintop_netcdf_table
         procedure :: flush_part
         procedure :: check_part
         procedure :: finish_part
+        procedure :: count_complete
         procedure, nopass :: compare_head
         procedure :: abandon
         procedure :: discard
@@ -170,6 +174,39 @@ contains
             deallocate (cells)
         end do
     end subroutine copy_rows
+
+    !> Counts the rows of a complete table by their status, or its motion: that is an attribute.
+    subroutine count_complete(self, path, head_length, error)
+        class(netcdf_table_t), intent(inout) :: self
+        character(*), intent(in) :: path !! path of the table
+        integer, intent(in) :: head_length !! not used
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(netcdf_file_t) :: file
+        type(error_t), allocatable :: ignored
+        real(dp), allocatable :: cells(:, :)
+        integer(int64) :: first
+        integer :: column, status, i
+        associate (unused => head_length)
+        end associate
+        call file%open(path, .false., error)
+        if (allocated(error)) return
+        column = findloc(file%description%columns%name == status_column, .true., dim=1)
+        do first = 1, merge(file%room, 0_int64, column > 0), rows_at_once
+            allocate (cells(size(file%description%columns), min(int(rows_at_once, int64), file%room - first + 1)))
+            call file%get(first, cells, error)
+            if (allocated(error)) exit
+            do status = 0, last_status
+                self%counts(status) = self%counts(status) + count(nint(cells(column, :)) == status)
+            end do
+            deallocate (cells)
+        end do
+        do i = 1, size(file%description%facts)
+            if (file%description%facts(i)%key /= status_column) cycle
+            status = status_of_ending(file%description%facts(i)%value)
+            if (status >= 0) self%counts(status) = self%counts(status) + 1
+        end do
+        call file%close(ignored)
+    end subroutine count_complete
 
     !> Whether a file has a header; `problem` describes the difference, and is empty if there is none.
     subroutine compare_head(path, head, problem)

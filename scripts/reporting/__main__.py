@@ -67,7 +67,8 @@ def complain(message: str) -> None:
 
 def run_inputs(folder: Path, inputs: list[Path]) -> int:
     """Run spintop on the inputs; return its exit code."""
-    command = [SCRIPTS / "run", "--no-plots", "-o", folder, "--", *inputs]
+    names = [f"./{path}" if str(path).startswith("-") else path for path in inputs]  # no options
+    command = [SCRIPTS / "run", "--no-plots", "-o", folder, *names]
     return subprocess.run(command, check=False).returncode
 
 

@@ -198,6 +198,7 @@ class Checkout:
         ):
             (self.root / name).mkdir(parents=True, exist_ok=True)
         (self.root / "test/scripts").mkdir()
+        shutil.copy(ROOT / "test/funit/taken_names.txt", self.root / "test/funit")
         self.make_shims()
         venv = self.root / ".venv"
         for name in ("scripts/requirements.txt", "test/requirements.txt"):

@@ -6,7 +6,7 @@ module spintop_literals
     use spintop_text, only: abbreviate, lower_case, to_text
     implicit none
     private
-    public :: read_real, read_integer, read_long, read_logical, read_subscript, is_real_literal
+    public :: read_real, read_integer, read_long, read_logical, read_subscript, is_real_literal, is_number_cell
 
     character(*), parameter :: digits = '0123456789'
     !> Integers of so many binary digits are exact as reals.
@@ -137,6 +137,12 @@ contains
         exponent = scan(lower // 'e', 'edq')
         is_real_literal = is_mantissa(lower(:exponent - 1)) .and. is_exponent(lower(exponent:))
     end function is_real_literal
+
+    !> Whether the cell of a table is a number; `nan` and `inf` are, as tables contain them.
+    pure logical function is_number_cell(text)
+        character(*), intent(in) :: text !! the cell
+        is_number_cell = is_real_literal(text) .or. any(lower_case(text) == [character(4) :: 'nan', 'inf', '+inf', '-inf'])
+    end function is_number_cell
 
     !> `1`, `-1.`, `+.5`
     pure logical function is_mantissa(text)

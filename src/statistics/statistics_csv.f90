@@ -4,15 +4,17 @@ module spintop_statistics_csv
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_accumulators, only: accumulators_t
     use spintop_errors, only: error_t
-    use spintop_files, only: output_file_t, remove_file, rename_file, sync_folder_of
-    use spintop_histogram, only: histogram_t, make_histogram
+        use spintop_histogram, only: histogram_t, make_histogram
     use spintop_row_block, only: row_block_t
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_statistics_result, only: index_cells, index_row, result_columns, result_row
     use spintop_table_column, only: column_of_integers, column_of_words, table_column_t
+    use spintop_table_end, only: check_table
+    use spintop_table_file, only: table_file_t
+    use spintop_text, only: string_t
     implicit none
     private
-    public :: path_beside, write_statistics_csv
+    public :: path_beside, write_statistics_csv, check_statistics_csv
 
     character, parameter :: nl = new_line('a')
     !> Rows that are written at once.
@@ -44,7 +46,7 @@ contains
         type(accumulators_t), intent(inout) :: accumulators !! the statistics; only sorted
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(table_column_t), allocatable :: columns(:)
-        type(output_file_t) :: file
+        type(table_file_t) :: file
         type(row_block_t) :: rows
         integer(int64) :: bin, last
 
@@ -54,8 +56,7 @@ contains
         end if
         if (allocated(error)) return
         columns = result_columns(plan)
-        call file%create(path // '.new', error)
-        if (.not. allocated(error)) call file%write(head, error)
+        call file%create_beside(path, head, error)
         last = merge(plan%bin_count(), 0_int64, size(plan%over) > 0)
         call rows%reserve(size(columns), rows_at_once)
         do bin = 0, last
@@ -64,7 +65,7 @@ contains
             call result_row(plan, accumulators, bin, rows%cells(:, rows%rows))
             if (rows%rows == rows_at_once .or. bin == last) call put(file, columns, rows, error)
         end do
-        call finish(file, path, error)
+        call finish(file, error)
     end subroutine write_statistics_csv
 
     !> Writes the table of histograms: the intervals of each column.
@@ -75,15 +76,14 @@ contains
         type(error_t), allocatable, intent(out) :: error
         type(table_column_t) :: columns(4)
         type(histogram_t) :: histogram
-        type(output_file_t) :: file
+        type(table_file_t) :: file
         type(row_block_t) :: rows
         integer :: i, k
 
         columns(1)%kind = column_of_words
         columns(4)%kind = column_of_integers
         call take_names(plan%numbers, columns(1))
-        call file%create(path // '.new', error)
-        if (.not. allocated(error)) call file%write(histogram_head(head), error)
+        call file%create_beside(path, histogram_head(head), error)
         do i = 1, size(plan%numbers)
             if (allocated(error)) exit
             call make_histogram(accumulators, i, histogram)
@@ -95,7 +95,7 @@ contains
             end do
             call put(file, columns, rows, error)
         end do
-        call finish(file, path, error)
+        call finish(file, error)
     end subroutine write_histograms
 
     !> Writes the table of Sobol' indices: the factors of each column.
@@ -105,7 +105,7 @@ contains
         type(accumulators_t), intent(in) :: accumulators
         type(error_t), allocatable, intent(out) :: error
         type(table_column_t) :: columns(2 + index_cells)
-        type(output_file_t) :: file
+        type(table_file_t) :: file
         type(row_block_t) :: rows
         integer :: i, k
 
@@ -113,8 +113,7 @@ contains
         columns(size(columns) - 1:)%kind = column_of_integers
         call take_names(plan%numbers, columns(1))
         call take_names(plan%factors, columns(2))
-        call file%create(path // '.new', error)
-        if (.not. allocated(error)) call file%write(indices_head(head), error)
+        call file%create_beside(path, indices_head(head), error)
         do i = 1, size(plan%numbers)
             if (allocated(error)) exit
             call rows%reserve(size(columns), size(plan%factors))
@@ -125,7 +124,7 @@ contains
             end do
             call put(file, columns, rows, error)
         end do
-        call finish(file, path, error)
+        call finish(file, error)
     end subroutine write_indices
 
     !> Makes the names of columns the words of another.
@@ -176,26 +175,32 @@ contains
 
     !> Writes rows, and empties their block.
     subroutine put(file, columns, rows, error)
-        type(output_file_t), intent(in) :: file
+        type(table_file_t), intent(inout) :: file
         type(table_column_t), intent(in) :: columns(:)
         type(row_block_t), intent(inout) :: rows
         type(error_t), allocatable, intent(out) :: error
         call rows%format(columns)
-        call file%write(rows%text%contents(), error)
+        call file%put(rows%text%contents(), error)
         call rows%clear()
     end subroutine put
 
-    !> Renames a file, which is complete unless there is an error.
-    subroutine finish(file, path, error)
-        type(output_file_t), intent(inout) :: file
-        character(*), intent(in) :: path
+    !> Finishes a table, or removes it if there is an error.
+    subroutine finish(file, error)
+        type(table_file_t), intent(inout) :: file
         type(error_t), allocatable, intent(inout) :: error
-        type(error_t), allocatable :: ignored
-        if (.not. allocated(error)) call file%sync(error)
-        if (.not. allocated(error)) call rename_file(file%path, path, error)
-        if (allocated(error) .and. file%is_open()) call remove_file(file%path, ignored)
-        call file%close(ignored)
-        if (.not. allocated(error)) call sync_folder_of(path, error)
+        type(string_t) :: no_lines(0)
+        if (.not. allocated(error)) call file%finish(no_lines, error)
+        call file%discard()
     end subroutine finish
+
+    !> Checks that all tables are complete, and as they were written.
+    subroutine check_statistics_csv(path, plan, problem)
+        character(*), intent(in) :: path !! path of the table
+        type(statistics_plan_t), intent(in) :: plan !! what was gathered
+        character(:), allocatable, intent(out) :: problem !! what is wrong; '' if nothing is
+        call check_table(path, problem)
+        if (problem == '') call check_table(path_beside(path, 'histogram'), problem)
+        if (problem == '' .and. plan%has_indices()) call check_table(path_beside(path, 'indices'), problem)
+    end subroutine check_statistics_csv
 
 end module spintop_statistics_csv

@@ -13,7 +13,7 @@ module spintop_statistics_table
     use spintop_kinds, only: dp
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
-    use spintop_statistics_csv, only: write_statistics_csv
+    use spintop_statistics_csv, only: check_statistics_csv, write_statistics_csv
     use spintop_statistics_file, only: read_statistics, write_part, write_snapshot
     use spintop_statistics_netcdf, only: write_statistics_netcdf
     use spintop_statistics_plan, only: statistics_plan_t
@@ -88,12 +88,21 @@ contains
     subroutine begin(self, error)
         class(statistics_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        character(:), allocatable :: problem
         call self%take_over()
         self%is_resumable = self%rows_table%is_resumable
         self%is_complete = self%rows_table%is_complete
         self%remark = self%rows_table%remark
         if (self%is_complete) then
-            if (sum(self%counts) == 0) call self%recall_counts(error)
+            if (.not. (self%is_part .or. self%plan%is_netcdf)) call check_statistics_csv(self%path, self%plan, problem)
+            if (allocated(problem)) then
+                if (problem /= '') error = refusal(self%path, problem)
+            end if
+            if (sum(self%counts) == 0 .and. .not. allocated(error)) call self%recall_counts(error)
+            select type (rows => self%rows_table)
+            class is (growing_table_t)
+                if (rows%is_alone .and. .not. allocated(error)) call self%remove_states(error)
+            end select
             return
         end if
         call self%plan%start(self%accumulators)

@@ -5,10 +5,9 @@
 !> call table%start(path, head, resume, restart, error)   ! then as in spintop_row_table
 module spintop_growing_table
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_checksum, only: checksum_t, checksum_text
     use spintop_clock, only: seconds
     use spintop_errors, only: error_t, input_error
-    use spintop_files, only: file_exists, input_file_t
+    use spintop_files, only: file_exists, input_file_t, remove_file
     use spintop_interrupted_run, only: refuse_to_discard
     use spintop_journal, only: journal_entry_t, journal_of, read_journal, remove_journal, write_journal
     use spintop_kinds, only: dp
@@ -17,12 +16,13 @@ module spintop_growing_table
     use spintop_row_table, only: row_table_t
     use spintop_status_counts, only: count_statuses
     use spintop_table_column, only: status_column
-    use spintop_table_file, only: check_bytes, part_of, table_file_t
+    use spintop_table_end, only: check_table
+    use spintop_table_file, only: part_of, table_file_t
     use spintop_table_head, only: compare_heads
     use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: growing_table_t, difference_from, refusal
+    public :: growing_table_t, difference_from, refusal, remove_leftovers
 
     !> Seconds between two entries of the journal, or, if the disk is slow, this multiple of the duration of
     !> the last entry: entries take less than a twentieth of the time of one thread.
@@ -38,6 +38,8 @@ module spintop_growing_table
         !> Whether each entry names a state of the run. Then there is none before the first state, and there may be one
         !> without new rows.
         logical :: has_states = .false.
+        !> Whether no other run is writing a table that is already complete.
+        logical :: is_alone = .true.
         !> Comment lines after the last row.
         type(string_t), allocatable :: trailer(:)
         !> The entry with which the table was resumed.
@@ -70,6 +72,7 @@ module spintop_growing_table
         procedure :: finish_part
         procedure :: count_complete
         procedure, nopass :: compare_head
+        procedure, nopass :: check_complete => check_table
         procedure, private :: start_anew
         procedure, private :: resume
     end type growing_table_t
@@ -95,14 +98,15 @@ contains
             if (.not. allocated(error)) call self%resume(head, error)
         else if (resume .and. self%has_head .and. file_exists(path)) then
             call self%compare_head(path, head, problem)
+            if (problem == '') call self%check_complete(path, problem)
             if (problem /= '') then
                 error = refusal(path, problem)
                 return
             end if
             self%is_complete = .true.
             self%remark = 'nothing was computed: the table is already complete'
-            if (.not. file_exists(part_of(path))) call remove_journal(path, error)
-            if (self%keeps_rows .and. .not. allocated(error)) call self%count_complete(path, len(head), error)
+            call remove_leftovers(path, self%is_alone)
+            if (self%keeps_rows) call self%count_complete(path, len(head), error)
         else
             call self%table%reserve(path, error)
             if (had_part .and. .not. (allocated(error) .or. restart)) then
@@ -113,6 +117,23 @@ contains
         end if
         self%due = seconds() + first_pause
     end subroutine start
+
+    !> Removes what interrupted runs have left beside a complete table, unless another run is writing it.
+    subroutine remove_leftovers(path, is_alone)
+        character(*), intent(in) :: path !! path of the table
+        logical, intent(out) :: is_alone !! whether no other run is writing it
+        type(table_file_t) :: part
+        type(error_t), allocatable :: problem
+        is_alone = .true.
+        if (.not. any([file_exists(part_of(path)), file_exists(journal_of(path)), file_exists(journal_of(path) // '.new'), &
+                       file_exists(path // '.new')])) return
+        call part%reserve(path, problem)
+        is_alone = .not. allocated(problem)
+        if (.not. is_alone) return
+        call remove_journal(path, problem, is_over=.true.)
+        if (file_exists(path // '.new')) call remove_file(path // '.new', problem)
+        call part%discard()
+    end subroutine remove_leftovers
 
     !> Starts from the beginning, with an entry of no rows. The rows of an earlier run are discarded.
     subroutine start_anew(self, head, resume, error)
@@ -259,7 +280,7 @@ contains
         class(growing_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         if (self%keeps_rows) call self%finish_part(error)
-        if (.not. allocated(error)) call remove_journal(self%table%path, error)
+        if (.not. allocated(error)) call remove_journal(self%table%path, error, is_over=.true.)
         if (.not. self%keeps_rows) call self%table%discard()
     end subroutine finish
 
@@ -277,7 +298,7 @@ contains
     subroutine discard(self)
         class(growing_table_t), intent(inout) :: self
         type(error_t), allocatable :: ignored
-        call remove_journal(self%table%path, ignored)
+        call remove_journal(self%table%path, ignored, is_over=.true.)
         call self%table%discard()
     end subroutine discard
 
@@ -304,7 +325,7 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call self%table%write_pending(error)
         entry%bytes = self%table%bytes
-        entry%checksum = checksum_text(self%table%checksum)
+        entry%checksum = self%table%ending%checksum()
     end subroutine flush_part
 
     !> Checks that the part has the bytes of an entry, and truncates it to them: writing continues there.
@@ -313,9 +334,7 @@ contains
         type(journal_entry_t), intent(in) :: entry !! entry of the journal
         character(:), allocatable, intent(out) :: problem !! why the part is not the right one; '' if it is
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        type(checksum_t) :: checksum
-        call check_bytes(part_of(self%table%path), entry, checksum, problem)
-        if (problem == '') call self%table%go_on(entry%bytes, checksum, error)
+        call self%table%go_on(entry, problem, error)
     end subroutine check_part
 
     !> Renames the part to the table, when it is on the disk.

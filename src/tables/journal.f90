@@ -2,7 +2,7 @@
 !> is the file `NAME.journal` next to the part and is replaced as a whole. The header of the part identifies
 !> the table: program, build, input and shard.
 !>
-!>     spintop journal 2
+!>     spintop journal 3
 !>     bytes: 1048701
 !>     checksum: 6A09E667F3BCC908        (of these bytes)
 !>     rows: 2171 0 12 0 0 0 0 0 0 0 0   (of each status)
@@ -19,8 +19,8 @@ module spintop_journal
     public :: journal_entry_t, journal_of, write_journal, read_journal, remove_journal
 
     !> The format is the number in the first line. It increases when a status is added, for the rows are counted
-    !> by status.
-    character(*), parameter :: first_words = 'spintop journal ', first_line = first_words // '2'
+    !> by status, and when the checksum is another one.
+    character(*), parameter :: first_words = 'spintop journal ', first_line = first_words // '3'
 
     !> The line of the state.
     character(*), parameter :: state_key = 'state: ', state_format = '(i1, 1x, a)'
@@ -99,10 +99,14 @@ contains
     end subroutine read_journal
 
     !> Removes the journal of a table, if there is one.
-    subroutine remove_journal(path, error)
+    subroutine remove_journal(path, error, is_over)
         character(*), intent(in) :: path !! of the table
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        if (.not. file_exists(journal_of(path))) return
+        logical, intent(in), optional :: is_over !! whether no entry follows: then one that was interrupted goes as well
+        if (present(is_over)) then
+            if (is_over .and. file_exists(journal_of(path) // '.new')) call remove_file(journal_of(path) // '.new', error)
+        end if
+        if (allocated(error) .or. .not. file_exists(journal_of(path))) return
         call remove_file(journal_of(path), error)
         if (.not. allocated(error)) call sync_folder_of(path, error)
     end subroutine remove_journal

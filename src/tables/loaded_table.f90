@@ -6,11 +6,11 @@ module spintop_loaded_table
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t, input_error
     use spintop_kinds, only: dp, no_number
-    use spintop_literals, only: is_real_literal
+    use spintop_literals, only: is_number_cell
     use spintop_plain_text, only: escaped
     use spintop_suggestions, only: suggest_word
     use spintop_table_walk, only: table_cursor_t, table_walk_t
-    use spintop_text, only: abbreviate, lower_case, string_t, to_text
+    use spintop_text, only: abbreviate, string_t, to_text
     implicit none
     private
     public :: read_table, table_t
@@ -21,6 +21,8 @@ module spintop_loaded_table
         type(string_t), allocatable :: names(:)
         !> The cells as text: columns, rows.
         type(string_t), allocatable :: cells(:, :)
+        !> Whether it has the last line of a complete table.
+        logical :: has_end = .false.
         !> The file, and the line of each row, for messages.
         character(:), allocatable, private :: path
         integer, allocatable, private :: lines(:)
@@ -35,16 +37,19 @@ contains
 
     !> Reads a CSV table, such as the program writes. What is not valid is an error with its line and column:
     !> another format, an empty file, a name that is missing or repeated, a row with another number of cells.
-    subroutine read_table(path, table, error)
+    subroutine read_table(path, table, error, damage)
         character(*), intent(in) :: path !! path of the file
         type(table_t), intent(out) :: table !! the table; without columns if there is an error
         type(error_t), allocatable, intent(out) :: error !! it cannot be read, or is not a table
+        character(:), allocatable, intent(out), optional :: damage
+            !! how the table differs from what was written, '' if it does not; without it this is an error
         type(table_walk_t) :: walk
         type(diagnostics_t) :: diagnostics
         logical :: has_lines
 
-        call walk%open('', path, diagnostics, has_lines, error)
+        call walk%open('', path, diagnostics, has_lines, error, damage)
         if (allocated(error)) return
+        table%has_end = walk%has_end
         table%path = path
         if (has_lines) call read_names(walk, table%names, diagnostics)
         if (.not. diagnostics%has_errors()) call read_rows(walk, table, diagnostics)
@@ -197,8 +202,7 @@ contains
         logical, intent(out) :: is_number
         integer :: status
         ! List-directed reading alone takes `/`, `2*3` and more.
-        is_number = is_real_literal(text)
-        if (.not. is_number) is_number = any(lower_case(text) == [character(4) :: 'nan', 'inf', '+inf', '-inf'])
+        is_number = is_number_cell(text)
         if (is_number) then
             read (text, *, iostat=status) value
             is_number = status == 0 .and. (abs(value) <= huge(value) .or. scan(text, 'nN') > 0) ! 1e999 is too large

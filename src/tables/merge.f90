@@ -2,12 +2,13 @@
 module spintop_merge
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, input_error
-    use spintop_files, only: input_file_t, read_file
+    use spintop_files, only: input_file_t
     use spintop_interrupted_run, only: refuse_to_discard_idle
     use spintop_netcdf_file, only: is_netcdf, netcdf_file_t
     use spintop_netcdf_table, only: head_of_netcdf, netcdf_table_t
     use spintop_row_block, only: row_block_t
     use spintop_shard, only: read_shard_line, shard_t
+    use spintop_table_end, only: check_table, table_check_t
     use spintop_table_file, only: table_file_t
     use spintop_table_head, only: check_format, compare_heads, first_line_of, is_dated, read_head
     use spintop_text, only: append, string_t, to_text
@@ -35,6 +36,7 @@ contains
         type(shard_t) :: shard
         character(:), allocatable :: head
         integer, allocatable :: part_at(:)
+        integer(int64) :: rows
         integer :: head_length, i
 
         call order_parts(path, parts, head, cases, part_at, error)
@@ -51,11 +53,9 @@ contains
             shard = shard_t(i, size(part_at))
             head_length = len(head) + len('# ' // shard%line(cases) // nl)
             associate (part => parts(part_at(i))%text)
-                if (is_dated(head)) then
-                    call copy_cases(part, head_length, shard, table, words, error)
-                else
-                    call copy_rows(part, head_length, shard%last(cases) - shard%first(cases) + 1, table, error)
-                end if
+                rows = shard%last(cases) - shard%first(cases) + 1
+                if (is_dated(head)) rows = -1 ! a case has any number of them
+                call copy_part(part, head_length, rows, table, words, error)
             end associate
         end do
         if (.not. allocated(error)) call table%finish(words, error)
@@ -186,75 +186,58 @@ contains
 
     end subroutine order_parts
 
-    !> Adds the rows of a part of a study whose cases have any number of rows, and gathers the comment lines after them. A
-    !> part without its last line is refused.
-    subroutine copy_cases(part, head_length, shard, table, words, error)
+    !> Adds the rows of a part to the table, and gathers the comment lines after them. A part that was cut or changed is
+    !> refused, and so is one with another number of rows than expected.
+    subroutine copy_part(part, head_length, rows, table, words, error)
         character(*), intent(in) :: part
         integer, intent(in) :: head_length
-        type(shard_t), intent(in) :: shard
+        integer(int64), intent(in) :: rows !! expected number of rows of the part; -1: any
         type(table_file_t), intent(inout) :: table
         type(string_t), allocatable, intent(inout) :: words(:)
         type(error_t), allocatable, intent(out) :: error
-        character(:), allocatable :: text, ending
-        integer :: first, last
-
-        call read_file(part, huge(0), text, error)
-        if (allocated(error)) return
-        ending = '# ' // shard%end_line() // nl
-        last = len(text) - len(ending)
-        if (last >= head_length) then
-            if (text(last + 1:) /= ending) last = -1
-        end if
-        if (last < head_length) then
-            error = input_error('cannot merge ' // part // ': it is not complete (it does not end with "' // &
-                                ending(:len(ending) - 1) // '")')
-            return
-        end if
-        first = head_length + 1
-        do while (first <= last)
-            if (text(first:first) == '#') exit
-            first = first + index(text(first:), nl)
-        end do
-        call table%put(text(head_length + 1:first - 1), error)
-        do while (first <= last)
-            call append(words, text(first + len('# '):first + index(text(first:), nl) - 2))
-            first = first + index(text(first:), nl)
-        end do
-    end subroutine copy_cases
-
-    !> Adds the rows of a part to the table. A part that is shorter or longer than expected is refused.
-    subroutine copy_rows(part, head_length, rows, table, error)
-        character(*), intent(in) :: part
-        integer, intent(in) :: head_length
-        integer(int64), intent(in) :: rows !! expected number of rows of the part
-        type(table_file_t), intent(inout) :: table
-        type(error_t), allocatable, intent(out) :: error
         type(input_file_t) :: file
-        character(:), allocatable :: block
-        character :: last
-        integer(int64) :: found
-        integer :: length, i
+        type(table_check_t) :: check
+        character(:), allocatable :: block, passed, problem
+        integer :: length, of_head
 
-        found = 0
-        last = nl
-        allocate (character(max(block_size, head_length)) :: block)
+        of_head = head_length
+        allocate (character(block_size) :: block)
+        call check%begin()
         call file%open(part, error)
-        if (.not. allocated(error)) call file%read(block(:head_length), length, error)
         do while (.not. allocated(error))
             call file%read(block, length, error)
             if (allocated(error) .or. length == 0) exit
-            do i = 1, length
-                if (block(i:i) == nl) found = found + 1
-            end do
-            last = block(length:length)
-            call table%put(block(:length), error)
+            call check%pass(block(:length), passed)
+            length = min(of_head, len(passed))
+            of_head = of_head - length
+            call put_lines(passed(length + 1:))
         end do
         call file%close()
         if (allocated(error)) return
-        if (found /= rows .or. last /= nl) then
-            error = input_error('cannot merge ' // part // ': it has ' // to_text(found) // ' complete rows, not ' // &
-                                to_text(rows))
+        problem = ''
+        if (.not. check%is_right()) call check_table(part, problem)
+        if (rows >= 0 .and. check%rows() /= rows) then
+            if (problem /= '') problem = '; ' // problem
+            problem = part // ': it has ' // to_text(check%rows()) // ' complete rows, not ' // to_text(rows) // problem
         end if
-    end subroutine copy_rows
+        if (problem /= '') error = input_error('cannot merge ' // problem)
+
+    contains
+
+        !> Puts rows to the table, and comments to the words; these come last.
+        subroutine put_lines(lines)
+            character(*), intent(in) :: lines
+            integer :: first
+            first = index(nl // lines, nl // '#')
+            if (first == 0) first = len(lines) + 1
+            call table%put(lines(:first - 1), error)
+            do while (first <= len(lines))
+                length = index(lines(first:), nl)
+                call append(words, lines(first + len('# '):first + length - 2))
+                first = first + length
+            end do
+        end subroutine put_lines
+
+    end subroutine copy_part
 
 end module spintop_merge

@@ -1,7 +1,7 @@
-!> Part I of N of a study: its cases, and the first and last line of its table.
+!> Part I of N of a study: its cases, and the first line of its table.
 module spintop_shard
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_text, only: string_t, to_text
+    use spintop_text, only: to_text
     implicit none
     private
     public :: shard_t, read_shard, read_shard_line, most_shards
@@ -18,9 +18,7 @@ module spintop_shard
         procedure :: last
         procedure :: suffix
         procedure :: line
-        procedure :: end_line
         procedure :: beginning
-        procedure :: ending
     end type shard_t
 
 contains
@@ -73,13 +71,6 @@ contains
         line = 'part ' // to_text(self%number) // ' of ' // to_text(self%count) // ': ' // line // ' of ' // to_text(cases)
     end function line
 
-    !> The last line of its table, where a case has any number of rows: the table is complete.
-    pure function end_line(self)
-        class(shard_t), intent(in) :: self
-        character(:), allocatable :: end_line
-        end_line = 'end of part ' // to_text(self%number) // ' of ' // to_text(self%count)
-    end function end_line
-
     !> What its table begins with: the first line, or '' if it is the whole.
     pure function beginning(self, cases) result(text)
         class(shard_t), intent(in) :: self
@@ -88,14 +79,6 @@ contains
         text = ''
         if (self%is_part()) text = self%line(cases)
     end function beginning
-
-    !> What its table ends with: the last line, or none if it is the whole.
-    pure function ending(self)
-        class(shard_t), intent(in) :: self
-        type(string_t), allocatable :: ending(:)
-        allocate (ending(merge(1, 0, self%is_part())))
-        if (self%is_part()) ending(1)%text = self%end_line()
-    end function ending
 
     !> Reads `I/N`.
     subroutine read_shard(text, shard, valid)

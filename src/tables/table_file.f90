@@ -9,17 +9,17 @@
 !> After an error call `discard`, or `abandon` if the part is to be kept.
 module spintop_table_file
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_checksum, only: add_to_checksum, checksum_t, checksum_text
     use spintop_errors, only: error_t
     use spintop_files, only: check_target, input_file_t, output_file_t
     use spintop_journal, only: journal_entry_t, remove_journal
     use spintop_kinds, only: dp
+    use spintop_table_end, only: table_end_t
     use spintop_table_head, only: comment_lines
     use spintop_text, only: string_t
     use spintop_text_buffer, only: text_buffer_t
     implicit none
     private
-    public :: table_file_t, part_of, check_bytes, changed_after
+    public :: table_file_t, part_of, changed_after
 
     !> Bytes that are collected before they are written, and that are read at once.
     integer, parameter :: block_size = 1024 * 1024
@@ -28,11 +28,12 @@ module spintop_table_file
     type :: table_file_t
         character(:), allocatable :: path     !! of the complete table
         integer(int64) :: bytes = 0           !! written so far, header included
-        type(checksum_t) :: checksum          !! of the bytes written so far
+        type(table_end_t) :: ending           !! the checksum of the bytes written so far, for the last line
         type(output_file_t), private :: file
         type(text_buffer_t), private :: pending
     contains
         procedure :: create
+        procedure :: create_beside
         procedure :: reserve
         procedure :: begin
         procedure :: go_on
@@ -44,6 +45,7 @@ module spintop_table_file
         procedure :: finish_part
         procedure :: discard
         procedure :: abandon
+        procedure, private :: clear
     end type table_file_t
 
 contains
@@ -68,17 +70,35 @@ contains
         if (allocated(error)) call self%discard()
     end subroutine create
 
+    !> Starts a table beside a growing one, which has the part and the journal: it is `NAME.new` until it is complete.
+    subroutine create_beside(self, path, head, error)
+        class(table_file_t), intent(inout) :: self
+        character(*), intent(in) :: path !! path of the table
+        character(*), intent(in) :: head !! ready to write
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        call self%clear(path)
+        call check_target(path, error)
+        if (.not. allocated(error)) call self%file%create(path // '.new', error)
+        if (.not. allocated(error)) call self%put(head, error)
+    end subroutine create_beside
+
+    !> Forgets an earlier table.
+    subroutine clear(self, path)
+        class(table_file_t), intent(inout) :: self
+        character(*), intent(in) :: path
+        self%path = path
+        self%bytes = 0
+        self%ending = table_end_t()
+        call self%pending%clear()
+    end subroutine clear
+
     !> Opens and locks the part, without changing it; no other run can write it meanwhile. It is created if it
     !> is missing.
     subroutine reserve(self, path, error)
         class(table_file_t), intent(inout) :: self
         character(*), intent(in) :: path !! path of the table
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-
-        self%path = path
-        self%bytes = 0
-        self%checksum = checksum_t()
-        call self%pending%clear()
+        call self%clear(path)
         call check_target(path, error)
         if (.not. allocated(error)) call self%file%open(part_of(path), error)
     end subroutine reserve
@@ -94,15 +114,16 @@ contains
         if (.not. allocated(error)) call self%write_pending(error)
     end subroutine begin
 
-    !> Truncates the part to its first `bytes`, whose checksum is given; writing continues there.
-    subroutine go_on(self, bytes, checksum, error)
+    !> Checks that the part has the bytes of an entry, and truncates it to them: writing continues there.
+    subroutine go_on(self, entry, problem, error)
         class(table_file_t), intent(inout) :: self
-        integer(int64), intent(in) :: bytes !! size in bytes
-        type(checksum_t), intent(in) :: checksum !! checksum of these bytes
+        type(journal_entry_t), intent(in) :: entry !! entry of the journal
+        character(:), allocatable, intent(out) :: problem !! why the part has not these bytes; '' if it has
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        self%bytes = bytes
-        self%checksum = checksum
-        call self%file%truncate(bytes, error)
+        call self%clear(self%path)
+        self%bytes = entry%bytes
+        call check_bytes(part_of(self%path), entry, self%ending, problem)
+        if (problem == '') call self%file%truncate(entry%bytes, error)
     end subroutine go_on
 
     !> Adds a row of numbers.
@@ -136,7 +157,7 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         if (self%pending%length == 0) return
         call self%file%write(self%pending%room(:self%pending%length), error)
-        call add_to_checksum(self%checksum, self%pending%room(:self%pending%length))
+        call self%ending%add(self%pending%room(:self%pending%length))
         call self%pending%clear()
     end subroutine write_pending
 
@@ -147,13 +168,18 @@ contains
         call self%file%sync(error)
     end subroutine sync
 
-    !> Ends the table with comment lines, and renames it when it is on the disk.
+    !> Ends the table with comment lines and the line of its end, and renames it when it is on the disk.
     subroutine finish(self, trailer, error)
         class(table_file_t), intent(inout) :: self
         type(string_t), intent(in) :: trailer(:) !! comment lines, without the `#`
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(table_end_t) :: whole
 
         call self%put(comment_lines(trailer), error)
+        if (allocated(error)) return
+        whole = self%ending
+        call whole%add(self%pending%contents())
+        call self%put(whole%line(), error)
         if (.not. allocated(error)) call self%write_pending(error)
         if (.not. allocated(error)) call self%finish_part(self%bytes, error)
     end subroutine finish
@@ -179,11 +205,11 @@ contains
         call self%file%close(ignored)
     end subroutine abandon
 
-    !> Whether a part has the bytes of an entry. `checksum` is updated with them.
-    subroutine check_bytes(part, entry, checksum, problem)
+    !> Whether a part has the bytes of an entry.
+    subroutine check_bytes(part, entry, ending, problem)
         character(*), intent(in) :: part !! path of the part
         type(journal_entry_t), intent(in) :: entry !! entry of the journal
-        type(checksum_t), intent(out) :: checksum !! of these bytes
+        type(table_end_t), intent(out) :: ending !! their checksum
         character(:), allocatable, intent(out) :: problem !! why it has not; '' if it has
         type(input_file_t) :: file
         type(error_t), allocatable :: error
@@ -198,7 +224,7 @@ contains
         do while (left > 0 .and. .not. allocated(error))
             call file%read(block(:min(left, len(block, int64))), length, error)
             if (length == 0) exit
-            call add_to_checksum(checksum, block(:length))
+            call ending%add(block(:length))
             left = left - length
         end do
         call file%close()
@@ -206,7 +232,7 @@ contains
             problem = error%message
         else if (left > 0) then
             problem = part // ' is shorter than its journal records'
-        else if (checksum_text(checksum) /= entry%checksum) then
+        else if (ending%checksum() /= entry%checksum) then
             problem = changed_after(part)
         end if
     end subroutine check_bytes

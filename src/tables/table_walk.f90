@@ -12,6 +12,7 @@ module spintop_table_walk
     use spintop_files, only: path_from, read_file
     use spintop_kinds, only: dp
     use spintop_literals, only: read_real
+    use spintop_table_end, only: check_table_text
     use spintop_table_head, only: check_format
     implicit none
     private
@@ -39,6 +40,8 @@ module spintop_table_walk
         type(table_cursor_t) :: at
         !> Number of the table among the sources of the diagnostics, if it has errors.
         integer :: source = 0
+        !> Whether it has the last line of a complete table. Then it is as it was written.
+        logical :: has_end = .false.
     contains
         procedure :: open
         procedure :: next_line
@@ -53,13 +56,16 @@ contains
 
     !> Opens a table whose path is relative to the folder of an input, and moves to its first line. A file
     !> that cannot be read is an error; errors of its text are added to the diagnostics.
-    subroutine open(self, input, path, diagnostics, has_lines, error)
+    subroutine open(self, input, path, diagnostics, has_lines, error, damage)
         class(table_walk_t), intent(out) :: self
         character(*), intent(in) :: input !! path of the input
         character(*), intent(in) :: path !! path of the table, relative to the folder of `input`
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         logical, intent(out) :: has_lines !! whether there is a line with cells
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        character(:), allocatable, intent(out), optional :: damage
+            !! how the table differs from what was written, '' if it does not; without it this is an error
+        character(:), allocatable :: problem
 
         has_lines = .false.
         self%path = path_from(input, path)
@@ -69,6 +75,13 @@ contains
         if (index(self%text, byte_order_mark) == 1) self%at%last = len(byte_order_mark)
         if (index(self%text, achar(0)) > 0) then
             call self%refuse(diagnostics, 'not a text file: it has NUL bytes', 'expected a CSV table')
+            return
+        end if
+        call check_table_text(self%text, self%has_end, problem)
+        if (present(damage)) then
+            damage = problem
+        else if (problem /= '') then
+            call self%refuse(diagnostics, 'the table ' // problem, 'if this is intended, remove its last line')
             return
         end if
         has_lines = self%next_line()

@@ -85,7 +85,7 @@ def move(folder: Path, text: str) -> Motion:
     done = run(folder, text + f"\n&output columns = {names} /\n")
     assert done.returncode == 0, done.stderr
     lines = (folder / "scene.csv").read_text().splitlines()
-    words = lines[-1].removeprefix("# status: ").split()
+    words = lines[-2].removeprefix("# status: ").split()
     table = csv.DictReader(line for line in lines if not line.startswith("#"))
     rows = [{name: float(cell) for name, cell in row.items()} for row in table]
     return Motion(rows, words[0], float(words[-1]) if len(words) > 1 else math.nan)

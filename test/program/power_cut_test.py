@@ -674,8 +674,9 @@ class FailingDiskTest(DiskCase):
                 # The last call makes sure of the name.
                 self.assertIn(left, ([], ["scene.csv"]))
                 if left:
-                    last = (run / "output/scene.csv").read_text().splitlines()[-1]
-                    self.assertEqual(last, "# status: ok")
+                    *_, status, end = (run / "output/scene.csv").read_text().splitlines()
+                    self.assertEqual(status, "# status: ok")
+                    self.assertRegex(end, "^# end: ")
             shutil.rmtree(run / "output", ignore_errors=True)
 
     def test_interrupted_calls_and_short_writes(self) -> None:

@@ -84,11 +84,16 @@ GOOD = """\
 
 
 class Table:
-    """A table of the program or a reference table: comments, names, rows of texts."""
+    """A table of the program or a reference table: comments, names, rows of texts.
+
+    The line of its end is not among the comments; table_end_test checks it.
+    """
 
     def __init__(self, path: Path) -> None:
         text = path.read_text(encoding="utf-8")
         lines = text.splitlines()
+        if lines[-1].startswith("# end: "):
+            lines.pop()
         first = next(i for i, line in enumerate(lines) if not line.startswith("#"))
         self.header = [line[2:] for line in lines[:first]]
         self.trailer = [line for line in lines[first:] if line.startswith("#")]

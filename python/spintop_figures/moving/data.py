@@ -79,6 +79,7 @@ def pack(table: Table, stride: int = 1) -> Data:
     if stride > 1:
         note = f"# rows: one in {stride} of {len(rows)}, and the last"
         head = [*head[:-1], note, head[-1]]
+        foot = [line for line in foot if not line.startswith("# end: ")]  # of all rows
     text = "\n".join([*head, *(rows[i] for i in keep), *(foot or [""])])
     packed = gzip.compress(text.encode("utf-8"), mtime=0)
     name = printable(table.path.with_suffix(".csv").name)

@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from spintop_figures.tables.characters import printable
+from spintop_figures.tables.ending import problem_of_text
 from spintop_figures.tables.netcdf import (
     Attributes,
     FormatError,
@@ -21,6 +22,9 @@ from spintop_figures.tables.netcdf import (
     read_netcdf,
 )
 from spintop_figures.tables.netcdf_library import read_netcdf4
+
+NOTE = "does not end with the number and the checksum of its rows: it may have been cut or changed"
+"""The note on a table of an earlier version."""
 
 FORMAT = "1"
 """Format of the tables that can be read."""
@@ -65,7 +69,9 @@ class Table:
     `header` holds the `key: value` lines of its header, `settings` the resolved input by
     `group.key` and `input` as text, `units` and `meanings` those of the columns, `status` how a
     trajectory ended, `words` what a work-precision study says below its rows. Of a long sweep over
-    one parameter only every `stride`-th row is kept, more than a figure can show.
+    one parameter only every `stride`-th row is kept, more than a figure can show. `note` is not
+    empty if the table does not end with the number and the checksum of its rows, as this version
+    writes them.
     """
 
     path: Path
@@ -78,6 +84,7 @@ class Table:
     stride: int = 1
     input: str = ""
     words: tuple[str, ...] = ()
+    note: str = ""
 
     @property
     def title(self) -> str:
@@ -232,10 +239,11 @@ def stride_of(settings: dict[str, list[str]], names: list[str], count: int) -> i
 def read_text_table(path: Path) -> Table:
     """Read a table of texts."""
     try:
-        text = path.read_text(encoding="utf-8", errors="replace")
+        data = path.read_bytes()
     except OSError as error:
         raise TableError((error.strerror or str(error)).lower()) from error
-    lines = text.replace("\r\n", "\n").split("\n")
+    text = data.decode("utf-8", errors="replace").replace("\r\n", "\n").replace("\r", "\n")
+    lines = text.split("\n")
     first = next((i for i, line in enumerate(lines) if not line.startswith("#")), len(lines))
     if not text.replace("\n", "").replace("\0", "").isprintable():
         lines = [line if line.isprintable() else printable(line) for line in lines]
@@ -264,9 +272,25 @@ def read_text_table(path: Path) -> Table:
     rows = read_rows(names, body[1::stride])
     if rows.empty and names[0] != EVENT:
         raise TableError("has no rows" + (f" (status: {status})" if status else ""))
+    if problem := problem_of_text(data):
+        raise TableError(problem + place_of(names, body[1:]))
     resolved = input_of(lines[:first])
     words = tuple(line[9:].strip() for line in last if line.startswith("in words:"))
-    return Table(path, header, settings, units, meanings, rows, status, stride, resolved, words)
+    note = NOTE if problem is None else ""
+    return Table(
+        path, header, settings, units, meanings, rows, status, stride, resolved, words, note
+    )
+
+
+def place_of(names: list[str], body: list[tuple[int, str]]) -> str:
+    """Where the rows of a changed table are out of order, if they are known to be."""
+    if names[0] not in ("case", "t"):
+        return ""
+    places = [float(line.split(",", 1)[0]) for _, line in body]
+    for row, (before, place) in enumerate(itertools.pairwise(places), start=2):
+        if place <= before or (names[0] == "case" and place != before + 1):
+            return f"; row {row} (line {body[row - 1][0]}) is out of order: {names[0]} is {place:g}"
+    return ""
 
 
 def input_of(head: list[str]) -> str:

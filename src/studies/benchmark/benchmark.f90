@@ -29,7 +29,7 @@ module spintop_benchmark
     use spintop_study_head, only: study_head
     use spintop_summary, only: rounded, summary_t
     use spintop_table_file, only: table_file_t
-    use spintop_text, only: counted, to_text
+    use spintop_text, only: counted, string_t, to_text
     use spintop_text_buffer, only: text_buffer_t
     use spintop_trajectory_columns, only: find_trajectory_column, trajectory_column_t
     use spintop_trial_time, only: time_trial
@@ -68,6 +68,7 @@ contains
         integer, intent(out) :: failures !! number of benchmarks without a reference
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(table_file_t) :: file
+        type(string_t) :: no_lines(0)
         type(progress_t) :: progress
         real(dp) :: began
         character(:), allocatable :: part
@@ -92,7 +93,7 @@ contains
             call progress%update(i - first + 1)
         end do
         call progress%finish()
-        if (.not. allocated(error)) call file%finish(options%shard%ending(), error)
+        if (.not. allocated(error)) call file%finish(no_lines, error)
         if (allocated(error)) call file%discard()
         call summary%add('time', rounded(seconds() - began) // ' s')
     end subroutine run_benchmarks

@@ -5,7 +5,6 @@ module spintop_event_recorder
     use spintop_archive, only: archive_t
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
-    use spintop_checksum, only: checksum_t, checksum_text
     use spintop_errors, only: error_t
     use spintop_event_text, only: column_event_t
     use spintop_events, only: carry_search, event_watch_t, path_t
@@ -19,7 +18,7 @@ module spintop_event_recorder
     use spintop_scene, only: scene_t
     use spintop_stepper, only: looks_per_step
     use spintop_table_column, only: column_t
-    use spintop_table_file, only: check_bytes, part_of, table_file_t
+    use spintop_table_file, only: part_of, table_file_t
     use spintop_text, only: string_t
     use spintop_text_buffer, only: text_buffer_t
     use spintop_trajectory_column, only: trajectory_column_t
@@ -178,7 +177,6 @@ contains
         class(event_recorder_t), target, intent(inout) :: self
         type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
         type(journal_entry_t), target :: entry
-        type(checksum_t) :: checksum
         character(:), allocatable :: problem
 
         call archive%carry(self%rows)
@@ -190,16 +188,12 @@ contains
             call self%file%write_pending(self%error)
             if (.not. allocated(self%error)) call self%file%sync(self%error)
             entry%bytes = self%file%bytes
-            entry%checksum = checksum_text(self%file%checksum)
+            entry%checksum = self%file%ending%checksum()
         end if
         call archive%carry(c_loc(entry), storage_size(entry))
         if (.not. archive%recalls) return
-        call check_bytes(part_of(self%file%path), entry, checksum, problem)
-        if (problem == '') then
-            call self%file%go_on(entry%bytes, checksum, self%error)
-        else
-            self%error = refusal(self%file%path, problem)
-        end if
+        call self%file%go_on(entry, problem, self%error)
+        if (problem /= '') self%error = refusal(self%file%path, problem)
     end subroutine carry_record
 
     !> The columns of the events, or the change of azimuth since the start.

@@ -28,7 +28,7 @@ module spintop_work_precision
     use spintop_summary, only: summary_t, rounded
     use spintop_sweep_axes, only: swept_scene_t
     use spintop_table_file, only: table_file_t
-    use spintop_text, only: append, string_t, to_text
+    use spintop_text, only: string_t, to_text
     use spintop_text_buffer, only: text_buffer_t
     use spintop_trial, only: run_trial
     use spintop_trial_time, only: time_trial
@@ -87,7 +87,6 @@ contains
         end do
         call progress%finish()
         words = in_words(summary)
-        if (options%shard%is_part()) call append(words, options%shard%end_line())
         if (problems_of(job) > 1) call tally%summarize(summary)
         if (.not. allocated(error)) call file%finish(words, error)
         if (allocated(error)) then

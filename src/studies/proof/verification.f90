@@ -58,13 +58,14 @@ contains
         integer, intent(out) :: code !! exit code
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(verification_t) :: found
+        character(:), allocatable :: damage
 
         code = exit_ok
         if (.not. has_balls()) then
             error = input_error(escaped(job%input) // ': ' // balls_missing // '; ' // balls_hint)
             return
         end if
-        call read_table(job%input, found%table, error)
+        call read_table(job%input, found%table, error, damage)
         if (.not. allocated(error)) call take_numbers(job, found, error)
         if (allocated(error)) return
         call check_proof_cells(found%table, job%scene%certified, found%wrong)
@@ -74,6 +75,8 @@ contains
             call verify_trajectory(job, found, error)
         end if
         if (allocated(error)) return
+        ! What was found is what the checksum says, or part of it.
+        if (damage /= '' .and. found%wrong%count == 0) call found%wrong%add('the table ' // damage)
         if (found%wrong%count > 0 .or. (strict .and. found%unproved > 0)) code = exit_failed
         call report(job, found, lines)
     end subroutine verify_table
@@ -271,6 +274,8 @@ contains
 
         call text%add(job%input // ': ' // to_text(found%proved) // ' numbers proved, ' // to_text(found%unproved) &
                       // ' unproved, ' // to_text(found%wrong%count) // ' wrong')
+        if (.not. found%table%has_end) call text%add('  note  the table does not end with the number and the checksum of &
+            &its rows: it was cut, or written by an earlier version')
         if (allocated(found%wrong%first)) call text%add('  first wrong  ' // found%wrong%first)
         do k = 0, last_reason
             if (found%reasons(k) == 0) cycle

@@ -76,6 +76,7 @@ contains
         type(summary_t), intent(out) :: summary !! lines for standard output
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(table_file_t) :: file
+        type(string_t) :: no_lines(0)
         type(case_rows_t) :: source
         character(:), allocatable :: head, part
         integer(int64) :: cases, first, last
@@ -103,7 +104,7 @@ contains
         if (.not. allocated(error)) call sum_over_ranks(options%ranks, source%verdicts)
         if (options%ranks%is_writer()) then
             call source%progress%finish()
-            if (.not. allocated(error)) call file%finish(options%shard%ending(), error)
+            if (.not. allocated(error)) call file%finish(no_lines, error)
             if (allocated(error)) call file%discard()
         end if
         if (allocated(error) .or. .not. options%ranks%is_writer()) return

@@ -129,7 +129,11 @@ contains
         self%rows_table%counts = 0
         call self%block%reserve(size(self%rows_table%columns), rows_at_once)
         call self%rows_table%start(self%path, self%head, resume, restart, error)
-        if (allocated(error) .or. self%rows_table%is_complete) return
+        if (allocated(error)) return
+        if (self%rows_table%is_complete) then
+            if (self%rows_table%is_alone) call self%remove_states()
+            return
+        end if
         call self%rows_table%set_pause(first_pause)
         self%last_state = self%rows_table%resumed%state
         if (self%last_state == 0) call self%remove_states()
@@ -235,6 +239,7 @@ contains
         integer :: i
         do i = 1, 2
             if (file_exists(self%state_path(i))) call remove_file(self%state_path(i), ignored)
+            if (file_exists(self%state_path(i) // '.new')) call remove_file(self%state_path(i) // '.new', ignored)
         end do
         self%last_state = 0
     end subroutine remove_states

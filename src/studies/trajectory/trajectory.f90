@@ -8,6 +8,7 @@ module spintop_trajectory
     use spintop_event_recorder, only: event_recorder_t, event_columns
     use spintop_exact_cost, only: measure_exact_cost
     use spintop_integration, only: outcome_t
+    use spintop_growing_table, only: refusal, remove_leftovers
     use spintop_job, only: job_t
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_options, only: options_t
@@ -17,6 +18,7 @@ module spintop_trajectory
     use spintop_status, only: is_good_end, status_ok, status_name, status_meaning
     use spintop_study_head, only: study_head
     use spintop_summary, only: summary_t, decimal, rounded
+    use spintop_table_end, only: check_table
     use spintop_text, only: to_text, string_t
     use spintop_trajectory_column, only: trajectory_column_t
     use spintop_trajectory_columns, only: trajectory_columns
@@ -50,6 +52,8 @@ contains
         if (allocated(error)) return
         if (writer%table%rows_table%is_complete) then
             status = writer%table%ended_with()
+            if (job%event_output /= '') call check_events(job%event_output, error)
+            if (allocated(error)) return
             call summary%headline(job%input // ': trajectory -> ' // job%output)
             call summary%add('note', writer%table%rows_table%remark)
             if (.not. is_good_end(status)) call summary%add('status', status_name(status) // ': ' // status_meaning(status))
@@ -196,6 +200,20 @@ contains
             call writer%table%add_row([writer%kept(:n, i), cells(:, i)], writer%error)
         end do
     end subroutine add_sensitivities
+
+    !> Checks the table of events of a motion that is complete.
+    subroutine check_events(path, error)
+        character(*), intent(in) :: path
+        type(error_t), allocatable, intent(out) :: error
+        character(:), allocatable :: problem
+        logical :: is_alone
+        call check_table(path, problem)
+        if (problem == '') then
+            call remove_leftovers(path, is_alone)
+        else
+            error = refusal(path, problem)
+        end if
+    end subroutine check_events
 
     !> Finishes the tables with a line on how the motion ended; after an error they are abandoned.
     subroutine finish_tables(job, outcome, writer, watch, error)

@@ -7,7 +7,7 @@ module spintop_c_error
     use spintop_status, only: code_of, is_refusal, status_meanings, status_names
     implicit none
     private
-    public :: hand_error, hand_status, is_null, describe_status, longest_message
+    public :: hand_error, hand_status, is_null, is_wrong, describe_status, longest_message
 
     !> `spintop_error` of the header.
     type, bind(C) :: c_error_t
@@ -57,9 +57,17 @@ contains
         type(c_ptr), intent(in) :: pointer !! what C gave
         character(*), intent(in) :: what !! what it should be, for the message
         type(c_ptr), intent(in) :: place !! where C wants its pointer to the error; may be null
-        is_null = .not. c_associated(pointer)
-        if (is_null) call hand_over(exit_input, '', what // ' is a null pointer', '', [0, 0], place)
+        is_null = is_wrong(.not. c_associated(pointer), what // ' is a null pointer', place)
     end function is_null
+
+    !> Whether an argument is wrong: that is an error, which it hands over. No text is made by a function here either.
+    logical function is_wrong(found, message, place)
+        logical, intent(in) :: found !! whether it is
+        character(*), intent(in) :: message !! what is wrong
+        type(c_ptr), intent(in) :: place !! where C wants its pointer to the error; may be null
+        is_wrong = found
+        if (found) call hand_over(exit_input, '', message, '', [0, 0], place)
+    end function is_wrong
 
     !> Describes how a motion ended.
     subroutine describe_status(status, t, message)
@@ -67,7 +75,7 @@ contains
         real(dp), intent(in) :: t !! the time then, s
         character(longest_message), intent(out) :: message !! name and meaning of the status
         message = trim(status_names(status)) // ': ' // status_meanings(status)
-        if (.not. is_refusal(status)) write (message, '(2a, es23.16e3, a)') trim(message), ' (reached t =', t, ' s)'
+        if (.not. is_refusal(status)) write (message, '(ss, 2a, es23.16e3, a)') trim(message), ' (reached t =', t, ' s)'
     end subroutine describe_status
 
     subroutine hand_over(code, status, message, source, at, place)

@@ -228,14 +228,18 @@ contains
         character(*), intent(in) :: text, new !! the text, and the characters that replace `old`
         character, intent(in) :: old !! the character to be replaced
         character(:), allocatable :: replaced
-        integer :: i
+        integer :: i, n, found
 
-        replaced = ''
+        found = count([(text(i:i) == old, i=1, len(text))])
+        allocate (character(len(text) + found * (len(new) - 1)) :: replaced)
+        n = 0
         do i = 1, len(text)
             if (text(i:i) == old) then
-                replaced = replaced // new
+                replaced(n + 1:n + len(new)) = new
+                n = n + len(new)
             else
-                replaced = replaced // text(i:i)
+                n = n + 1
+                replaced(n:n) = text(i:i)
             end if
         end do
     end function replace_all
@@ -271,7 +275,7 @@ contains
         integer(int64), intent(in) :: value !! the value
         character(:), allocatable :: text
         character(real_width) :: room
-        write (room, '(i0)') value
+        write (room, '(ss, i0)') value
         text = trim(room)
     end function long_integer_to_text
 

@@ -25,7 +25,7 @@ module spintop_statistics_file
     character, parameter :: nl = new_line('a')
     character(*), parameter :: first_words = 'spintop statistics 1: '
     !> The line after the header, and its length.
-    character(*), parameter :: line_format = '(a, i10, " bytes of plan", a)'
+    character(*), parameter :: line_format = '(ss, a, i10, " bytes of plan", a)'
     integer, parameter :: length_of_line = len(first_words) + 24 + len(nl)
 
 contains

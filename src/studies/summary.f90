@@ -222,9 +222,9 @@ contains
         character(:), allocatable :: text
         character(40) :: buffer
         if (abs(value) > 0 .and. (abs(value) < 1.0e-3_dp .or. abs(value) >= 1.0e6_dp)) then
-            write (buffer, '(es16.9)') value
+            write (buffer, '(ss, es16.9)') value
         else
-            write (buffer, '(f24.10)') value
+            write (buffer, '(ss, f24.10)') value
         end if
         text = with_letter(trim(adjustl(buffer)))
     end function decimal
@@ -242,10 +242,10 @@ contains
         exponent = 0
         if (value > 0 .and. value <= huge(value)) exponent = floor(log10(value))
         if (exponent < -6 .or. exponent > 12) then
-            write (buffer, '(es10.3)') value
+            write (buffer, '(ss, es10.3)') value
         else
-            write (buffer, '(i0)') max(0, significant - 1 - exponent)
-            write (buffer, '(f24.' // trim(buffer) // ')') value
+            write (buffer, '(ss, i0)') max(0, significant - 1 - exponent)
+            write (buffer, '(ss, f24.' // trim(buffer) // ')') value
         end if
         text = with_letter(trim(adjustl(buffer)))
         if (text(len(text):) == '.') text = text(:len(text) - 1)

@@ -201,7 +201,7 @@ contains
         if (rate >= 100) then
             text = to_text(nint(rate, int64))
         else
-            write (room, '(f0.2)') rate
+            write (room, '(ss, f0.2)') rate
             text = trim(room)
             if (text(1:1) == '.') text = '0' // text
         end if
@@ -216,10 +216,10 @@ contains
 
         whole = nint(min(duration, 1e9_dp), int64)
         if (whole >= 3600) then
-            write (room, '(i0, 2(":", i2.2))') whole / 3600, mod(whole / 60, 60_int64), &
+            write (room, '(ss, i0, 2(":", i2.2))') whole / 3600, mod(whole / 60, 60_int64), &
                 mod(whole, 60_int64)
         else
-            write (room, '(i0, ":", i2.2)') whole / 60, mod(whole, 60_int64)
+            write (room, '(ss, i0, ":", i2.2)') whole / 60, mod(whole, 60_int64)
         end if
         text = trim(room)
     end function duration_text

@@ -23,7 +23,7 @@ module spintop_journal
     character(*), parameter :: first_words = 'spintop journal ', first_line = first_words // '3'
 
     !> The line of the state.
-    character(*), parameter :: state_key = 'state: ', state_format = '(i1, 1x, a)'
+    character(*), parameter :: state_key = 'state: ', state_format = '(ss, i1, 1x, a)'
 
     !> An entry: the bytes of a part that are on the disk.
     type :: journal_entry_t
@@ -121,9 +121,9 @@ contains
         integer :: i
 
         text = first_line // nl
-        write (room, '("bytes: ", i0)') entry%bytes
+        write (room, '(ss, "bytes: ", i0)') entry%bytes
         text = text // trim(room) // nl // 'checksum: ' // entry%checksum // nl
-        write (room, '("rows:", *(1x, i0))') (entry%counts(i), i=0, last_status)
+        write (room, '(ss, "rows:", *(1x, i0))') (entry%counts(i), i=0, last_status)
         text = text // trim(room) // nl
         if (entry%state > 0) then
             write (room, state_format) entry%state, entry%state_checksum

@@ -184,6 +184,18 @@ class ArchitectureTest(unittest.TestCase):
             self.assertRegex(line, WORDS_COMPARED)
         self.assertRegex("status(row)%text == 'ok'", NAMES_COMPARED)
 
+    def test_formats_do_not_depend_on_the_environment(self) -> None:
+        """Numbers in a text have their sign by the format (SS), not by GFORTRAN_OPTIONAL_PLUS."""
+        found = [
+            f"{path.name}: {form}"
+            for path in SOURCES
+            for form in re.findall(
+                r"(?:\bwrite \(\w+, |\w+_format = )'(\([^']*)'", path.read_text(encoding="utf-8")
+            )
+            if not form.startswith(("(ss, ", "(z"))
+        ]
+        self.assertEqual(found, [])
+
     def test_public_items_are_documented(self) -> None:
         """Each module, and each public type, constant, variable and procedure has a docstring."""
         sources = [Source(path) for path in SOURCES]

@@ -96,7 +96,7 @@ contains
         real(dp), intent(in) :: value
         character(:), allocatable :: text
         character(16) :: buffer
-        write (buffer, '(es9.1e3)') value
+        write (buffer, '(ss, es9.1e3)') value
         text = trim(adjustl(buffer))
     end function scientific
 

@@ -1,0 +1,70 @@
+"""The environment of the run-time library of gfortran changes nothing that the program writes."""
+
+import re
+import subprocess
+import unittest
+from pathlib import Path
+
+from program_test import GOOD, ProgramCase
+
+SWEEP = GOOD.split("&output")[0] + (
+    "&study kind = 'sweep' /\n"
+    "&sweep parameter(1) = 'initial.psi_rate', from(1) = 1, to(1) = 2, count(1) = 9 /\n"
+)
+MEASURED = re.compile(r"^  (cost|time|ended|parts|memory) .*\n", re.MULTILINE)
+"""Lines of a summary that differ from run to run."""
+
+
+def variables() -> list[str]:
+    """The variables that the library reads: their names are in it."""
+    name = subprocess.run(
+        ["gfortran", "-print-file-name=libgfortran.so"], check=True, capture_output=True, text=True
+    ).stdout.strip()
+    found = re.findall(rb"\0(GFORTRAN_[A-Z_]+)\0", Path(name).read_bytes())
+    return sorted({each.decode() for each in found})
+
+
+class EnvironmentTest(ProgramCase):
+    """Each variable of the library, switched on."""
+
+    def outputs(self, **environment: str) -> dict[str, str | int]:
+        """What the program writes with these variables: tables, streams and codes."""
+        found: dict[str, str | int] = {}
+        folder = f"output {len(list(self.folder.iterdir()))}"
+        calls = {
+            "trajectory": (self.scene, "-o", folder),
+            "sweep": (self.sweep, "-o", folder),
+            "check": (self.sweep, "--check"),
+            "list": ("list", "methods", "--json"),
+            "refusal": (self.sweep, "--set", "top.mass=-1"),
+        }
+        for call, arguments in calls.items():
+            result = self.run_program(*arguments, environment=environment)
+            text = MEASURED.sub("", result.stdout + result.stderr)
+            found[call] = f"{result.returncode}\n{text.replace(folder, 'output')}"
+        for path in sorted((self.folder / folder).glob("*.csv")):
+            found[path.name] = path.read_text(encoding="utf-8")
+        return found
+
+    def setUp(self) -> None:
+        """A trajectory and a sweep."""
+        super().setUp()
+        self.scene = self.write(GOOD, "motion.nml")
+        self.sweep = self.write(SWEEP, "sweep.nml")
+
+    def test_variables_of_the_library(self) -> None:
+        """The same bytes with each of them, and with all."""
+        expected = self.outputs()
+        self.assertEqual({text.split("\n")[0] for text in expected.values()} & {"5", "-11"}, set())
+        self.assertIn("sweep.csv", expected)
+        names = variables()
+        self.assertIn("GFORTRAN_OPTIONAL_PLUS", names)
+        self.assertGreater(len(names), 5)
+        settings = [{name: value} for name in names for value in ("y", "6")]
+        for setting in [*settings, dict.fromkeys(names, "y"), dict.fromkeys(names, "1")]:
+            with self.subTest(setting):
+                self.assertEqual(self.outputs(**setting), expected)
+
+
+if __name__ == "__main__":
+    unittest.main()

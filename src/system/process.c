@@ -19,10 +19,17 @@ void spintop_remove_lock_file(const char *path);
 
 enum { standard_input, standard_output, standard_error };
 
-// Exit code of an unexpected end, as in errors.f90.
-enum { exit_internal = 5 };
+// Exit codes of an unexpected end, as in errors.f90.
+enum { exit_output = 4, exit_internal = 5 };
 
 static atomic_int is_planned;
+
+// Whether this process is the program; and whether a library cannot be ended, so that it is left as it is.
+static int is_program, leaves_libraries;
+
+// What a crash in a library means, and what the system would do with it.
+static char meaning_of_crash[8192];
+static struct sigaction without_meaning;
 
 // The message of a signal that ends the process: `before`, a number of rows, `after`. It is prepared
 // in advance, as few functions are safe in a handler.
@@ -51,6 +58,24 @@ static void complain(const char *text, size_t length) {
     }
 }
 
+// Says what is kept of the run, and lets go of its files.
+static void tell(void) {
+    char digits[24];
+    char *first = digits + sizeof digits;
+    long long rows = rows_kept;
+    spintop_remove_lock_file(NULL);
+    if (!atomic_exchange(&is_watching, 0)) return;
+    if (rows >= 0) {
+        do {
+            *--first = (char)('0' + rows % 10);
+            rows /= 10;
+        } while (rows > 0);
+    }
+    complain(before, strlen(before));
+    complain(first, (size_t)(digits + sizeof digits - first));
+    complain(after, strlen(after));
+}
+
 // The run-time libraries end the process when memory runs out or a check fails. They have printed
 // the reason; their exit codes are replaced.
 static void end_unplanned(void) {
@@ -58,26 +83,24 @@ static void end_unplanned(void) {
         "spintop: stopped by the error above: there is no more memory, or the program has a fault\n";
     if (is_planned) return;
     complain(text, sizeof text - 1);
+    tell();
+    _exit(exit_internal);
+}
+
+// Ends the process where memory cannot be had; the first thread that needs it has the word. A program calls it from its
+// allocator, so it must not ask for memory.
+void spintop_end_without_memory(void) {
+    static const char text[] = "spintop: there is no more memory\n";
+    static atomic_flag is_told = ATOMIC_FLAG_INIT;
+    while (atomic_flag_test_and_set(&is_told)) pause();
+    complain(text, sizeof text - 1);
+    tell();
     _exit(exit_internal);
 }
 
 // Ends the process by a signal, after its message.
 static void tell_and_end(int number) {
-    spintop_remove_lock_file(NULL);
-    if (atomic_exchange(&is_watching, 0)) {
-        char digits[24];
-        char *first = digits + sizeof digits;
-        long long rows = rows_kept;
-        if (rows >= 0) {
-            do {
-                *--first = (char)('0' + rows % 10);
-                rows /= 10;
-            } while (rows > 0);
-        }
-        complain(before, strlen(before));
-        complain(first, (size_t)(digits + sizeof digits - first));
-        complain(after, strlen(after));
-    }
+    tell();
     // In the handler of this signal it ends the process when the handler returns.
     signal(number, SIG_DFL);
     raise(number);
@@ -110,11 +133,39 @@ static void occupy(int stream) {
     close(file);
 }
 
+static void answer_crash(int number) {
+    (void)number;
+    complain(meaning_of_crash, strlen(meaning_of_crash));
+    tell();
+    _exit(exit_output);
+}
+
+// From now on an invalid access to memory ends the program with a text, as an error of an output; with '' no longer. netCDF
+// has such accesses where HDF5 cannot close a file.
+void spintop_expect_crash(const char *text) {
+    struct sigaction crash;
+    if (!is_program) return;
+    if (text[0] == '\0') {
+        sigaction(SIGSEGV, &without_meaning, NULL);
+        return;
+    }
+    snprintf(meaning_of_crash, sizeof meaning_of_crash, "%s", text);
+    memset(&crash, 0, sizeof crash);
+    crash.sa_handler = answer_crash;
+    sigaction(SIGSEGV, &crash, &without_meaning);
+}
+
+// At its end the process does nothing more in its libraries.
+void spintop_leave_libraries(void) {
+    leaves_libraries = 1;
+}
+
 // To be called once, before anything else is opened.
 void spintop_begin_process(void) {
     struct sigaction ending, ignored, old;
     size_t i;
 
+    is_program = 1;
     for (int stream = standard_input; stream <= standard_error; ++stream) occupy(stream);
     atexit(end_unplanned);
 
@@ -155,6 +206,7 @@ void spintop_end_by_signal(void) {
 
 void spintop_end_process(int code) {
     is_planned = 1;
+    if (leaves_libraries) _exit(code);
     exit(code);
 }
 

@@ -9,6 +9,7 @@ module spintop_process
     private
     public :: begin_process, end_process, check_stacks, show_text, complain_of, end_output
     public :: watch_signals, keep_rows, watch_no_more, set_keeper, end_is_wanted, end_by_signal
+    public :: expect_crash, leave_libraries
     public :: host_name, peak_memory, physical_memory
 
     !> Numbers of the standard streams.
@@ -52,6 +53,15 @@ module spintop_process
         !> Ends the process by the signal that wants it to end.
         subroutine end_by_signal() bind(C, name='spintop_end_by_signal')
         end subroutine end_by_signal
+
+        subroutine c_expect_crash(text) bind(C, name='spintop_expect_crash')
+            import :: c_char
+            character(c_char), intent(in) :: text(*)
+        end subroutine c_expect_crash
+
+        !> At its end the process does nothing more in its libraries: one of them is in a state that it does not expect.
+        subroutine leave_libraries() bind(C, name='spintop_leave_libraries')
+        end subroutine leave_libraries
 
         !> Ends the messages on signals.
         subroutine watch_no_more() bind(C, name='spintop_watch_no_more')
@@ -142,6 +152,13 @@ contains
         logical, intent(in) :: there_is_one !! whether there is such a thread
         call c_set_keeper(merge(1_c_int, 0_c_int, there_is_one))
     end subroutine set_keeper
+
+    !> Sets the message with which an invalid access to memory ends the program, with the exit code of an output error: for
+    !> calls of a library that does not stand its own failures. '' ends that. In a process of somebody else it does nothing.
+    subroutine expect_crash(text)
+        character(*), intent(in) :: text !! the message
+        call c_expect_crash(text // c_null_char)
+    end subroutine expect_crash
 
     !> Whether a signal wants the process to end.
     logical function end_is_wanted()

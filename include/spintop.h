@@ -7,10 +7,13 @@
  *    structures are for reading. Texts end with a null character, are in UTF-8, and live as long as their structure.
  *  - `spintop_error **error` may be NULL. Otherwise the function sets *error where it fails, and leaves it unchanged
  *    where it succeeds; set *error to NULL before the call.
- *  - NULL where nothing is said of it is an error, SPINTOP_BAD_INPUT. As a top it has no columns and no warnings.
+ *  - NULL where nothing is said of it is an error, SPINTOP_BAD_INPUT. As a top it has no columns and no warnings. So are
+ *    empty names, negative counts, and sizes beyond those of arrays.
  *  - Any thread may call any function. spintop_top_at and spintop_tops run side by side, also with the same
  *    spintop_top; those that read a text or make a result (spintop_top_new, spintop_top_events, spintop_run,
  *    spintop_sweep, spintop_list) wait for each other.
+ *  - A thread that calls needs a stack of at least 1 MB. That of a thread is 8 MB by default on Linux; some languages and
+ *    programs make smaller ones.
  *  - Rounding, traps and other settings of the caller's floating-point arithmetic do not change results, and are as before
  *    when a function returns. Threads that OpenMP made before the first call keep their own.
  *  - The library writes nothing to standard output or standard error, installs no handlers of signals, and does not

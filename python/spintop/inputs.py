@@ -1,5 +1,6 @@
 """Inputs of the program as dictionaries: groups of keys with their values."""
 
+import re
 from collections.abc import Mapping, Sequence
 from decimal import Decimal
 from itertools import chain
@@ -17,6 +18,10 @@ Input = str | Path | Mapping[str, Group]
 """A path of an input, the text of one (with at least one `&`), or its groups as a dictionary."""
 MOST_THREADS = 4096
 """Threads that may be asked for."""
+NAME = re.compile(r"[a-z]\w*", re.ASCII | re.IGNORECASE)
+"""A group of an input."""
+KEY = re.compile(r"[a-z]\w*( *\([\d:, ]*\))?", re.ASCII | re.IGNORECASE)
+"""A key of an input, or elements of it: `inertia`, `values(1,:)`."""
 
 
 def frozen(value: Any) -> Any:
@@ -58,6 +63,10 @@ def literal(value: Any) -> str:
     if isinstance(value, bool | np.bool_):
         return ".true." if value else ".false."
     if isinstance(value, str):
+        if len(value.splitlines()) > 1 or value.endswith(("\n", "\r")):
+            raise InputError(
+                f"{value!r} has more than one line, and is no value of an input", code=2
+            )
         return "'" + value.replace("'", "''") + "'"
     if isinstance(value, int | np.integer):
         return str(int(value))
@@ -85,10 +94,19 @@ def assignments(key: str, value: Any) -> list[str]:
     return [f"{key} = {', '.join(literal(element) for element in value)}"]
 
 
+def check_name(name: Any, form: re.Pattern[str], what: str) -> None:
+    """Refuse what is no name, as it would be read as something else in a namelist."""
+    if not isinstance(name, str) or form.fullmatch(name) is None:
+        raise InputError(f"{name!r} is no name of a {what}", code=2)
+
+
 def lines_of(group: str, keys: Mapping[str, Any]) -> list[str]:
     """The lines of a group: a line per assignment; None omits a key."""
+    check_name(group, NAME, "group")
     if not isinstance(keys, Mapping):
         raise InputError(f"&{group}: keys with their values, not a {type(keys).__name__}", code=2)
+    for key in keys:
+        check_name(key, KEY, "key")
     given = (assignments(key, value) for key, value in keys.items() if value is not None)
     return [f"&{group}", *(f"    {line}" for line in chain.from_iterable(given)), "/"]
 

@@ -71,7 +71,7 @@ def sweep(given: Input, parameters: Mapping[str, ArrayLike], *, threads: int = 0
 def registry(topic: str = "") -> Any:
     """What `spintop list TOPIC --json` shows, as lists and dictionaries; without a topic all."""
     place = new_place()
-    text = library().spintop_list(bytes_of(topic), 1, place)
+    text = library().spintop_list(bytes_of(topic) if topic else None, 1, place)
     raise_error(place)
     try:
         return json.loads(ctypes.string_at(text))

@@ -5,9 +5,9 @@ module spintop_c_run
         c_ptr, c_size_t
     use spintop_arithmetic, only: default_arithmetic_t
     use spintop_axes_of_arrays, only: given_axis_t
-    use spintop_c_error, only: hand_error
+    use spintop_c_error, only: hand_error, is_null, is_wrong
     use spintop_c_result, only: hand_result
-    use spintop_c_text, only: c_text_t, is_any_null, take_text, take_texts
+    use spintop_c_text, only: c_text_t, is_any_null, is_empty, take_text, take_texts
     use spintop_errors, only: error_t, input_error
     use spintop_in_memory, only: memory_run_t, run_in_memory
     use spintop_listing, only: list_as_json, list_topic
@@ -71,13 +71,12 @@ contains
         call arithmetic%begin()
         !$omp critical (library)
         handle = c_null_ptr
-        if (cases < 1 .and. count > 0 .or. cases > most_cases .or. count < 0) then
-            call hand_error(input_error('a sweep over arrays has 1 to 2147483647 cases'), error)
-        else if (is_any_null(names, int(count))) then
-            call hand_error(input_error('the name of a parameter is a null pointer'), error)
-        else if (is_any_null(values, int(count))) then
-            call hand_error(input_error('the array of a parameter is a null pointer'), error)
-        else
+        ! A size_t beyond the range of Fortran's integers is negative here.
+        if (.not. (is_wrong(count < 0, 'the number of parameters is negative', error) .or. &
+                   is_wrong(cases < min(1, count) .or. cases > most_cases, &
+                            'a sweep over arrays has 1 to 2147483647 cases', error) .or. &
+                   is_wrong(is_any_null(names, int(count)), 'the name of a parameter is a null pointer', error) .or. &
+                   is_wrong(is_any_null(values, int(count)), 'the array of a parameter is a null pointer', error))) then
             call take_axes(count, names, values, cases, given)
             call run_text(input, c_null_ptr, c_null_ptr, threads, error, handle, given)
         end if
@@ -96,11 +95,15 @@ contains
         character(:), allocatable :: text, name_of_text
 
         handle = c_null_ptr
+        if (is_null(input, 'the input', place)) return
+        if (is_wrong(is_empty(name), 'the name of the input is empty', place)) return
+        if (is_wrong(is_empty(folder), 'the name of the folder is empty', place)) return
+        if (is_wrong(threads < 0, 'the number of threads is negative', place)) return
         call take_text(input, text)
         call take_text(name, name_of_text)
         call take_text(folder, options%output)
         if (name_of_text == '') name_of_text = 'input'
-        options%threads = min(max(0, threads), most_threads)
+        options%threads = min(threads, most_threads)
         call run_in_memory(text, name_of_text, options, run, error, given)
         if (allocated(error)) then
             call hand_error(error, place)
@@ -155,6 +158,7 @@ contains
         type(c_text_t) :: text
 
         handle = c_null_ptr
+        if (is_wrong(is_empty(topic), 'the name of the topic is empty', place)) return
         call take_text(topic, name)
         if (as_json) then
             call list_as_json(name, lines, error)

@@ -5,7 +5,7 @@ module spintop_c_text
     use spintop_text, only: string_t
     implicit none
     private
-    public :: c_text_t, is_any_null, take_text, take_texts
+    public :: c_text_t, is_any_null, is_empty, take_text, take_texts
 
     !> A text for C.
     type :: c_text_t
@@ -45,17 +45,24 @@ contains
         type(c_ptr), intent(in) :: from !! where it is
         character(:), allocatable, intent(out) :: text !! the text
         character(c_char), pointer :: letters(:)
-        integer :: i
+        integer(c_size_t) :: i
 
         text = ''
         if (.not. c_associated(from)) return
         call c_f_pointer(from, letters, [c_length(from)])
         deallocate (text)
-        allocate (character(size(letters)) :: text)
-        do i = 1, size(letters)
+        allocate (character(size(letters, kind=c_size_t)) :: text)
+        do i = 1, size(letters, kind=c_size_t)
             text(i:i) = letters(i)
         end do
     end subroutine take_text
+
+    !> Whether there is a text, and it is empty.
+    logical function is_empty(text)
+        type(c_ptr), intent(in) :: text !! where it is; may be null
+        is_empty = c_associated(text)
+        if (is_empty) is_empty = c_length(text) == 0
+    end function is_empty
 
     !> Whether an array of pointers is null, or one of them is.
     logical function is_any_null(places, n)

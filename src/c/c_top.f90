@@ -6,10 +6,10 @@ module spintop_c_top
         c_ptr, c_size_t
     use spintop_arithmetic, only: default_arithmetic_t
     use spintop_c_derivatives, only: asked_derivatives_t
-    use spintop_c_error, only: describe_status, hand_error, hand_status, is_null, longest_message
+    use spintop_c_error, only: describe_status, hand_error, hand_status, is_null, is_wrong, longest_message
     use spintop_c_motion, only: asked_motion_t
     use spintop_c_result, only: c_column_t, described_column_t, hand_result
-    use spintop_c_text, only: c_text_t, take_text
+    use spintop_c_text, only: c_text_t, is_empty, take_text
     use spintop_data_table, only: data_table_t
     use spintop_errors, only: error_t, exit_input, exit_ok, input_error
     use spintop_event_recorder, only: event_columns, event_recorder_t
@@ -41,6 +41,8 @@ module spintop_c_top
         type(trajectory_column_t), allocatable :: chosen(:)
     end type top_t
 
+    !> Most times of a call.
+    integer(c_size_t), parameter :: most_times = huge(1_c_int)
     !> The text ''.
     character(c_char), target :: no_text = c_null_char
 
@@ -56,6 +58,8 @@ contains
 
         call arithmetic%begin()
         handle = c_null_ptr
+        if (is_null(input, 'the input', error)) return
+        if (is_wrong(is_empty(name), 'the name of the input is empty', error)) return
         allocate (top)
         !$omp critical (library)
         call prepare_top(input, name, top, problem)
@@ -158,6 +162,8 @@ contains
         code = exit_ok
         if (n == 0) return
         code = exit_input
+        ! A size_t beyond the range of Fortran's integers is negative here.
+        if (is_wrong(n < 0 .or. n > most_times, 'there are more than 2147483647 times', error)) return
         if (is_null(t, 'the array of times', error)) return
         if (is_null(cells, 'the array of cells', error)) return
         call c_f_pointer(handle, top)

@@ -25,6 +25,8 @@ module spintop_c_tops
         'theta_rate_end', 'energy_error']
     !> The first of the quantities for which the motion at the end is computed.
     integer, parameter :: first_of_end = 8
+    !> Most elements of an array: its size in bytes is a number of C.
+    integer(int64), parameter :: most_elements = 2_int64**59
     !> So many of the data must be given; the others are 0 by default.
     integer, parameter :: needed = 4
 
@@ -68,6 +70,9 @@ contains
         call take_arrays(given_count, given_names, data_names, request%given, problem)
         call take_arrays(wanted_count, wanted_names, quantity_names, request%wanted, problem)
         if (given_count > 0 .and. .not. c_associated(strides)) problem = error_t(exit_input, 'the array of strides is null')
+        if (min(given_count, wanted_count, threads) < 0) then
+            problem = error_t(exit_input, 'the number of threads, or of arrays, is negative')
+        end if
         if (n > 0 .and. (is_any_null(given, int(given_count)) .or. is_any_null(wanted, int(wanted_count)))) then
             problem = error_t(exit_input, 'an array of values is null')
         end if
@@ -110,6 +115,8 @@ contains
         integer :: i
         if (request%n < 0 .or. any(request%given%stride < 0)) then
             problem = error_t(exit_input, 'the number of tops, or a stride, is negative')
+        else if (request%n > most_elements / max(1_int64, maxval(request%given%stride))) then
+            problem = error_t(exit_input, 'the arrays are larger than the memory of any machine')
         end if
         do i = 1, needed
             if (any(request%given%place == i)) cycle

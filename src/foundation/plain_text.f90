@@ -34,26 +34,38 @@ contains
         character(*), intent(in) :: text !! the text
         character(:), allocatable :: shown
         character(*), parameter :: digits = '0123456789abcdef'
-        integer :: i, length, code
+        character(:), allocatable :: room
+        integer :: i, n, length, code
 
-        shown = ''
+        allocate (character(4 * len(text)) :: room)
+        n = 0
         i = 1
         do while (i <= len(text))
             length = utf8_length(text(i:))
             code = iachar(text(i:i))
             if (code == 10) then
-                shown = shown // '\n'
+                call append(room, n, '\n')
             else if (code == 9) then
-                shown = shown // '\t'
+                call append(room, n, '\t')
             else if (length == 0 .or. code == 127 .or. code < 32) then
-                shown = shown // '\x' // digits(code / 16 + 1:code / 16 + 1) // digits(mod(code, 16) + 1:mod(code, 16) + 1)
+                call append(room, n, '\x' // digits(code / 16 + 1:code / 16 + 1) // digits(mod(code, 16) + 1:mod(code, 16) + 1))
                 length = 1
             else
-                shown = shown // text(i:i + length - 1)
+                call append(room, n, text(i:i + length - 1))
             end if
             i = i + length
         end do
+        shown = room(:n)
     end function escaped
+
+    !> Appends a piece to the first `n` characters of a text that has room for it.
+    pure subroutine append(room, n, piece)
+        character(*), intent(inout) :: room
+        integer, intent(inout) :: n
+        character(*), intent(in) :: piece
+        room(n + 1:n + len(piece)) = piece
+        n = n + len(piece)
+    end subroutine append
 
     !> Whether every program reads a text as a single line: it has no control character, no byte that is not
     !> UTF-8, and none of the two Unicode line separators.

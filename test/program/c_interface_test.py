@@ -199,6 +199,59 @@ class CInterfaceTest(unittest.TestCase):
         for line in errors:
             self.assertRegex(line, r"^2\|\|.*( is a null pointer| is null|the file has no group)$")
 
+    def test_odd_numbers_and_names(self) -> None:
+        """Sizes beyond all memory, negative counts and empty names are refused, never answered."""
+        told = self.run_it(self.driver(), "odd", f"{TOP} {START} &span t_end = 1 /")
+        errors = [line for line in told.splitlines() if "|" in line]
+        source = (ROOT / "test/support/c_driver.txt").read_text(encoding="utf-8")
+        calls = source.split("int give_odd(")[1].split("\n}\n")[0].count(") tell(error)")
+        self.assertEqual(len(errors), calls, told)
+        for line in errors:
+            self.assertRegex(line, r"^2\|\|")
+
+    def test_environment_of_the_run_time_library(self) -> None:
+        """A sign that gfortran writes on request is in no text."""
+        text = (
+            f"{TOP} {START} &span t_end = 1 / &integration method = 'rk4' steps = 4 max_steps = 3 /"
+        )
+        calls = [("run", text), ("list", "parameters"), ("at", text, "0", "9")]
+        for call in calls:
+            found = []
+            for environment in ({}, {"GFORTRAN_OPTIONAL_PLUS": "y"}):
+                done = subprocess.run(
+                    [self.driver(), *call],
+                    env=os.environ | environment,
+                    capture_output=True,
+                    text=True,
+                    check=False,
+                    cwd=self.folder,
+                )
+                found.append((done.returncode, done.stdout, done.stderr))
+            self.assertEqual(*found)
+
+    def test_small_stacks(self) -> None:
+        """A thread of the caller may have the stack that the header asks for."""
+        rest = f"{START} &span t_end = 1 samples = 5 /"
+        asymmetric = TOP.replace("0.875, 0.875", "0.9, 0.7")
+        calls = [("list", ""), ("tops", "1"), ("at", f"{TOP} {rest}", "0.5", "1")]
+        calls += [("run", f"{TOP} {rest}"), ("sweep", f"&study kind = 'sweep' / {TOP} {rest}")]
+        events = "&output events = 'turning_points' columns = 't', 'theta' /"
+        calls += [("events", f"{TOP} {rest} {events}")]
+        for method in json.loads(self.run_it(self.driver(), "list", "methods"))["methods"]:
+            name = method["name"]
+            steps = "steps = 100" * (name != "exact")
+            calls += [("run", f"{asymmetric} {rest} &integration method = '{name}' {steps} /")]
+        for call in calls:
+            with self.subTest(call=call):
+                done = subprocess.run(
+                    [self.driver(), "stack", "768", *call],
+                    capture_output=True,
+                    text=True,
+                    check=False,
+                    cwd=self.folder,
+                )
+                self.assertIn(done.returncode, (0, 2, 3), done.stdout + done.stderr)
+
     def test_events_of_a_top(self) -> None:
         """The cells of the program's table: exact, by steps of both kinds, up to an end."""
         driver = self.driver()

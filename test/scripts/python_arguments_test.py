@@ -1,10 +1,12 @@
 """What the Python package takes, and what it refuses: values, names, threads, copies."""
 
+import contextlib
 import copy
 import datetime
 import pickle
 import subprocess
 import sys
+import time
 import unittest
 import warnings
 from decimal import Decimal
@@ -20,6 +22,7 @@ sys.path.insert(0, str(ROOT / "python"))
 subprocess.run([ROOT / "scripts/install", "--library"], check=True, capture_output=True)
 
 import spintop  # noqa: E402
+from spintop.runs import call_run  # noqa: E402
 
 INERTIA = (0.875, 0.875, 0.25)
 BODY = spintop.Body(mass=1, inertia=INERTIA, length=0.8)
@@ -184,6 +187,74 @@ class NamesTest(unittest.TestCase):
         for name in ("theta_max" + " " * 15 + "x", "nutation_periods", "theta_max\n"):
             with self.assertRaisesRegex(spintop.InputError, "is none of"):
                 spintop.tops([name], **SYMMETRIC)
+
+    def test_names_that_are_none(self) -> None:
+        """A group or a key is a name: no text reaches the namelist as anything else."""
+        hostile = (
+            "a / &sweep",
+            "a/",
+            "a = 1 b",
+            "a!",
+            "",
+            " a",
+            "a\n",
+            "&a",
+            "a'b",
+            "1a",
+            "a\u00e4",
+            7,
+        )
+        hostile += ("a(1) = 2, b", "a(", "a(1))", "a%b", "a,b", "a\0")
+        for name in hostile:
+            with self.subTest(name=name):
+                for groups in ({name: {}}, {name: {"mass": 1}}, {"top": {name: 1}}):
+                    with self.assertRaisesRegex(spintop.InputError, "is no name of a (group|key)"):
+                        spintop.run(GIVEN | groups)
+                if isinstance(name, str):
+                    with self.assertRaises(spintop.InputError):
+                        spintop.Top(spintop.Body(**{"mass": 1, "inertia": INERTIA, name: 1}))
+                    with self.assertRaises(spintop.InputError):
+                        spintop.Top(BODY, theta=0.2, effects={name: 1})
+                    with self.assertRaises(spintop.InputError):
+                        TOP.quantities("theta_max", **{name: 1})
+                    with self.assertRaises(spintop.InputError):
+                        spintop.sweep({"study": {"kind": "sweep"}, **GIVEN}, {name: [1.0]})
+        for text in ("a\n/ &sweep", "a\r", "\n"):
+            with self.assertRaisesRegex(spintop.InputError, "more than one line"):
+                spintop.run(GIVEN | {"study": {"title": text}})
+        rows = {"parameter(1)": "initial.theta", "values(1,:)": [0.1, 0.2], "from(2)": None}
+        span = {"span": {"t_end": 1.0}}
+        found = spintop.run({"study": {"kind": "sweep"}, **GIVEN, **span, "sweep": rows})
+        self.assertEqual(len(found.rows["case"]), 2)
+
+    def test_long_texts_take_linear_time(self) -> None:
+        """Each text that the library takes, four times as long: not ten times the time."""
+        text = "&top mass = 1 inertia = 0.875, 0.875, 0.25 length = 0.8 / &initial theta = 1 /"
+        text += " &span t_end = 1 samples = 2 /"
+        calls = {
+            "name": lambda n: call_run("&nothing /", "x" * n, None, 1),
+            "name of tabs": lambda n: call_run("&nothing /", "\t" * n, None, 1),
+            "folder": lambda n: call_run(text, "x", "/nowhere/" + "x" * n, 1),
+            "comment": lambda n: spintop.run(f"{text} ! {'x' * n}"),
+            "lines": lambda n: spintop.run(text + "\n! x" * n),
+            "title": lambda n: spintop.run(f"&study title = '{'x' * n}' / {text}"),
+            "group": lambda n: spintop.run("&" + "x" * n),
+            "groups": lambda n: spintop.run(text + "&x /" * n),
+            "topic": lambda n: spintop.registry("x" * n),
+            "quantity": lambda n: spintop.tops("x" * n, **SYMMETRIC),
+            "parameter": lambda n: spintop.sweep(
+                f"&study kind = 'sweep' / {text}", {"x" * n: [1.0]}
+            ),
+        }
+        for what, call in calls.items():
+            times = []
+            for n in (100_000, 400_000):
+                began = time.process_time()
+                with contextlib.suppress(spintop.SpintopError):
+                    call(n)
+                times.append(time.process_time() - began)
+            with self.subTest(what):
+                self.assertLess(times[1], 0.2 + 10 * times[0], times)
 
     def test_threads(self) -> None:
         """Numbers of threads that no system has."""

@@ -3,11 +3,15 @@
 submodule(spintop_statistics_netcdf) statistics_netcdf_written
     use, intrinsic :: iso_fortran_env, only: int64
     use netcdf, only: nf90_64bit_offset, nf90_clobber, nf90_close, nf90_create, nf90_def_dim, nf90_def_var, nf90_double, &
-        nf90_enddef, nf90_global, nf90_noerr, nf90_put_att, nf90_put_var, nf90_strerror
+        nf90_ebaddim, nf90_enddef, nf90_enotatt, nf90_get_att, nf90_get_var, nf90_global, nf90_inq_dimid, nf90_inq_varid, &
+        nf90_inquire_attribute, nf90_inquire_dimension, nf90_noerr, nf90_nowrite, nf90_open, nf90_put_att, nf90_put_var, &
+        nf90_strerror
+    use spintop_checksum, only: add_reals_to_checksum, add_to_checksum, checksum_t
     use spintop_errors, only: output_error
     use spintop_files, only: output_file_t
     use spintop_histogram, only: histogram_t, make_histogram
     use spintop_kinds, only: dp
+    use spintop_netcdf_file, only: close_netcdf, confirm_netcdf
     use spintop_netcdf_grid, only: netcdf_name, netcdf_unit
     use spintop_statistics_result, only: columns_before, index_cells, index_row, result_columns, result_row
     use spintop_table_column, only: table_column_t
@@ -25,9 +29,12 @@ submodule(spintop_statistics_netcdf) statistics_netcdf_written
     logical, parameter :: is_interval(*) = [.false., .true., .false., .true., .false., .false.]
     logical, parameter :: is_count(*) = [.false., .false., .false., .false., .true., .true.]
 
-    !> The file, and the numbers of its dimensions and variables.
+    !> The file, and the numbers of its dimensions and variables. What is put to it is read in its place, if it is there
+    !> already: the checksum is that of what is put, or of what is read.
     type :: netcdf_file_t
         integer :: id = -1, status = nf90_noerr
+        logical :: is_read = .false.
+        type(checksum_t) :: checksum
         !> Of each column of the result: over the bins (-1: none), and of all cases.
         integer, allocatable :: of_bins(:), of_all(:)
         !> Of each binned quantity: the middles, and the ends.
@@ -42,11 +49,11 @@ submodule(spintop_statistics_netcdf) statistics_netcdf_written
 contains
 
     module procedure write_statistics_netcdf
-        type(netcdf_file_t) :: file
+        type(netcdf_file_t) :: file, found
         type(table_column_t), allocatable :: columns(:)
         type(histogram_t), allocatable :: histograms(:)
         type(output_file_t) :: output
-        integer :: i, status
+        integer :: i
 
         allocate (histograms(size(plan%numbers)))
         do i = 1, size(histograms)
@@ -56,18 +63,31 @@ contains
         call output%create(path // '.new', error)
         if (allocated(error)) return
         file%status = nf90_create(output%path, ior(nf90_clobber, nf90_64bit_offset), file%id)
-        call add_facts(file, head)
-        call define(file, plan, columns, histograms)
-        if (file%status == nf90_noerr) file%status = nf90_enddef(file%id)
-        call write_all(file, plan, columns, accumulators, histograms)
-        status = nf90_close(file%id)
-        if (file%status == nf90_noerr) file%status = status
-        if (file%status /= nf90_noerr) then
-            error = output_error('cannot write ' // path // ': ' // trim(nf90_strerror(file%status)))
-        else
-            call output%finish_as(path, -1_int64, error)
+        call put_contents(file)
+        call close_netcdf(output%path, file%id, file%status, .false., error)
+        if (.not. allocated(error)) then
+            found%is_read = .true.
+            found%status = nf90_open(output%path, nf90_nowrite, found%id)
+            call put_contents(found)
+            if (found%status /= nf90_noerr) then
+                error = output_error('cannot read ' // output%path // ': ' // trim(nf90_strerror(found%status)))
+            end if
+            found%status = nf90_close(found%id)
         end if
+        if (.not. allocated(error)) call confirm_netcdf(output%path, file%checksum, found%checksum, error)
+        if (.not. allocated(error)) call output%finish_as(path, -1_int64, error)
         call output%discard()
+
+    contains
+
+        subroutine put_contents(file)
+            type(netcdf_file_t), intent(inout) :: file
+            call add_facts(file, head)
+            call define(file, plan, columns, histograms)
+            if (file%status == nf90_noerr .and. .not. file%is_read) file%status = nf90_enddef(file%id)
+            call write_all(file, plan, columns, accumulators, histograms)
+        end subroutine put_contents
+
     end procedure write_statistics_netcdf
 
     !> The metadata of the header as attributes of the file.
@@ -155,7 +175,7 @@ contains
         do i = 1, size(plan%factors)
             names = names // ' ' // trim(plan%factors(i)%name)
         end do
-        if (file%status == nf90_noerr) then
+        if (file%status == nf90_noerr .and. .not. file%is_read) then
             file%status = nf90_put_att(file%id, file%factor, 'flag_values', [(real(i - 1, dp), i=1, size(plan%factors))])
         end if
         call add_text(file, file%factor, 'flag_meanings', names(2:))
@@ -217,7 +237,7 @@ contains
                     high = cells(index_place(i) + 1, :)
                     call put_ends(file, file%indices(i, k), values, high)
                 else if (is_count(i)) then
-                    if (file%status == nf90_noerr) file%status = nf90_put_var(file%id, file%indices(i, k), values(1))
+                    call put(file, file%indices(i, k), values(:1), [1], [1])
                 else
                     call put(file, file%indices(i, k), values, [1], [n])
                 end if
@@ -238,7 +258,7 @@ contains
         allocate (row(size(columns)))
         call result_row(plan, accumulators, 0_int64, row)
         do i = columns_before(plan) + 1, size(columns)
-            if (file%status == nf90_noerr) file%status = nf90_put_var(file%id, file%of_all(i), row(i))
+            call put(file, file%of_all(i), row(i:i), [1], [1])
         end do
         do i = 1, size(histograms)
             if (file%counts(i) < 0) cycle
@@ -283,15 +303,25 @@ contains
         real(dp) :: both(2, size(from))
         both(1, :) = from
         both(2, :) = to
-        if (file%status == nf90_noerr) file%status = nf90_put_var(file%id, variable, both)
+        call put(file, variable, reshape(both, [size(both)]), [1, 1], shape(both))
     end subroutine put_ends
 
-    !> Writes a box of a variable.
+    !> Writes a box of a variable; or reads it.
     subroutine put(file, variable, values, start, extent)
         type(netcdf_file_t), intent(inout) :: file
         integer, intent(in) :: variable, start(:), extent(:)
         real(dp), intent(in) :: values(:)
-        if (file%status == nf90_noerr) file%status = nf90_put_var(file%id, variable, values, start, extent)
+        real(dp), allocatable :: cells(:, :)
+
+        if (file%status /= nf90_noerr) return
+        allocate (cells(size(values), 1))
+        cells(:, 1) = values
+        if (file%is_read) then
+            file%status = nf90_get_var(file%id, variable, cells(:, 1), start, extent)
+        else
+            file%status = nf90_put_var(file%id, variable, cells(:, 1), start, extent)
+        end if
+        call add_reals_to_checksum(file%checksum, cells)
     end subroutine put
 
     subroutine add_dimension(file, name, length, dimension)
@@ -299,8 +329,16 @@ contains
         character(*), intent(in) :: name
         integer, intent(in) :: length
         integer, intent(out) :: dimension
+        integer :: found
         dimension = -1
-        if (file%status == nf90_noerr) file%status = nf90_def_dim(file%id, name, length, dimension)
+        if (file%status /= nf90_noerr) return
+        if (.not. file%is_read) then
+            file%status = nf90_def_dim(file%id, name, length, dimension)
+            return
+        end if
+        file%status = nf90_inq_dimid(file%id, name, dimension)
+        if (file%status == nf90_noerr) file%status = nf90_inquire_dimension(file%id, dimension, len=found)
+        if (file%status == nf90_noerr .and. found /= length) file%status = nf90_ebaddim
     end subroutine add_dimension
 
     !> Defines a variable that tells of a column.
@@ -311,18 +349,36 @@ contains
         type(table_column_t), intent(in) :: column
         integer, intent(out) :: variable
         variable = -1
-        if (file%status == nf90_noerr) file%status = nf90_def_var(file%id, name, nf90_double, dimensions, variable)
+        if (file%status == nf90_noerr) then
+            if (file%is_read) then
+                file%status = nf90_inq_varid(file%id, name, variable)
+            else
+                file%status = nf90_def_var(file%id, name, nf90_double, dimensions, variable)
+            end if
+        end if
         call add_text(file, variable, 'column', trim(column%name))
         call add_text(file, variable, 'long_name', trim(column%what))
         call add_text(file, variable, 'units', netcdf_unit(column%unit))
     end subroutine add_variable
 
-    !> Adds an attribute, unless it is empty.
+    !> Adds an attribute, unless it is empty; or reads it.
     subroutine add_text(file, variable, name, text)
         type(netcdf_file_t), intent(inout) :: file
         integer, intent(in) :: variable
         character(*), intent(in) :: name, text
-        if (file%status == nf90_noerr .and. text /= '') file%status = nf90_put_att(file%id, variable, name, text)
+        character(:), allocatable :: found
+        integer :: length
+
+        if (file%status /= nf90_noerr .or. text == '') return
+        found = text
+        if (.not. file%is_read) then
+            file%status = nf90_put_att(file%id, variable, name, text)
+        else
+            file%status = nf90_inquire_attribute(file%id, variable, name, len=length)
+            if (file%status == nf90_noerr .and. length /= len(text)) file%status = nf90_enotatt
+            if (file%status == nf90_noerr) file%status = nf90_get_att(file%id, variable, name, found)
+        end if
+        call add_to_checksum(file%checksum, found)
     end subroutine add_text
 
 end submodule statistics_netcdf_written

@@ -11,8 +11,8 @@ SWEEP = GOOD.split("&output")[0] + (
     "&study kind = 'sweep' /\n"
     "&sweep parameter(1) = 'initial.psi_rate', from(1) = 1, to(1) = 2, count(1) = 9 /\n"
 )
-MEASURED = re.compile(r"^  (cost|time|ended|parts|memory) .*\n", re.MULTILINE)
-"""Lines of a summary that differ from run to run."""
+MEASURED = re.compile(r"^(!? +(cost|time|ended|parts|memory) |# date:).*\n", re.MULTILINE)
+"""Lines of a summary and of a header that differ from run to run."""
 
 
 def variables() -> list[str]:
@@ -43,7 +43,7 @@ class EnvironmentTest(ProgramCase):
             text = MEASURED.sub("", result.stdout + result.stderr)
             found[call] = f"{result.returncode}\n{text.replace(folder, 'output')}"
         for path in sorted((self.folder / folder).glob("*.csv")):
-            found[path.name] = path.read_text(encoding="utf-8")
+            found[path.name] = MEASURED.sub("", path.read_text(encoding="utf-8"))
         return found
 
     def setUp(self) -> None:

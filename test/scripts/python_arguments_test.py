@@ -222,7 +222,7 @@ class NamesTest(unittest.TestCase):
         for text in ("a\n/ &sweep", "a\r", "\n"):
             with self.assertRaisesRegex(spintop.InputError, "more than one line"):
                 spintop.run(GIVEN | {"study": {"title": text}})
-        rows = {"parameter(1)": "initial.theta", "values(1,:)": [0.1, 0.2], "from(2)": None}
+        rows = {"parameter(1)": "initial.psi_rate", "values(1,:)": [9, 15], "from(2)": None}
         span = {"span": {"t_end": 1.0}}
         found = spintop.run({"study": {"kind": "sweep"}, **GIVEN, **span, "sweep": rows})
         self.assertEqual(len(found.rows["case"]), 2)

@@ -9,13 +9,14 @@
 !> instead, and no file can be created or opened.
 module spintop_netcdf_file
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_errors, only: error_t
+    use spintop_checksum, only: checksum_t, checksum_text
+    use spintop_errors, only: error_t, output_error
     use spintop_files, only: input_file_t
     use spintop_kinds, only: dp
     use spintop_netcdf_description, only: netcdf_description_t
     implicit none
     private
-    public :: netcdf_file_t, has_netcdf, has_compression, is_netcdf
+    public :: netcdf_file_t, has_netcdf, has_compression, is_netcdf, close_netcdf, confirm_netcdf
 
     !> An open file.
     type :: netcdf_file_t
@@ -29,6 +30,9 @@ module spintop_netcdf_file
         !> Rows that are not yet written, one column each.
         real(dp), allocatable, private :: pending(:, :)
         integer, private :: held = 0
+        !> Whether the file is written; and what the library said when that failed.
+        logical, private :: is_written = .false.
+        integer, private :: failure = 0
     contains
         procedure :: create
         procedure :: open => open_file
@@ -70,6 +74,16 @@ module spintop_netcdf_file
             type(error_t), allocatable, intent(out) :: error !! not allocated on success
         end subroutine put
 
+        !> Closes a file that was written. After a failure a file in the format NetCDF-4 is left open, because HDF5 ends the
+        !> process where it cannot close it.
+        module subroutine close_netcdf(path, id, failure, uses_hdf, error)
+            character(*), intent(in) :: path !! path of the file
+            integer, intent(inout) :: id !! its number in the library
+            integer, intent(in) :: failure !! what the library said to the last call; 0 for success
+            logical, intent(in) :: uses_hdf !! whether its format is NetCDF-4
+            type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        end subroutine close_netcdf
+
         !> Reads rows, which are written already.
         module subroutine get(self, first, cells, error)
             class(netcdf_file_t), intent(in) :: self
@@ -92,6 +106,16 @@ module spintop_netcdf_file
     end interface
 
 contains
+
+    !> Has a closed file confirmed before it gets its name: what is read from it is what was written. The library does not
+    !> tell of all failures: a short read gives zeros, and a write that fails when a file is closed is no error.
+    subroutine confirm_netcdf(path, written, found, error)
+        character(*), intent(in) :: path !! path of the file
+        type(checksum_t), intent(in) :: written, found !! checksums of what was written, and of what is read
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        if (checksum_text(written) == checksum_text(found)) return
+        error = output_error('cannot write ' // path // ': what is read from it is not what was written')
+    end subroutine confirm_netcdf
 
     !> Whether a file begins as one in a format of NetCDF; false as well if it cannot be read.
     logical function is_netcdf(path)

@@ -34,6 +34,12 @@ contains
         error = output_error(reason)
     end procedure put
 
+    module procedure close_netcdf
+        associate (unused => id, also_unused => failure, nor => uses_hdf)
+        end associate
+        error = output_error('cannot write ' // path // ': ' // reason)
+    end procedure close_netcdf
+
     module procedure get
         associate (unused => self, also_unused => first)
         end associate

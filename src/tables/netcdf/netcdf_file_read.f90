@@ -22,6 +22,8 @@ contains
         self%path = path
         self%held = 0
         self%rows = 0
+        self%is_written = to_continue
+        self%failure = nf90_noerr
         status = nf90_open(path, merge(nf90_write, nf90_nowrite, to_continue), self%id)
         if (status /= nf90_noerr) self%id = -1
         if (status == nf90_noerr .and. to_continue) status = nf90_set_fill(self%id, nf90_nofill, old_mode)

@@ -3,7 +3,7 @@
 submodule(spintop_netcdf_file) netcdf_file_written
     use, intrinsic :: iso_fortran_env, only: int8
     use netcdf, only: nf90_64bit_offset, nf90_byte, nf90_close, nf90_clobber, nf90_create, nf90_def_dim, nf90_def_var, &
-        nf90_double, nf90_enddef, nf90_global, nf90_int, nf90_noerr, nf90_nofill, nf90_put_att, nf90_put_var, &
+        nf90_double, nf90_ehdferr, nf90_enddef, nf90_global, nf90_int, nf90_noerr, nf90_nofill, nf90_put_att, nf90_put_var, &
         nf90_set_fill, nf90_strerror, nf90_sync
 #ifdef SPINTOP_NETCDF4
     use netcdf, only: nf90_def_var_chunking, nf90_def_var_deflate, nf90_netcdf4
@@ -11,6 +11,7 @@ submodule(spintop_netcdf_file) netcdf_file_written
     use spintop_errors, only: output_error
     use spintop_kinds, only: no_number
     use spintop_netcdf_grid, only: find_box, netcdf_name, netcdf_unit, netcdf_word, size_of_chunk
+    use spintop_process, only: expect_crash, leave_libraries
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words, table_column_t
     use spintop_text, only: join, to_text
     implicit none
@@ -42,6 +43,8 @@ contains
         self%description = description
         self%held = 0
         self%rows = 0
+        self%is_written = .true.
+        self%failure = nf90_noerr
         if (description%is_part()) then
             self%extent = [description%rows_of_part()]
         else
@@ -69,6 +72,8 @@ contains
         integer, intent(out) :: id
 #ifdef SPINTOP_NETCDF4
         status = nf90_create(path, ior(nf90_clobber, nf90_netcdf4), id)
+        ! The library does not know why, and names a reason of the system.
+        if (status > 0) status = nf90_ehdferr
 #else
         status = nf90_create(path, ior(nf90_clobber, nf90_64bit_offset), id)
 #endif
@@ -317,23 +322,60 @@ contains
 
     module procedure close_file
         type(error_t), allocatable :: problem
-        integer :: status
+        integer :: ignored
         if (self%id < 0) return
-        call write_pending(self, error)
-        status = nf90_close(self%id)
-        self%id = -1
-        call check(self, status, problem)
+        if (.not. self%is_written) then
+            ignored = guarded_close(self%path, self%id, self%description%compression >= 0)
+            self%id = -1
+            return
+        end if
+        if (self%failure == nf90_noerr) call write_pending(self, error)
+        call close_netcdf(self%path, self%id, self%failure, self%description%compression >= 0, problem)
         if (.not. allocated(error)) call move_alloc(problem, error)
     end procedure close_file
 
+    module procedure close_netcdf
+        integer :: status, status_of_close
+        status = failure
+        ! The library does not tell whether the last writes fail when the file is closed.
+        if (status == nf90_noerr) status = nf90_sync(id)
+        if (status /= nf90_noerr .and. uses_hdf) then
+            call leave_libraries()
+        else
+            status_of_close = guarded_close(path, id, uses_hdf)
+            if (status == nf90_noerr) status = status_of_close
+        end if
+        id = -1
+        if (status /= nf90_noerr) error = output_error(message_on(path, status))
+    end procedure close_netcdf
+
+    !> Closes a file. netCDF crashes where HDF5 cannot close one.
+    integer function guarded_close(path, id, uses_hdf) result(status)
+        character(*), intent(in) :: path
+        integer, intent(in) :: id
+        logical, intent(in) :: uses_hdf
+        if (uses_hdf) call expect_crash(message_on(path, nf90_ehdferr) // new_line('a'))
+        status = nf90_close(id)
+        if (uses_hdf) call expect_crash('')
+    end function guarded_close
+
     !> Makes an error from a status of the library.
     subroutine check(self, status, error)
-        type(netcdf_file_t), intent(in) :: self
+        type(netcdf_file_t), intent(inout) :: self
         integer, intent(in) :: status
         type(error_t), allocatable, intent(out) :: error
         if (status == nf90_noerr) return
-        error = output_error('cannot write ' // self%path // ': ' // trim(nf90_strerror(status)))
+        self%failure = status
+        error = output_error(message_on(self%path, status))
     end subroutine check
+
+    !> Says that a file cannot be written.
+    function message_on(path, status) result(message)
+        character(*), intent(in) :: path
+        integer, intent(in) :: status
+        character(:), allocatable :: message
+        message = 'cannot write ' // path // ': ' // trim(nf90_strerror(status))
+    end function message_on
 
 end submodule netcdf_file_written
 #endif

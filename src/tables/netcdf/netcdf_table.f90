@@ -7,13 +7,13 @@
 module spintop_netcdf_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_checksum, only: add_reals_to_checksum, checksum_t, checksum_text
-    use spintop_errors, only: error_t
+    use spintop_errors, only: error_t, exit_output
     use spintop_files, only: output_file_t
     use spintop_growing_table, only: difference_from, growing_table_t
     use spintop_journal, only: journal_entry_t
     use spintop_kinds, only: dp
     use spintop_netcdf_description, only: netcdf_description_t
-    use spintop_netcdf_file, only: netcdf_file_t
+    use spintop_netcdf_file, only: confirm_netcdf, netcdf_file_t
     use spintop_row_block, only: row_block_t
     use spintop_status, only: last_status
     use spintop_status_counts, only: status_of_ending
@@ -31,6 +31,8 @@ module spintop_netcdf_table
         !> All but the rows; to be set before the start.
         type(netcdf_description_t) :: description
         type(netcdf_file_t), private :: file
+        !> Whether the part is that of an earlier run: the library leaves bytes without a meaning at its end.
+        logical, private :: is_continued = .false.
         !> Checksum of the rows.
         type(checksum_t), private :: checksum
     contains
@@ -45,7 +47,7 @@ module spintop_netcdf_table
         procedure, nopass :: check_complete
         procedure :: abandon
         procedure :: discard
-        procedure, private :: is_as_wanted
+        procedure, private :: is_as_wanted, confirm, convert
     end type netcdf_table_t
 
 contains
@@ -97,84 +99,100 @@ contains
         type(journal_entry_t), intent(in) :: entry !! entry of the journal
         character(:), allocatable, intent(out) :: problem !! why the part is not the right one; '' if it is
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        real(dp), allocatable :: cells(:, :)
-        integer(int64) :: rows, last
 
         problem = ''
         call self%file%open(part_of(self%table%path), .true., error)
+        if (.not. allocated(error)) call walk_rows(self%file, sum(entry%counts), self%checksum, error)
         if (allocated(error)) return
-        rows = sum(entry%counts)
-        self%checksum = checksum_t()
-        do while (self%file%rows < rows)
-            last = min(rows, self%file%rows + rows_at_once)
-            allocate (cells(size(self%description%columns), last - self%file%rows))
-            call self%file%get(self%file%rows + 1, cells, error)
-            if (allocated(error)) return
-            call add_reals_to_checksum(self%checksum, cells)
-            deallocate (cells)
-            self%file%rows = last
-        end do
+        self%file%rows = sum(entry%counts)
+        self%is_continued = .true.
         if (checksum_text(self%checksum) /= entry%checksum) problem = changed_after(part_of(self%table%path))
     end subroutine check_part
 
-    !> Renames the part to the table, when it is on the disk; or makes the table of it in another format.
+    !> Renames the part to the table, when it is confirmed; or makes the table of it in another format.
     subroutine finish_part(self, error)
         class(netcdf_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         if (self%is_as_wanted()) then
             call self%file%close(error)
+            if (.not. allocated(error)) call self%confirm(part_of(self%table%path), error)
             if (.not. allocated(error)) call self%table%finish_part(-1_int64, error)
             return
         end if
         call self%file%flush(error)
-        if (.not. allocated(error)) call convert(self%file, self%description, self%table%path, error)
+        if (.not. allocated(error)) call self%convert(error)
         if (.not. allocated(error)) call self%file%close(error)
         if (.not. allocated(error)) call self%table%discard()
     end subroutine finish_part
 
+    !> Reads a closed file, which has the whole table, and has it confirmed.
+    subroutine confirm(self, path, error)
+        class(netcdf_table_t), intent(in) :: self
+        character(*), intent(in) :: path
+        type(error_t), allocatable, intent(out) :: error
+        type(netcdf_file_t) :: file
+        type(checksum_t) :: found
+        type(error_t), allocatable :: ignored
+
+        call file%open(path, .false., error)
+        if (.not. allocated(error)) call walk_rows(file, self%file%rows, found, error)
+        if (.not. allocated(error)) then
+            if (file%description%head() /= self%description%head()) found = checksum_t()
+        end if
+        call file%close(ignored)
+        if (allocated(error)) then
+            error%code = exit_output
+        else
+            call confirm_netcdf(path, self%checksum, found, error)
+        end if
+    end subroutine confirm
+
     !> Whether the part is what the table is to be.
     logical function is_as_wanted(self)
         class(netcdf_table_t), intent(in) :: self
-        is_as_wanted = self%description%compression < 0 .and. self%file%rows == self%file%room
+        is_as_wanted = self%description%compression < 0 .and. self%file%rows == self%file%room .and. .not. self%is_continued
         if (is_as_wanted) is_as_wanted = self%file%description%head() == self%description%head()
     end function is_as_wanted
 
-    !> Makes a file of the rows of another one, under another name until it is complete.
-    subroutine convert(from, description, path, error)
-        type(netcdf_file_t), intent(in) :: from
-        type(netcdf_description_t), intent(in) :: description
-        character(*), intent(in) :: path
+    !> Makes the table of the rows of the part, under another name until it is confirmed.
+    subroutine convert(self, error)
+        class(netcdf_table_t), intent(in) :: self
         type(error_t), allocatable, intent(out) :: error
         type(netcdf_file_t) :: to
         type(output_file_t) :: output
+        type(checksum_t) :: checksum
         type(error_t), allocatable :: problem
 
-        call output%create(path // '.new', error)
-        if (.not. allocated(error)) call to%create(output%path, description, error)
-        if (.not. allocated(error)) call copy_rows(from, from%rows, to, error)
+        call output%create(self%table%path // '.new', error)
+        if (.not. allocated(error)) call to%create(output%path, self%description, error)
+        if (.not. allocated(error)) call walk_rows(self%file, self%file%rows, checksum, error, to)
         call to%close(problem)
         if (.not. allocated(error)) call move_alloc(problem, error)
-        if (.not. allocated(error)) call output%finish_as(path, -1_int64, error)
+        if (.not. allocated(error)) call self%confirm(output%path, error)
+        if (.not. allocated(error)) call output%finish_as(self%table%path, -1_int64, error)
+        if (allocated(error)) error%code = exit_output
         call output%discard()
     end subroutine convert
 
-    !> Puts the first rows of a file to another one.
-    subroutine copy_rows(from, rows, to, error)
-        type(netcdf_file_t), intent(in) :: from !! the file with the rows
-        integer(int64), intent(in) :: rows !! number of rows
-        type(netcdf_file_t), intent(inout) :: to !! the other file
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+    !> Reads the first rows of a file: their checksum; and puts them to another file, if there is one.
+    subroutine walk_rows(from, rows, checksum, error, to)
+        type(netcdf_file_t), intent(in) :: from
+        integer(int64), intent(in) :: rows
+        type(checksum_t), intent(out) :: checksum
+        type(error_t), allocatable, intent(out) :: error
+        type(netcdf_file_t), intent(inout), optional :: to
         real(dp), allocatable :: cells(:, :)
         integer(int64) :: first
 
         do first = 1, rows, rows_at_once
             allocate (cells(size(from%description%columns), min(int(rows_at_once, int64), rows - first + 1)))
             call from%get(first, cells, error)
-            if (.not. allocated(error)) call to%put(cells, error)
+            if (present(to) .and. .not. allocated(error)) call to%put(cells, error)
             if (allocated(error)) return
+            call add_reals_to_checksum(checksum, cells)
             deallocate (cells)
         end do
-    end subroutine copy_rows
+    end subroutine walk_rows
 
     !> Counts the rows of a complete table by their status, or its motion: that is an attribute.
     subroutine count_complete(self, path, head_length, error)

@@ -79,6 +79,7 @@ program spintop_main
             end if
         else
             call run_job(prepared(i)%study, prepared(i)%job, request%options, lines, code, error)
+            call complain(prepared(i)%job%late_warnings)
             if (allocated(error)) then
                 call complain(error%message)
                 code = error%code

@@ -2,35 +2,57 @@
 !> Nonlinear Regression Analysis, 1988, chapter 6).
 module spintop_intervals
     use spintop_compare, only: is_finite
+    use spintop_jacobian, only: find_jacobian, refine_jacobian
     use spintop_kinds, only: dp, no_number, pi
     use spintop_lapack, only: dgesvd
-    use spintop_least_squares, only: find_jacobian, minimize, minimum_t, residuals_t
+    use spintop_least_squares, only: minimize, minimum_t
+    use spintop_residuals, only: residuals_t
     implicit none
     private
     public :: estimate_t, describe_minimum, student_quantile
 
-    !> Relative size of what counts as zero in the scaled Jacobian, and as an effect of a parameter on the data.
-    real(dp), parameter :: singular = 1.0e-9_dp
-    !> The profile is followed to an end until it is met to this part of the width, in so many steps at most.
+    !> Derivatives of a few differences will do where the singular values exceed their errors by this factor, and where they
+    !> exceed the relative error of an integration by the other: its derivatives may have a larger one.
+    real(dp), parameter :: clear = 10, amplified = 1.0e4_dp
+    !> The profile is followed to an end until it is met to this part of the width, in so many steps at most, of which the
+    !> first few are short.
     real(dp), parameter :: end_slack = 1.0e-4_dp
-    integer, parameter :: most_steps = 30
+    integer, parameter :: most_steps = 30, most_short_steps = 10
+    !> The search ended at another minimum where the profile has a sum of squares that is smaller by this part of the rise at
+    !> an end.
+    real(dp), parameter :: better_slack = 1.0e-2_dp
     !> Factor of the rounding of the residuals, which is that of what they are differences of, below
     !> which the profile is lost in rounding.
     real(dp), parameter :: lost = 100
 
+    !> What is met at an end of a profile interval: the rise of the sum of squares that belongs to it, or the end of the
+    !> range or of what has a motion; nothing, however far it is followed; no minima; a smaller sum of squares.
+    integer, parameter :: end_met = 0, end_nowhere = 1, end_lost = 2, end_is_better = 3
+
     !> The parameters and their uncertainty.
     type :: estimate_t
         real(dp), allocatable :: x(:), standard_error(:), covariance(:, :)
-        !> Ends of the 95 % intervals; the end of the range of the parameter, or infinite if it has none, where the profile does
-        !> not rise enough; those of the linear model where
-        !> the residuals are at rounding or at the precision of the model, NaN where they were not sought.
+        !> Ends of the 95 % intervals, in the range of the parameter; the end of that range, or infinite if it has none, where
+        !> the profile does not rise enough; those of the linear model where the residuals are at rounding or at the precision
+        !> of the model, or where the profile cannot be followed; NaN where they were not sought.
         real(dp), allocatable :: lower(:), upper(:)
         !> Singular values of the Jacobian whose columns are divided by their norms, from the largest; a small one tells
         !> of a combination of parameters that the data do not determine.
         real(dp), allocatable :: singular_values(:)
-        !> Standard deviation of the residuals: given (1), or estimated from them, and then not below their rounding.
+        !> Standard deviation of the residuals: given (1), or estimated from them, and then not below their rounding. With
+        !> Huber's loss it is that of Gaussian residuals with the same covariance of the estimates.
         real(dp) :: deviation = 1
+        !> Rise of the root of the sum of squares over that of the minimum at a standard error.
+        real(dp) :: rise = 1
+        !> Whether the data determine all parameters; if not, which of them they do not.
         logical :: is_identifiable = .false.
+        logical, allocatable :: is_undetermined(:)
+        !> Errors of what the residuals are differences of: below these they are lost in rounding, or in an integration.
+        real(dp) :: error_of_model = 0
+        !> Whether the profile of each parameter has ends, and could be followed to them.
+        logical, allocatable :: is_bounded(:), is_followed(:)
+        !> Parameters with a smaller sum of squares, where a profile met them: the search ended at another minimum.
+        real(dp), allocatable :: better(:)
     end type estimate_t
 
 contains
@@ -44,36 +66,28 @@ contains
         logical, intent(in) :: wants_profile !! whether the profile intervals are sought
         real(dp), intent(in) :: level !! quantile that belongs to the intervals: 1.96 for a known deviation
         type(estimate_t), intent(out) :: estimate !! the parameters and their uncertainty
-        real(dp), allocatable :: jacobian(:, :), scaled(:, :), vectors(:, :), norms(:), effects(:)
-        real(dp) :: range, rounding, width
-        integer :: i, k, m, n
+        real(dp), allocatable :: jacobian(:, :), vectors(:, :), norms(:)
+        real(dp) :: range, rounding, share
+        integer :: k, m, n
         logical :: is_valid
 
         m = size(minimum%residuals)
         n = size(minimum%x)
         estimate%x = minimum%x
-        allocate (estimate%standard_error(n), estimate%lower(n), estimate%upper(n), estimate%singular_values(n))
-        allocate (estimate%covariance(n, n), jacobian(m, n), vectors(n, n), effects(n))
-        estimate%standard_error = no_number
-        estimate%lower = no_number
-        estimate%upper = no_number
-        estimate%covariance = no_number
-        estimate%singular_values = no_number
-        if (.not. knows_deviation) estimate%deviation = sqrt(minimum%sum_of_squares / max(m - n, 1))
-        call find_jacobian(model, minimum%x, [(i, i=1, n)], minimum%residuals, .true., jacobian, is_valid)
+        allocate (estimate%standard_error(n), estimate%lower(n), estimate%upper(n), estimate%singular_values(n), &
+                  source=no_number)
+        allocate (estimate%is_bounded(n), estimate%is_followed(n), source=.true.)
+        allocate (estimate%is_undetermined(n), source=.false.)
+        allocate (estimate%covariance(n, n), source=no_number)
+        allocate (jacobian(m, n), vectors(n, n), norms(n))
+        call find_deviation(model%bound, minimum, knows_deviation, estimate%deviation, share)
+        call find_derivatives(model, minimum, jacobian, norms, vectors, estimate, is_valid)
         if (.not. is_valid) return
-        norms = norm2(jacobian, dim=1)
-        effects(:) = [(norms(k) * model%step_scale(k, minimum%x(k)), k=1, n)]
-        range = maxval(effects) / sqrt(real(m, dp))
+        range = maxval([(norms(k) * model%step_scale(k, minimum%x(k)), k=1, n)]) / sqrt(real(m, dp))
         rounding = epsilon(rounding) * range
         if (.not. knows_deviation) estimate%deviation = max(estimate%deviation, rounding)
-        scaled = jacobian
-        do k = 1, n
-            scaled(:, k) = jacobian(:, k) / merge(norms(k), 1.0_dp, norms(k) > 0)
-        end do
-        call decompose(scaled, estimate%singular_values, vectors)
-        estimate%is_identifiable = all(effects > singular * max(maxval(effects), model%size_of_data)) &
-            .and. estimate%singular_values(n) > singular * estimate%singular_values(1)
+        estimate%rise = sqrt(share) * estimate%deviation
+        estimate%error_of_model = max(lost * rounding, model%precision * range)
         if (.not. estimate%is_identifiable) return
         do k = 1, n
             vectors(k, :) = vectors(k, :) / (estimate%singular_values(k) * norms)
@@ -82,16 +96,121 @@ contains
         estimate%standard_error = [(sqrt(estimate%covariance(k, k)), k=1, n)]
         if (.not. wants_profile) return
         do k = 1, n
-            if (estimate%deviation <= max(lost * rounding, model%precision * range)) then
-                width = max(level * estimate%standard_error(k), spacing(minimum%x(k)))
-                estimate%lower(k) = model%limited(k, minimum%x(k) - width)
-                estimate%upper(k) = model%limited(k, minimum%x(k) + width)
-                cycle
-            end if
-            call find_end(model, minimum, jacobian, estimate, k, -level, estimate%lower(k))
-            call find_end(model, minimum, jacobian, estimate, k, level, estimate%upper(k))
+            call find_interval(model, minimum, jacobian, level, k, estimate)
+        end do
+        do k = 1, n
+            if (estimate%is_bounded(k)) cycle
+            estimate%is_identifiable = .false.
+            estimate%is_undetermined(k) = .true.
+            estimate%standard_error(k) = no_number
+            estimate%covariance(k, :) = no_number
+            estimate%covariance(:, k) = no_number
         end do
     end subroutine describe_minimum
+
+    !> The standard deviation of the residuals, and the share of those below Huber's bound. With his loss the covariance of
+    !> the estimates is that of Huber and Ronchetti (Robust Statistics, 2009, section 7.6, with the factor K^2).
+    pure subroutine find_deviation(bound, minimum, knows_deviation, deviation, share)
+        real(dp), intent(in) :: bound
+        type(minimum_t), intent(in) :: minimum
+        logical, intent(in) :: knows_deviation
+        real(dp), intent(out) :: deviation, share
+        real(dp) :: freedom
+        integer :: m, n
+
+        m = size(minimum%residuals)
+        n = size(minimum%x)
+        freedom = max(m - n, 1)
+        share = 1
+        deviation = 1
+        if (bound < huge(bound)) then
+            share = real(max(count(abs(minimum%residuals) <= bound), 1), dp) / m
+            deviation = (1 + n * (1 - share) / (m * share)) / share * &
+                        sqrt(sum(min(abs(minimum%residuals), bound)**2) / freedom)
+        else if (.not. knows_deviation) then
+            deviation = sqrt(minimum%sum_of_squares / freedom)
+        end if
+    end subroutine find_deviation
+
+    !> The Jacobian, the norms of its columns, the singular values and vectors (in rows) of the columns divided by their norms,
+    !> and whether they are larger than their errors. Where that is not clear the derivatives are found again, with more work.
+    subroutine find_derivatives(model, minimum, jacobian, norms, vectors, estimate, is_valid)
+        class(residuals_t), intent(inout) :: model
+        type(minimum_t), intent(in) :: minimum
+        real(dp), intent(out) :: jacobian(:, :), norms(:), vectors(:, :)
+        type(estimate_t), intent(inout) :: estimate
+        logical, intent(out) :: is_valid
+        real(dp), allocatable :: errors(:, :)
+        integer :: i
+
+        allocate (errors, mold=jacobian)
+        call find_jacobian(model, minimum%x, [(i, i=1, size(minimum%x))], minimum%residuals, .true., jacobian, is_valid, errors)
+        if (.not. is_valid) return
+        call judge(clear, amplified * model%precision)
+        if (estimate%is_identifiable) return
+        call refine_jacobian(model, minimum%x, minimum%residuals, jacobian, errors)
+        call judge(1.0_dp, 0.0_dp)
+
+    contains
+
+        !> Decomposes the Jacobian, and compares each singular value with its error: the change by the errors of the derivatives
+        !> in the direction of its vector (Weyl's inequality).
+        subroutine judge(factor, slack)
+            real(dp), intent(in) :: factor, slack !! of the errors; added to them
+            real(dp), parameter :: part = 0.05_dp ! of a combination, which has the size 1
+            real(dp) :: divisors(size(norms)), bounds(size(norms))
+            integer :: k, m, n
+
+            m = size(jacobian, 1)
+            n = size(norms)
+            norms = norm2(jacobian, dim=1)
+            divisors = merge(norms, 1.0_dp, norms > 0)
+            call decompose(jacobian / spread(divisors, 1, m), estimate%singular_values, vectors)
+            do k = 1, n
+                bounds(k) = norm2(matmul(errors, abs(vectors(k, :)) / divisors)) + n * epsilon(part)
+            end do
+            estimate%is_undetermined = .not. norms > norm2(errors, dim=1)
+            do k = 1, n
+                if (estimate%singular_values(k) > factor * bounds(k) + slack) cycle
+                estimate%is_undetermined = estimate%is_undetermined .or. abs(vectors(k, :)) > part
+            end do
+            estimate%is_identifiable = .not. any(estimate%is_undetermined)
+        end subroutine judge
+
+    end subroutine find_derivatives
+
+    !> The interval of a parameter.
+    subroutine find_interval(model, minimum, jacobian, level, k, estimate)
+        class(residuals_t), intent(inout) :: model
+        type(minimum_t), intent(in) :: minimum
+        real(dp), intent(in) :: jacobian(:, :), level
+        integer, intent(in) :: k
+        type(estimate_t), intent(inout) :: estimate
+        real(dp), allocatable :: better(:)
+        real(dp) :: ends(2), place(2), range(2), width
+        integer :: i, outcome
+
+        range = model%ends(k)
+        width = max(level * estimate%standard_error(k), spacing(minimum%x(k)))
+        ends = minimum%x(k) + [-width, width]
+        if (.not. (estimate%deviation <= estimate%error_of_model .or. allocated(estimate%better))) then
+            do i = 1, 2
+                call find_end(model, minimum, jacobian, estimate, k, sign(level, ends(i) - minimum%x(k)), place(i), outcome, &
+                              better)
+                if (outcome == end_is_better) call move_alloc(better, estimate%better)
+                if (outcome == end_nowhere) then
+                    place(i) = range(i)
+                    estimate%is_bounded(k) = estimate%is_bounded(k) .and. abs(range(i)) < huge(range)
+                    if (.not. abs(range(i)) < huge(range)) place(i) = 2 * range(i)
+                end if
+                estimate%is_followed(k) = estimate%is_followed(k) .and. (outcome == end_met .or. outcome == end_nowhere)
+                if (outcome == end_met .or. outcome == end_nowhere) ends(i) = place(i)
+                if (allocated(estimate%better)) exit
+            end do
+        end if
+        estimate%lower(k) = max(ends(1), merge(range(1), ends(1), abs(range(1)) < huge(range)))
+        estimate%upper(k) = min(ends(2), merge(range(2), ends(2), abs(range(2)) < huge(range)))
+    end subroutine find_interval
 
     !> The singular values and the right singular vectors (in rows) of a matrix with at least as many rows as columns.
     subroutine decompose(matrix, values, vectors)
@@ -107,9 +226,9 @@ contains
 
     !> An end of the interval of a parameter: where the least sum of squares of the others, over the variance, exceeds the
     !> minimum by the square of the level. Its square root is almost linear in the parameter, which is followed by the
-    !> method of regula falsi in the form of Illinois; infinite if it is not met. The others begin on the line of the linear
+    !> method of regula falsi in the form of Illinois. The others begin on the line of the linear
     !> model, where they often need no step: the derivatives at the minimum tell.
-    subroutine find_end(model, minimum, jacobian, estimate, k, level, place)
+    subroutine find_end(model, minimum, jacobian, estimate, k, level, place, outcome, better)
         class(residuals_t), intent(inout) :: model
         type(minimum_t), intent(in) :: minimum
         real(dp), intent(in) :: jacobian(:, :)
@@ -117,41 +236,58 @@ contains
         integer, intent(in) :: k
         real(dp), intent(in) :: level !! negative for the lower end
         real(dp), intent(out) :: place
+        integer, intent(out) :: outcome !! what is met there: one of `end_met` to `end_is_better`
+        real(dp), allocatable, intent(out) :: better(:) !! parameters with a smaller sum of squares, if they are met
         type(minimum_t) :: point
         logical :: free(size(minimum%x))
         real(dp) :: inside, outside, excess_inside, excess_outside, next, excess, start(size(minimum%x)), root, rise_at_end
         integer :: i, n
-        logical :: is_at_end
+        logical :: is_at_end, exists
 
         free = .true.
         free(k) = .false.
+        outcome = end_lost
         associate (best => minimum%x(k), width => level * estimate%standard_error(k))
             inside = 0
             excess_inside = -abs(level)
             outside = 0
             excess_outside = -1
             next = width
-            rise_at_end = (level * estimate%deviation)**2
+            rise_at_end = (level * estimate%rise)**2
             do i = 1, most_steps
                 is_at_end = abs(model%limited(k, best + next) - (best + next)) > 0
                 if (is_at_end) next = model%limited(k, best + next) - best
+                place = best + next
                 start = minimum%x + estimate%covariance(:, k) * (next / estimate%covariance(k, k))
-                start(k) = best + next
+                start(k) = place
                 start(:) = [(model%limited(n, start(n)), n=1, size(start))]
                 call minimize(model, start, size(minimum%residuals), free, point, &
                               end_slack * rise_at_end / (minimum%sum_of_squares + rise_at_end), jacobian)
                 root = no_number
+                exists = point%sum_of_squares < huge(root)
                 associate (rise => point%sum_of_squares - minimum%sum_of_squares)
-                    if (point%has_converged) root = sqrt(max(rise, 0.0_dp)) / estimate%deviation
+                    if (rise < -better_slack * rise_at_end) then
+                        outcome = end_is_better
+                        better = point%x
+                        return
+                    end if
+                    if (point%has_converged) root = sqrt(max(rise, 0.0_dp)) / estimate%rise
                 end associate
                 excess = root - abs(level)
-                place = best + next
-                if (abs(excess) <= end_slack * abs(level) .or. (is_at_end .and. excess < 0)) return
+                if (abs(excess) <= end_slack * abs(level) .or. (is_at_end .and. excess < 0)) outcome = end_met
+                if (outcome == end_met) return
                 if (.not. is_finite(excess)) then
-                    if (excess_outside > 0) exit
+                    if (excess_outside > 0) return
                     next = (inside + next) / 2
-                    if (abs(next - inside) <= end_slack * abs(width)) exit
-                    cycle
+                    place = best + inside
+                    if (.not. abs(next - inside) <= end_slack * abs(width)) cycle
+                    ! Beyond this there is no motion, as at the open end of a range.
+                    if (.not. exists) outcome = end_met
+                    associate (ends => model%ends(k))
+                        n = merge(1, 2, level < 0)
+                        if (abs(ends(n) - place) <= end_slack * abs(width)) place = ends(n)
+                    end associate
+                    return
                 end if
                 if (excess > 0) then
                     if (excess_outside > 0) excess_inside = excess_inside / 2
@@ -165,12 +301,12 @@ contains
                 if (excess_outside > 0) then
                     next = inside + (outside - inside) * excess_inside / (excess_inside - excess_outside)
                 else
-                    next = inside * min(max(abs(level) / max(root, tiny(root)), 1.01_dp), 3.0_dp)
+                    next = inside * min(max(abs(level) / max(root, tiny(root)), merge(1.01_dp, 2.0_dp, i < most_short_steps)), &
+                                        3.0_dp)
                 end if
             end do
         end associate
-        place = sign(huge(place), level)
-        place = 2 * place
+        if (.not. excess_outside > 0) outcome = end_nowhere
     end subroutine find_end
 
     !> The quantile of Student's distribution: the value that is exceeded with the probability `tail`.

@@ -3,8 +3,10 @@
 !> a parameter that the sum of squares presses against an end stays there while the others move.
 module spintop_least_squares
     use spintop_compare, only: is_finite
+    use spintop_jacobian, only: find_jacobian
     use spintop_kinds, only: dp
     use spintop_minpack, only: lmpar, qrfac
+    use spintop_residuals, only: bend, bend_slope, residuals_t
     implicit none
     private
     public :: residuals_t, minimum_t, minimize, find_jacobian
@@ -13,46 +15,10 @@ module spintop_least_squares
     !> evaluations per parameter; and the first bound of its steps.
     real(dp), parameter :: tolerance = 1.0e-10_dp, first_bound = 100
     integer, parameter :: most_evaluations = 400
-    !> Steps of differences in units of the scale of a parameter: of one side, for the search, and of both sides at two
-    !> distances, extrapolated, of which the residuals may vary by 0.01 over a step with an error of 1e-10.
-    real(dp), parameter :: one_sided_step = 1.5e-8_dp, central_step = 3.0e-5_dp
-
-    !> Residuals as a function of parameters.
-    type, abstract :: residuals_t
-        !> Relative error of what the residuals are differences of, where it is above rounding: that of an integration.
-        real(dp) :: precision = 0
-        !> Norm of what the residuals are differences of, in their unit.
-        real(dp) :: size_of_data = 0
-    contains
-        procedure(evaluate_i), deferred :: evaluate
-        procedure(scale_i), deferred :: step_scale
-        procedure :: limited
-    end type residuals_t
-
-    abstract interface
-        !> The residuals at some parameters; `is_valid` is false where they do not exist.
-        subroutine evaluate_i(self, x, residuals, is_valid)
-            import :: residuals_t, dp
-            implicit none
-            class(residuals_t), intent(inout) :: self
-            real(dp), intent(in) :: x(:) !! the parameters
-            real(dp), intent(out) :: residuals(:) !! the residuals
-            logical, intent(out) :: is_valid !! whether they exist
-        end subroutine evaluate_i
-
-        !> A change of a parameter that matters.
-        pure real(dp) function scale_i(self, i, x)
-            import :: residuals_t, dp
-            implicit none
-            class(residuals_t), intent(in) :: self
-            integer, intent(in) :: i !! number of the parameter
-            real(dp), intent(in) :: x !! its value
-        end function scale_i
-    end interface
 
     !> Where the search ended.
     type :: minimum_t
-        !> The parameters, the residuals there, and the sum of their squares.
+        !> The parameters, the residuals there, and the sum of their squares (Huber's loss: of bent residuals).
         real(dp), allocatable :: x(:), residuals(:)
         real(dp) :: sum_of_squares = huge(1.0_dp)
         !> Number of evaluations of the residuals, and of steps of the search.
@@ -65,21 +31,12 @@ module spintop_least_squares
         integer :: n = 0
         integer, allocatable :: free(:), pivot(:)
         real(dp), allocatable :: jacobian(:, :), scales(:), norms(:), qtf(:), step(:), work(:, :), scale_of(:)
+        !> The residuals as their squares are summed: bent by the loss.
+        real(dp), allocatable :: bent(:)
         real(dp) :: bound = 0, parameter = 0
     end type search_t
 
 contains
-
-    !> The value in the range of a parameter that is nearest to another; beyond an open end that value itself. Here all values
-    !> are in the range.
-    pure real(dp) function limited(self, i, x)
-        class(residuals_t), intent(in) :: self
-        integer, intent(in) :: i !! number of the parameter
-        real(dp), intent(in) :: x !! a value
-        associate (unused => self, unused_too => i)
-        end associate
-        limited = x
-    end function limited
 
     !> Finds the least sum of squares near `x`. Parameters that are not free keep their values.
     subroutine minimize(model, x, m, free, minimum, goal, jacobian)
@@ -100,7 +57,7 @@ contains
         allocate (minimum%residuals(m))
         call model%evaluate(x, minimum%residuals, is_valid)
         minimum%evaluations = 1
-        if (is_valid) minimum%sum_of_squares = sum(minimum%residuals**2)
+        if (is_valid) minimum%sum_of_squares = sum(bend(minimum%residuals, model%bound)**2)
         if (.not. (is_valid .and. is_finite(minimum%sum_of_squares))) return
         sought = pack([(i, i=1, size(x))], free)
         minimum%has_converged = size(sought) == 0
@@ -114,6 +71,10 @@ contains
                 minimum%evaluations = minimum%evaluations + size(sought)
             end if
             if (.not. is_valid) return
+            search%bent = bend(minimum%residuals, model%bound)
+            if (model%bound < huge(model%bound)) then
+                slopes = slopes * spread(bend_slope(minimum%residuals, model%bound), 2, size(sought))
+            end if
             call choose_moving(model, sought, slopes, minimum, search)
             minimum%has_converged = search%n == 0
             if (minimum%has_converged) return
@@ -126,72 +87,6 @@ contains
             knows_jacobian = .false. ! steps are made with the derivatives at their place
         end do
     end subroutine minimize
-
-    !> The derivatives of the residuals with respect to some parameters, by differences.
-    subroutine find_jacobian(model, x, free, residuals, is_central, jacobian, is_valid)
-        class(residuals_t), intent(inout) :: model !! the residuals
-        real(dp), intent(in) :: x(:) !! the parameters
-        integer, intent(in) :: free(:) !! numbers of the parameters that vary
-        real(dp), intent(in) :: residuals(:) !! the residuals at the parameters
-        logical, intent(in) :: is_central !! whether differences are central and extrapolated where both sides exist
-        real(dp), intent(out) :: jacobian(:, :) !! a column for each of these parameters
-        logical, intent(out) :: is_valid !! whether the residuals exist on one side at least
-        real(dp) :: half(size(residuals))
-        logical :: has_both
-        integer :: k
-
-        is_valid = .true.
-        do k = 1, size(free)
-            has_both = .false.
-            if (is_central) then
-                call take_central(model, x, free(k), central_step, jacobian(:, k), has_both)
-                if (has_both) call take_central(model, x, free(k), central_step / 2, half, has_both)
-                if (has_both) jacobian(:, k) = half + (half - jacobian(:, k)) / 3
-            end if
-            if (.not. has_both) call take_one_side(model, x, free(k), residuals, jacobian(:, k), is_valid)
-            is_valid = is_valid .and. all(is_finite(jacobian(:, k)))
-            if (.not. is_valid) return
-        end do
-    end subroutine find_jacobian
-
-    !> The central difference by a parameter.
-    subroutine take_central(model, x, i, relative_step, slopes, is_valid)
-        class(residuals_t), intent(inout) :: model
-        real(dp), intent(in) :: x(:), relative_step
-        integer, intent(in) :: i
-        real(dp), intent(out) :: slopes(:)
-        logical, intent(out) :: is_valid
-        real(dp) :: above(size(x)), below(size(x)), residuals(size(slopes))
-
-        above = x
-        below = x
-        above(i) = x(i) + relative_step * model%step_scale(i, x(i))
-        below(i) = x(i) - relative_step * model%step_scale(i, x(i))
-        call model%evaluate(above, slopes, is_valid)
-        if (is_valid) call model%evaluate(below, residuals, is_valid)
-        if (is_valid) slopes = (slopes - residuals) / (above(i) - below(i))
-    end subroutine take_central
-
-    !> The difference of one side by a parameter: of that above, or if there are no residuals, below.
-    subroutine take_one_side(model, x, i, residuals, slopes, is_valid)
-        class(residuals_t), intent(inout) :: model
-        real(dp), intent(in) :: x(:)
-        integer, intent(in) :: i
-        real(dp), intent(in) :: residuals(:)
-        real(dp), intent(out) :: slopes(:)
-        logical, intent(out) :: is_valid
-        real(dp), parameter :: steps(2) = [one_sided_step, -one_sided_step]
-        real(dp) :: moved(size(x))
-        integer :: side
-
-        do side = 1, size(steps)
-            moved = x
-            moved(i) = x(i) + steps(side) * model%step_scale(i, x(i))
-            call model%evaluate(moved, slopes, is_valid)
-            if (is_valid) exit
-        end do
-        if (is_valid) slopes = (slopes - residuals) / (moved(i) - x(i))
-    end subroutine take_one_side
 
     !> The parameters that move: all that are sought, but for those that are at an end of their range and would leave it where
     !> the sum of squares falls.
@@ -206,7 +101,7 @@ contains
         integer :: i
 
         do i = 1, size(sought)
-            slope = dot_product(slopes(:, i), minimum%residuals)
+            slope = dot_product(slopes(:, i), search%bent)
             beyond = nearest(minimum%x(sought(i)), -slope)
             moves(i) = .not. abs(slope) > 0 .or. .not. abs(model%limited(sought(i), beyond) - beyond) > 0
         end do
@@ -224,13 +119,13 @@ contains
     subroutine factorize(search, minimum)
         type(search_t), intent(inout) :: search
         type(minimum_t), intent(inout) :: minimum
-        real(dp) :: f(size(minimum%residuals)), size_of_x
+        real(dp) :: f(size(search%bent)), size_of_x
         integer :: j, m
 
         m = size(f)
         associate (jacobian => search%jacobian, diagonal => search%work(:, 1), n => search%n)
             call qrfac(m, n, jacobian, m, .true., search%pivot, n, search%work(:, 1), search%norms, search%work(:, 2))
-            f = minimum%residuals
+            f = search%bent
             do j = 1, n
                 if (abs(jacobian(j, j)) > 0) then
                     f(j:) = f(j:) - jacobian(j:, j) * (dot_product(jacobian(j:, j), f(j:)) / jacobian(j, j))
@@ -276,7 +171,7 @@ contains
                 call model%evaluate(x, residuals, exists)
                 minimum%evaluations = minimum%evaluations + 1
                 new_norm = huge(norm)
-                if (exists) new_norm = norm2(residuals)
+                if (exists) new_norm = norm2(bend(residuals, model%bound))
                 actual = -1
                 if (0.1_dp * new_norm < norm) actual = 1 - (new_norm / norm)**2
                 predicted = (norm2(times_r(search, step)) / norm)**2

@@ -35,21 +35,24 @@ module spintop_differences
     contains
         procedure :: limit_to
         procedure :: differentiate
+        procedure :: differentiate_together
     end type nodes_t
 
 contains
 
     !> The nodes around a number. The steps are in proportion to a number whose sign cannot change; to others, if they
-    !> are small, in proportion to 1.
-    pure type(nodes_t) function nodes_around(x, keeps_sign) result(nodes)
+    !> are small, in proportion to 1; or to a given scale.
+    pure type(nodes_t) function nodes_around(x, keeps_sign, scale) result(nodes)
         real(dp), intent(in) :: x !! the number
         logical, intent(in) :: keeps_sign !! whether its sign cannot change
+        real(dp), intent(in), optional :: scale !! a change of the number that matters
         real(dp) :: step
         integer :: i
 
         nodes%x(centre) = x
         step = abs(x)
         if (.not. (step > 0 .and. keeps_sign)) step = max(step, 1.0_dp)
+        if (present(scale)) step = scale
         step = first_step * step
         do i = 0, rows - 1
             nodes%x(first_above + i) = x + step
@@ -117,6 +120,57 @@ contains
         derivative = nan
         error = nan
     end subroutine differentiate
+
+    !> The derivatives of quantities that belong together, as those at the times of a motion, with estimates of their errors.
+    !> The same step sizes are best for all of them: what agrees by chance in one of them does not count. Where a quantity has
+    !> no value next to the number, all are NaN.
+    subroutine differentiate_together(self, values, derivatives, errors)
+        class(nodes_t), intent(in) :: self
+        real(dp), intent(in) :: values(:, :) !! of the quantities (rows) at the nodes (columns); NaN where they have none
+        real(dp), intent(out) :: derivatives(:) !! per unit of the number
+        real(dp), intent(out) :: errors(:) !! the estimates of their errors
+        real(dp), dimension(size(derivatives), 0:rows - 1) :: now, last
+        real(dp), dimension(size(derivatives)) :: noise, change
+        real(dp) :: factor, least, estimate
+        integer :: above, below, first, i, k
+
+        derivatives = nan
+        errors = nan
+        least = huge(least)
+        call find_sides(self%is_valid, above, below)
+        factor = ratio**2
+        if (above == centre .or. below == centre) factor = ratio
+        first = rows + 1
+        do i = rows, 1, -1
+            if (.not. (is_there(node(above, i)) .and. is_there(node(below, i)) .and. is_there(centre))) exit
+            first = i
+        end do
+        do i = first, rows
+            associate (up => node(above, i), down => node(below, i))
+                now(:, 0) = (values(:, up) - values(:, down)) / (self%x(up) - self%x(down))
+                noise = 2 * epsilon(1.0_dp) * max(abs(values(:, up)), abs(values(:, down))) / (self%x(up) - self%x(down))
+            end associate
+            do k = 1, i - first
+                now(:, k) = now(:, k - 1) + (now(:, k - 1) - last(:, k - 1)) / (factor**k - 1)
+                change = max(abs(now(:, k) - now(:, k - 1)), abs(now(:, k) - last(:, k - 1))) + noise
+                estimate = norm2(change)
+                if (.not. estimate < least) cycle
+                least = estimate
+                derivatives = now(:, k)
+                errors = safety * change
+            end do
+            last(:, :i - first) = now(:, :i - first)
+        end do
+
+    contains
+
+        !> Whether all quantities have values at a node.
+        logical function is_there(i)
+            integer, intent(in) :: i
+            is_there = self%is_valid(i) .and. all(is_finite(values(:, i)))
+        end function is_there
+
+    end subroutine differentiate_together
 
     !> The first nodes of the differences: those above and below, or the number itself where one side is outside the
     !> domain down to the smallest step.

@@ -26,6 +26,7 @@ module spintop_number_slot
         procedure :: refusal
         procedure :: accepts
         procedure :: nearest => nearest_in_slot
+        procedure :: ends => ends_of_slot
     end type number_slot_t
 
 contains
@@ -151,6 +152,13 @@ contains
         real(dp), intent(in) :: value !! the other value
         nearest_value = self%range%nearest(value)
     end function nearest_in_slot
+
+    !> The ends of the range, open or not; -huge and huge where there is none.
+    pure function ends_of_slot(self) result(ends)
+        class(number_slot_t), intent(in) :: self
+        real(dp) :: ends(2)
+        ends = self%range%ends()
+    end function ends_of_slot
 
     !> The reason why the variable cannot have a value ('must be > 0'), or ''.
     function refusal(self, value) result(reason)

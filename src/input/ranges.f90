@@ -12,6 +12,7 @@ module spintop_ranges
     contains
         procedure :: contains => range_contains
         procedure :: nearest => nearest_in_range
+        procedure :: ends => ends_of_range
     end type range_t
 
 contains
@@ -33,6 +34,13 @@ contains
         if (.not. self%lower_open) nearest = max(nearest, self%lower)
         if (.not. self%upper_open) nearest = min(nearest, self%upper)
     end function nearest_in_range
+
+    !> The ends, open or not; -huge and huge where there is none.
+    pure function ends_of_range(self) result(ends)
+        class(range_t), intent(in) :: self
+        real(dp) :: ends(2)
+        ends = [self%lower, self%upper]
+    end function ends_of_range
 
     !> Reads a rule. Numbers may be multiples of pi, or half of one: `2 pi`, `-pi/2`.
     subroutine parse_range(rule, range, valid)

@@ -29,7 +29,7 @@ module spintop_in_memory
     type :: memory_run_t
         !> Its tables: `rows`, and where the input asks for them `events` and `statistics`.
         type(data_table_t), allocatable :: table(:)
-        !> Warnings of the input, and the summary of the run, for a reader; either may be empty.
+        !> Warnings of the input and of the run, and the summary of the run, for a reader; either may be empty.
         character(:), allocatable :: warnings, summary
         !> `exit_ok`, or `exit_failed` where the motion, or some cases, failed.
         integer :: code = exit_ok
@@ -145,6 +145,10 @@ contains
             first = first + 1
         end do
         run%summary = join(lines(first:), new_line('a'))
+        if (prepared%job%late_warnings /= '') then
+            if (run%warnings /= '') run%warnings = run%warnings // new_line('a')
+            run%warnings = run%warnings // prepared%job%late_warnings
+        end if
         associate (job => prepared%job)
             call add_table(job%output, merge('rows      ', 'statistics', job%keeps_rows()), run, error)
             if (.not. allocated(error)) call add_table(job%event_output, 'events', run, error)

@@ -60,6 +60,8 @@ module spintop_job
         integer :: stop_after = 1
         !> Warnings of the input, ready to print; may be empty.
         character(:), allocatable :: warnings
+        !> Warnings of the run itself; empty before it.
+        character(:), allocatable :: late_warnings
     contains
         procedure :: names_axes
         procedure :: names_statistics

@@ -97,6 +97,7 @@ contains
         call diagnostics%raise(error, message_width())
         if (allocated(error)) return
         job%warnings = ''
+        job%late_warnings = ''
         if (diagnostics%has_warnings()) job%warnings = diagnostics%report(message_width())
         call name_outputs(options, job)
     end subroutine prepare_job

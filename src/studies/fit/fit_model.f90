@@ -36,6 +36,8 @@ module spintop_fit_model
         real(dp), allocatable, private :: scales(:)
         !> In equations of a symmetric top the sought I1 is also I2.
         logical, private :: ties_inertia = .false.
+        !> Absolute tolerance of the plan.
+        real(dp), private :: absolute_tolerance = 0
         type(row_maker_t), private :: maker
     contains
         procedure :: prepare
@@ -44,6 +46,8 @@ module spintop_fit_model
         procedure :: predict
         procedure :: step_scale
         procedure :: limited
+        procedure :: ends
+        procedure :: coarsen
     end type fit_model_t
 
 contains
@@ -62,7 +66,7 @@ contains
 
         seeks = 0
         self%measured = measured
-        self%size_of_data = norm2(measured%values / spread(measured%sigma, 2, size(measured%t)))
+        self%data = reshape(measured%values / spread(measured%sigma, 2, size(measured%t)), [size(measured%values)])
         self%scene = scene
         self%scene%certified = .false.
         self%case = case
@@ -83,6 +87,7 @@ contains
             form = plan%formulation%info()
             self%ties_inertia = self%ties_inertia .and. form%symmetric_only
             self%precision = plan%stepper%controls%relative_tolerance
+            self%absolute_tolerance = plan%stepper%controls%absolute_tolerance
         end if
         call self%maker%set(measured%columns, case)
     end subroutine prepare
@@ -228,5 +233,23 @@ contains
         real(dp), intent(in) :: x !! a value
         limited = self%slots(i)%nearest(x)
     end function limited
+
+    !> The ends of the range of a number.
+    pure function ends(self, i)
+        class(fit_model_t), intent(in) :: self
+        integer, intent(in) :: i !! which number
+        real(dp) :: ends(2)
+        ends = self%slots(i)%ends()
+    end function ends
+
+    !> Multiplies the tolerances of the plan by a factor; 1 restores them.
+    subroutine coarsen(self, factor)
+        class(fit_model_t), intent(inout) :: self
+        real(dp), intent(in) :: factor !! at least 1
+        associate (controls => self%plan%stepper%controls)
+            controls%relative_tolerance = factor * self%precision
+            controls%absolute_tolerance = factor * self%absolute_tolerance
+        end associate
+    end subroutine coarsen
 
 end module spintop_fit_model

@@ -6,27 +6,34 @@ module spintop_fit_study
     use spintop_fit_data, only: measurements_t, read_measurements
     use spintop_fit_model, only: fit_model_t
     use spintop_fit_table, only: fit_columns, residual_path, write_estimates, write_residuals
+    use spintop_fit_warnings, only: find_warnings, warn_of_measurements
     use spintop_body_of_scene, only: is_set
     use spintop_intervals, only: describe_minimum, estimate_t, student_quantile
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
-    use spintop_least_squares, only: minimize, minimum_t
+    use spintop_least_squares, only: minimum_t
     use spintop_options, only: options_t
+    use spintop_plain_text, only: escaped
     use spintop_plan, only: plan_t
     use spintop_problems, only: problems_t
+    use spintop_robust, only: huber_bound, minimize_loss, robust_deviation
     use spintop_scene, only: scene_t
+    use spintop_scene_fit, only: fit_scene_t, loss_huber, loss_names
     use spintop_scene_words, only: kind_fit, study_kinds
-    use spintop_sensitivity, only: sensitivities_t
+    use spintop_sensitivity, only: sensitive_key_t, sensitivities_t
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: study_column_t
     use spintop_summary, only: rounded, summary_t
-    use spintop_text, only: counted, to_text
+    use spintop_text, only: append, counted, string_t, to_text
     implicit none
     private
     public :: fit_study_t
 
     !> Half the probability outside the intervals; the quantile that belongs to a known standard deviation.
     real(dp), parameter :: tail = 0.025_dp, normal_quantile = 1.9599639845400542_dp
+
+    !> Residuals that are so far above the errors of the motion are those of the measurements.
+    real(dp), parameter :: far_above = 1.0e3_dp
 
     !> Measurements, and the sought numbers.
     type, extends(study_t) :: fit_study_t
@@ -78,6 +85,7 @@ contains
         if (problems%any()) return
         call plan_for_all(self, job, problems)
         if (problems%any()) return
+        call warn_of_measurements(self%measured, job%case, problems)
         if (.not. job%plan%exact .and. .not. job%plan%is_adaptive()) then
             call problems%add('integration.method', 'a method with a fixed step size has no values at the times of the &
                 &measurements', 'use an adaptive method')
@@ -176,41 +184,102 @@ contains
         type(fit_model_t), allocatable, target :: model
         type(minimum_t) :: minimum
         type(estimate_t) :: estimate
+        type(string_t), allocatable :: warnings(:)
         real(dp), allocatable :: start(:), values(:, :)
         character(:), allocatable :: ending
-        real(dp) :: began, level
-        integer :: i, m
-        logical :: is_valid
+        real(dp) :: began
+        integer :: i
+        logical :: is_valid, is_noisy
 
         associate (unused => options)
         end associate
         began = seconds()
         code = exit_ok
-        m = size(self%measured%values)
         allocate (model)
-        associate (keys => self%sought%keys)
-            call model%prepare(job%scene, keys, job%case, job%plan, self%measured)
+        associate (keys => self%sought%keys, measured => self%measured)
+            call model%prepare(job%scene, keys, job%case, job%plan, measured)
             start = [(keys(i)%slot%get(), i=1, size(keys))]
-            call minimize(model, start, m, spread(.true., 1, size(keys)), minimum)
-            level = normal_quantile
-            if (.not. self%measured%knows_sigma) level = student_quantile(tail, m - size(keys))
-            call describe_minimum(model, minimum, self%measured%knows_sigma, job%scene%fit%profile .and. minimum%has_converged, &
-                                  level, estimate)
-            ending = 'ok'
-            if (.not. minimum%has_converged) then
-                ending = 'not_converged: the search ended elsewhere than at a minimum'
-            else if (.not. estimate%is_identifiable) then
-                ending = 'not_identifiable: the measurements do not determine all parameters'
-            end if
+            call search(self, job%scene%fit, model, start, minimum, estimate)
+            ending = end_of_search(minimum, estimate, keys)
             if (ending /= 'ok') code = exit_failed
-            allocate (values, mold=self%measured%values)
+            allocate (values, mold=measured%values)
             call model%predict(minimum%x, values, is_valid)
-            call write_estimates(job, keys, start, estimate, ending, error)
-            if (.not. allocated(error)) call write_residuals(job, self%measured, values, ending, error)
+            is_noisy = is_valid .and. norm2(minimum%residuals) > far_above * sqrt(real(size(minimum%residuals), dp)) * &
+                       estimate%error_of_model
+            call find_warnings(measured, measured%values - values, size(keys), is_noisy, warnings)
+            do i = 1, size(keys)
+                if (.not. estimate%is_followed(i)) call append(warnings, 'the profile of ' // keys(i)%name // ' could not be &
+                    &followed: an end of its interval is that of the linear model')
+            end do
+            do i = 1, size(warnings)
+                if (i > 1) job%late_warnings = job%late_warnings // new_line('a')
+                job%late_warnings = job%late_warnings // escaped(job%input) // ': warning: ' // warnings(i)%text
+            end do
+            call write_estimates(job, keys, start, estimate, warnings, ending, error)
+            if (.not. allocated(error)) call write_residuals(job, measured, values, ending, error)
         end associate
         if (allocated(error)) return
         call describe_fit(self, job, minimum, estimate, ending, seconds() - began, summary)
     end subroutine run
+
+    !> Searches for the minimum, and from each place with a smaller sum of squares that a profile meets.
+    subroutine search(self, settings, model, start, minimum, estimate)
+        class(fit_study_t), intent(in) :: self
+        type(fit_scene_t), intent(in) :: settings
+        type(fit_model_t), target, intent(inout) :: model
+        real(dp), intent(in) :: start(:)
+        type(minimum_t), intent(out) :: minimum
+        type(estimate_t), intent(out) :: estimate
+        integer, parameter :: most_searches = 10
+        real(dp), allocatable :: from(:)
+        real(dp) :: level
+        integer :: i, m, evaluations, steps
+        logical :: is_huber
+
+        m = size(self%measured%values)
+        is_huber = settings%loss == loss_names(loss_huber)
+        level = normal_quantile
+        if (is_huber .or. .not. self%measured%knows_sigma) level = student_quantile(tail, m - size(start))
+        from = start
+        evaluations = 0
+        steps = 0
+        do i = 1, most_searches
+            call minimize_loss(model, from, m, is_huber, self%measured%knows_sigma, minimum)
+            evaluations = evaluations + minimum%evaluations
+            steps = steps + minimum%steps
+            call describe_minimum(model, minimum, self%measured%knows_sigma, settings%profile .and. minimum%has_converged, &
+                                  level, estimate)
+            if (.not. allocated(estimate%better)) exit
+            from = estimate%better
+        end do
+        minimum%has_converged = minimum%has_converged .and. .not. allocated(estimate%better)
+        minimum%evaluations = evaluations
+        minimum%steps = steps
+    end subroutine search
+
+    !> How the search ended.
+    function end_of_search(minimum, estimate, keys) result(ending)
+        type(minimum_t), intent(in) :: minimum
+        type(estimate_t), intent(in) :: estimate
+        type(sensitive_key_t), intent(in) :: keys(:)
+        character(:), allocatable :: ending
+        character(:), allocatable :: names
+        integer :: i
+
+        ending = 'ok'
+        names = ''
+        do i = 1, size(keys)
+            if (.not. estimate%is_undetermined(i)) cycle
+            if (names /= '') names = names // ', '
+            names = names // keys(i)%name
+        end do
+        if (.not. minimum%has_converged) then
+            ending = 'not_converged: the search ended elsewhere than at a minimum'
+        else if (.not. estimate%is_identifiable) then
+            ending = 'not_identifiable: the measurements do not determine ' // names
+            if (.not. all(estimate%is_bounded)) ending = 'not_identifiable: the measurements give no bound for ' // names
+        end if
+    end function end_of_search
 
     !> The summary: the motion, the parameters with their intervals, the residuals, and how the search ended.
     subroutine describe_fit(self, job, minimum, estimate, ending, time, summary)
@@ -221,10 +290,13 @@ contains
         character(*), intent(in) :: ending
         real(dp), intent(in) :: time
         type(summary_t), intent(inout) :: summary
+        real(dp) :: bound
         integer :: i, m, n
 
         m = size(self%measured%values)
         n = size(minimum%x)
+        bound = huber_bound
+        if (.not. self%measured%knows_sigma) bound = huber_bound * robust_deviation(minimum%residuals, n)
         call summary%headline(job%input // ': ' // self%explain(job) // ' -> ' // job%output // ', ' // residual_path(job%output))
         call summary%describe_plan(job%plan)
         do i = 1, n
@@ -232,7 +304,12 @@ contains
                              rounded(estimate%standard_error(i), 3) // ', 95 %: ' // rounded(estimate%lower(i), 9) // ' to ' // &
                              rounded(estimate%upper(i), 9))
         end do
-        if (self%measured%knows_sigma) then
+        if (job%scene%fit%loss == loss_names(loss_huber)) then
+            call summary%add('residuals', 'median standard deviation ' // rounded(robust_deviation(minimum%residuals, n), 6) // &
+                             ', ' // to_text(m - n) // ' degrees of freedom')
+            call summary%add('loss', 'huber: ' // to_text(count(abs(minimum%residuals) > bound)) // ' of ' // to_text(m) // &
+                             ' residuals are beyond ' // to_text(huber_bound) // ' standard deviations')
+        else if (self%measured%knows_sigma) then
             call summary%add('chi2', rounded(minimum%sum_of_squares, 6) // ' for ' // to_text(m - n) // ' degrees of freedom')
         else
             call summary%add('residuals', 'standard deviation ' // rounded(estimate%deviation, 6) // ', ' // to_text(m - n) // &

@@ -40,18 +40,19 @@ contains
     end function residual_path
 
     !> Writes the table of the parameters.
-    subroutine write_estimates(job, keys, start, estimate, ending, error)
+    subroutine write_estimates(job, keys, start, estimate, warnings, ending, error)
         type(job_t), intent(in) :: job !! the job
         type(sensitive_key_t), intent(in) :: keys(:) !! the parameters
         real(dp), intent(in) :: start(:) !! their values in the input
         type(estimate_t), intent(in) :: estimate !! their values and uncertainty
+        type(string_t), intent(in) :: warnings(:) !! what is odd about the fit
         character(*), intent(in) :: ending !! how the search ended
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(column_t), allocatable :: columns(:)
         type(study_column_t), allocatable :: fixed(:)
         type(table_file_t) :: file
         type(text_buffer_t) :: cells
-        type(string_t) :: trailer(1)
+        type(string_t) :: trailer(size(warnings) + 1)
         integer :: i, n
 
         allocate (fixed, source=fit_columns())
@@ -61,7 +62,10 @@ contains
         do i = 1, size(keys)
             columns(n + i) = column_t('covariance__' // keys(i)%name, '', 'covariance with ' // keys(i)%name)
         end do
-        trailer(1)%text = 'status: ' // ending
+        do i = 1, size(warnings)
+            trailer(i)%text = 'warning: ' // warnings(i)%text
+        end do
+        trailer(size(trailer))%text = 'status: ' // ending
         call file%create(job%output, study_head(job, columns), error)
         if (allocated(error)) return
         do i = 1, size(keys)

@@ -1,0 +1,100 @@
+!> Residuals as a function of parameters: what is fitted. And Huber's loss, under which large residuals count less.
+module spintop_residuals
+    use spintop_kinds, only: dp
+    implicit none
+    private
+    public :: residuals_t, bend, bend_slope
+
+    !> Residuals as a function of parameters.
+    type, abstract :: residuals_t
+        !> Relative error of what the residuals are differences of, where it is above rounding: that of an integration.
+        real(dp) :: precision = 0
+        !> What the residuals are differences from, in their unit: the measurements. Not allocated where that is unknown.
+        real(dp), allocatable :: data(:)
+        !> Size of a residual beyond which its loss is linear (Huber), in their unit.
+        real(dp) :: bound = huge(1.0_dp)
+    contains
+        procedure(evaluate_i), deferred :: evaluate
+        procedure(scale_i), deferred :: step_scale
+        procedure :: limited
+        procedure :: ends
+        procedure :: coarsen
+        procedure :: size_of_data
+    end type residuals_t
+
+    abstract interface
+        !> The residuals at some parameters; `is_valid` is false where they do not exist.
+        subroutine evaluate_i(self, x, residuals, is_valid)
+            import :: residuals_t, dp
+            implicit none
+            class(residuals_t), intent(inout) :: self
+            real(dp), intent(in) :: x(:) !! the parameters
+            real(dp), intent(out) :: residuals(:) !! the residuals
+            logical, intent(out) :: is_valid !! whether they exist
+        end subroutine evaluate_i
+
+        !> A change of a parameter that matters.
+        pure real(dp) function scale_i(self, i, x)
+            import :: residuals_t, dp
+            implicit none
+            class(residuals_t), intent(in) :: self
+            integer, intent(in) :: i !! number of the parameter
+            real(dp), intent(in) :: x !! its value
+        end function scale_i
+    end interface
+
+contains
+
+    !> The value in the range of a parameter that is nearest to another; beyond an open end that value itself. Here all values
+    !> are in the range.
+    pure real(dp) function limited(self, i, x)
+        class(residuals_t), intent(in) :: self
+        integer, intent(in) :: i !! number of the parameter
+        real(dp), intent(in) :: x !! a value
+        associate (unused => self, unused_too => i)
+        end associate
+        limited = x
+    end function limited
+
+    !> The ends of the range of a parameter, open or not; -huge and huge where it has none, as here.
+    pure function ends(self, i)
+        class(residuals_t), intent(in) :: self
+        integer, intent(in) :: i !! number of the parameter
+        real(dp) :: ends(2)
+        associate (unused => self, unused_too => i)
+        end associate
+        ends = [-huge(ends), huge(ends)]
+    end function ends
+
+    !> Makes the error of an integration larger by a factor, by a larger tolerance; 1 restores it. Here there is none.
+    subroutine coarsen(self, factor)
+        class(residuals_t), intent(inout) :: self
+        real(dp), intent(in) :: factor !! at least 1
+        associate (unused => self, unused_too => factor)
+        end associate
+    end subroutine coarsen
+
+    !> Norm of what the residuals are differences from; 0 if that is unknown.
+    pure real(dp) function size_of_data(self)
+        class(residuals_t), intent(in) :: self
+        size_of_data = 0
+        if (allocated(self%data)) size_of_data = norm2(self%data)
+    end function size_of_data
+
+    !> The number whose square is twice Huber's loss of a residual: the residual itself up to the bound (Huber 1964).
+    elemental real(dp) function bend(residual, bound)
+        real(dp), intent(in) :: residual !! the residual
+        real(dp), intent(in) :: bound !! beyond which its loss is linear
+        bend = residual
+        if (abs(residual) > bound) bend = sign(sqrt(bound) * sqrt(2 * abs(residual) - bound), residual)
+    end function bend
+
+    !> The derivative of `bend`.
+    elemental real(dp) function bend_slope(residual, bound)
+        real(dp), intent(in) :: residual !! the residual
+        real(dp), intent(in) :: bound !! beyond which its loss is linear
+        bend_slope = 1
+        if (abs(residual) > bound) bend_slope = bound / abs(bend(residual, bound))
+    end function bend_slope
+
+end module spintop_residuals

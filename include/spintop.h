@@ -110,7 +110,7 @@ typedef struct spintop_result {
     int table_count;
     const spintop_table *tables; /* the first is "rows", unless the input wants none */
     const char *summary;         /* plan, cost and end of the run for a reader, or its end only; "" for a sweep in memory */
-    const char *warnings;        /* of the input; "" if there are none */
+    const char *warnings;        /* of the input and of the run; "" if there are none */
     void *owner;                 /* of the library */
 } spintop_result;
 

@@ -31,7 +31,8 @@ def fit(
     each, in their units; without it one that is common to all is estimated. The tables of the
     result are `rows`, a row per parameter, and `residuals`, which `plot` of the result draws. It is
     not `ok` if the search does not converge, or if the data do not determine the parameters.
-    Other keys of the group `fit` may stand in `given`.
+    Other keys of the group `fit`, as `loss`, may stand in `given`. The `warnings` of the result
+    say what is odd about the data and the residuals.
     """
     columns = {name: numbers(values, name) for name, values in data.items()}
     if "t" not in columns or len({column.shape for column in columns.values()}) != 1:

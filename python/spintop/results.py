@@ -121,7 +121,7 @@ class Result:
         self.summary = text_of(result.summary)
         """Plan, cost and end of the run, for a reader; empty for a sweep in memory."""
         self.warnings = text_of(result.warnings)
-        """Warnings of the input; empty if there are none."""
+        """Warnings of the input and of the run; empty if there are none."""
         found = [Table(result.tables[i], owner) for i in range(result.table_count)]
         self.tables = {table.name: table for table in found}
         """The tables by name."""

@@ -224,6 +224,31 @@ contains
         if (info /= 0) values = no_number
     end subroutine decompose
 
+    !> Finds the least sum of squares with a value of one parameter. The others begin on the line of the linear model, or where
+    !> that leads to no motion, at the last place.
+    subroutine minimize_others(model, minimum, jacobian, direction, k, value, rise_at_end, last, point)
+        class(residuals_t), intent(inout) :: model
+        type(minimum_t), intent(in) :: minimum
+        real(dp), intent(in) :: jacobian(:, :), direction(:), value, rise_at_end, last(:)
+        integer, intent(in) :: k
+        type(minimum_t), intent(out) :: point
+        real(dp) :: start(size(last))
+        logical :: free(size(last))
+        integer :: i, m
+
+        m = size(minimum%residuals)
+        free = .true.
+        free(k) = .false.
+        start = minimum%x + direction * (value - minimum%x(k))
+        start(k) = value
+        start(:) = [(model%limited(i, start(i)), i=1, size(start))]
+        call minimize(model, start, m, free, point, end_slack * rise_at_end / (minimum%sum_of_squares + rise_at_end), jacobian)
+        if (point%sum_of_squares < huge(value)) return
+        start = last
+        start(k) = value
+        call minimize(model, start, m, free, point)
+    end subroutine minimize_others
+
     !> An end of the interval of a parameter: where the least sum of squares of the others, over the variance, exceeds the
     !> minimum by the square of the level. Its square root is almost linear in the parameter, which is followed by the
     !> method of regula falsi in the form of Illinois. The others begin on the line of the linear
@@ -239,14 +264,13 @@ contains
         integer, intent(out) :: outcome !! what is met there: one of `end_met` to `end_is_better`
         real(dp), allocatable, intent(out) :: better(:) !! parameters with a smaller sum of squares, if they are met
         type(minimum_t) :: point
-        logical :: free(size(minimum%x))
-        real(dp) :: inside, outside, excess_inside, excess_outside, next, excess, start(size(minimum%x)), root, rise_at_end
+        real(dp) :: last(size(minimum%x))
+        real(dp) :: inside, outside, excess_inside, excess_outside, next, excess, root, rise_at_end
         integer :: i, n
         logical :: is_at_end, exists
 
-        free = .true.
-        free(k) = .false.
         outcome = end_lost
+        last = minimum%x
         associate (best => minimum%x(k), width => level * estimate%standard_error(k))
             inside = 0
             excess_inside = -abs(level)
@@ -258,11 +282,8 @@ contains
                 is_at_end = abs(model%limited(k, best + next) - (best + next)) > 0
                 if (is_at_end) next = model%limited(k, best + next) - best
                 place = best + next
-                start = minimum%x + estimate%covariance(:, k) * (next / estimate%covariance(k, k))
-                start(k) = place
-                start(:) = [(model%limited(n, start(n)), n=1, size(start))]
-                call minimize(model, start, size(minimum%residuals), free, point, &
-                              end_slack * rise_at_end / (minimum%sum_of_squares + rise_at_end), jacobian)
+                call minimize_others(model, minimum, jacobian, estimate%covariance(:, k) / estimate%covariance(k, k), k, place, &
+                                     rise_at_end, last, point)
                 root = no_number
                 exists = point%sum_of_squares < huge(root)
                 associate (rise => point%sum_of_squares - minimum%sum_of_squares)
@@ -297,6 +318,7 @@ contains
                     if (excess_outside > 0) excess_outside = excess_outside / 2
                     inside = next
                     excess_inside = excess
+                    last = point%x
                 end if
                 if (excess_outside > 0) then
                     next = inside + (outside - inside) * excess_inside / (excess_inside - excess_outside)

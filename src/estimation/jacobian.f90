@@ -66,8 +66,8 @@ contains
         real(dp), allocatable :: coarse(:, :), error_of_coarse(:, :), at_coarse(:)
         logical :: is_valid
 
-        coarse = jacobian
-        error_of_coarse = errors
+        allocate (coarse, source=jacobian)
+        allocate (error_of_coarse, source=errors)
         call extrapolate(model, x, residuals, jacobian, errors)
         if (.not. model%precision > 0) return
         allocate (at_coarse, mold=residuals)

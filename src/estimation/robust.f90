@@ -40,7 +40,7 @@ contains
             call minimize(model, x, m, spread(.true., 1, size(x)), minimum)
             return
         end if
-        from = x
+        allocate (from, source=x)
         evaluations = 1
         least = max(least_part * model%size_of_data() / sqrt(real(m, dp)), tiny(least))
         deviation = robust_deviation(residuals, size(x))
@@ -52,7 +52,7 @@ contains
             if (.not. minimum%has_converged) exit
             deviation = robust_deviation(minimum%residuals, size(x))
             if (abs(max(deviation, least) - last) <= same_deviation * last) exit
-            from = minimum%x
+            from(:) = minimum%x
         end do
         minimum%evaluations = evaluations
     end subroutine minimize_loss

@@ -206,7 +206,8 @@ contains
             call model%predict(minimum%x, values, is_valid)
             is_noisy = is_valid .and. norm2(minimum%residuals) > far_above * sqrt(real(size(minimum%residuals), dp)) * &
                        estimate%error_of_model
-            call find_warnings(measured, measured%values - values, size(keys), is_noisy, warnings)
+            call find_warnings(measured, measured%values - values, size(keys), is_noisy, job%scene%fit%loss == &
+                               loss_names(loss_huber), warnings)
             do i = 1, size(keys)
                 if (.not. estimate%is_followed(i)) call append(warnings, 'the profile of ' // keys(i)%name // ' could not be &
                     &followed: an end of its interval is that of the linear model')
@@ -240,7 +241,7 @@ contains
         is_huber = settings%loss == loss_names(loss_huber)
         level = normal_quantile
         if (is_huber .or. .not. self%measured%knows_sigma) level = student_quantile(tail, m - size(start))
-        from = start
+        allocate (from, source=start)
         evaluations = 0
         steps = 0
         do i = 1, most_searches
@@ -250,7 +251,7 @@ contains
             call describe_minimum(model, minimum, self%measured%knows_sigma, settings%profile .and. minimum%has_converged, &
                                   level, estimate)
             if (.not. allocated(estimate%better)) exit
-            from = estimate%better
+            from(:) = estimate%better
         end do
         minimum%has_converged = minimum%has_converged .and. .not. allocated(estimate%better)
         minimum%evaluations = evaluations

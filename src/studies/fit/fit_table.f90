@@ -10,7 +10,7 @@ module spintop_fit_table
     use spintop_study_head, only: study_head
     use spintop_table_column, only: column_t
     use spintop_table_file, only: table_file_t
-    use spintop_text, only: string_t
+    use spintop_text, only: append, string_t
     use spintop_text_buffer, only: text_buffer_t
     implicit none
     private
@@ -52,7 +52,7 @@ contains
         type(study_column_t), allocatable :: fixed(:)
         type(table_file_t) :: file
         type(text_buffer_t) :: cells
-        type(string_t) :: trailer(size(warnings) + 1)
+        type(string_t), allocatable :: trailer(:)
         integer :: i, n
 
         allocate (fixed, source=fit_columns())
@@ -63,9 +63,9 @@ contains
             columns(n + i) = column_t('covariance__' // keys(i)%name, '', 'covariance with ' // keys(i)%name)
         end do
         do i = 1, size(warnings)
-            trailer(i)%text = 'warning: ' // warnings(i)%text
+            call append(trailer, 'warning: ' // warnings(i)%text)
         end do
-        trailer(size(trailer))%text = 'status: ' // ending
+        call append(trailer, 'status: ' // ending)
         call file%create(job%output, study_head(job, columns), error)
         if (allocated(error)) return
         do i = 1, size(keys)

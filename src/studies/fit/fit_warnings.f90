@@ -84,29 +84,31 @@ contains
     end function wrapped_at
 
     !> What is odd about residuals: rows that stand out, and those that follow each other, as the errors of the motion itself do.
-    subroutine find_warnings(measured, residuals, parameters, is_noisy, warnings)
+    subroutine find_warnings(measured, residuals, parameters, is_noisy, is_robust, warnings)
         type(measurements_t), intent(in) :: measured !! the measurements
         real(dp), intent(in) :: residuals(:, :) !! measured less fitted: columns, times
         integer, intent(in) :: parameters !! number of sought parameters
         logical, intent(in) :: is_noisy !! whether the residuals are larger than the errors of the motion
+        logical, intent(in) :: is_robust !! whether the loss is robust
         type(string_t), allocatable, intent(out) :: warnings(:) !! one sentence each
         integer :: i
 
         allocate (warnings(0))
         if (.not. is_noisy) return
         do i = 1, size(measured%columns)
-            call add_outliers(trim(measured%columns(i)%name), measured%t, residuals(i, :), parameters, warnings)
+            call add_outliers(trim(measured%columns(i)%name), measured%t, residuals(i, :), parameters, is_robust, warnings)
             call add_correlation(trim(measured%columns(i)%name), residuals(i, :), warnings)
         end do
     end subroutine find_warnings
 
     !> Names the row of a column with the largest residual, where it stands out of the others.
-    subroutine add_outliers(name, t, residuals, parameters, warnings)
+    subroutine add_outliers(name, t, residuals, parameters, is_robust, warnings)
         character(*), intent(in) :: name
         real(dp), intent(in) :: t(:), residuals(:)
         integer, intent(in) :: parameters
+        logical, intent(in) :: is_robust
         type(string_t), allocatable, intent(inout) :: warnings(:)
-        character(:), allocatable :: others
+        character(:), allocatable :: others, hint
         real(dp) :: deviation, limit
         integer :: row, more
 
@@ -117,10 +119,12 @@ contains
         if (.not. (abs(residuals(row)) > limit .and. deviation > 0)) return
         more = count(abs(residuals) > limit) - 1
         others = ''
+        hint = "; remove what is wrong, or use loss = 'huber'"
+        if (is_robust) hint = ''
         if (more > 0) others = ', and ' // to_text(more) // merge(' more row stands', ' more rows stand', more == 1) // ' out'
         call append(warnings, name // ' in row ' // to_text(row) // ', t = ' // to_text(t(row)) // &
                     ' s, is ' // rounded(abs(residuals(row)) / deviation, 3) // ' standard deviations from the motion' // &
-                    others // "; remove what is wrong, or use loss = 'huber'")
+                    others // hint)
     end subroutine add_outliers
 
     !> Warns of residuals that follow each other: by the ratio of the mean square of their differences to their mean square

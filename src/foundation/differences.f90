@@ -131,12 +131,14 @@ contains
         real(dp), intent(out) :: errors(:) !! the estimates of their errors
         real(dp), dimension(size(derivatives), 0:rows - 1) :: now, last
         real(dp), dimension(size(derivatives)) :: noise, change
-        real(dp) :: factor, least, estimate
+        real(dp) :: factor, least, estimate, range, width
         integer :: above, below, first, i, k
 
         derivatives = nan
         errors = nan
         least = huge(least)
+        range = 0
+        width = 0
         call find_sides(self%is_valid, above, below)
         factor = ratio**2
         if (above == centre .or. below == centre) factor = ratio
@@ -147,8 +149,10 @@ contains
         end do
         do i = first, rows
             associate (up => node(above, i), down => node(below, i))
-                now(:, 0) = (values(:, up) - values(:, down)) / (self%x(up) - self%x(down))
-                noise = 2 * epsilon(1.0_dp) * max(abs(values(:, up)), abs(values(:, down))) / (self%x(up) - self%x(down))
+                width = self%x(up) - self%x(down)
+                now(:, 0) = (values(:, up) - values(:, down)) / width
+                noise = 2 * epsilon(1.0_dp) * max(abs(values(:, up)), abs(values(:, down))) / width
+                range = max(range, norm2(values(:, up) - values(:, centre)), norm2(values(:, down) - values(:, centre)))
             end associate
             do k = 1, i - first
                 now(:, k) = now(:, k - 1) + (now(:, k - 1) - last(:, k - 1)) / (factor**k - 1)
@@ -161,6 +165,10 @@ contains
             end do
             last(:, :i - first) = now(:, :i - first)
         end do
+        if (.not. least < huge(least)) return
+        if (norm2(last(:, 0) - derivatives) <= largest_noise * norm2(noise) + largest_rest * range / width) return
+        derivatives = nan
+        errors = nan
 
     contains
 

@@ -74,6 +74,7 @@ module spintop_formulation
         procedure :: motion_without_angles => whole_motion
         procedure :: find_motions => find_motions_singly
         procedure :: bound_rate
+        procedure, non_overridable :: units
         procedure :: invariants => no_invariants
         procedure :: follow => keep_angles
         procedure, non_overridable :: info
@@ -127,6 +128,14 @@ contains
         type(motion_t) :: motion
         motion = self%motion(t, y, near)
     end function whole_motion
+
+    !> Units of the state variables: the powers of two next to their scales. Linear equations for a state are solved in these
+    !> units, so that their pivots, and all rounding errors, do not depend on the units of mass, length and time.
+    pure function units(self)
+        class(formulation_t), intent(in) :: self
+        real(dp) :: units(max_states)
+        units = set_exponent(1.0_dp, exponent(self%scale))
+    end function units
 
     !> The same at several instants, one after another.
     pure subroutine find_motions_singly(self, t, y, motions)

@@ -39,7 +39,8 @@ module spintop_arkode_memory
     private
     public :: arkode_memory_t
 
-    !> One run. It must not move in memory, because ARKODE stores its address.
+    !> One run. It must not move in memory, because ARKODE stores its address. ARKODE computes in the units of the state,
+    !> `formulation_t%units`, so that its linear equations do not depend on those of mass, length and time.
     type :: arkode_memory_t
         !> Time, state, slope and counts as ARKODE has them.
         type(workspace_t) :: now
@@ -53,8 +54,8 @@ module spintop_arkode_memory
         integer(c_int), private :: flag = 0
         integer, private :: states = 0
         logical, private :: adaptive = .true.
-        !> Storage of the vector that ARKODE writes to.
-        real(c_double), private :: state(max_states) = 0
+        !> Storage of the vector that ARKODE writes to: the state in these units.
+        real(c_double), private :: state(max_states) = 0, unit(max_states) = 1
         !> Slope before the last step, and the polynomial over that step if dense output was needed.
         real(dp), private :: slope_last(max_states) = 0
         type(dense_output_t), private :: dense
@@ -118,7 +119,8 @@ contains
         self%now%counts = work%counts
         self%earlier = work%counts
         self%now%projection = work%projection
-        self%state = work%y
+        self%unit = formulation%units()
+        self%state = work%y / self%unit
         call self%dense%set_order(table%order)
         call self%keep(create_context(self%context))
         if (self%flag < 0) return
@@ -190,7 +192,7 @@ contains
         integer(index_kind) :: n
 
         n = int(self%states, index_kind)
-        self%stage_watch%scale = self%formulation%scale
+        self%stage_watch%scale = self%formulation%scale / self%unit
         self%stage_watch%cyclic = self%formulation%cyclic
         if (controls%fixed_point) self%stage_watch%divergence = growth_allowed
         associate (ark => self%integrator)
@@ -224,7 +226,7 @@ contains
     subroutine restart(self, h)
         class(arkode_memory_t), intent(inout) :: self
         real(dp), intent(in), optional :: h !! size of the first step, s
-        self%state = self%now%y
+        self%state = self%now%y / self%unit
         call self%keep(FARKStepReset(self%integrator, self%now%t, self%state_vector))
         if (present(h)) call self%keep(FARKStepSetInitStep(self%integrator, h))
     end subroutine restart
@@ -258,7 +260,7 @@ contains
         flag = self%flag
         if (flag < 0) return
         before = self%now
-        self%stage_watch%y = self%now%y
+        self%stage_watch%y = self%now%y / self%unit
         self%status = status_ok
         flag = FARKStepEvolve(self%integrator, t_end, self%state_vector, t_reached, ARK_ONE_STEP)
         if (flag < 0) then
@@ -324,7 +326,7 @@ contains
         y_now => FN_VGetArrayPointer(y_vector)
         slope_now => FN_VGetArrayPointer(slope_vector)
         y = 0
-        y(1:self%states) = y_now
+        y(1:self%states) = y_now * self%unit(1:self%states)
         known = all(is_equal(y, self%now%y))
         if (self%formulation%depends_on_time) known = known .and. is_equal(t, self%now%t)
         if (known) then
@@ -333,7 +335,7 @@ contains
         else
             call self%now%evaluate(self%formulation, t, y, slope, self%status)
         end if
-        slope_now = slope(1:self%states)
+        slope_now = slope(1:self%states) / self%unit(1:self%states)
         rhs = go_on
         if (self%status == status_ok) return
         rhs = give_up
@@ -352,9 +354,9 @@ contains
         y_now => FN_VGetArrayPointer(y_vector)
         weights => FN_VGetArrayPointer(weight_vector)
         y = 0
-        y(1:self%states) = y_now
+        y(1:self%states) = y_now * self%unit(1:self%states)
         allowed = self%weight%allowed(y, y)
-        weights = 1 / allowed(1:self%states)
+        weights = self%unit(1:self%states) / allowed(1:self%states)
         find_weights = merge(go_on, give_up, all(allowed(1:self%states) > 0))
     end function find_weights
 
@@ -372,12 +374,12 @@ contains
         call c_f_pointer(data, self)
         y_now => FN_VGetArrayPointer(y_vector)
         y = 0
-        y(1:self%states) = y_now
+        y(1:self%states) = y_now * self%unit(1:self%states)
         finish_step = give_up
         self%status = status_non_finite
         if (.not. all(is_finite(y))) return
         call self%now%settle(self%formulation, t, y, changed)
-        if (changed) y_now = self%now%y(1:self%states)
+        if (changed) y_now = self%now%y(1:self%states) / self%unit(1:self%states)
         call self%now%evaluate(self%formulation, t, self%now%y, self%now%slope, self%status)
         if (self%status == status_ok) finish_step = go_on
     end function finish_step

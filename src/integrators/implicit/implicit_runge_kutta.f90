@@ -182,7 +182,7 @@ contains
         real(dp), intent(inout) :: correction(max_states, max_implicit_stages)
         integer, intent(out) :: status
         complex(dp) :: mode(max_states)
-        real(dp) :: residual(max_states, max_implicit_stages)
+        real(dp) :: residual(max_states, max_implicit_stages), unit(max_states)
         integer :: i, k, failure
 
         status = status_ok
@@ -190,19 +190,22 @@ contains
             call factor_matrices(table, formulation, work, h, z, status)
             if (status /= status_ok) return
         end if
-        residual = correction
+        unit = formulation%units()
+        do i = 1, table%stages
+            residual(:, i) = correction(:, i) / unit
+        end do
         correction = 0
         do k = 1, table%modes
-            mode = matmul(residual, table%to_modes(:, k))
+            mode = matmul(residual(:, :table%stages), table%to_modes(:table%stages, k))
             call zgetrs('N', work%states, 1, work%factors(:, :, k), max_states, work%pivots(:, k), &
                         mode, max_states, failure)
             do i = 1, table%stages
-                correction(:, i) = correction(:, i) + real(table%from_modes(k, i) * mode, dp)
+                correction(:, i) = correction(:, i) + real(table%from_modes(k, i) * mode, dp) * unit
             end do
         end do
     end subroutine newton_correction
 
-    !> Factors the matrices 1 - h lambda J, with the Jacobian in the middle of the stages.
+    !> Factors the matrices 1 - h lambda J in units of the state, with the Jacobian in the middle of the stages.
     subroutine factor_matrices(table, formulation, work, h, z, status)
         type(implicit_table_t), intent(in) :: table
         class(formulation_t), intent(in) :: formulation

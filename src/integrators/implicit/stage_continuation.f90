@@ -157,12 +157,13 @@ contains
         real(dp), intent(inout) :: correction(max_states, max_implicit_stages)
         integer, intent(out) :: status
         real(dp) :: matrix(max_unknowns, max_unknowns), unknown(max_unknowns, 1)
-        real(dp) :: jacobian(max_states, max_states)
+        real(dp) :: jacobian(max_states, max_states), unit(max_states)
         type(formulation_info_t) :: info
         integer :: pivots(max_unknowns), i, j, n, all_unknowns, failure
 
         info = formulation%info()
         n = info%states
+        unit = formulation%units()
         all_unknowns = n * table%stages
         do j = 1, table%stages
             call find_jacobian(formulation, work, work%t + table%node(j) * h, work%y + z(:, j), jacobian, status)
@@ -170,7 +171,7 @@ contains
             do i = 1, table%stages
                 matrix((i - 1) * n + 1:i * n, (j - 1) * n + 1:j * n) = -h * table%a(i, j) * jacobian(:n, :n)
             end do
-            unknown((j - 1) * n + 1:j * n, 1) = correction(:n, j)
+            unknown((j - 1) * n + 1:j * n, 1) = correction(:n, j) / unit(:n)
         end do
         do i = 1, all_unknowns
             matrix(i, i) = matrix(i, i) + 1
@@ -180,7 +181,9 @@ contains
         if (failure /= 0) return
         call dgetrs('N', all_unknowns, 1, matrix, max_unknowns, pivots, unknown, max_unknowns, failure)
         if (failure /= 0) return
-        correction(:n, :table%stages) = reshape(unknown(:all_unknowns, 1), [n, table%stages])
+        do j = 1, table%stages
+            correction(:n, j) = unknown((j - 1) * n + 1:j * n, 1) * unit(:n)
+        end do
         status = status_ok
     end subroutine find_correction
 

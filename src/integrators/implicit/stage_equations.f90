@@ -47,22 +47,23 @@ contains
         end do
     end subroutine find_residual
 
-    !> The Jacobian df/dy by forward differences, accurate to several digits also where a component is zero.
-    !> The equations do not depend on cyclic variables.
+    !> The Jacobian df/dy, in units of the state, by forward differences, accurate to several digits also where a component
+    !> is zero. The equations do not depend on cyclic variables.
     subroutine find_jacobian(formulation, work, t, y, jacobian, status)
         class(formulation_t), intent(in) :: formulation !! the equations of motion
         class(workspace_t), intent(inout) :: work !! counts the evaluations
         real(dp), intent(in) :: t, y(max_states) !! where
-        real(dp), intent(out) :: jacobian(max_states, max_states) !! column j is df/dy_j
+        real(dp), intent(out) :: jacobian(max_states, max_states) !! column j is df/dy_j, in `formulation%units()`, 1/s
         integer, intent(out) :: status !! that of the right-hand side
         !> Increment of a component relative to its magnitude, and the smallest magnitude used for this,
         !> relative to its scale.
         real(dp), parameter :: share = sqrt(epsilon_dp), least = sqrt(sqrt(epsilon_dp))
-        real(dp) :: moved(max_states), slope(max_states), slope_moved(max_states)
+        real(dp) :: moved(max_states), slope(max_states), slope_moved(max_states), unit(max_states)
         type(formulation_info_t) :: info
         integer :: j
 
         info = formulation%info()
+        unit = formulation%units()
         work%counts%jacobians = work%counts%jacobians + 1
         jacobian = 0
         call work%evaluate(formulation, t, y, slope, status)
@@ -72,7 +73,7 @@ contains
             moved = y
             moved(j) = y(j) + share * max(abs(y(j)), least * formulation%scale(j))
             call work%evaluate(formulation, t, moved, slope_moved, status)
-            jacobian(:, j) = (slope_moved - slope) / (moved(j) - y(j))
+            jacobian(:, j) = (slope_moved - slope) / unit / ((moved(j) - y(j)) / unit(j))
         end do
     end subroutine find_jacobian
 

@@ -8,6 +8,7 @@ module spintop_c_derivatives
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number
     use spintop_plain_text, only: escaped
+    use spintop_other_accuracy, only: other_accuracies
     use spintop_plan, only: plan_t
     use spintop_scene, only: scene_t
     use spintop_sensitivity, only: sensitive_key_t
@@ -16,10 +17,12 @@ module spintop_c_derivatives
     private
     public :: asked_derivatives_t
 
-    !> The motions with other values of a key.
+    !> The motions with other values of a key, and the same with other accuracies.
     type :: varied_key_t
         type(nodes_t) :: nodes
         type(asked_motion_t) :: motion(node_count)
+        type(asked_motion_t), allocatable :: other(:, :)
+        logical :: has_other(node_count, other_accuracies) = .false.
     end type varied_key_t
 
     !> The derivatives, two columns for each: `count` of them, of some columns with respect to some keys.
@@ -65,7 +68,7 @@ contains
         type(trajectory_column_t), intent(in) :: columns(:)
         type(error_t), allocatable, intent(out) :: error
         logical :: exists(node_count)
-        integer :: i
+        integer :: i, k
 
         if (key%name(:index(key%name, '.')) == 'span.') then
             error = input_error(escaped(job%input) // ': output.columns: the times of a top are given, so nothing depends on ' &
@@ -78,24 +81,36 @@ contains
             if (exists(i)) call prepare_motion(self%motion(i), job, key, self%nodes%x(i), columns, exists(i))
         end do
         call self%nodes%limit_to(exists)
+        allocate (self%other(node_count, other_accuracies))
+        do i = 1, node_count
+            if (.not. self%nodes%is_valid(i)) cycle
+            do k = 1, other_accuracies
+                call prepare_motion(self%other(i, k), job, key, self%nodes%x(i), columns, self%has_other(i, k), accuracy=k)
+            end do
+        end do
         if (any(self%nodes%is_valid(2:))) return
         error = input_error(escaped(job%input) // ': output.columns: with another ' // key%name // ' there is no motion by this &
                             &method, and so no derivative; integrate by a method and formulation for any body')
     end subroutine prepare_key
 
     !> Prepares the motion with another value of a key, if there is one.
-    subroutine prepare_motion(motion, job, key, value, columns, exists)
+    subroutine prepare_motion(motion, job, key, value, columns, exists, accuracy)
         type(asked_motion_t), intent(inout) :: motion
         type(job_t), target, intent(in) :: job
         type(sensitive_key_t), intent(in) :: key
         real(dp), intent(in) :: value
         type(trajectory_column_t), intent(in) :: columns(:)
         logical, intent(out) :: exists
+        integer, intent(in), optional :: accuracy !! the number of another accuracy
         type(scene_t), allocatable, target :: scene
         type(case_t) :: case
         type(plan_t) :: plan
 
-        call key%plan_at(job%scene, value, scene, case, plan, exists)
+        if (present(accuracy)) then
+            call key%plan_at(job%scene, value, scene, case, plan, exists, job%plan, accuracy)
+        else
+            call key%plan_at(job%scene, value, scene, case, plan, exists)
+        end if
         if (.not. exists) return
         case%t_end = job%case%t_end ! steps of fixed size stay where they are
         call motion%prepare(case, plan, columns)
@@ -107,12 +122,16 @@ contains
         real(dp), intent(in) :: t(:) !! the times, s
         real(dp), intent(in) :: base(:, :) !! the columns of which there are derivatives: a row for each time
         real(dp), intent(out) :: cells(:, :) !! two for each derivative; NaN where there is none
-        real(dp), allocatable :: values(:, :, :)
+        real(dp), allocatable :: values(:, :, :), others(:, :, :, :)
+        integer, allocatable :: best(:, :)
         real(dp) :: t_reached
-        integer :: key, i, row, status
+        logical :: is_needed(node_count)
+        integer :: key, i, k, row, status
 
         cells = no_number
         allocate (values(size(base, 1), size(base, 2), node_count))
+        allocate (others(size(base, 1), size(base, 2), node_count, other_accuracies))
+        allocate (best(size(t), self%count))
         do key = 1, size(self%keys)
             values = no_number
             values(:, :, 1) = base
@@ -121,13 +140,32 @@ contains
                     call self%keys(key)%motion(i)%find(t, values(:, :, i), status, t_reached)
                 end if
             end do
-            do i = 1, self%count
-                if (self%key(i) /= key) cycle
-                do row = 1, size(t)
-                    call self%keys(key)%nodes%differentiate(values(row, self%column(i), :), cells(row, 2 * i - 1), &
-                                                            cells(row, 2 * i))
+            associate (nodes => self%keys(key)%nodes)
+                is_needed = .false.
+                do i = 1, self%count
+                    if (self%key(i) /= key) cycle
+                    do row = 1, size(t)
+                        call nodes%differentiate(values(row, self%column(i), :), cells(row, 2 * i - 1), cells(row, 2 * i), &
+                                                 best(row, i))
+                        if (best(row, i) > 0) is_needed(nodes%ends(best(row, i))) = .true.
+                    end do
                 end do
-            end do
+                ! The error of the method shows at other accuracies.
+                others = no_number
+                do k = 1, other_accuracies
+                    do i = 1, node_count
+                        if (.not. (is_needed(i) .and. self%keys(key)%has_other(i, k))) cycle
+                        call self%keys(key)%other(i, k)%find(t, others(:, :, i, k), status, t_reached)
+                    end do
+                end do
+                do i = 1, self%count
+                    if (self%key(i) /= key) cycle
+                    do row = 1, size(t)
+                        call nodes%add_change(best(row, i), values(row, self%column(i), :), others(row, self%column(i), :, :), &
+                                              cells(row, 2 * i - 1), cells(row, 2 * i))
+                    end do
+                end do
+            end associate
         end do
     end subroutine find
 

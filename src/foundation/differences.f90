@@ -4,7 +4,14 @@
 !>
 !>     nodes = nodes_around(x, keeps_sign)                   ! once per number
 !>     values(i) = f(nodes%x(i))                             ! for each node that is valid
-!>     call nodes%differentiate(values, derivative, error)   ! both NaN where there is no derivative
+!>     call nodes%differentiate(values, derivative, error, row)   ! both NaN where there is no derivative
+!>
+!> A smooth error of the quantity, such as that of a numerical method, does not show in the differences. It shows in the
+!> change of one difference if the quantity is computed anew, in other ways, at two nodes:
+!>
+!>     ends = nodes%ends(row)                                     ! the two nodes
+!>     others(i, k) = g_k(nodes%x(i))                             ! for these
+!>     call nodes%add_change(row, values, others, derivative, error)
 module spintop_differences
     use spintop_compare, only: is_finite
     use spintop_kinds, only: dp, nan => no_number
@@ -36,6 +43,8 @@ module spintop_differences
         procedure :: limit_to
         procedure :: differentiate
         procedure :: differentiate_together
+        procedure :: ends
+        procedure :: add_change
     end type nodes_t
 
 contains
@@ -73,15 +82,17 @@ contains
 
     !> The derivative at the number, and the estimate of its error. Both are NaN where the differences do not converge, as
     !> at a jump, a kink or an end of what the quantity is defined for. At an end of the domain it is that of the one side.
-    pure subroutine differentiate(self, values, derivative, error)
+    pure subroutine differentiate(self, values, derivative, error, row)
         class(nodes_t), intent(in) :: self
         real(dp), intent(in) :: values(node_count) !! of the quantity at the nodes; NaN where it has none
         real(dp), intent(out) :: derivative !! per unit of the number
         real(dp), intent(out) :: error !! the estimate of its error
+        integer, intent(out), optional :: row !! the last difference from which it is extrapolated; 0 where there is none
         real(dp) :: table(rows, 0:rows - 1), noise(rows), bend(rows), width(rows), range, factor, estimate
         logical :: is_known(node_count)
         integer :: above, below, first, best, i, k
 
+        if (present(row)) row = 0
         derivative = nan
         error = nan
         is_known = self%is_valid .and. is_finite(values)
@@ -116,7 +127,10 @@ contains
         if (best == 0) return
         if (error <= largest_error * abs(derivative) + largest_noise * noise(best) .and. &
             abs(table(rows, 0) - derivative) <= largest_noise * noise(rows) + largest_rest * range / width(rows) .and. &
-            .not. (factor > ratio .and. has_kink(bend(best - 1:), noise(best - 1:)))) return
+            .not. (factor > ratio .and. has_kink(bend(best - 1:), noise(best - 1:)))) then
+            if (present(row)) row = best
+            return
+        end if
         derivative = nan
         error = nan
     end subroutine differentiate
@@ -179,6 +193,36 @@ contains
         end function is_there
 
     end subroutine differentiate_together
+
+    !> The two nodes of a difference.
+    pure function ends(self, row)
+        class(nodes_t), intent(in) :: self
+        integer, intent(in) :: row !! of a derivative (`differentiate`), above 0
+        integer :: ends(2)
+        integer :: above, below
+        call find_sides(self%is_valid, above, below)
+        ends = [node(above, row), node(below, row)]
+    end function ends
+
+    !> Adds to the error of a derivative the most that its last difference changes by if the quantity is computed in other ways.
+    !> Both become NaN if it is not found in one of them.
+    pure subroutine add_change(self, row, values, others, derivative, error)
+        class(nodes_t), intent(in) :: self
+        integer, intent(in) :: row !! of the derivative (`differentiate`); nothing changes with 0
+        real(dp), intent(in) :: values(node_count) !! of the quantity at the nodes
+        real(dp), intent(in) :: others(:, :) !! the same in each other way; only those at the ends of the difference matter
+        real(dp), intent(inout) :: derivative, error !! as found by `differentiate`
+        real(dp) :: change(size(others, 2))
+        integer :: ends(2)
+
+        if (row == 0) return
+        ends = self%ends(row)
+        change = (others(ends(1), :) - values(ends(1))) - (others(ends(2), :) - values(ends(2)))
+        error = error + safety * maxval(abs(change / (self%x(ends(1)) - self%x(ends(2)))))
+        if (all(is_finite(change))) return
+        derivative = nan
+        error = nan
+    end subroutine add_change
 
     !> The first nodes of the differences: those above and below, or the number itself where one side is outside the
     !> domain down to the smallest step.

@@ -8,6 +8,7 @@ module spintop_sensitivity
     use spintop_differences, only: nodes_t, nodes_around
     use spintop_kinds, only: dp
     use spintop_number_slot, only: number_slot_t
+    use spintop_other_accuracy, only: take_other_accuracy
     use spintop_parameters, only: parameter_table_t
     use spintop_plan, only: make_plan, plan_t
     use spintop_problems, only: problems_t
@@ -192,7 +193,7 @@ contains
     end function unit_per
 
     !> Plans the motion of a scene in which the key has another value, if there is such a motion.
-    subroutine plan_at(self, scene, value, varied, case, plan, exists)
+    subroutine plan_at(self, scene, value, varied, case, plan, exists, unlike, number)
         class(sensitive_key_t), intent(in) :: self
         type(scene_t), target, intent(in) :: scene !! contents of the input, of which the key is a number
         real(dp), intent(in) :: value !! the other value
@@ -200,11 +201,14 @@ contains
         type(case_t), intent(out) :: case !! its body, start and span
         type(plan_t), intent(out) :: plan !! its model and method
         logical, intent(out) :: exists !! whether there is such a motion
+        type(plan_t), intent(in), optional :: unlike !! the plan of the scene, for another accuracy of its method
+        integer, intent(in), optional :: number !! which of the other accuracies
         type(number_slot_t) :: slot
         type(problems_t) :: problems
 
         allocate (varied, source=scene)
         varied%certified = .false.
+        if (present(unlike)) call take_other_accuracy(varied, unlike, number, keeps_rows=.true.)
         slot = self%slot%in_copy(c_loc(scene), c_loc(varied), storage_size(scene))
         call slot%put(value)
         call make_case(varied, case, problems)

@@ -6,6 +6,10 @@ module spintop_sweep_sensitivities
     use spintop_differences, only: node_count, nodes_t
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number
+    use spintop_methods, only: exact_info
+    use spintop_other_accuracy, only: other_accuracies, other_value, take_other_accuracy
+    use spintop_plan, only: make_plan
+    use spintop_problems, only: problems_t
     use spintop_row_block, only: row_block_t
     use spintop_scene_words, only: combine_zip
     use spintop_status, only: is_good_end
@@ -15,21 +19,32 @@ module spintop_sweep_sensitivities
     private
     public :: sweep_sensitivities_t
 
+    !> A sweep over nodes of a case: the axes of the sweep of the table, then the other keys. It must stay where it was prepared,
+    !> and be a target there.
+    type :: node_sweep_t
+        type(job_t) :: job
+        type(sweep_worker_t) :: worker
+        type(row_block_t) :: rows
+        !> Quantities at the nodes of the keys.
+        real(dp), allocatable :: values(:, :, :)
+    contains
+        procedure :: prepare => prepare_nodes
+        procedure :: compute => compute_nodes
+    end type node_sweep_t
+
     !> Data of a thread; it must stay where it was prepared, and be a target there.
     type :: sweep_sensitivities_t
-        !> The sweep over the nodes of a case: the axes of the sweep, then the other keys.
-        type(job_t), private :: job
-        type(sweep_worker_t), private :: worker
-        type(row_block_t), private :: rows
-        !> The axis of each key.
+        !> The sweep over the nodes, and the same with other accuracies, in which the error of the method shows.
+        type(node_sweep_t), allocatable, private :: own, other(:)
+        !> The axis of each key in these sweeps.
         integer, allocatable, private :: axis(:)
-        !> Cells of a row of the table before the derivatives, and of a row of the nodes before the quantities.
-        integer, private :: cells_before = 0, node_cells_before = 0
-        !> The cell of each derivative's quantity among the quantities of the nodes.
-        integer, allocatable, private :: place(:)
-        !> Quantities at the nodes of the keys, and the nodes.
-        real(dp), allocatable, private :: values(:, :, :)
+        !> Cells of a row of the table before the derivatives.
+        integer, private :: cells_before = 0
+        !> The cell of each derivative's quantity among the quantities of the nodes, and the difference on which it rests.
+        integer, allocatable, private :: place(:), best(:)
+        !> The nodes of the keys, and which of them are needed.
         type(nodes_t), allocatable, private :: nodes(:)
+        logical, allocatable, private :: is_needed(:, :)
     contains
         procedure :: prepare
         procedure :: fill
@@ -44,107 +59,191 @@ contains
         integer :: i, n
 
         if (job%sensitivities%count == 0) return
-        associate (wanted => job%sensitivities, own => self%job)
-            own%scene = job%scene
-            own%scene%certified = .false.
-            own%case = job%case
-            own%plan = job%plan
-            own%events = job%events
-            own%stop_after = job%stop_after
-            own%columns = wanted%columns()
-            self%place = [(findloc(own%columns, wanted%list(i)%column, dim=1), i=1, wanted%count)]
-            n = size(job%axes%axis)
+        n = size(job%axes%axis)
+        self%cells_before = n + 2 + size(job%columns)
+        associate (wanted => job%sensitivities)
             self%axis = wanted%keys%axis
             do i = 1, size(self%axis)
                 if (self%axis(i) > 0) cycle
                 n = n + 1
                 self%axis(i) = n
             end do
-            allocate (own%axes%axis(n))
+            allocate (self%place(wanted%count), self%best(wanted%count))
+            self%place = [(findloc(wanted%columns(), wanted%list(i)%column, dim=1), i=1, wanted%count)]
+            allocate (self%nodes(size(self%axis)), self%is_needed(node_count, size(self%axis)))
+        end associate
+        allocate (self%own)
+        call self%own%prepare(job, self%axis, n)
+        if (job%scene%method == exact_info%name) return
+        allocate (self%other(other_accuracies))
+        do i = 1, other_accuracies
+            call self%other(i)%prepare(job, self%axis, n, accuracy=i)
+        end do
+    end subroutine prepare
+
+    !> Makes the sweep over the nodes.
+    subroutine prepare_nodes(self, job, axis, axes, accuracy)
+        class(node_sweep_t), target, intent(inout) :: self
+        type(job_t), target, intent(in) :: job !! the job
+        integer, intent(in) :: axis(:), axes !! the axis of each key, and the number of axes
+        integer, intent(in), optional :: accuracy !! the number of another accuracy than that of the job
+        type(problems_t) :: problems
+        integer :: i
+
+        associate (own => self%job, wanted => job%sensitivities)
+            own%scene = job%scene
+            own%scene%certified = .false.
+            own%case = job%case
+            own%plan = job%plan
+            if (present(accuracy)) then
+                call take_other_accuracy(own%scene, job%plan, accuracy, keeps_rows=.false.)
+                call make_plan(own%scene, own%case, own%plan, problems)
+            end if
+            own%events = job%events
+            own%stop_after = job%stop_after
+            own%columns = wanted%columns()
+            allocate (own%axes%axis(axes))
             do i = 1, size(job%axes%axis)
                 own%axes%axis(i)%name = job%axes%axis(i)%name
                 own%axes%axis(i)%whole = job%axes%axis(i)%whole
                 own%axes%axis(i)%slot = job%axes%axis(i)%slot%in_copy(c_loc(job%scene), c_loc(own%scene), storage_size(own%scene))
             end do
-            do i = 1, size(self%axis)
-                associate (axis => own%axes%axis(self%axis(i)), key => wanted%keys(i))
-                    axis%name = key%name
-                    axis%slot = key%slot%in_copy(c_loc(job%scene), c_loc(own%scene), storage_size(own%scene))
-                end associate
+            do i = 1, size(axis)
+                own%axes%axis(axis(i))%name = wanted%keys(i)%name
+                own%axes%axis(axis(i))%slot = wanted%keys(i)%slot%in_copy(c_loc(job%scene), c_loc(own%scene), &
+                                                                          storage_size(own%scene))
             end do
             own%axes%combination = combine_zip
-            own%axes%cases = size(self%axis) * node_count
-            do i = 1, n
+            own%axes%cases = size(axis) * node_count
+            do i = 1, axes
                 own%axes%axis(i)%count = int(own%axes%cases)
                 allocate (own%axes%axis(i)%listed(own%axes%axis(i)%count), source=0.0_dp)
             end do
-            self%cells_before = size(job%axes%axis) + 2 + size(job%columns)
-            self%node_cells_before = n + 2
-            allocate (self%nodes(size(self%axis)))
-            allocate (self%values(size(own%columns), node_count, size(self%axis)))
+            allocate (self%values(size(own%columns), node_count, size(axis)))
         end associate
         call self%worker%prepare(self%job)
-    end subroutine prepare
+    end subroutine prepare_nodes
 
     !> Fills the cells of the sensitivities in the rows of some cases. What has no derivative is NaN, with a note.
     subroutine fill(self, job, rows)
         class(sweep_sensitivities_t), target, intent(inout) :: self
         type(job_t), intent(in) :: job !! the job
         type(row_block_t), intent(inout) :: rows !! the rows, otherwise complete
-        integer :: i, k, cell
+        integer :: k
 
         if (job%sensitivities%count == 0) return
         do k = 1, rows%rows
-            rows%cells(self%cells_before + 1:self%cells_before + 2 * job%sensitivities%count, k) = no_number
-            if (.not. is_good_end(nint(rows%cells(size(job%axes%axis) + 2, k)))) cycle
-            call compute_nodes(self, job, rows%cells(2:size(job%axes%axis) + 1, k))
-            do i = 1, job%sensitivities%count
-                cell = self%cells_before + 2 * i - 1
-                associate (key => job%sensitivities%list(i)%key)
-                    call self%nodes(key)%differentiate(self%values(self%place(i), :, key), rows%cells(cell, k), &
-                                                       rows%cells(cell + 1, k))
-                end associate
-                if (.not. abs(rows%cells(cell, k)) <= huge(1.0_dp)) call note_missing(rows, k)
-            end do
+            associate (cells => rows%cells(self%cells_before + 1:self%cells_before + 2 * job%sensitivities%count, k), &
+                       parameters => rows%cells(2:size(job%axes%axis) + 1, k))
+                cells = no_number
+                if (.not. is_good_end(nint(rows%cells(size(job%axes%axis) + 2, k)))) cycle
+                call find_derivatives(self, job, parameters, cells)
+                if (.not. all(abs(cells(1::2)) <= huge(1.0_dp))) call note_missing(rows, k)
+            end associate
         end do
     end subroutine fill
 
-    !> Computes the quantities of a case at all its nodes.
-    subroutine compute_nodes(self, job, parameters)
+    !> Finds the derivatives of a case, each followed by the estimate of its error.
+    subroutine find_derivatives(self, job, parameters, cells)
         class(sweep_sensitivities_t), target, intent(inout) :: self
         type(job_t), intent(in) :: job
         real(dp), intent(in) :: parameters(:) !! the values of the axes of the sweep in that case
-        integer(int64) :: first, last
-        integer :: i, row, place, key
+        real(dp), intent(inout) :: cells(:)
+        real(dp) :: others(node_count, other_accuracies)
+        integer :: i, k
 
-        associate (axes => self%job%axes, keys => job%sensitivities%keys)
-            do i = 1, size(parameters)
-                axes%axis(i)%listed = parameters(i)
-            end do
+        associate (keys => job%sensitivities%keys, list => job%sensitivities%list)
             do i = 1, size(keys)
-                associate (listed => axes%axis(self%axis(i))%listed)
-                    if (keys(i)%axis == 0) listed = keys(i)%slot%get()
-                    self%nodes(i) = keys(i)%nodes(listed(1))
+                if (keys(i)%axis == 0) then
+                    self%nodes(i) = keys(i)%nodes(keys(i)%slot%get())
+                else
+                    self%nodes(i) = keys(i)%nodes(parameters(keys(i)%axis))
+                end if
+                self%is_needed(:, i) = self%nodes(i)%is_valid
+            end do
+            call self%own%compute(self%nodes, self%is_needed, self%axis, parameters)
+            self%is_needed = .false.
+            do i = 1, size(list)
+                associate (key => list(i)%key)
+                    call self%nodes(key)%differentiate(self%own%values(self%place(i), :, key), cells(2 * i - 1), cells(2 * i), &
+                                                       self%best(i))
+                    if (self%best(i) > 0) self%is_needed(self%nodes(key)%ends(self%best(i)), key) = .true.
                 end associate
             end do
-            do i = 1, size(keys)
-                axes%axis(self%axis(i))%listed((i - 1) * node_count + 1:i * node_count) = self%nodes(i)%x
+            if (.not. (allocated(self%other) .and. any(self%best > 0))) return
+            do k = 1, other_accuracies
+                call self%other(k)%compute(self%nodes, self%is_needed, self%axis, in_other_accuracy(job, parameters, k))
             end do
-            first = 1
-            do while (first <= axes%cases)
-                last = min(first + size_of_block(self%job) - 1, axes%cases)
-                call self%worker%compute_rows(self%job, first, last, self%rows)
-                do row = 1, self%rows%rows
-                    place = int(first) + row - 2
-                    key = place / node_count + 1
-                    self%values(:, mod(place, node_count) + 1, key) = &
-                        self%rows%cells(self%node_cells_before + 1:self%node_cells_before + size(self%values, 1), row)
-                    if (is_good_end(nint(self%rows%cells(self%node_cells_before, row)))) cycle
-                    self%values(:, mod(place, node_count) + 1, key) = no_number
-                end do
-                first = last + 1
+            do i = 1, size(list)
+                associate (key => list(i)%key)
+                    do k = 1, other_accuracies
+                        others(:, k) = self%other(k)%values(self%place(i), :, key)
+                    end do
+                    call self%nodes(key)%add_change(self%best(i), self%own%values(self%place(i), :, key), others, &
+                                                    cells(2 * i - 1), cells(2 * i))
+                end associate
             end do
         end associate
+    end subroutine find_derivatives
+
+    !> The values of the axes with another accuracy.
+    pure function in_other_accuracy(job, parameters, number) result(others)
+        type(job_t), intent(in) :: job
+        real(dp), intent(in) :: parameters(:) !! the values of the axes
+        integer, intent(in) :: number !! of the accuracy
+        real(dp) :: others(size(parameters)), relative
+        integer :: i
+        relative = 1
+        if (allocated(job%plan%stepper)) relative = job%plan%stepper%controls%relative_tolerance
+        do i = 1, size(others)
+            if (job%axes%axis(i)%name == 'integration.relative_tolerance') relative = parameters(i)
+        end do
+        do i = 1, size(others)
+            others(i) = other_value(job%axes%axis(i)%name, parameters(i), relative, number)
+        end do
+    end function in_other_accuracy
+
+    !> Computes the quantities of a case at the nodes that are needed. They are NaN at the others.
+    subroutine compute_nodes(self, nodes, is_needed, axis, parameters)
+        class(node_sweep_t), target, intent(inout) :: self
+        type(nodes_t), intent(in) :: nodes(:) !! of each key
+        logical, intent(in) :: is_needed(:, :) !! which of them
+        integer, intent(in) :: axis(:) !! the axis of each key
+        real(dp), intent(in) :: parameters(:) !! the values of the axes of the sweep in that case
+        integer :: place(2, size(is_needed)), i, n, first, last, row, cells_before
+
+        self%values = no_number
+        n = 0
+        associate (axes => self%job%axes)
+            do i = 1, size(axis)
+                do row = 1, node_count
+                    if (.not. is_needed(row, i)) cycle
+                    n = n + 1
+                    place(:, n) = [row, i]
+                end do
+            end do
+            do i = 1, size(parameters)
+                axes%axis(i)%listed(:n) = parameters(i)
+            end do
+            ! Every key has its value in the nodes of the others.
+            do i = 1, size(axis)
+                axes%axis(axis(i))%listed(:n) = nodes(i)%x(1)
+            end do
+            do i = 1, n
+                axes%axis(axis(place(2, i)))%listed(i) = nodes(place(2, i))%x(place(1, i))
+            end do
+            cells_before = size(axes%axis) + 2
+        end associate
+        do first = 1, n, size_of_block(self%job)
+            last = min(first + size_of_block(self%job) - 1, n)
+            call self%worker%compute_rows(self%job, int(first, int64), int(last, int64), self%rows)
+            do row = 1, self%rows%rows
+                if (.not. is_good_end(nint(self%rows%cells(cells_before, row)))) cycle
+                associate (to => place(:, first + row - 1))
+                    self%values(:, to(1), to(2)) = self%rows%cells(cells_before + 1:cells_before + size(self%values, 1), row)
+                end associate
+            end do
+        end do
     end subroutine compute_nodes
 
     !> Notes that a case lacks a derivative.

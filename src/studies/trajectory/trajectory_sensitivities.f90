@@ -10,6 +10,7 @@ module spintop_trajectory_sensitivities
     use spintop_kinds, only: dp, no_number
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_plain_text, only: escaped
+    use spintop_other_accuracy, only: other_accuracies
     use spintop_plan, only: plan_t, sample_time
     use spintop_scene, only: scene_t
     use spintop_sensitivity, only: sensitive_key_t
@@ -27,13 +28,16 @@ contains
         real(dp), intent(in) :: base(:, :) !! their values in each row of the motion itself
         real(dp), intent(out) :: cells(:, :) !! two for each derivative in each row; NaN where it does not exist
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        real(dp), allocatable :: values(:, :, :)
+        real(dp), allocatable :: values(:, :, :), others(:, :, :, :)
         type(nodes_t) :: nodes
-        integer, allocatable :: places(:)
-        integer :: key, i, row, status
+        integer, allocatable :: places(:), place(:), best(:, :)
+        logical :: is_needed(node_count)
+        integer :: key, i, k, row, status
 
         cells = no_number
+        allocate (best(job%sensitivities%count, size(base, 2)))
         allocate (values(size(base, 1), size(base, 2), node_count), stat=status)
+        if (status == 0) allocate (others(size(base, 1), size(base, 2), node_count, other_accuracies), stat=status)
         if (status /= 0) then
             error = error_t(exit_internal, escaped(job%input) // ': not enough memory for the derivatives in all rows; &
                             &use fewer span.samples')
@@ -41,6 +45,7 @@ contains
         end if
         associate (wanted => job%sensitivities)
             allocate (places, source=wanted%columns())
+            place = [(findloc(places, wanted%list(i)%column, dim=1), i=1, wanted%count)]
             do key = 1, size(wanted%keys)
                 nodes = wanted%keys(key)%nodes(wanted%keys(key)%slot%get())
                 values = no_number
@@ -48,11 +53,26 @@ contains
                 do i = 2, node_count
                     if (nodes%is_valid(i)) call compute_node(job, columns, wanted%keys(key), nodes%x(i), values(:, :, i))
                 end do
+                is_needed = .false.
                 do i = 1, wanted%count
                     if (wanted%list(i)%key /= key) cycle
                     do row = 1, size(base, 2)
-                        call nodes%differentiate(values(findloc(places, wanted%list(i)%column, dim=1), row, :), &
-                                                 cells(2 * i - 1, row), cells(2 * i, row))
+                        call nodes%differentiate(values(place(i), row, :), cells(2 * i - 1, row), cells(2 * i, row), best(i, row))
+                        if (best(i, row) > 0) is_needed(nodes%ends(best(i, row))) = .true.
+                    end do
+                end do
+                ! The error of the method shows at other accuracies.
+                others = no_number
+                do k = 1, other_accuracies
+                    do i = 1, node_count
+                        if (is_needed(i)) call compute_node(job, columns, wanted%keys(key), nodes%x(i), others(:, :, i, k), k)
+                    end do
+                end do
+                do i = 1, wanted%count
+                    if (wanted%list(i)%key /= key) cycle
+                    do row = 1, size(base, 2)
+                        call nodes%add_change(best(i, row), values(place(i), row, :), others(place(i), row, :, :), &
+                                              cells(2 * i - 1, row), cells(2 * i, row))
                     end do
                 end do
             end do
@@ -60,12 +80,13 @@ contains
     end subroutine find_sensitivities
 
     !> The rows of the motion with another value of a key. Rows that it does not have stay as they are.
-    subroutine compute_node(job, columns, key, value, rows)
+    subroutine compute_node(job, columns, key, value, rows, accuracy)
         type(job_t), target, intent(in) :: job
         type(trajectory_column_t), intent(in) :: columns(:)
         type(sensitive_key_t), intent(in) :: key
         real(dp), intent(in) :: value
         real(dp), intent(inout) :: rows(:, :)
+        integer, intent(in), optional :: accuracy !! the number of another accuracy
         type(scene_t), allocatable, target :: scene
         type(event_recorder_t), allocatable :: watch
         type(writer_t), allocatable :: writer
@@ -74,11 +95,17 @@ contains
         type(plan_t) :: plan
         real(dp), allocatable :: times(:)
         logical :: exists
-        integer :: i, known
+        integer :: i, stride
 
-        call key%plan_at(job%scene, value, scene, case, plan, exists)
+        if (present(accuracy)) then
+            call key%plan_at(job%scene, value, scene, case, plan, exists, job%plan, accuracy)
+        else
+            call key%plan_at(job%scene, value, scene, case, plan, exists)
+        end if
         if (.not. exists) return
-        if (plan%samples /= job%plan%samples) return
+        ! Where each step is a row, smaller steps are more rows.
+        stride = max(1, (plan%samples - 1) / (job%plan%samples - 1))
+        if (plan%samples - 1 /= stride * (job%plan%samples - 1) .or. stride > 1 .and. .not. present(accuracy)) return
         if (scene%stop_at /= '') then
             allocate (watch)
             call watch%set(job%events, job%stop_after, case)
@@ -88,8 +115,11 @@ contains
         allocate (writer%kept(size(columns), plan%samples), source=no_number)
         times = [(sample_time(case%t_end, plan%samples, i), i=1, merge(0, plan%samples, plan%exact))]
         call compute_motion(scene, case, plan, times, writer, outcome, watch)
-        known = min(size(rows, 2), writer%rows)
-        rows(:, :known) = writer%kept(:, :known)
+        do i = 1, size(rows, 2)
+            if (1 + stride * (i - 1) <= writer%rows) rows(:, i) = writer%kept(:, 1 + stride * (i - 1))
+        end do
+        ! The last row is that of the event which ends the motion.
+        if (stride > 1 .and. allocated(watch) .and. writer%rows > 0) rows(:, size(rows, 2)) = writer%kept(:, writer%rows)
         call writer%columns%close()
     end subroutine compute_node
 

@@ -20,13 +20,13 @@ module spintop_conditioning
     use spintop_given_axes, only: about_z, unshifted
     implicit none
     private
-    public :: conditioning_t, prepare_conditioning, inherent_error
+    public :: conditioning_t, prepare_conditioning, inherent_error, half_unit
 
     !> Relative displacement of each datum: large enough that the rounding error of the attitude does not
     !> matter, small enough for inherent errors up to `hopeless`, rad. For larger errors the displaced motions
     !> are unrelated.
     real(dp), parameter :: displacement = 8 * epsilon_dp, hopeless = 0.1_dp
-    !> Relative error of a rounded datum.
+    !> Largest relative error of a rounded number.
     real(dp), parameter :: rounding = epsilon_dp / 2
     !> Maximum number of data: three of the body, two of effects, and of a start four of the attitude, three rates.
     integer, parameter :: most_data = 3 + 2 + 7
@@ -86,7 +86,7 @@ contains
             ! Mass, gravity and height of the centre of mass act through their product only.
             other = given
             other%body%gravity = displaced_value(body%gravity)
-            call add(conditioning, given, other, sqrt(3.0_dp))
+            call add(conditioning, given, other, norm2(half_unit([body%mass, body%gravity, body%centre_of_mass(3)])))
         else
             call displace_inertia(conditioning, given, 1, 1)
             call displace_inertia(conditioning, given, 2, 2)
@@ -94,10 +94,10 @@ contains
         end if
         other = given
         other%rotor = displaced_value(given%rotor)
-        if (.not. is_zero(given%rotor)) call add(conditioning, given, other, 1.0_dp)
+        if (.not. is_zero(given%rotor)) call add(conditioning, given, other, half_unit(given%rotor))
         other = given
         other%frame = displaced_value(given%frame)
-        if (.not. is_zero(given%frame)) call add(conditioning, given, other, 1.0_dp)
+        if (.not. is_zero(given%frame)) call add(conditioning, given, other, half_unit(given%frame))
 
         if (rates_describe(given%start)) then
             call displace_angles(conditioning, given)
@@ -114,7 +114,7 @@ contains
         type(data_t) :: other
         other = given
         other%body%inertia(first:last) = displaced_value(given%body%inertia(first:last))
-        call add(conditioning, given, other, 1.0_dp)
+        call add(conditioning, given, other, half_unit(given%body%inertia(first)))
     end subroutine displace_inertia
 
     !> Data of a start that is given by angles and rates.
@@ -131,14 +131,14 @@ contains
             ! In the other direction if the axis would pass the pole and phi would jump.
             if (angle(2) > pi) angle(2) = start%angle(2) * (1 - displacement)
             other%start = motion_from_angles(start%t, angle, start%rate)
-            call add(conditioning, given, other, 1.0_dp)
+            call add(conditioning, given, other, half_unit(start%angle(2)))
             do n = 1, 3
                 rate = start%rate
                 rate(n) = displaced_value(rate(n))
                 other%start = motion_from_angles(start%t, start%angle, rate)
-                call add(conditioning, given, other, 1.0_dp)
+                call add(conditioning, given, other, half_unit(start%rate(n)))
             end do
-            conditioning%constant = rounding * hypot(start%angle(1), start%angle(3))
+            conditioning%constant = norm2(half_unit(start%angle(1:3:2)) * start%angle(1:3:2))
         end associate
     end subroutine displace_angles
 
@@ -151,16 +151,16 @@ contains
         do n = 1, 4
             other = given
             other%start%quaternion(n) = displaced_value(given%start%quaternion(n))
-            call add(conditioning, given, other, 1.0_dp)
+            call add(conditioning, given, other, half_unit(given%start%quaternion(n)))
         end do
         do n = 1, 3
             other = given
             other%start%omega(n) = displaced_value(given%start%omega(n))
-            call add(conditioning, given, other, 1.0_dp)
+            call add(conditioning, given, other, half_unit(given%start%omega(n)))
         end do
     end subroutine displace_quaternion
 
-    !> Adds the exact solution of displaced data.
+    !> Adds the exact solution of displaced data, of which `weight` is the relative error.
     pure subroutine add(conditioning, given, other, weight)
         type(conditioning_t), intent(inout) :: conditioning
         type(data_t), intent(in) :: given, other
@@ -170,7 +170,7 @@ contains
         call prepare(other, conditioning%displaced(n), status)
         if (status /= status_ok) return
         conditioning%count = n
-        conditioning%weight(n) = weight * rounding / displacement
+        conditioning%weight(n) = weight / displacement
         conditioning%frame_change(n) = other%frame - given%frame
     end subroutine add
 
@@ -184,6 +184,13 @@ contains
         if (.not. is_zero(given%frame)) start = unshifted(-given%frame, 0.0_dp, start)
         call prepare_exact_motion(given%body, start, exact, status, [0.0_dp, 0.0_dp, given%rotor])
     end subroutine prepare
+
+    !> Half a unit in the last place of a number, relative to the number; zero for zero.
+    elemental real(dp) function half_unit(x)
+        real(dp), intent(in) :: x !! the number
+        half_unit = 0
+        if (abs(x) > 0) half_unit = spacing(x) / (2 * abs(x))
+    end function half_unit
 
     elemental real(dp) function displaced_value(x)
         real(dp), intent(in) :: x

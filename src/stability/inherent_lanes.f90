@@ -8,6 +8,7 @@ module spintop_inherent_lanes
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_attitude, only: conjugate_quaternion, omega_from_rates, quaternion_product
     use spintop_body, only: body_t
+    use spintop_conditioning, only: half_unit
     use spintop_integration, only: outcome_t
     use spintop_kinds, only: dp, epsilon_dp, pi, no_number
     use spintop_lane_watch, only: lane_watch_t, watch_slot_t
@@ -23,7 +24,7 @@ module spintop_inherent_lanes
     private
     public :: inherent_lanes_t, find_inherent_errors
 
-    !> Relative error of a rounded datum.
+    !> Largest relative error of a rounded datum: the unit of the perturbations.
     real(dp), parameter :: rounding = epsilon_dp / 2
     !> Perturbations for the data of the start: of the attitude and of the angular velocity; and for those of the body:
     !> gravitational torque, inertia, damping.
@@ -80,7 +81,7 @@ contains
         z = 0
         self%azimuth(lane) = 0
         if (rates_describe(start)) then
-            self%azimuth(lane) = abs(start%angle(1))
+            self%azimuth(lane) = abs(start%angle(1)) * share_of(start%angle(1))
             call change_angles(start, z(:, :of_start))
         else
             call change_quaternion(start, z(:, :of_start))
@@ -100,10 +101,20 @@ contains
                 by_inertia%pull(lane, i) = -now%pull(lane, i)
                 by_inertia%swing(lane, i) = -now%swing(lane, i)
                 by_inertia%decay(lane, i) = -now%decay(lane, i)
-                by_damping%decay(lane, i) = now%decay(lane, i)
+                by_inertia%coupling(lane, :) = share_of(inertia(i)) * by_inertia%coupling(lane, :)
+                by_inertia%pull(lane, i) = share_of(inertia(i)) * by_inertia%pull(lane, i)
+                by_inertia%swing(lane, i) = share_of(inertia(i)) * by_inertia%swing(lane, i)
+                by_inertia%decay(lane, i) = share_of(inertia(i)) * by_inertia%decay(lane, i)
+                by_damping%decay(lane, i) = share_of(body%damping(i)) * now%decay(lane, i)
             end associate
         end do
     end subroutine begin
+
+    !> Half a unit in the last place of a datum, relative to it, in units of `rounding`.
+    elemental real(dp) function share_of(datum)
+        real(dp), intent(in) :: datum
+        share_of = half_unit(datum) / rounding
+    end function share_of
 
     !> Changes of the start for its angles and rates; phi is left out.
     pure subroutine change_angles(start, z)
@@ -115,14 +126,15 @@ contains
         c = cos(start%angle(3))
         s = sin(start%angle(3))
         associate (theta => start%angle(2), psi => start%angle(3), phi_rate => start%rate(1), theta_rate => start%rate(2))
-            z(:, 1) = theta * [phi_rate * cos(theta) * s, phi_rate * cos(theta) * c, -phi_rate * sin(theta), &
+            z(:, 1) = share_of(theta) * theta * [phi_rate * cos(theta) * s, phi_rate * cos(theta) * c, -phi_rate * sin(theta), &
                                c, -s, 0.0_dp]
-            z(:, 2) = psi * [phi_rate * sin(theta) * c - theta_rate * s, -phi_rate * sin(theta) * s - theta_rate * c, &
-                             0.0_dp, 0.0_dp, 0.0_dp, 1.0_dp]
+            z(:, 2) = [phi_rate * sin(theta) * c - theta_rate * s, -phi_rate * sin(theta) * s - theta_rate * c, &
+                       0.0_dp, 0.0_dp, 0.0_dp, 1.0_dp]
+            z(:, 2) = share_of(psi) * psi * z(:, 2)
         end associate
         do n = 1, 3
             rate = 0
-            rate(n) = start%rate(n)
+            rate(n) = share_of(start%rate(n)) * start%rate(n)
             z(1:3, 2 + n) = omega_from_rates(start%angle, rate)
         end do
     end subroutine change_angles
@@ -137,13 +149,13 @@ contains
         q = start%quaternion / norm2(start%quaternion)
         do n = 1, 4
             change = 0
-            change(n) = q(n)
+            change(n) = share_of(start%quaternion(n)) * q(n)
             change = quaternion_product(conjugate_quaternion(q), change)
             turns(:, n) = 2 * change(2:4)
         end do
         z(4:6, 1:3) = three_for(turns)
         do n = 1, 3
-            z(n, 3 + n) = start%omega(n)
+            z(n, 3 + n) = share_of(start%omega(n)) * start%omega(n)
         end do
     end subroutine change_quaternion
 
@@ -154,10 +166,11 @@ contains
         real(dp) :: changes(3, 4)
         integer :: n
         changes = 0
-        changes(:, 4) = sqrt(2.0_dp) * body%weight_moment()
+        changes(:, 4) = body%weight_moment()
         do n = 1, 3
-            changes(n, n) = changes(n, 4) / sqrt(2.0_dp)
+            changes(n, n) = share_of(body%centre_of_mass(n)) * changes(n, 4)
         end do
+        changes(:, 4) = norm2(share_of([body%mass, body%gravity])) * changes(:, 4)
         torque = three_for(changes)
     end subroutine change_torque
 

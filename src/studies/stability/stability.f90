@@ -62,9 +62,8 @@ module spintop_stability
         procedure :: make => make_case_rows
     end type case_rows_t
 
-    !> Number of times at which a motion is compared; the steps in the catalogue are multiples of the
-    !> intervals.
-    integer, parameter :: samples = 41
+    !> Fewest and most intervals between the times at which a motion is compared, as far as the steps allow it.
+    integer, parameter :: fewest_intervals = 40, most_intervals = 1000
 
 contains
 
@@ -165,6 +164,16 @@ contains
         rows = cells%contents()
     end subroutine make_case_rows
 
+    !> Number of intervals between the times at which a motion is compared: these are steps of fixed size, all of them if they
+    !> are not too many.
+    pure integer function intervals_of(steps) result(intervals)
+        integer, intent(in) :: steps
+        do intervals = min(steps, most_intervals), fewest_intervals, -1
+            if (mod(steps, intervals) == 0) return
+        end do
+        intervals = steps
+    end function intervals_of
+
     !> The case of a scene, its reference, and the growth rates of its perturbations.
     subroutine find_facts(scene, facts, error)
         type(scene_t), intent(in) :: scene
@@ -182,7 +191,8 @@ contains
             return
         end if
         associate (case => facts%case)
-            call find_reference(case, samples, reference_auto, int(scene%max_steps, int64), facts%reference, facts%status)
+            call find_reference(case, 1 + intervals_of(scene%steps), reference_auto, &
+                                int(scene%max_steps, int64), facts%reference, facts%status)
             facts%upright_growth = no_number
             if (case%body%is_lagrange()) then
                 sleeping = motion_from_quaternion(0.0_dp, [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], &

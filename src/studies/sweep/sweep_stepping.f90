@@ -14,7 +14,7 @@ module spintop_sweep_stepping
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, find_nutation
     use spintop_nutation_watch, only: measures_t, nearly_plane, nutation_watch_t, swings_over_poles
-    use spintop_plan, only: plan_t, sample_times
+    use spintop_plan, only: plan_t
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
     use spintop_status, only: is_good_end, status_ok, status_step_limit, status_too_many_events, status_meanings
     use spintop_stepper, only: looks_per_step
@@ -153,7 +153,6 @@ contains
         witness%sees_steps = wanted%energy
         witness%wants_work = wanted%energy .and. allocated(case%body%effects)
         times = [case%t_end]
-        if (wanted%energy .and. plan%exact) times = sample_times(case%t_end, plan%samples)
         if (wanted%period) times = with_time(times, witness%period)
         if (plan%exact) then
             call walk(case, plan%max_steps, times, witness, outcome%status, watch)

@@ -65,7 +65,7 @@ contains
                            'end', fill_psi_end, is_default=.true., always_exists=.true.), &
             sweep_column_t('theta_rate_end', 'rad/s', 'nutation rate at the end of the span', &
                            'end', fill_theta_rate_end, is_default=.true.), &
-            sweep_column_t('energy_error_max', '', 'largest relative energy error at the ends of steps', &
+            sweep_column_t('energy_error_max', '', 'largest relative energy error at the ends of steps (exact: one step)', &
                            'energy', fill_energy_error_max, is_default=.true., always_exists=.true.), &
             sweep_column_t('orientation_error', 'rad', 'rotation angle from the exact attitude at the end', &
                            'oracle', fill_orientation_error, is_default=.true., explain=explain_no_exact_motion), &

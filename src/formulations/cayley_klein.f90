@@ -83,7 +83,7 @@ contains
     pure function describe() result(info)
         type(formulation_info_t) :: info
         info = formulation_info_t('cayley_klein', &
-            'two oscillators for the Cayley-Klein parameters, for symmetric tops; no pole is singular', &
+            'two oscillators for the Cayley-Klein parameters, for symmetric tops; long spans need a projection', &
             8, singular_at_poles=.false., invariants=5, quaternion=1)
     end function describe
 

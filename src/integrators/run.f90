@@ -4,6 +4,7 @@ module spintop_run
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_archive, only: archive_t
     use spintop_body, only: body_t
+    use spintop_constancy, only: noise_of_tolerance, noise_within_step
     use spintop_event, only: occasion_knot, occasion_none
     use spintop_events, only: event_watch_t
     use spintop_formulation, only: formulation_t, max_states
@@ -103,7 +104,13 @@ contains
             path%stepper => self%stepper
             path%work => self%work
             if (self%account%is_open) path%account => self%account
+            if (stepper%controls%steps > 0) then
+                watch%method_noise = noise_within_step(body, start, work%t_end / stepper%controls%steps, stepper%order())
+            else
+                watch%method_noise = noise_of_tolerance(stepper%controls%relative_tolerance, stepper%info%share)
+            end if
             call watch%begin(body, self%follower%motion(formulation))
+            call watch%judge(body, start)
         end associate
     end subroutine begin_run
 

@@ -43,6 +43,8 @@ module spintop_stepper
         real(dp) :: relative_tolerance = 0, absolute_tolerance = 0
         !> Smallest relative tolerance that its arithmetic resolves.
         real(dp) :: finest_tolerance = 1.0e-17_dp
+        !> By how much of its tolerance a motion is off within some steps of an adaptive method: measured.
+        real(dp) :: share = 2
         !> Stays at a turning point if the speed is reset after each step: see `passes_turns`.
         logical :: caught_by_reset = .false.
         !> Output points per step by its own convention (ode45: 4); 0 if there is none.

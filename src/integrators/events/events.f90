@@ -14,6 +14,7 @@ module spintop_events
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_compare, only: is_equal, is_finite
+    use spintop_constancy, only: early, find_constant, find_noise, rounding_distance
     use spintop_event, only: event_t, occasion_none
     use spintop_event_quantities, only: event_quantities_t
     use spintop_five_values, only: passes_at_most_once, rounding_of
@@ -21,7 +22,6 @@ module spintop_events
     use spintop_level_side, only: side_t, sign_of, turns_far
     use spintop_loads, only: works
     use spintop_motion, only: motion_t
-    use spintop_neighbours, only: early, neighbour, neighbours
     use spintop_status, only: status_ok, status_bad_events
     use spintop_passages, only: passages_t
     use spintop_path, only: path_t
@@ -41,6 +41,8 @@ module spintop_events
         logical :: needs_turns = .true.
         !> Whether the path interrupted the last search, which the next goes on with.
         logical :: is_paused = .false.
+        !> How far the motion may be from that without errors of the method, relatively; 0 if there are none.
+        real(dp) :: method_noise = 0
         !> Body axis near whose passages of the vertical the quantities vary fast; zero if there is none.
         real(dp) :: pole_axis(3) = 0
         !> Time up to which the motion was searched, s: that of the event that ended it.
@@ -57,8 +59,10 @@ module spintop_events
         real(dp), private :: t_begin = 0, fall_rate = 0, soon = 0, pace = 0
     contains
         procedure(meet), deferred :: meet
+        procedure :: miss
         procedure :: check
         procedure :: begin
+        procedure :: judge
         procedure :: look
         procedure :: knows
         procedure :: happen
@@ -95,6 +99,15 @@ contains
         if (.not. all(abs(self%events%direction) <= 1 .and. is_finite(self%events%level))) status = status_bad_events
     end function check
 
+    !> Called at a passage that does not count, because the quantity was within its noise since the one before.
+    subroutine miss(self, number, motion)
+        class(event_watch_t), intent(inout) :: self
+        integer, intent(in) :: number !! index of the event in `events`
+        type(motion_t), intent(in) :: motion !! the motion at the passage
+        associate (unused => self, also_unused => number, not_used => motion)
+        end associate
+    end subroutine miss
+
     !> Begins at a motion of the body.
     subroutine begin(self, body, motion)
         class(event_watch_t), intent(inout) :: self
@@ -117,12 +130,17 @@ contains
         call self%begin_quantities()
         call self%quantities(motion, self%values)
         self%sides%early = motion%t + early * self%soon
-        do i = 1, neighbours
-            call self%quantities(neighbour(motion, i), self%one)
-            self%one = abs(self%one - self%values)
-            where (is_finite(self%one)) self%sides%noise = max(self%sides%noise, self%one)
-        end do
+        call find_noise(self, self%fall_rate, motion, self%values, self%sides%noise)
+        self%sides%is_clear = .not. self%method_noise > 0
     end subroutine begin
+
+    !> Judges which quantities are constant at their levels, and then have no events: after `begin`, of a motion of that body.
+    subroutine judge(self, body, motion)
+        class(event_watch_t), intent(inout) :: self
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! the motion at the start
+        call find_constant(self, body, motion, self%sides%is_constant)
+    end subroutine judge
 
     !> Searches the path from the last instant to a time, or to the event that ends the motion, or as far as
     !> the path allows.
@@ -215,7 +233,7 @@ contains
         type(motion_t), intent(in), optional :: motion_last
         type(passages_t) :: found
         type(motion_t) :: motion, there
-        real(dp) :: b, values(5)
+        real(dp) :: b, values(5), noise(size(self%events))
         logical :: is_near, stays
         integer :: k, i, before
 
@@ -227,12 +245,18 @@ contains
             call self%advance(path, b, there, motion_last)
             if (path%is_spent()) return
         end if
+        noise = 0
+        if (.not. all(self%sides%is_clear)) call find_noise(self, self%fall_rate, there, self%five(:, 5), noise)
+        noise = noise * (self%method_noise / rounding_distance)
         do k = 1, size(self%events)
+            if (self%sides(k)%is_constant) cycle
             before = found%n
             values = self%five(k, :)
+            call self%sides(k)%look_for_clear(values, noise(k))
             call self%sides(k)%take_stay(self%events(k), b, values, stays)
             if (stays) cycle
             call self%sides(k)%aim(self%events(k), self%t, values)
+            call self%sides(k)%look_for_clear(values, noise(k))
             is_near = any(abs(values - self%sides(k)%level) <= self%sides(k)%rounding)
             call self%sides(k)%forget_rounding(self%t)
             if (is_near) call self%measure_rounding(path, k, self%t, b)
@@ -246,6 +270,8 @@ contains
             call path%at(found%t(i), motion)
             self%work = path%work_until(found%t(i))
             k = found%event(i)
+            if (k < 0) call self%miss(-k, motion)
+            if (k < 0) cycle
             self%is_full = self%events(k)%count >= self%most_events
             if (self%is_full) return
             self%events(k)%count = self%events(k)%count + 1
@@ -358,9 +384,12 @@ contains
             end if
             if (.not. abs(distance) > side%rounding) return
             new_sign = sign_of(distance)
-            if (side%sign == -new_sign .and. self%events(k)%direction /= -new_sign) then
-                call self%find_passage(path, k, side, a, b, g, t, is_found)
-                if (is_found) call found%add(k, max(t, self%t))
+            if (side%sign == -new_sign) then
+                is_found = self%events(k)%direction /= -new_sign
+                if (is_found) call self%find_passage(path, k, side, a, b, g, t, is_found)
+                if (is_found) call found%add(merge(k, -k, side%is_clear .and. side%was_clear), max(t, self%t))
+                side%was_clear = side%is_clear
+                side%is_clear = .not. self%method_noise > 0
             end if
             side%sign = new_sign
             side%t = b

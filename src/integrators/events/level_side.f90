@@ -21,7 +21,13 @@ module spintop_level_side
         real(dp) :: farthest = 0
         !> Rounding error at the start, and the time, s, before which a side that is not known yet is within it.
         real(dp) :: noise = 0, early = 0
+        !> Whether the quantity is at the level, and constant to rounding.
+        logical :: is_constant = .false.
+        !> Whether the quantity was beyond its noise since the last passage, and between that and the one before. If so, the
+        !> next passage counts.
+        logical :: is_clear = .true., was_clear = .true.
     contains
+        procedure :: look_for_clear
         procedure :: aim
         procedure :: take_stay
         procedure :: forget_rounding
@@ -33,6 +39,13 @@ module spintop_level_side
     real(dp), parameter :: farthest_turn = 1.5_dp * pi
 
 contains
+
+    !> Notes whether the quantity is beyond its noise somewhere in an interval, on its side.
+    pure subroutine look_for_clear(self, values, noise)
+        class(side_t), intent(inout) :: self
+        real(dp), intent(in) :: values(5), noise !! the quantity at equal distances, and its noise
+        if (.not. self%is_clear) self%is_clear = any(self%sign * (values - self%level) > noise)
+    end subroutine look_for_clear
 
     !> Selects the level of the event for an interval: of several levels the one nearest to the quantity.
     pure subroutine aim(self, event, t, values)

@@ -2,13 +2,14 @@
 module spintop_turning_record
     use spintop_attitude, only: vertical_from_quaternion
     use spintop_compare, only: is_zero
+    use spintop_constancy, only: margin, rounding_distance
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
     use spintop_quantities, only: axis_height_rate
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: turning_points_t, count_end, upper, lower
+    public :: turning_points_t, count_end, interrupt, turns_at, upper, lower
 
     !> Kinds of turning points: where theta turns from falling to rising, and from rising to falling.
     integer, parameter :: upper = 1, lower = 2
@@ -16,9 +17,11 @@ module spintop_turning_record
     !> A turning point is at the end of a motion if it is nearer to it, relative to the time since the one before.
     real(dp), parameter :: at_end = 1.0e-9_dp
 
-    !> What the turning points of one kind were.
+    !> What the turning points of one kind were. One that is within the noise of the motion interrupts the count of both kinds,
+    !> but counts for the extremes: the count ends there, or begins anew if no whole nutation was counted before.
     type :: turning_points_t
         integer :: n = 0
+        logical :: is_interrupted = .false., has_ended = .false.
         !> Time, s, phi and psi, rad, of the first and the last.
         real(dp), dimension(3) :: first = 0, last = 0
         !> Extremes of theta, rad, and of the precession rate there, rad/s.
@@ -26,6 +29,7 @@ module spintop_turning_record
         real(dp) :: rate(2) = [huge(1.0_dp), -huge(1.0_dp)]
     contains
         procedure :: take
+        procedure :: count_in
         procedure :: take_before
     end type turning_points_t
 
@@ -35,9 +39,11 @@ contains
     pure subroutine take(self, motion)
         class(turning_points_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion !! the motion at the turning point
+        call self%count_in(motion)
+        if (self%has_ended) return
         self%last = [motion%t, motion%angle(1), motion%angle(3)]
         if (self%n == 0) self%first = self%last
-        call count_in(self, motion)
+        self%n = self%n + 1
     end subroutine take
 
     !> Takes one before all others.
@@ -46,8 +52,17 @@ contains
         type(motion_t), intent(in) :: motion !! the motion at the turning point
         self%first = [motion%t, motion%angle(1), motion%angle(3)]
         if (self%n == 0) self%last = self%first
-        call count_in(self, motion)
+        self%n = self%n + 1
+        call self%count_in(motion)
     end subroutine take_before
+
+    !> A turning point within the noise of the motion.
+    pure subroutine interrupt(turns)
+        type(turning_points_t), intent(inout) :: turns(upper:lower) !! those before
+        turns%is_interrupted = .true.
+        turns%has_ended = any(turns%n > 1)
+        if (.not. turns(upper)%has_ended) turns%n = 0
+    end subroutine interrupt
 
     !> Counts the end of a motion that ends in a turning point, as at an event: whether rounding errors put it before or
     !> after the end does not matter. The motions are in the axes in which the body was given.
@@ -55,18 +70,17 @@ contains
         type(turning_points_t), intent(inout) :: turns(upper:lower) !! those before the end
         type(motion_t), intent(in) :: start, last !! start and end of the motion
         real(dp), intent(in) :: omega_rate(3) !! angular acceleration at the end, rad/s^2
-        real(dp) :: gamma(3), gamma_rate(3), bend, since
+        real(dp) :: slope, terms(4), bend, since
         integer :: kind, before
 
-        gamma = vertical_from_quaternion(last%quaternion)
-        gamma_rate = cross(gamma, last%omega)
-        bend = gamma_rate(1) * last%omega(2) - gamma_rate(2) * last%omega(1) &
-               + gamma(1) * omega_rate(2) - gamma(2) * omega_rate(1)
+        if (any(turns%is_interrupted)) return
+        call find_bend(last, omega_rate, slope, terms)
+        bend = sum(terms)
         kind = merge(upper, lower, bend < 0)
         before = upper + lower - kind
         since = last%t - start%t
         if (turns(before)%n > 0) since = last%t - turns(before)%last(1)
-        if (.not. abs(gamma_rate(3)) < at_end * abs(bend) * since) return
+        if (.not. abs(slope) < at_end * abs(bend) * since) return
         if (turns(kind)%n > 0) then
             ! The last one may be this one.
             if (turns(before)%n == 0 .or. turns(kind)%last(1) > turns(before)%last(1)) return
@@ -75,11 +89,34 @@ contains
         call turns(kind)%take(last)
     end subroutine count_end
 
+    !> Whether theta turns at a motion: its rate is zero to rounding, and its acceleration is not.
+    pure logical function turns_at(motion, omega_rate)
+        type(motion_t), intent(in) :: motion !! the motion in the axes in which the body was given
+        real(dp), intent(in) :: omega_rate(3) !! its angular acceleration, rad/s^2
+        real(dp) :: slope, terms(4)
+        turns_at = is_zero(axis_height_rate(motion))
+        if (.not. turns_at) return
+        call find_bend(motion, omega_rate, slope, terms)
+        turns_at = abs(sum(terms)) > margin * rounding_distance * sum(abs(terms))
+    end function turns_at
+
+    !> The slope of the height of body z, and the terms of its second derivative.
+    pure subroutine find_bend(motion, omega_rate, slope, terms)
+        type(motion_t), intent(in) :: motion
+        real(dp), intent(in) :: omega_rate(3)
+        real(dp), intent(out) :: slope, terms(4)
+        real(dp) :: gamma(3), gamma_rate(3)
+        gamma = vertical_from_quaternion(motion%quaternion)
+        gamma_rate = cross(gamma, motion%omega)
+        slope = gamma_rate(3)
+        terms = [gamma_rate(1) * motion%omega(2), -gamma_rate(2) * motion%omega(1), &
+                 gamma(1) * omega_rate(2), -gamma(2) * omega_rate(1)]
+    end subroutine find_bend
+
     !> Takes the extremes.
     pure subroutine count_in(self, motion)
         class(turning_points_t), intent(inout) :: self
-        type(motion_t), intent(in) :: motion
-        self%n = self%n + 1
+        type(motion_t), intent(in) :: motion !! the motion at the turning point
         self%theta = [min(self%theta(1), motion%angle(2)), max(self%theta(2), motion%angle(2))]
         self%rate = [min(self%rate(1), motion%rate(1)), max(self%rate(2), motion%rate(1))]
     end subroutine count_in

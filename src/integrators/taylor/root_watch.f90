@@ -4,6 +4,7 @@
 !> Newton's method in all lanes at once, several in the lanes that have them. A root at the end of a step is
 !> found once: the sign there is carried to the next.
 module spintop_root_watch
+    use spintop_constancy, only: height_rate_noise, margin
     use spintop_kinds, only: dp
     use spintop_formulation, only: max_series_order
     use spintop_lane_polynomials, only: find_changes, find_roots, most_roots, refine_root, rounding
@@ -19,10 +20,19 @@ module spintop_root_watch
     type, abstract, extends(lane_watch_t) :: root_watch_t
         !> Sign of the polynomial at the end of the last step; `begin` sets that of the start, 0 where it is none.
         real(dp) :: sign(lanes) = 0
+        !> What the weight adds to omega in a radian (`driven_rate`), rad/s: set by `begin` where the noise depends on it.
+        real(dp) :: driven(lanes) = 0
+        !> For `take`: whether a root is one of noise: since the one before, or before that one, the polynomial was within it.
+        logical :: is_noise(lanes) = .false.
+        !> Whether the polynomial is zero to rounding; how large it was since the last root, where it was seen.
+        logical, private :: is_constant(lanes) = .false., was_noise(lanes) = .false.
+        real(dp), private :: far(lanes) = 0
     contains
         procedure(find_polynomials), deferred :: find_polynomials
         procedure(take), deferred :: take
         procedure :: look
+        procedure, private :: judge
+        procedure, private :: find_noise
     end type root_watch_t
 
     abstract interface
@@ -55,16 +65,22 @@ contains
         class(root_watch_t), intent(inout) :: self
         type(taylor_lanes_t), intent(inout) :: run !! the lanes
         real(dp) :: a(lanes, 0:max_series_order)
-        real(dp), dimension(lanes) :: noise, before, changes, u, doubt, slope
+        real(dp), dimension(lanes) :: noise, of_method, before, changes, u, doubt, slope, last
         real(dp) :: roots(most_roots), signs(most_roots)
         integer :: lane, k, found, degree
 
         call self%find_polynomials(run, degree, a, noise)
+        if (any(run%steps == 1)) call self%judge(run, degree, a, noise)
+        noise = merge(sqrt(huge(noise)), noise, self%is_constant)
         before = self%sign
         call find_changes(degree, a, noise, self%sign, changes, u)
+        self%far = max(self%far, abs(a(:, 0)))
         if (.not. maxval(changes) > 0) return
         call refine_root(degree, a, u, doubt)
         slope = merge(self%sign, 0.0_dp, changes > 0 .and. changes < 2 .and. .not. doubt > 0)
+        of_method = noise * (run%method_noise / rounding)
+        last = 0
+        call self%find_noise(degree, a, of_method, u, slope, last)
         call self%take(run, u, slope)
         do lane = 1, lanes
             if (.not. (changes(lane) > 1 .or. (changes(lane) > 0 .and. doubt(lane) > 0))) cycle
@@ -75,10 +91,64 @@ contains
                 slope = 0
                 u(lane) = roots(k)
                 slope(lane) = signs(k)
+                call self%find_noise(degree, a, of_method, u, slope, last)
                 call self%take(run, u, slope)
             end do
         end do
     end subroutine look
+
+    !> Judges, in lanes that took their first step, whether the polynomial is zero to rounding: over as much of the step as the
+    !> body turns by a radian.
+    pure subroutine judge(self, run, degree, a, noise)
+        class(root_watch_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run
+        integer, intent(in) :: degree
+        real(dp), intent(in) :: a(lanes, 0:max_series_order), noise(lanes)
+        real(dp) :: share, total
+        integer :: lane, k
+        do lane = 1, lanes
+            if (run%steps(lane) /= 1) cycle
+            share = 1 / max(1.0_dp, sqrt(run%now%rate(lane)) * run%power(lane, 1))
+            total = 0
+            do k = degree, 0, -1
+                total = total * share + abs(a(lane, k))
+            end do
+            self%is_constant(lane) = total <= margin * noise(lane)
+            self%far(lane) = 0
+            self%was_noise(lane) = .false.
+        end do
+    end subroutine judge
+
+    !> Notes which roots are those of noise. `last` is the root before in this step, or its beginning.
+    pure subroutine find_noise(self, degree, a, noise, u, slope, last)
+        class(root_watch_t), intent(inout) :: self
+        integer, intent(in) :: degree
+        real(dp), intent(in) :: a(lanes, 0:max_series_order), noise(lanes), u(lanes), slope(lanes)
+        real(dp), intent(inout) :: last(lanes)
+        real(dp), dimension(lanes) :: before, after, middle, later
+        logical :: is_root, is_near
+        integer :: i, k
+        middle = (last + u) / 2
+        later = (u + 1) / 2
+        before = 0
+        after = 0
+        do k = degree, 0, -1
+            !$omp simd
+            do i = 1, lanes
+                before(i) = before(i) * middle(i) + a(i, k)
+                after(i) = after(i) * later(i) + a(i, k)
+            end do
+        end do
+        !$omp simd private(is_root, is_near)
+        do i = 1, lanes
+            is_root = abs(slope(i)) > 0
+            is_near = max(self%far(i), abs(before(i))) <= noise(i)
+            self%is_noise(i) = is_root .and. (is_near .or. self%was_noise(i))
+            self%was_noise(i) = merge(is_near, self%was_noise(i), is_root)
+            self%far(i) = merge(abs(after(i)), self%far(i), is_root)
+            last(i) = merge(u(i), last(i), is_root)
+        end do
+    end subroutine find_noise
 
     !> A row of the series over the steps as the unit interval. Here and below the series come as an array of known shape:
     !> behind a pointer they would be read number by number.
@@ -114,11 +184,11 @@ contains
         end do
     end subroutine find_derivatives
 
-    !> The series of Gamma3', by the time since the step began, and what cancels in its first term.
-    pure subroutine find_height_rates(order, c, degree, x, noise)
+    !> The series of Gamma3', by the time since the step began, and its noise.
+    pure subroutine find_height_rates(order, c, driven, degree, x, noise)
         integer, intent(in) :: order, degree !! order of the series, last term
-        real(dp), intent(in) :: c(lanes, rows, 0:order) !! series
-        real(dp), intent(out) :: x(lanes, 0:degree), noise(lanes) !! coefficients of Gamma3'; its rounding
+        real(dp), intent(in) :: c(lanes, rows, 0:order), driven(lanes) !! series; see `root_watch_t`, rad/s
+        real(dp), intent(out) :: x(lanes, 0:degree), noise(lanes) !! coefficients of Gamma3'; its noise
         integer :: i, k
         do k = 0, degree
             !$omp simd
@@ -126,7 +196,7 @@ contains
                 x(i, k) = (k + 1) * c(i, 6, k + 1)
             end do
         end do
-        noise = rounding * (abs(c(:, 4, 0) * c(:, 2, 0)) + abs(c(:, 5, 0) * c(:, 1, 0)))
+        noise = height_rate_noise(rounding, abs(c(:, 4, 0)) + abs(c(:, 5, 0)), abs(c(:, 1, 0)) + abs(c(:, 2, 0)), driven)
     end subroutine find_height_rates
 
     !> A polynomial of the time since the step began, over the step as the unit interval.

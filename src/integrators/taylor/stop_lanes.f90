@@ -2,8 +2,9 @@
 module spintop_stop_lanes
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
+    use spintop_constancy, only: driven_rate
     use spintop_formulation, only: max_series_order
-    use spintop_instants, only: time_of_start
+    use spintop_instants, only: greatest_fall_rate, time_of_start
     use spintop_motion, only: motion_t
     use spintop_quantities, only: axis_height_rate
     use spintop_root_watch, only: find_height_rates, find_row, of_interval, root_watch_t, rounding
@@ -93,6 +94,7 @@ contains
             if (abs(value) <= 2 * rounding) value = 0
         end if
         self%sign(lane) = merge(sign(1.0_dp, value), 0.0_dp, abs(value) > 0)
+        self%driven(lane) = driven_rate(greatest_fall_rate(body), start%omega)
         self%left(lane) = self%wanted
         self%started(lane) = start%t + time_of_start(body, start)
     end subroutine begin
@@ -111,7 +113,7 @@ contains
             noise = rounding
         else
             degree = run%order - 1
-            call find_height_rates(run%order, run%c, degree, a, noise)
+            call find_height_rates(run%order, run%c, self%driven, degree, a, noise)
             call of_interval(degree, run%power, a)
         end if
     end subroutine find_polynomials
@@ -126,6 +128,7 @@ contains
         integer :: lane
         do lane = 1, lanes
             if (.not. ((slope(lane) > 0 .and. self%rising) .or. (slope(lane) < 0 .and. self%falling))) cycle
+            if (self%is_noise(lane)) cycle
             t = run%now%t_last(lane) + u(lane) * (run%now%t(lane) - run%now%t_last(lane))
             if (self%left(lane) <= 0 .or. t <= self%started(lane)) cycle
             if (.not. self%counts(run, lane, u(lane))) cycle

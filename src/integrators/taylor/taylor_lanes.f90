@@ -10,6 +10,7 @@ module spintop_taylor_lanes
     use spintop_kinds, only: dp, pi, qp
     use spintop_attitude, only: nearest_turn, vertical_from_quaternion
     use spintop_body, only: body_t
+    use spintop_constancy, only: noise_of_tolerance, rounding_distance
     use spintop_formulation, only: max_series_order
     use spintop_lane_effects, only: lane_effects_t, lane_kinds_t, more_rows
     use spintop_lane_reversals, only: end_before_reversals, find_reversals
@@ -27,6 +28,9 @@ module spintop_taylor_lanes
 
     !> A pole that is passed within this fraction of a step is passed on an arbitrary side.
     real(dp), parameter :: shortest_pace = 1.0e-12_dp
+
+    !> By how much of the tolerance a motion is off within some steps: measured.
+    real(dp), parameter :: share = 0.004_dp
 
     !> Numbers per cache line.
     integer, parameter :: line = 8
@@ -67,6 +71,8 @@ module spintop_taylor_lanes
         !> `status_ok`, or the reason why a lane does not continue.
         integer :: status(lanes) = status_ok
         integer(int64) :: steps(lanes) = 0
+        !> How far the motions may be from those without errors of the method, relatively.
+        real(dp) :: method_noise = rounding_distance
         !> Whether there is a drag on a lane that changes its direction with that of the angular velocity at once.
         logical, private :: has_cusps(lanes) = .false.
         !> The centre of mass of a body on which a drag force acts, m; otherwise 0.
@@ -103,6 +109,7 @@ contains
         integer :: first, terms, others
 
         self%controls = controls
+        self%method_noise = noise_of_tolerance(controls%relative_tolerance, share)
         self%order = order_for(controls%relative_tolerance, order_at_one, order_a_digit)
         terms = lanes * rows * (self%order + 1)
         others = 0

@@ -3,14 +3,17 @@ module spintop_turning_lanes
     use spintop_kinds, only: dp, pi
     use spintop_attitude, only: nearest_turn
     use spintop_body, only: body_t
+    use spintop_compare, only: is_zero
+    use spintop_constancy, only: driven_rate
     use spintop_formulation, only: max_series_order
+    use spintop_instants, only: greatest_fall_rate
     use spintop_lane_series, only: parts
     use spintop_lane_steps, only: changes_to, largest_turn, sharp
     use spintop_motion, only: motion_t
-    use spintop_quantities, only: axis_height_rate
+    use spintop_quantities, only: angular_acceleration, axis_height_rate
     use spintop_root_watch, only: find_height_rates, of_interval, root_watch_t, states_at
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
-    use spintop_turning_record, only: turning_points_t, upper, lower
+    use spintop_turning_record, only: turning_points_t, turns_at, upper, lower
     implicit none
     private
     public :: turning_lanes_t
@@ -20,7 +23,9 @@ module spintop_turning_lanes
 
     !> Of one kind in all lanes; `inclination` is a measure that grows with theta (see there).
     type :: lane_turns_t
-        real(dp) :: n(lanes) = 0
+        !> Numbers of those counted, and of those whose extremes were taken; whether the count has ended (`turning_points_t`).
+        real(dp) :: n(lanes) = 0, seen(lanes) = 0
+        logical :: is_interrupted(lanes) = .false., has_ended(lanes) = .false.
         real(dp) :: first(lanes, places) = 0, last(lanes, places) = 0
         real(dp), dimension(lanes) :: inclination_min = 0, inclination_max = 0, rate_min = 0, rate_max = 0
     end type lane_turns_t
@@ -59,14 +64,19 @@ contains
         type(motion_t), intent(in) :: start !! the motion at the start
         real(dp) :: slope
         integer :: kind
-        associate (unused => run, also_unused => body)
+        associate (unused => run)
         end associate
+        self%driven(lane) = driven_rate(greatest_fall_rate(body), start%omega)
         do kind = upper, lower
             self%lane(kind)%n(lane) = 0
+            self%lane(kind)%seen(lane) = 0
+            self%lane(kind)%is_interrupted(lane) = .false.
+            self%lane(kind)%has_ended(lane) = .false.
         end do
         slope = axis_height_rate(start)
-        self%starts_turning(lane) = .not. abs(slope) > 0
-        self%sign(lane) = merge(0.0_dp, sign(1.0_dp, slope), self%starts_turning(lane))
+        self%sign(lane) = merge(0.0_dp, sign(1.0_dp, slope), is_zero(slope))
+        self%starts_turning(lane) = is_zero(slope)
+        if (is_zero(slope)) self%starts_turning(lane) = turns_at(start, angular_acceleration(body, start))
         self%start(lane) = start
     end subroutine begin
 
@@ -80,7 +90,7 @@ contains
         associate (unused => self)
         end associate
         degree = run%order - 1
-        call find_height_rates(run%order, run%c, degree, a, noise)
+        call find_height_rates(run%order, run%c, self%driven, degree, a, noise)
         call of_interval(degree, run%power, a)
     end subroutine find_polynomials
 
@@ -112,27 +122,45 @@ contains
                 inclination(i) = merge(across, 2 - across, g3 >= 0)
             end associate
         end do
-        call keep(self%lane(lower), max(slope, 0.0_dp), at, inclination, rate)
-        call keep(self%lane(upper), max(-slope, 0.0_dp), at, inclination, rate)
+        call keep(self%lane(lower), max(slope, 0.0_dp), self%is_noise, at, inclination, rate)
+        call keep(self%lane(upper), max(-slope, 0.0_dp), self%is_noise, at, inclination, rate)
+        if (any(self%is_noise)) call interrupt(self)
     end subroutine take
 
-    !> Keeps turning points where `mask` is above zero.
-    pure subroutine keep(turns, mask, at, inclination, rate)
+    !> Interrupts the count in lanes with a turning point within the noise of the motion.
+    pure subroutine interrupt(self)
+        class(turning_lanes_t), intent(inout) :: self
+        logical :: ends
+        integer :: lane
+        do lane = 1, lanes
+            if (.not. self%is_noise(lane)) cycle
+            self%starts_turning(lane) = .false.
+            ends = self%lane(upper)%n(lane) > 1 .or. self%lane(lower)%n(lane) > 1
+            self%lane%is_interrupted(lane) = .true.
+            self%lane%has_ended(lane) = ends
+            if (.not. ends) self%lane%n(lane) = 0
+        end do
+    end subroutine interrupt
+
+    !> Keeps turning points where `mask` is above zero. Those of noise are not counted.
+    pure subroutine keep(turns, mask, is_noise, at, inclination, rate)
         type(lane_turns_t), intent(inout) :: turns
         real(dp), intent(in) :: mask(lanes), at(lanes, places), inclination(lanes), rate(lanes)
-        logical :: is_first
+        logical, intent(in) :: is_noise(lanes)
+        logical :: is_first, counts(lanes)
         integer :: i, m
 
+        counts = mask > 0 .and. .not. (is_noise .or. turns%has_ended)
         do m = 1, places
             !$omp simd
             do i = 1, lanes
-                turns%first(i, m) = merge(at(i, m), turns%first(i, m), mask(i) > 0 .and. .not. turns%n(i) > 0)
-                turns%last(i, m) = merge(at(i, m), turns%last(i, m), mask(i) > 0)
+                turns%first(i, m) = merge(at(i, m), turns%first(i, m), counts(i) .and. .not. turns%n(i) > 0)
+                turns%last(i, m) = merge(at(i, m), turns%last(i, m), counts(i))
             end do
         end do
         !$omp simd private(is_first)
         do i = 1, lanes
-            is_first = mask(i) > 0 .and. .not. turns%n(i) > 0
+            is_first = mask(i) > 0 .and. .not. turns%seen(i) > 0
             turns%inclination_min(i) = merge(inclination(i), turns%inclination_min(i), is_first &
                                              .or. (mask(i) > 0 .and. inclination(i) < turns%inclination_min(i)))
             turns%inclination_max(i) = merge(inclination(i), turns%inclination_max(i), is_first &
@@ -141,7 +169,8 @@ contains
                                       .or. (mask(i) > 0 .and. rate(i) < turns%rate_min(i)))
             turns%rate_max(i) = merge(rate(i), turns%rate_max(i), is_first &
                                       .or. (mask(i) > 0 .and. rate(i) > turns%rate_max(i)))
-            turns%n(i) = turns%n(i) + merge(1.0_dp, 0.0_dp, mask(i) > 0)
+            turns%n(i) = turns%n(i) + merge(1.0_dp, 0.0_dp, counts(i))
+            turns%seen(i) = turns%seen(i) + merge(1.0_dp, 0.0_dp, mask(i) > 0)
         end do
     end subroutine keep
 
@@ -201,7 +230,8 @@ contains
         type(lane_turns_t), intent(in) :: turns
         integer, intent(in) :: lane
         unpacked%n = nint(turns%n(lane))
-        if (unpacked%n == 0) return
+        unpacked%is_interrupted = turns%is_interrupted(lane)
+        if (.not. turns%seen(lane) > 0) return
         unpacked%first = time_and_angles(turns%first(lane, :))
         unpacked%last = time_and_angles(turns%last(lane, :))
         unpacked%theta = [inclined(turns%inclination_min(lane)), inclined(turns%inclination_max(lane))]

@@ -3,6 +3,8 @@
 !> which is another axis than that of the computation where the body was given by an inertia tensor.
 module spintop_nutation_watch
     use spintop_kinds, only: dp, no_number, pi
+    use spintop_measures, only: fastest, fastest_nutation, largest_force, lowest_centre, measures_t, own_directions, own_names, &
+        vertical_force
     use spintop_body, only: body_t
     use spintop_case, only: case_t
     use spintop_compare, only: is_finite, is_zero
@@ -17,7 +19,7 @@ module spintop_nutation_watch
     use spintop_poles, only: polar_precession_rate, precession_is_lost, through_pole
     use spintop_quantities, only: angular_acceleration, axis_height_rate, support_force
     use spintop_attitude, only: vertical_from_quaternion
-    use spintop_turning_record, only: count_end, turning_points_t, upper, lower
+    use spintop_turning_record, only: count_end, interrupt, turning_points_t, turns_at, upper, lower
     use spintop_vectors, only: cross
     implicit none
     private
@@ -26,32 +28,12 @@ module spintop_nutation_watch
     !> Class of a motion whose nutations belong to several classes.
     integer, parameter :: no_class = 0
 
-    !> The events that can be measured; those that are wanted follow those of the scene.
-    integer, parameter :: lowest_centre = 3, fastest = 4, fastest_nutation = 5, vertical_force = 6, largest_force = 7
-    !> Their names and directions.
-    character(*), parameter :: own_names(largest_force) = [character(16) :: 'upper', 'lower', 'lowest', 'fastest', &
-        'fastest nutation', 'vertical force', 'largest force']
-    integer, parameter :: own_directions(largest_force) = [-1, 1, 1, 0, 0, 0, -1]
-
     !> Directions in a motion that is nearly plane, and in one that is plane to rounding, differ by no more from those of the
     !> plane, rad.
     real(dp), parameter :: nearly_plane = 1.0e-6_dp, exactly_plane = 1.0e-14_dp
     !> A precession rate at the upper turning points within this fraction of the largest one and of that of the nutation, and a
     !> range of theta within this angle, rad, count as zero. Beside a pole the largest one may have any value.
     real(dp), parameter :: class_tolerance = 1.0e-6_dp
-
-    !> What is measured.
-    type :: measures_t
-        logical :: turning = .true. !! the turning points
-        logical :: lowest = .true. !! the minimum height of the centre of mass
-        logical :: fastest = .true. !! the largest precession rate
-        logical :: nutation_rate = .false. !! the largest nutation rate
-        logical :: vertical_force = .false. !! the extremes of the vertical support force
-        logical :: force = .false. !! the largest support force
-    contains
-        procedure, private :: has_forces
-        procedure, private :: events => wanted_events
-    end type measures_t
 
     !> Searches for the events of the scene, and measures the nutation on request.
     type, extends(event_recorder_t) :: nutation_watch_t
@@ -73,10 +55,13 @@ module spintop_nutation_watch
         procedure :: quantities
         procedure :: quantities_of_several
         procedure :: meet
+        procedure :: miss
         procedure :: nutation
+        procedure :: is_noisy
         procedure :: knows_class
         procedure :: take_end
         procedure, private :: find_own
+        procedure, private :: take_own
         procedure, private :: as_given
         procedure, private :: take_extremes
         procedure, private :: take_forces
@@ -105,16 +90,15 @@ contains
         ! The precession is fastest near a pole.
         if (measures%fastest .or. measures%nutation_rate) self%pole_axis = case%turn%vector([0.0_dp, 0.0_dp, 1.0_dp])
         self%is_plane = swings_over_poles(case%body, case%start, exactly_plane) .and. .not. case%body%given%differ
-        given = self%as_given(case%start)
-        self%starts_turning = is_zero(axis_height_rate(given))
+        given = case%start
+        given%omega_rate = angular_acceleration(case%body, given)
+        given = self%as_given(given)
+        self%starts_turning = turns_at(given, given%omega_rate)
         self%end_theta = given%angle(2)
         call self%take_extremes(case%start, given)
         ! From a pole the motion begins with the limit of the precession rate.
         gamma = vertical_from_quaternion(given%quaternion)
         if (hypot(gamma(1), gamma(2)) > through_pole .or. self%is_plane) return
-        given = case%start
-        given%omega_rate = angular_acceleration(case%body, given)
-        given = self%as_given(given)
         self%phi_rate_max = polar_precession_rate(given)
         if (.not. is_finite(self%phi_rate_max)) self%phi_rate_max = 0
     end subroutine measure_nutation
@@ -146,21 +130,6 @@ contains
         swings_over_poles = abs(dot_product(axis, gamma)) <= nearly .and. norm2(cross(axis, change)) <= nearly * norm2(change) &
             .and. norm2(cross(axis, body%inertia * axis)) <= nearly * norm2(body%inertia) .and. abs(axis(3)) <= nearly
     end function swings_over_poles
-
-    !> Whether the nutation rate or the support force is measured.
-    pure logical function has_forces(self)
-        class(measures_t), intent(in) :: self
-        has_forces = self%nutation_rate .or. self%vertical_force .or. self%force
-    end function has_forces
-
-    !> The events that are to be found.
-    pure function wanted_events(self) result(own)
-        class(measures_t), intent(in) :: self
-        integer, allocatable :: own(:)
-        integer :: k
-        own = pack([(k, k=1, largest_force)], [self%turning, self%turning, self%lowest, self%fastest, &
-            self%nutation_rate, self%vertical_force, self%force])
-    end function wanted_events
 
     !> The quantities of the events of the scene, and of the measured ones.
     subroutine quantities(self, motion, values)
@@ -225,25 +194,49 @@ contains
         class(nutation_watch_t), intent(inout) :: self
         integer, intent(in) :: number !! index of the event in `events`
         type(motion_t), intent(in) :: motion !! the motion at the event
+        integer :: n
+        n = size(self%events)
+        if (allocated(self%own)) n = n - size(self%own)
+        if (number > n) then
+            call self%take_own(number - n, motion, is_noise=.false.)
+        else
+            call self%event_recorder_t%meet(number, motion)
+        end if
+    end subroutine meet
+
+    !> Takes a measured event, or a passage within the noise of its quantity.
+    subroutine take_own(self, number, motion, is_noise)
+        class(nutation_watch_t), intent(inout) :: self
+        integer, intent(in) :: number
+        type(motion_t), intent(in) :: motion
+        logical, intent(in) :: is_noise
         type(motion_t) :: given
         integer :: kind
 
-        kind = 0
-        if (allocated(self%own)) kind = number - (size(self%events) - size(self%own))
-        if (kind <= 0) then
-            call self%event_recorder_t%meet(number, motion)
-            return
-        end if
-        kind = self%own(kind)
+        if (number <= 0) return
+        kind = self%own(number)
         given = self%as_given(motion)
         call self%take_extremes(motion, given)
         if (kind /= upper .and. kind /= lower) return
         ! A start at a turning point is not an event, but it is a turning point of the other kind than the
         ! first event.
-        if (self%starts_turning) call self%turns(upper + lower - kind)%take(self%as_given(self%case%start))
+        if (self%starts_turning .and. .not. is_noise) call self%turns(upper + lower - kind)%take(self%as_given(self%case%start))
         self%starts_turning = .false.
-        call self%turns(kind)%take(given)
-    end subroutine meet
+        if (is_noise) then
+            call interrupt(self%turns)
+            call self%turns(kind)%count_in(given)
+        else
+            call self%turns(kind)%take(given)
+        end if
+    end subroutine take_own
+
+    !> Receives a passage within the noise of its quantity.
+    subroutine miss(self, number, motion)
+        class(nutation_watch_t), intent(inout) :: self
+        integer, intent(in) :: number !! index of the event in `events`
+        type(motion_t), intent(in) :: motion !! the motion at the passage
+        if (allocated(self%own)) call self%take_own(number - (size(self%events) - size(self%own)), motion, is_noise=.true.)
+    end subroutine miss
 
     !> Includes the end of the motion, where the quantities may have their extremes.
     subroutine take_end(self)
@@ -311,6 +304,12 @@ contains
         call nutation_of(self%turns, self%end_theta, measured, is_whole, self%phi_rate_max)
         if (.not. self%measures%fastest) measured%phi_rate_max = no_number
     end subroutine nutation
+
+    !> Whether turning points were within the noise of the motion.
+    pure logical function is_noisy(self)
+        class(nutation_watch_t), intent(in) :: self
+        is_noisy = any(self%turns%is_interrupted)
+    end function is_noisy
 
     !> Whether the class is certain although the largest precession rate may lie between the turning points: there may be a
     !> cusp only if the rates at all upper turning points are small compared to that of the nutation. Call after `take_end`.

@@ -66,6 +66,7 @@ contains
         end if
         call watch%set(events, n, case)
         call watch%begin(case%body, path%exact%at(0.0_dp))
+        call watch%judge(case%body, case%start)
         call watch%look(path, case%t_end)
         max_steps = max_steps - path%looks / looks_per_step
         came = watch%has_enough

@@ -150,21 +150,25 @@ contains
         end if
         if (watch%measures%lowest) values%com_z_min = watch%com_z_min
         call watch%nutation(nutation, is_whole)
-        call put_measured_nutation(case, wanted, nutation, is_whole, values, note)
+        call put_measured_nutation(case, wanted, nutation, is_whole, watch%is_noisy(), values, note)
     end subroutine put_measured
 
     !> A measured nutation: extremes over the span, and what needs a whole nutation.
-    subroutine put_measured_nutation(case, wanted, nutation, is_whole, values, note)
+    subroutine put_measured_nutation(case, wanted, nutation, is_whole, is_noisy, values, note)
         type(case_t), intent(in) :: case !! body, start and span
         type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
         type(nutation_t), intent(in) :: nutation !! quantities of the nutation, and of theta in the span
-        logical, intent(in) :: is_whole !! whether there was a whole nutation
+        logical, intent(in) :: is_whole, is_noisy !! whether there was a whole nutation; whether one was within the noise
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
         type(note_t), intent(inout) :: note !! notes on the case
         call put_extremes(nutation, values)
         if (.not. wanted%whole) return
         if (.not. is_whole) then
-            call note%add(note_no_nutation)
+            if (is_noisy) then
+                call note%add(note_no_nutation, 'its turning points are within the error of the method')
+            else
+                call note%add(note_no_nutation)
+            end if
             return
         end if
         call put_means(case, nutation, values, note)

@@ -207,6 +207,7 @@ contains
         t_end = case%t_end
         if (present(watch)) then
             call watch%begin(case%body, path%exact%at(0.0_dp))
+            call watch%judge(case%body, case%start)
             call watch%look(path, t_end)
             if (watch%has_enough) then
                 t_end = watch%t

@@ -223,7 +223,7 @@ contains
         else
             call nutation_of(turns, ends, nutation, is_whole)
         end if
-        call put_measured_nutation(case, wanted, nutation, is_whole, values, note)
+        call put_measured_nutation(case, wanted, nutation, is_whole, any(turns%is_interrupted), values, note)
 
     contains
 

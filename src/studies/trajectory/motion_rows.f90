@@ -162,6 +162,7 @@ contains
         if (outcome%status /= status_ok) return
         if (writer%keeps_states) path%keeper => writer
         if (present(watch)) call watch%begin(case%body, path%exact%at(0.0_dp))
+        if (present(watch)) call watch%judge(case%body, case%start)
         ! The next row; 0 as long as events are searched for.
         next = merge(0, 1, present(watch))
         if (next == 1) call begin_rows()

@@ -1,0 +1,215 @@
+!> Whether a quantity varies at all, or is constant to rounding: the one judgement of events, turning points and lanes.
+!>
+!> A quantity is made of the attitude and the angular velocity, which are known to rounding. Its *noise* is what it changes by
+!> between a motion and its neighbours, which differ by that. A quantity that is at the level of an event, and on the first part
+!> of the motion further from it than its noise nowhere, stays there: the equations have no other solution. The first part is
+!> computed for this, from the start, by steps whose error is below rounding. So the judgement does not depend on the method by
+!> which the motion is integrated, nor on its tolerance.
+!>
+!> Where a motion is integrated to a tolerance, a quantity has the noise of that, too. A passage counts only if the quantity was
+!> beyond its noise since the one before (`spintop_level_side`).
+module spintop_constancy
+    use spintop_attitude, only: quaternion_product
+    use spintop_body, only: body_t
+    use spintop_compare, only: is_finite
+    use spintop_dop853_table, only: dop853_table, dop853_table_t, main_stages
+    use spintop_event, only: event_t, occasion_none
+    use spintop_event_quantities, only: event_quantities_t
+    use spintop_instants, only: greatest_fall_rate
+    use spintop_kinds, only: dp, pi
+    use spintop_motion, only: motion_from_quaternion, motion_t
+    use spintop_quantities, only: angular_acceleration
+    implicit none
+    private
+    public :: find_constant, find_noise, driven_rate, height_rate_noise, noise_of_tolerance, noise_within_step
+    public :: early, margin, rounding_distance
+
+    !> How far neighbours are, relatively, and their number: turned about each body axis, or with another angular velocity.
+    real(dp), parameter :: rounding_distance = 8 * epsilon(1.0_dp)
+    integer, parameter :: neighbours = 6
+    !> A quantity within so many times its noise of a level may be there.
+    real(dp), parameter :: margin = 4
+    !> A motion is near its start for so many times of that within which an event is the start itself.
+    real(dp), parameter :: early = 1.0e6_dp
+
+    !> The first part of a motion, in which the body turns by two radians at most: number of steps, and the turn in one, rad.
+    integer, parameter :: steps = 40
+    real(dp), parameter :: turn_of_step = 0.05_dp
+
+contains
+
+    !> Which events have a quantity that is at its level, and constant to rounding.
+    subroutine find_constant(watch, body, start, is_constant)
+        class(event_quantities_t), intent(inout) :: watch !! the events and their quantities
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! the motion at the start
+        logical, intent(out) :: is_constant(:) !! one for each event
+        type(dop853_table_t) :: table
+        type(motion_t) :: motion
+        real(dp) :: values(size(is_constant)), fall, h
+        integer :: i
+
+        fall = greatest_fall_rate(body)
+        is_constant = watch%events%occasion == occasion_none .and. .not. watch%events%turn_by_turn
+        call keep_those_at_level(start)
+        if (.not. any(is_constant)) return
+        if (changes_later(body)) is_constant = .false.
+        h = largest_rate(body, start)
+        if (.not. (h > 0 .and. is_finite(h))) return
+        h = turn_of_step / h
+        table = dop853_table()
+        motion = start
+        do i = 1, steps
+            if (.not. any(is_constant)) exit
+            call step(table, body, h, motion)
+            call keep_those_at_level(motion)
+        end do
+        ! The angles of the next motion are near those of the last one that was seen.
+        call watch%quantities(start, values)
+
+    contains
+
+        !> Drops events whose quantity is not at its level.
+        subroutine keep_those_at_level(here)
+            type(motion_t), intent(in) :: here
+            real(dp), dimension(size(is_constant)) :: noise, distance
+            call watch%quantities(here, values)
+            distance = distance_from_level(watch%events, values)
+            if (.not. any(is_constant .and. is_finite(distance))) then
+                is_constant = .false.
+                return
+            end if
+            call find_noise(watch, fall, here, values, noise)
+            is_constant = is_constant .and. is_finite(distance) .and. distance <= margin * noise
+        end subroutine keep_those_at_level
+
+    end subroutine find_constant
+
+    !> Distance of a quantity from its level, or from the nearest of several.
+    elemental real(dp) function distance_from_level(event, value) result(distance)
+        type(event_t), intent(in) :: event
+        real(dp), intent(in) :: value
+        distance = abs(value - event%level)
+        if (event%every_turn) distance = abs(value - event%level - 2 * pi * anint((value - event%level) / (2 * pi)))
+    end function distance_from_level
+
+    !> Whether what acts on a body may change at once, after any time: by a row of a table, or where friction lets it go.
+    pure logical function changes_later(body)
+        type(body_t), intent(in) :: body
+        changes_later = allocated(body%effects)
+        if (changes_later) changes_later = allocated(body%effects%table) &
+            .or. (body%effects%is_dry() .and. body%effects%depends_on_time())
+    end function changes_later
+
+    !> A rate that exceeds those of the motion, rad/s.
+    pure real(dp) function largest_rate(body, motion) result(rate)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: motion
+        rate = norm2(motion%omega) + 2 * greatest_fall_rate(body)
+        if (.not. allocated(body%effects)) return
+        rate = rate + norm2(body%effects%frame_rate) + norm2(body%effects%rotor_momentum / body%inertia)
+        if (any(abs(body%effects%vibration_amplitude) > 0)) rate = rate + abs(body%effects%vibration_rate)
+    end function largest_rate
+
+    !> One step of the motion, h in s.
+    subroutine step(table, body, h, motion)
+        type(dop853_table_t), intent(in) :: table
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: h
+        type(motion_t), intent(inout) :: motion
+        type(motion_t) :: stage
+        real(dp) :: k(7, main_stages), y(7), given(3)
+        integer :: i
+
+        do i = 1, main_stages
+            y = 0
+            if (i > 1) y = h * matmul(k(:, :i - 1), table%a(:i - 1, i))
+            stage = motion
+            stage%t = motion%t + table%c(i) * h
+            stage%quaternion = motion%quaternion + y(:4)
+            stage%omega = motion%omega + y(5:)
+            k(:4, i) = quaternion_product(stage%quaternion, [0.0_dp, stage%omega]) / 2
+            stage%quaternion = stage%quaternion / norm2(stage%quaternion)
+            k(5:, i) = angular_acceleration(body, stage)
+        end do
+        y = h * matmul(k, table%b(:main_stages))
+        y(:4) = motion%quaternion + y(:4)
+        given = motion%given_angle
+        motion = motion_from_quaternion(motion%t + h, y(:4) / norm2(y(:4)), motion%omega + y(5:), motion%angle)
+        motion%given_angle = given
+        motion%omega_rate = angular_acceleration(body, motion)
+    end subroutine step
+
+    !> What quantities change by between a motion and its neighbours: their rounding errors.
+    subroutine find_noise(watch, fall, motion, values, noise)
+        class(event_quantities_t), intent(inout) :: watch !! the quantities
+        real(dp), intent(in) :: fall !! `greatest_fall_rate` of the body, rad/s
+        type(motion_t), intent(in) :: motion !! the motion
+        real(dp), intent(in) :: values(:) !! the quantities there
+        real(dp), intent(out) :: noise(:) !! one for each quantity
+        integer :: i
+        noise = 0
+        do i = 1, neighbours
+            call watch%quantities(neighbour(fall, motion, i), watch%one)
+            watch%one = abs(watch%one - values)
+            where (is_finite(watch%one)) noise = max(noise, watch%one)
+        end do
+    end subroutine find_noise
+
+    !> A motion that is turned about a body axis, or whose angular velocity is changed along one. That across body z has the
+    !> rounding of its own terms, however fast the body spins: each of its terms has a factor of it, or is a torque.
+    type(motion_t) function neighbour(fall, motion, i) result(near)
+        real(dp), intent(in) :: fall
+        type(motion_t), intent(in) :: motion
+        integer, intent(in) :: i
+        real(dp) :: turn(4), omega(3)
+        turn = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]
+        omega = motion%omega
+        if (i <= 3) then
+            turn(1 + i) = rounding_distance / 2
+        else if (i <= 5) then
+            omega(i - 3) = omega(i - 3) + rounding_distance * (hypot(omega(1), omega(2)) + driven_rate(fall, motion%omega))
+        else
+            omega(3) = omega(3) + rounding_distance * (norm2(omega) + driven_rate(fall, motion%omega))
+        end if
+        near = motion_from_quaternion(motion%t, quaternion_product(motion%quaternion, turn), omega, motion%angle)
+        near%omega_rate = motion%omega_rate
+        near%given_angle = motion%given_angle
+        near%norm_error = motion%norm_error
+    end function neighbour
+
+    !> What the weight changes of the angular velocity while the body turns by a radian, rad/s.
+    pure real(dp) function driven_rate(fall, omega)
+        real(dp), intent(in) :: fall, omega(3) !! `greatest_fall_rate` of the body, and its angular velocity, rad/s
+        driven_rate = 0
+        if (fall > 0) driven_rate = fall * (fall / (norm2(omega) + 2 * fall))
+    end function driven_rate
+
+    !> The noise of the rate of Gamma3 where attitude and angular velocity are known to a relative `distance`.
+    elemental real(dp) function height_rate_noise(distance, tilt, across, driven) result(noise)
+        real(dp), intent(in) :: distance !! such as `rounding_distance`
+        real(dp), intent(in) :: tilt, across, driven
+            !! magnitudes of Gamma and omega across body z, and what the weight adds to omega, rad/s
+        noise = distance * (across + (tilt + distance) * (across + driven))
+    end function height_rate_noise
+
+    !> How far a motion that is integrated to a tolerance may be from that without errors of the method, relatively.
+    elemental real(dp) function noise_of_tolerance(tolerance, share) result(distance)
+        real(dp), intent(in) :: tolerance, share !! relative tolerance, and the share of it that the method takes
+        distance = max(rounding_distance, share * tolerance)
+    end function noise_of_tolerance
+
+    !> How far the motion within steps of a fixed size is from that between their ends, relatively: the error of the polynomial
+    !> in a step, of a degree that suits the order of the method. Most of it is common to all vectors of the body: measured.
+    pure real(dp) function noise_within_step(body, start, h, order) result(distance)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! the motion at the start
+        real(dp), intent(in) :: h !! size of the step, s
+        integer, intent(in) :: order !! order of the method
+        real(dp), parameter :: share = 5.0e-5_dp
+        real(dp) :: turn
+        turn = min((norm2(start%omega) + greatest_fall_rate(body)) * h, 1.0_dp)
+        distance = max(rounding_distance, share * turn**min(max(order, 4), 8))
+    end function noise_within_step
+
+end module spintop_constancy

@@ -1,0 +1,149 @@
+"""What is constant to rounding has no events and no period; what varies a little has true ones."""
+
+import csv
+import math
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+EXE = Path(os.environ["SPINTOP_EXE"]).resolve()
+INERTIA, AXIAL, LENGTH, GRAVITY, SPIN = 0.875, 0.25, math.sqrt(0.75), 9.81, 18.0
+TOP = f"&top mass = 1  inertia = 2*{INERTIA}, {AXIAL}  length = {LENGTH!r}  {{}} /\n"
+METHODS = {
+    "lanes": "method = 'taylor'",
+    "lanes, finer": "method = 'taylor'  relative_tolerance = 1e-13",
+    "taylor, projected": "method = 'taylor'  project = 'unit'",
+    "dop853": "method = 'dop853'",
+    "dop853, finer": "method = 'dop853'  relative_tolerance = 1e-13",
+    "ode45": "method = 'ode45'",
+    "rk4": "method = 'rk4'  steps = 4000",
+    "gauss_6": "method = 'gauss_6'  steps = 2000",
+}
+
+
+def rates(which: str, theta: float = math.pi / 3) -> tuple[float, float]:
+    """Rates of phi and psi in steady precession: a p^2 - b p + c = 0."""
+    a, b, c = INERTIA * math.cos(theta), AXIAL * SPIN, GRAVITY * LENGTH
+    larger = b + math.sqrt(b * b - 4 * a * c)
+    precession = 2 * c / larger if which == "slow" else larger / (2 * a)
+    return precession, SPIN - precession * math.cos(theta)
+
+
+def nutation_period(which: str, theta: float = math.pi / 3) -> float:
+    """The period of small nutations about steady precession."""
+    p, _ = rates(which, theta)
+    b = AXIAL * SPIN / INERTIA
+    bend = (b - 2 * p * math.cos(theta)) ** 2 + p * math.sin(theta) ** 2 * p
+    return 2 * math.pi / math.sqrt(bend)
+
+
+def table(path: Path) -> list[dict[str, str]]:
+    """The rows of a table."""
+    lines = (line for line in path.read_text().splitlines() if not line.startswith("#"))
+    return list(csv.DictReader(lines))
+
+
+def run(folder: Path, text: str) -> list[dict[str, str]]:
+    """The rows of the table of an input."""
+    (folder / "scene.nml").write_text(text)
+    command = [EXE, "--quiet", "-o", folder, folder / "scene.nml"]
+    subprocess.run(command, check=True, capture_output=True)
+    return table(folder / "scene.csv")
+
+
+@pytest.mark.parametrize("which", ["slow", "fast"])
+@pytest.mark.parametrize("method", METHODS)
+def test_small_nutations(tmp_path: Path, method: str, which: str) -> None:
+    """Nothing, or the period of small nutations: never a number of noise."""
+    phi_rate, psi_rate = rates(which)
+    changes = 0, 1e-13, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-4
+    dampings = 1e-20, 1e-16, 1e-13, 1e-11, 1e-9, 1e-7
+    text = TOP.format("damping = 0, 0, 1e-20")
+    text += "&study kind = 'sweep' /\n"
+    text += f"&initial theta = 1  phi_rate = {phi_rate!r}  psi_rate = {psi_rate!r} /\n"
+    text += "&span t_end = 12 /\n"
+    text += f"&integration formulation = 'rigid_body'  {METHODS[method]} /\n"
+    thetas = ", ".join(repr(math.pi / 3 + change) for change in changes)
+    text += f"&sweep parameter(1) = 'initial.theta'  values(1,:) = {thetas}\n"
+    text += f"  parameter(2) = 'top.damping(3)'  values(2,:) = {', '.join(map(repr, dampings))} /\n"
+    text += "&output columns = 'nutation_period', 'precession_per_nutation', 'nutation_rate' /\n"
+    rows = run(tmp_path, text)
+    assert len(rows) == len(changes) * len(dampings)
+    wanted = nutation_period(which)
+    for row in rows:
+        change = float(row["initial.theta"]) - math.pi / 3
+        period = float(row["nutation_period"])
+        assert row["status"] == "ok"
+        if float(row["top.damping(3)"]) > 1e-15 and change < 10 * float(row["top.damping(3)"]):
+            continue  # The inclination drifts faster than it oscillates.
+        if math.isnan(period):
+            assert "no full nutation in the span" in row["notes"]
+            assert math.isnan(float(row["precession_per_nutation"]))
+            assert math.isnan(float(row["nutation_rate"]))
+            assert change < 3e-4 if method == "ode45" else change < 2e-6, row
+            continue
+        assert period == pytest.approx(wanted, rel=0.02), row
+    found = {
+        float(row["initial.theta"]) - math.pi / 3
+        for row in rows
+        if row["nutation_period"] != "nan" and float(row["top.damping(3)"]) < 1e-19
+    }
+    if method in ("lanes", "lanes, finer", "dop853, finer"):
+        assert len([change for change in found if change > 5e-11]) == 6
+
+
+@pytest.mark.parametrize("integration", ["method = 'exact'", *METHODS.values()])
+def test_stop_at_never_comes(tmp_path: Path, integration: str) -> None:
+    """The end of the span is reached, with the note that the event did not occur."""
+    text = TOP.format("") + "&study kind = 'sweep' /\n"
+    text += "&initial theta_deg = 60  omega3 = 18  steady_precession = 'slow' /\n"
+    text += "&sweep parameter(1) = 'initial.omega3'  from = 17  to = 40  count = 40 /\n"
+    text += f"&integration {integration} /\n&output columns = 't_end' /\n"
+    for event in "turning_points", "theta_rate = 0", "axis_z_rate = 0":
+        rows = run(tmp_path, text + f"&span t_end = 6  stop_at = '{event}' /\n")
+        assert {row["t_end"] for row in rows} == {"6"}
+        assert all("stop_at did not occur in the span" in row["notes"] for row in rows)
+
+
+# Body z stays where it is, whatever these effects do.
+STILL = {
+    "precession": "&initial theta_deg = 60  omega3 = 18  steady_precession = 'slow' /\n",
+    "below": "&initial theta_deg = 120  omega3 = 7  steady_precession = 'fast' /\n",
+    "hanging": "&initial theta_deg = 180 /\n",
+    "hanging and turning": "&initial theta_deg = 180  psi_rate = 4 /\n",
+    "sleeping": "&initial theta_deg = 0  psi_rate = 30 /\n",
+    "vibrating": "&initial theta_deg = 180 /\n&effects vibration_amplitude = 0, 0, 0.01"
+    "  vibration_rate = 50 /\n",
+    "with a rotor": "&initial theta_deg = 180  psi_rate = 4 /\n"
+    "&effects rotor_momentum = 0, 0, 2 /\n",
+    "in air": "&initial theta_deg = 180  psi_rate = 9 /\n&effects drag_moment = 3*0.01 /\n",
+    "rubbing": "&initial theta_deg = 180  psi_rate = 9 /\n&effects friction_torque = 0.01 /\n",
+    "on the Earth": "&initial theta_deg = 180  psi_rate = 9 /\n&effects earth_rate = 0.1"
+    "  latitude_deg = 90 /\n",
+}
+
+
+@pytest.mark.parametrize("scene", STILL)
+@pytest.mark.parametrize("method", ["auto", "taylor", "dop853", "rk4"])
+def test_no_events(tmp_path: Path, scene: str, method: str) -> None:
+    """A trajectory lists none, and a sweep has no period."""
+    if (scene, method) == ("rubbing", "taylor"):
+        return
+    text = TOP.format("") + STILL[scene] + "&integration method = '" + method
+    text += "'  formulation = 'rigid_body'  steps = 3000 /\n" if method == "rk4" else "' /\n"
+    names = "'turning_points', 'theta_rate = 0', 'axis_z_rate = 0'"
+    trajectory = f"&study kind = 'trajectory' /\n&output columns = 't'  events = {names} /\n"
+    run(tmp_path, text + trajectory + "&span t_end = 8  samples = 3 /\n")
+    assert table(tmp_path / "scene.events.csv") == []
+
+
+def test_a_torque_that_comes_later(tmp_path: Path) -> None:
+    """What is constant until a table of torques begins is not constant."""
+    (tmp_path / "torque.csv").write_text("t,m1,m2,m3\n0,0,0,0\n2,0,0,0\n3,0.3,0,0\n9,0.3,0,0\n")
+    text = TOP.format("") + STILL["hanging"] + "&study kind = 'trajectory' /\n"
+    text += "&effects torque_table = 'torque.csv' /\n"
+    text += "&span t_end = 8  samples = 3 /\n&output columns = 't'  events = 'turning_points' /\n"
+    run(tmp_path, text)
+    assert len(table(tmp_path / "scene.events.csv")) > 3

@@ -32,7 +32,9 @@ def draw_to(kind: FigureKind, tables: Table | Sequence[Table], stem: Path) -> li
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
             return save_as(kind.draw(known[0] if alone else known), stem)
-    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+    except (OSError, TableError):
+        raise
+    except Exception as error:
         first = printable((str(error).splitlines() or [""])[0]) or type(error).__name__
         raise TableError(f"the {kind.name} figure cannot be drawn: {first}") from error
 
@@ -98,4 +100,13 @@ def too_large(table: Table, columns: Sequence[str]) -> str:
 
 def show_path(path: Path) -> None:
     """Print the name of a file: its own bytes, but a terminal gets what it can show."""
-    print(printable(path) if sys.stdout.isatty() else path)
+    stream = getattr(sys.stdout, "buffer", None)
+    if stream is None:  # it takes texts only, of any characters
+        print(printable(path))
+        return
+    name = os.fsencode(path)
+    if sys.stdout.isatty():
+        name = printable(path).encode(sys.stdout.encoding, "backslashreplace")
+    sys.stdout.flush()
+    stream.write(name + b"\n")
+    stream.flush()

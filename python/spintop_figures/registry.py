@@ -35,6 +35,7 @@ from spintop_figures.motion.reduced import object_to_reduced
 from spintop_figures.motion.residuals import draw_error, draw_residuals, object_to_residuals
 from spintop_figures.motion.trace import draw_trace, draw_traces, object_to_trace
 from spintop_figures.motion.trajectory import draw_angles, draw_forces, draw_support
+from spintop_figures.moving.assumptions import CONSERVED, LAGRANGE, Assumption, broken
 from spintop_figures.style.look import the_look
 from spintop_figures.sweeps import table1
 from spintop_figures.sweeps.curves import draw_curves, object_to_curves
@@ -69,6 +70,8 @@ class FigureKind(NamedTuple):
     """Whether some of the columns may have no numbers."""
     words: tuple[str, ...] = ()
     """The categorical columns that it needs."""
+    assumes: tuple[Assumption, ...] = ()
+    """What holds for the scenes that it is true for."""
 
     def draw(self, tables: Table | Sequence[Table]) -> Figure:
         """Draw the figure of a table, or of all tables that are compared, in the look of all."""
@@ -81,19 +84,19 @@ class FigureKind(NamedTuple):
             return f"is no table of the kind {self.kind}"
         if missing := table.missing(self.words + self.columns):
             return f"has no column {', '.join(missing)}"
-        if wordless := [name for name in self.words if table.numeric(name)]:
+        if wordless := [name for name in self.words if not table.has_words(name)]:
             return f"has no word in column {', '.join(wordless)}"
         empty = table.empty(self.columns)
         if empty and not (self.sparse and len(empty) < len(self.columns)):
             return f"has no number in column {', '.join(empty)}"
-        return self.objection(table)
+        return broken(self.assumes, table) or self.objection(table)
 
     def is_expected(self, table: Table) -> bool:
         """Whether the table has all columns, so that it is an error if they hold no number."""
         return (
             table.kind == self.kind
             and not table.missing(self.words + self.columns)
-            and not self.objection(table)
+            and not (broken(self.assumes, table) or self.objection(table))
         )
 
 
@@ -169,6 +172,7 @@ FIGURES = (
         REDUCED,
         draw_potential,
         object_to_reduced,
+        assumes=LAGRANGE,
     ),
     FigureKind(
         "portrait",
@@ -177,6 +181,7 @@ FIGURES = (
         REDUCED,
         draw_portrait,
         object_to_reduced,
+        assumes=LAGRANGE,
     ),
     FigureKind(
         "support",
@@ -207,6 +212,7 @@ FIGURES = (
         ("t", "R1", "R2", "R3", "R4"),
         draw_residuals,
         object_to_residuals,
+        assumes=CONSERVED,
     ),
     FigureKind(
         "fit",
@@ -224,6 +230,7 @@ FIGURES = (
         draw_sweep,
         object_to_sweep,
         sparse=True,
+        assumes=LAGRANGE,
     ),
     FigureKind(
         "table1",
@@ -233,6 +240,7 @@ FIGURES = (
         table1.draw_table1,
         object_to_table1,
         sparse=True,
+        assumes=LAGRANGE,
     ),
     FigureKind(
         "events",
@@ -382,6 +390,7 @@ COMPARISONS = (
         ("t", "energy_error"),
         draw_drift,
         object_to_drift,
+        assumes=CONSERVED,
     ),
 )
 """Figures that are drawn of several tables together, of each of which they ask the same."""

@@ -139,7 +139,6 @@ def told(pictures: Iterator[bytes], total: int) -> Iterator[bytes]:
 
 def main() -> int:
     """Make the film."""
-    sys.stdout.reconfigure(errors="surrogateescape")
     arguments = parse_arguments()
     output = arguments.output or Path("output") / f"{arguments.input.stem}.mp4"
     rate = arguments.rate or RATES.get(output.suffix, RATE)

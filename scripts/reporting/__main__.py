@@ -74,7 +74,6 @@ def run_inputs(folder: Path, inputs: list[Path]) -> int:
 
 def main() -> int:
     """Run the inputs, if any, and make the page."""
-    sys.stdout.reconfigure(errors="surrogateescape")
     if any(option in sys.argv[1:] for option in live.PAGES):
         return live.main(sys.argv[1:])
     arguments = parse_arguments()

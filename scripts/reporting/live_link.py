@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from spintop_figures.moving.assumptions import LAGRANGE, broken
 from spintop_figures.moving.body import SHAPES, Body, read_body
 from spintop_figures.moving.motion import ANGLES, attitude_at_start, find_omega
 from spintop_figures.tables.table import Table, is_word
@@ -17,21 +18,20 @@ KEYS = {
 }
 """The keys of `top` by which the page builds a shape."""
 
-ALIKE = 1e-12
-"""Moments of inertia that differ by less than this part are equal."""
-
 POLE = 1e-9
 """Closer to a pole, sin(theta) below this, phi' does not exist."""
 
 
 def live_link(table: Table) -> str:
-    """What the live top begins with; empty if the table is of no undamped symmetric top.
+    """What the live top begins with; empty if the table is of no symmetric top under gravity alone.
 
     The symmetry axis is body z, with the centre of mass on it or at the pivot. The precession and
     spin angles at the start are zero there: the motion differs by a turn about the vertical.
     """
     body, omega = read_body(table), find_omega(table)
-    if table.kind != "trajectory" or body is None or omega is None or not is_lagrange(table, body):
+    if table.kind != "trajectory" or body is None or omega is None or not has_place(body):
+        return ""
+    if broken(LAGRANGE, table):
         return ""
     fields = body_fields(table, body) | start_fields(table, omega[0])
     times = table.rows["t"].to_numpy(float)
@@ -45,18 +45,9 @@ def number_of(table: Table, key: str, default: float) -> float:
     return default if not text or is_word(text) else float(text)
 
 
-def is_lagrange(table: Table, body: Body) -> bool:
-    """Whether the body is symmetric about body z, undamped, and not below its pivot."""
-    first, second, _ = body.inertia
-    damping = [word for word in table.settings.get("top.damping", []) if not is_word(word)]
-    return (
-        abs(first - second) <= ALIKE * first
-        and not body.centre[:2].any()
-        and not body.products.any()
-        and body.centre[2] >= 0
-        and min(body.mass, *body.inertia) > 0
-        and not any(float(word) for word in damping)
-    )
+def has_place(body: Body) -> bool:
+    """Whether the page can take the body: it has a mass, and does not hang below its pivot."""
+    return body.centre[2] >= 0 and min(body.mass, *body.inertia) > 0
 
 
 def body_fields(table: Table, body: Body) -> dict[str, object]:

@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Iterable
 
+from spintop_figures.moving.assumptions import CONSERVED, broken
 from spintop_figures.moving.body import Body, read_body
 from spintop_figures.registry import FigureKind
 from spintop_figures.tables.table import Table, is_word
@@ -72,10 +73,9 @@ def starts_at_rest(table: Table) -> bool:
     """Whether the top is released as in the paper: at pi/16, with nothing but its spin."""
     rates = (angle(table, "phi_rate"), angle(table, "theta_rate"))
     is_plain = table.setting("initial.steady_precession") in ("", "none")
-    damping = [float(x) for x in table.settings.get("top.damping", []) if not is_word(x)]
     return (
         is_plain
-        and not any(damping)
+        and not broken(CONSERVED, table)
         and "initial.quaternion" not in table.settings
         and same((angle(table, "theta"), *rates), (THETA, 0, 0))
         and same((number(table, "top.gravity", GRAVITY),), (GRAVITY,))

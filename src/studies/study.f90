@@ -57,6 +57,7 @@ module spintop_study
         procedure :: default_columns
         procedure :: unmet_need
         procedure :: has_sensitivity
+        procedure :: holds_words
         procedure :: complete
         procedure :: remark
         procedure :: forecast
@@ -149,6 +150,15 @@ contains
         end associate
         has_sensitivity = .false.
     end function has_sensitivity
+
+    !> Whether the cells of a column are words, not numbers; those of none are unless the kind overrides this.
+    logical function holds_words(self, place)
+        class(study_t), intent(in) :: self
+        integer, intent(in) :: place !! index of the column in the list of all columns
+        associate (unused => self, also_unused => place)
+        end associate
+        holds_words = .false.
+    end function holds_words
 
     !> Completes a job whose columns are chosen; nothing is left to do unless the kind overrides this.
     subroutine complete(self, job, problems)

@@ -125,6 +125,7 @@ STUB = """\
 set -euo pipefail
 root=$(cd "$(dirname "${{BASH_SOURCE[0]}}")/.." && pwd -P) python={python}
 say() {{ echo "spintop: $*" >&2; }}
+as_path() {{ :; }}
 build() {{ :; }}
 """
 """Stands for scripts/setup: all is installed and built."""

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from spintop_figures.methods.known import rank_of
 from spintop_figures.methods.styles import style_of
 from spintop_figures.motion.trajectory import TIME, numbers
+from spintop_figures.moving.assumptions import Assumption, broken, symmetric
 from spintop_figures.style.look import GREY
 from spintop_figures.style.page import new_figure
 from spintop_figures.style.provenance import describe_run
@@ -28,12 +29,14 @@ class Constant(NamedTuple):
     column: str
     label: str
     changes: bool
+    assumes: tuple[Assumption, ...] = ()
+    """For which bodies it is constant, beside those that the figure is for."""
 
 
 CONSTANTS = (
     Constant("energy_error", "relative energy error", False),
     Constant("lz", "change of Lz (J s)", True),
-    Constant("l3", "change of L3 (J s)", True),
+    Constant("l3", "change of L3 (J s)", True, (symmetric,)),
     Constant("norm_error", "norm error abs(q) - 1", False),
 )
 """Those that are drawn where all tables have them."""
@@ -71,7 +74,10 @@ def draw_drift(tables: Sequence[Table]) -> Figure:
         constant
         for constant in CONSTANTS
         if not any(
-            table.missing([constant.column]) or table.empty([constant.column]) for table in tables
+            table.missing([constant.column])
+            or table.empty([constant.column])
+            or broken(constant.assumes, table)
+            for table in tables
         )
     ]
     down = (len(there) + 1) // 2

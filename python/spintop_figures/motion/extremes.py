@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from spintop_figures.motion.reduced import COLUMNS, find_reduced
+from spintop_figures.moving.assumptions import LAGRANGE, broken
 from spintop_figures.tables.table import Table
 
 MOST_ARC = np.radians(15)
@@ -43,7 +44,7 @@ def inclination_extremes(table: Table) -> tuple[Extreme, Extreme]:
     least, largest = extremes_of_rows(table.rows["theta"].to_numpy(float))
     if largest.value - least.value < STEADY:
         return least._replace(of_rows=False), largest._replace(of_rows=False)
-    if table.missing(COLUMNS) or table.empty(COLUMNS):
+    if table.missing(COLUMNS) or table.empty(COLUMNS) or broken(LAGRANGE, table):
         return least, largest
     reduced = find_reduced(table)
     if isinstance(reduced, str) or not keeps_energy(table):

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from spintop_figures.motion.extremes import Extreme, height_extremes, inclination_extremes
+from spintop_figures.moving.assumptions import LAGRANGE, broken
 from spintop_figures.style.lines import (
     draw_line,
     set_degree_ticks,
@@ -18,7 +19,10 @@ from spintop_figures.tables.table import Table
 TIME = "time t (s)"
 
 SAME, MOST_INCLINATIONS = 1.0, 3
-"""Sign changes at inclinations that differ by fewer degrees are one; more are not written down."""
+"""Sign changes at inclinations that differ by fewer degrees are one; more are not marked."""
+
+MOST_OFTEN = 0.25
+"""Sign changes between more of the rows than this part are those of rounding."""
 
 
 def numbers(table: Table, column: str) -> np.ndarray:
@@ -89,7 +93,7 @@ def draw_forces(table: Table) -> Figure:
     limits = [axes.get_ylim() for axes in panels[:2]]  # both are horizontal
     for axes in panels[:2]:
         axes.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
-    if "theta" in table.rows:
+    if "theta" in table.rows and not broken(LAGRANGE, table):
         mark_sign_changes(panels[2], t, numbers(table, "force_z"), numbers(table, "theta"))
     for line, name in enumerate(("energy", "kinetic", "potential")):
         label = "total" if name == "energy" else name
@@ -108,20 +112,26 @@ def draw_forces(table: Table) -> Figure:
 
 
 def mark_sign_changes(axes: Axes, t: np.ndarray, y: np.ndarray, theta: np.ndarray) -> None:
-    """Dots where a quantity changes its sign, and the inclinations at which it does."""
+    """Dots where a quantity changes its sign, and the inclinations at which it does.
+
+    It is a function of the inclination. If it changes its sign at more than a few of them, or
+    nearly from row to row, it is zero but for rounding, and no sign means anything.
+    """
     before = np.flatnonzero(y[:-1] * y[1:] < 0)
     share = y[before] / (y[before] - y[before + 1])
     times, inclinations = (
         values[before] + share * np.diff(values)[before] for values in (t, np.degrees(theta))
     )
-    if not times.size:
+    firsts: list[float] = []
+    for inclination in inclinations:
+        if all(abs(inclination - first) >= SAME for first in firsts):
+            firsts.append(inclination)
+    if not 0 < len(firsts) <= MOST_INCLINATIONS or times.size > MOST_OFTEN * y.size:
         return
     axes.plot(times, np.zeros_like(times), "o", color=LINES[1]["color"], markersize=2.8)
-    firsts = [a for i, a in enumerate(inclinations) if not (abs(inclinations[:i] - a) < SAME).any()]
-    if len(firsts) <= MOST_INCLINATIONS:
-        words = " and ".join(f"{first:.1f}°" for first in sorted(firsts))
-        title = rf"zero at $\theta$ = {words}"
-        axes.set_title(title, loc="right", fontsize=9, pad=3, color=LINES[1]["color"])
+    words = " and ".join(f"{first:.1f}°" for first in sorted(firsts))
+    title = rf"zero at $\theta$ = {words}"
+    axes.set_title(title, loc="right", fontsize=9, pad=3, color=LINES[1]["color"])
 
 
 def draw_support(table: Table) -> Figure:

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spintop_figures.tables.causes import plain
 from spintop_figures.tables.characters import printable
-from spintop_figures.tables.table import Table, line_of
+from spintop_figures.tables.rows import line_of
+from spintop_figures.tables.table import Table
 
 LARGEST_FILE = 64_000_000
 """Bytes of a file that is read once more for its own lines."""
@@ -61,7 +63,7 @@ def lines_of(table: Table) -> tuple[list[str], list[str], list[str]]:
         cells = [table.rows[name].astype(object) for name in table.rows]
         rows = [line_of(row) for row in zip(*cells, strict=True)]
         return [*head, line_of(table.rows.columns)], rows, []
-    lines = path.read_text(encoding="utf-8", errors="replace").split("\n")
+    lines = plain(path.read_bytes()).decode("utf-8", errors="replace").split("\n")
     first = next(i for i, line in enumerate(lines) if line and not line.startswith("#"))
     last = max((i for i, line in enumerate(lines) if line and line[0] != "#"), default=first)
     return lines[: first + 1], lines[first + 1 : last + 1], lines[last + 1 :]

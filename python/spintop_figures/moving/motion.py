@@ -5,6 +5,7 @@ import json
 
 import numpy as np
 
+from spintop_figures.moving.assumptions import acting
 from spintop_figures.moving.body import Body, draw_body, read_body
 from spintop_figures.moving.data import Data
 from spintop_figures.tables.table import Table
@@ -109,7 +110,7 @@ def attitude_at_start(table: Table) -> np.ndarray:
 
 
 def scene_of(table: Table, body: Body | None, omega: np.ndarray | None) -> str:
-    """A word that motions of one scene share: body, gravity, damping, and start.
+    """A word that motions of one scene share: body, gravity, damping, effects, and start.
 
     Where the table has no angular velocity, the start is that of the resolved input.
     """
@@ -117,6 +118,7 @@ def scene_of(table: Table, body: Body | None, omega: np.ndarray | None) -> str:
     if body is not None:
         numbers += [body.mass, *body.inertia, *body.centre, *body.products]
     words = [str(table.settings.get(f"top.{key}", "")) for key in ("gravity", "damping")]
+    words += [f"{key} {table.settings[key]}" for key in acting(table, "effects.")]
     if omega is None:
         given = {key: value for key, value in table.settings.items() if key.startswith("initial.")}
         words.append(str(sorted(given.items())))

@@ -1,5 +1,6 @@
 """The look that all figures share: sizes, lines, colours, and matplotlib's settings."""
 
+import shutil
 from contextlib import AbstractContextManager
 
 import matplotlib as mpl
@@ -48,5 +49,6 @@ SETTINGS = {
 
 
 def the_look() -> AbstractContextManager[None]:
-    """A context in which matplotlib has these settings."""
-    return mpl.rc_context(SETTINGS)
+    """A context in which matplotlib has these settings, and LaTeX only if it is there."""
+    has_latex = bool(shutil.which("latex") and shutil.which("dvipng"))
+    return mpl.rc_context({**SETTINGS, "text.usetex": mpl.rcParams["text.usetex"] and has_latex})

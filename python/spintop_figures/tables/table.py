@@ -1,7 +1,5 @@
 """Reading a table of spintop: its header of `#` lines, its rows, its status."""
 
-import csv
-import io
 import itertools
 import re
 from collections.abc import Iterable, Mapping
@@ -11,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from spintop_figures.tables.causes import TableError, changed_header, plain
 from spintop_figures.tables.characters import printable
 from spintop_figures.tables.ending import problem_of_text
 from spintop_figures.tables.netcdf import (
@@ -22,6 +21,8 @@ from spintop_figures.tables.netcdf import (
     read_netcdf,
 )
 from spintop_figures.tables.netcdf_library import read_netcdf4
+from spintop_figures.tables.rows import is_word, names_of, read_rows
+from spintop_figures.tables.words import words_of
 
 NOTE = "does not end with the number and the checksum of its rows: it may have been cut or changed"
 """The note on a table of an earlier version."""
@@ -42,24 +43,9 @@ MANY_CASES = 20_000
 KEPT_CASES = 5_000
 UNITS = {"1": "", "degree": "deg"}
 """Units that NetCDF tables name otherwise, as UDUNITS knows them."""
-WORDS = frozenset(
-    (
-        *("auto", "case", "column", "event", "factor", "formulation", "front", "method"),
-        *("motion_class", "parameter", "proof", "unit"),
-        *("notes", "problem", "program", "reason", "reference", "setting", "status", "verdict"),
-    )
-)
-"""Columns that may hold words; all others hold numbers."""
-NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?|[+-]?inf|nan", re.IGNORECASE | re.ASCII)
-LONGEST = 40
-"""Characters of a cell that a message quotes at most."""
 VALUE = re.compile(r"'((?:[^']|'')*)'|([^\s,]+)")
 ASSIGNMENT = re.compile(r"([a-z]\w*(?:\([^)]*\))?)\s*=\s*(.*)", re.IGNORECASE)
 COLUMN = re.compile(r"(\S+?)(?:\s+\[(.*?)\])?:\s*(.*)")
-
-
-class TableError(Exception):
-    """What is wrong with a table, in one line."""
 
 
 @dataclass(frozen=True)
@@ -115,6 +101,10 @@ class Table:
     def numeric(self, column: str) -> bool:
         """Whether a column holds numbers, and no words."""
         return pd.api.types.is_numeric_dtype(self.rows[column])
+
+    def has_words(self, column: str) -> bool:
+        """Whether a column of words has no numbers alone; a problem may have any name."""
+        return column == "problem" or self.rows.empty or any(map(is_word, self.rows[column]))
 
     def finite(self, column: str) -> np.ndarray:
         """Which rows have a finite number in a column."""
@@ -239,17 +229,18 @@ def stride_of(settings: dict[str, list[str]], names: list[str], count: int) -> i
 def read_text_table(path: Path) -> Table:
     """Read a table of texts."""
     try:
-        data = path.read_bytes()
+        data = plain(path.read_bytes())
     except OSError as error:
         raise TableError((error.strerror or str(error)).lower()) from error
-    text = data.decode("utf-8", errors="replace").replace("\r\n", "\n").replace("\r", "\n")
+    text = data.decode("utf-8", errors="replace")
     lines = text.split("\n")
     first = next((i for i, line in enumerate(lines) if not line.startswith("#")), len(lines))
     if not text.replace("\n", "").replace("\0", "").isprintable():
         lines = [line if line.isprintable() else printable(line) for line in lines]
     header, settings, units, meanings = read_head([line[1:].strip() for line in lines[:first]])
     if not header.get("program", "").startswith("spintop"):
-        raise TableError("is no table of spintop: its header names no program")
+        cause = changed_header(lines) or "its header names no program"
+        raise TableError(f"is no table of spintop: {cause}")
     check_format(header)
     if not text.endswith("\n"):
         raise TableError("is cut short: its last line has no end")
@@ -269,16 +260,17 @@ def read_text_table(path: Path) -> Table:
         raise TableError("is cut short: it names no columns")
     names = names_of(*body[0])
     stride = stride_of(settings, names, len(body) - 1)
-    rows = read_rows(names, body[1::stride])
+    words = words_of(next(iter(settings.get("study.kind", ())), ""))
+    rows = read_rows(names, body[1::stride], words)
     if rows.empty and names[0] != EVENT:
         raise TableError("has no rows" + (f" (status: {status})" if status else ""))
     if problem := problem_of_text(data):
         raise TableError(problem + place_of(names, body[1:]))
     resolved = input_of(lines[:first])
-    words = tuple(line[9:].strip() for line in last if line.startswith("in words:"))
+    said = tuple(line[9:].strip() for line in last if line.startswith("in words:"))
     note = NOTE if problem is None else ""
     return Table(
-        path, header, settings, units, meanings, rows, status, stride, resolved, words, note
+        path, header, settings, units, meanings, rows, status, stride, resolved, said, note
     )
 
 
@@ -345,66 +337,3 @@ def read_head(
 def read_values(text: str) -> list[str]:
     """The values of a namelist assignment, without their quotes."""
     return [word or quoted.replace("''", "'") for quoted, word in VALUE.findall(text)]
-
-
-def names_of(number: int, line: str) -> list[str]:
-    """The names of the columns, which stand in this line."""
-    names = cells_in(number, line)
-    for place, name in enumerate(names):
-        if not name.strip():
-            raise TableError(f"line {number}: column {place + 1} has no name")
-        if name in names[:place]:
-            raise TableError(f"line {number}: there are two columns {printable(name)}")
-    return names
-
-
-def cells_in(number: int, line: str) -> list[str]:
-    """The cells of this line; quotes are around those with a comma."""
-    try:
-        return next(csv.reader([line], strict=True)) if '"' in line else line.split(",")
-    except csv.Error as error:
-        raise TableError(f"line {number}: quotes must be around the whole cell") from error
-
-
-def line_of(cells: Iterable[object]) -> str:
-    """A line with these cells, with quotes around those with a comma."""
-    return ",".join(f'"{cell}"' if "," in str(cell) else str(cell) for cell in cells)
-
-
-def read_rows(names: list[str], body: list[tuple[int, str]]) -> pd.DataFrame:
-    """The rows of columns with these names, from lines with their numbers in the file.
-
-    A column holds numbers or words, and is read as what its cells are.
-    """
-    for number, line in body:
-        cells = len(cells_in(number, line)) if '"' in line else line.count(",") + 1
-        if cells != len(names):
-            raise TableError(f"line {number} has {cells} cells in place of {len(names)}")
-    rows = pd.read_csv(
-        io.StringIO("\n".join([line_of(names), *(line for _, line in body)])),
-        keep_default_na=False,
-        na_values=["nan"],
-        low_memory=False,
-        lineterminator="\n",
-    )
-    for name in rows if len(rows) else ():
-        column = rows[name]
-        if pd.api.types.is_numeric_dtype(column) and not pd.api.types.is_bool_dtype(column):
-            continue
-        words = [is_word(cell) for cell in column]
-        if name in WORDS and all(words):
-            continue
-        if any(words):
-            bad = words.index(True)
-            cell = printable(str(column[bad]))
-            cell = cell if len(cell) <= LONGEST else f"{cell[:LONGEST]}..."
-            raise TableError(f"line {body[bad][0]}: '{cell}' in {printable(name)} is no number")
-        rows[name] = [float(cell) for cell in column]  # integers that are too long for 64 bits
-    return rows
-
-
-def is_word(cell: object) -> bool:
-    """Whether a cell holds something that is no number."""
-    if isinstance(cell, bool):
-        return True
-    return not isinstance(cell, int | float | np.number) and not NUMBER.fullmatch(str(cell).strip())

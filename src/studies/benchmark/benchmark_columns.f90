@@ -34,6 +34,8 @@ module spintop_benchmark_columns
     type, extends(study_column_t) :: benchmark_column_t
         !> Adds the cell of the column to those of a row.
         procedure(put_i), pointer, nopass :: put => null()
+        !> Its cells are words, not numbers.
+        logical :: words = .false.
     end type benchmark_column_t
 
     abstract interface
@@ -52,25 +54,27 @@ contains
     function benchmark_columns() result(columns)
         type(benchmark_column_t), allocatable :: columns(:)
         columns = [ &
-            benchmark_column_t('benchmark', '', 'benchmark of the catalogue', 'benchmark', put_benchmark), &
-            benchmark_column_t('quantity', '', 'column of trajectories at the end of the span', 'benchmark', put_quantity), &
+            benchmark_column_t('benchmark', '', 'benchmark of the catalogue', 'benchmark', put_benchmark, words=.true.), &
+            benchmark_column_t('quantity', '', 'column of trajectories at the end of the span', &
+                               'benchmark', put_quantity, words=.true.), &
             benchmark_column_t('t', 's', 'end of the span', 'benchmark', put_t), &
             benchmark_column_t('truth', '', 'true value, in the unit of that column', 'truth', put_truth), &
             benchmark_column_t('truth_error', '', 'difference of two computations of it', 'truth', put_truth_error), &
-            benchmark_column_t('reference', '', 'how it was computed', 'truth', put_reference), &
+            benchmark_column_t('reference', '', 'how it was computed', 'truth', put_reference, words=.true.), &
             benchmark_column_t('published', '', 'published figure (nan: none)', 'published', put_published), &
             benchmark_column_t('published_error', '', 'its difference from the true value', 'published', put_published_error), &
-            benchmark_column_t('published_method', '', 'who published it, with which method', 'published', put_published_method), &
+            benchmark_column_t('published_method', '', 'who published it, with which method', &
+                               'published', put_published_method, words=.true.), &
             benchmark_column_t('goal', '', 'a hundredth of that difference; 1e-10 without a figure', 'best', put_goal), &
-            benchmark_column_t('method', '', 'fastest method whose errors are within the goal', 'best', put_method), &
-            benchmark_column_t('formulation', '', 'its formulation', 'best', put_formulation), &
-            benchmark_column_t('setting', '', 'its setting', 'best', put_setting), &
+            benchmark_column_t('method', '', 'fastest method whose errors are within the goal', 'best', put_method, words=.true.), &
+            benchmark_column_t('formulation', '', 'its formulation', 'best', put_formulation, words=.true.), &
+            benchmark_column_t('setting', '', 'its setting', 'best', put_setting, words=.true.), &
             benchmark_column_t('value', '', 'its value', 'best', put_value), &
             benchmark_column_t('error', '', 'its largest error of all quantities of the benchmark, over max(1, true value)', &
                                'best', put_error), &
             benchmark_column_t('evaluations', '', 'its RHS evaluations', 'best', put_evaluations), &
             benchmark_column_t('time_s', 's', 'its computing time', 'best', put_time_s), &
-            benchmark_column_t('source', '', 'where the benchmark was published', 'benchmark', put_source)]
+            benchmark_column_t('source', '', 'where the benchmark was published', 'benchmark', put_source, words=.true.)]
     end function benchmark_columns
 
     !> Adds a row of all columns.

@@ -27,6 +27,7 @@ module spintop_benchmark_study
     contains
         procedure, nopass :: info
         procedure, nopass :: columns
+        procedure :: holds_words
         procedure :: cases
         procedure :: check
         procedure :: explain
@@ -50,6 +51,17 @@ contains
         allocate (known, source=benchmark_columns())
         columns = known%study_column_t
     end function columns
+
+    !> Whether the cells of a column are words.
+    logical function holds_words(self, place)
+        class(benchmark_study_t), intent(in) :: self
+        integer, intent(in) :: place !! index of the column in the list of all columns
+        type(benchmark_column_t), allocatable :: known(:)
+        associate (unused => self)
+        end associate
+        allocate (known, source=benchmark_columns())
+        holds_words = known(place)%words
+    end function holds_words
 
     !> Number of benchmarks.
     integer(int64) function cases(self, job)

@@ -5,7 +5,7 @@ module spintop_fit_study
     use spintop_errors, only: error_t, exit_failed, exit_ok
     use spintop_fit_data, only: measurements_t, read_measurements
     use spintop_fit_model, only: fit_model_t
-    use spintop_fit_table, only: fit_columns, residual_path, write_estimates, write_residuals
+    use spintop_fit_table, only: fit_columns, fit_words, residual_path, write_estimates, write_residuals
     use spintop_fit_warnings, only: find_warnings, warn_of_measurements
     use spintop_body_of_scene, only: is_set
     use spintop_intervals, only: describe_minimum, estimate_t, student_quantile
@@ -43,6 +43,7 @@ module spintop_fit_study
     contains
         procedure, nopass :: info
         procedure, nopass :: columns
+        procedure :: holds_words
         procedure :: check
         procedure :: explain
         procedure :: run
@@ -62,6 +63,15 @@ contains
         type(study_column_t), allocatable :: columns(:)
         allocate (columns, source=fit_columns())
     end function columns
+
+    !> Whether the cells of a column are words.
+    logical function holds_words(self, place)
+        class(fit_study_t), intent(in) :: self
+        integer, intent(in) :: place !! index of the column in the list of all columns
+        associate (unused => self)
+        end associate
+        holds_words = place <= fit_words
+    end function holds_words
 
     !> Reads the measurements, and plans the motion up to the last of them.
     subroutine check(self, job, problems, diagnostics)

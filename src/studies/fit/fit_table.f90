@@ -14,7 +14,10 @@ module spintop_fit_table
     use spintop_text_buffer, only: text_buffer_t
     implicit none
     private
-    public :: fit_columns, write_estimates, write_residuals, residual_path
+    public :: fit_columns, fit_words, write_estimates, write_residuals, residual_path
+
+    !> The first columns hold words: the name of a parameter and its unit.
+    integer, parameter :: fit_words = 2
 
 contains
 

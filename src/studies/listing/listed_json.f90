@@ -27,6 +27,9 @@ module spintop_listed_json
     public :: tell_benchmarks, tell_cases, tell_columns, tell_events, tell_exit_codes, tell_formulations, tell_methods, &
         tell_parameters, tell_parts, tell_shapes, tell_statuses, tell_studies
 
+    !> Columns of words that tables have beside those of the registries: of sweeps, events, and statistics.
+    character(6), parameter :: other_words(*) = [character(6) :: 'column', 'event', 'factor', 'notes', 'status']
+
 contains
 
     !> The methods: `kind` is exact, fixed, adaptive or both; `order` is null where the tolerance or the
@@ -140,7 +143,8 @@ contains
         call json%close()
     end subroutine tell_formulations
 
-    !> The columns of all kinds of study.
+    !> The columns of all kinds of study; `words`: whether the cells are words. `other_words` are columns of words that
+    !> no list of columns has.
     subroutine tell_columns(json)
         type(json_t), intent(inout) :: json !! the item is appended
         type(study_entry_t), allocatable :: known(:)
@@ -159,11 +163,13 @@ contains
                 call json%add('name', columns(k)%name)
                 call json%add('group', columns(k)%group)
                 call json%add('unit', columns(k)%unit)
+                call json%add('words', known(i)%study%holds_words(k))
                 call json%add('description', columns(k)%what)
                 call json%close()
             end do
         end do
         call json%close()
+        call json%add('other_words', other_words)
     end subroutine tell_columns
 
     !> The events with names, what their rows are called in a table, and the grammar of the others.

@@ -28,6 +28,8 @@ module spintop_precision_columns
     type, extends(study_column_t) :: precision_column_t
         !> Adds the cell of the column to those of a row.
         procedure(put_i), pointer, nopass :: put => null()
+        !> Its cells are words, not numbers.
+        logical :: words = .false.
     end type precision_column_t
 
     abstract interface
@@ -51,11 +53,12 @@ contains
         type(precision_column_t), allocatable :: columns(:)
         columns = [ &
             precision_column_t('problem', '', 'input, and case of it where a parameter is swept', &
-                               'trial', put_problem), &
-            precision_column_t('method', '', 'method', 'trial', put_method), &
-            precision_column_t('formulation', '', 'formulation of the equations of motion', 'trial', put_formulation), &
+                               'trial', put_problem, words=.true.), &
+            precision_column_t('method', '', 'method', 'trial', put_method, words=.true.), &
+            precision_column_t('formulation', '', 'formulation of the equations of motion', &
+                               'trial', put_formulation, words=.true.), &
             precision_column_t('setting', '', 'relative tolerance, or number of steps of fixed size', &
-                               'trial', put_setting), &
+                               'trial', put_setting, words=.true.), &
             precision_column_t('orientation_error', 'rad', 'rotation angle from the reference attitude at the end', &
                                'errors', put_orientation_error), &
             precision_column_t('tip_error', '', 'distance of the axis tip from that of the reference at the end', &
@@ -71,7 +74,7 @@ contains
                                'cost', put_time_s), &
             precision_column_t('energy_error', '', 'largest energy error over (kinetic at start + m g |r|)', &
                                'errors', put_energy_error), &
-            precision_column_t('status', '', 'status of the run', 'status', put_status), &
+            precision_column_t('status', '', 'status of the run', 'status', put_status, words=.true.), &
             precision_column_t('tip_error_max', '', 'largest distance of the axis tip from that of the reference', &
                                'errors', put_tip_error_max), &
             precision_column_t('jacobians', '', 'Jacobian evaluations', 'cost', put_jacobians), &
@@ -103,16 +106,16 @@ contains
                                'angles', put_psi_rate_error_max), &
             precision_column_t('inherent_error', 'rad', 'error of the attitude due to rounding of the data', &
                                'errors', put_inherent_error), &
-            precision_column_t('reference', '', 'reference of the comparison', 'reference', put_reference), &
+            precision_column_t('reference', '', 'reference of the comparison', 'reference', put_reference, words=.true.), &
             precision_column_t('reference_error', 'rad', 'difference between two computations of the reference', &
                                'reference', put_reference_error), &
             precision_column_t('reference_check', 'rad', &
                                'difference between the reference and an independent computation', &
                                'reference', put_reference_check), &
             precision_column_t('front', '', 'yes: no other numerical method is both faster and more accurate', &
-                               'choice', put_front), &
+                               'choice', put_front, words=.true.), &
             precision_column_t('auto', '', "yes: method = 'auto' takes this method at this tolerance", &
-                               'choice', put_auto)]
+                               'choice', put_auto, words=.true.)]
     end function precision_columns
 
     !> Looks at a row of the problem.

@@ -33,6 +33,8 @@ module spintop_stability_columns
     type, extends(study_column_t) :: stability_column_t
         !> Adds the cell of the column to those of a row.
         procedure(put_i), pointer, nopass :: put => null()
+        !> Its cells are words, not numbers.
+        logical :: words = .false.
     end type stability_column_t
 
     abstract interface
@@ -51,10 +53,11 @@ contains
     function stability_columns() result(columns)
         type(stability_column_t), allocatable :: columns(:)
         columns = [ &
-            stability_column_t('case', '', 'case of the catalogue', 'trial', put_case), &
-            stability_column_t('method', '', 'method', 'trial', put_method), &
-            stability_column_t('formulation', '', 'formulation of the equations of motion', 'trial', put_formulation), &
-            stability_column_t('verdict', '', 'verdict on the computed motion', 'verdict', put_verdict), &
+            stability_column_t('case', '', 'case of the catalogue', 'trial', put_case, words=.true.), &
+            stability_column_t('method', '', 'method', 'trial', put_method, words=.true.), &
+            stability_column_t('formulation', '', 'formulation of the equations of motion', &
+                               'trial', put_formulation, words=.true.), &
+            stability_column_t('verdict', '', 'verdict on the computed motion', 'verdict', put_verdict, words=.true.), &
             stability_column_t('orientation_error', 'rad', 'largest rotation angle from the reference attitude', &
                                'errors', put_orientation_error), &
             stability_column_t('tip_error', '', 'largest distance of the axis tip from that of the reference', &
@@ -73,17 +76,17 @@ contains
             stability_column_t('rejected', '', 'rejected steps', 'cost', put_rejected), &
             stability_column_t('evaluations', '', 'RHS evaluations', 'cost', put_evaluations), &
             stability_column_t('time_s', 's', 'computing time', 'cost', put_time_s), &
-            stability_column_t('status', '', 'status of the run', 'verdict', put_status), &
+            stability_column_t('status', '', 'status of the run', 'verdict', put_status, words=.true.), &
             stability_column_t('t', 's', 'time reached', 'verdict', put_t), &
             stability_column_t('upright_growth', '1/s', &
                                'largest growth rate of the symmetric top sleeping upright with this spin', &
                                'growth', put_upright_growth), &
             stability_column_t('lyapunov_exponent', '1/s', 'mean growth rate of perturbations over the span', &
                                'growth', put_lyapunov_exponent), &
-            stability_column_t('reference', '', 'reference of the comparison', 'reference', put_reference), &
+            stability_column_t('reference', '', 'reference of the comparison', 'reference', put_reference, words=.true.), &
             stability_column_t('reference_error', 'rad', 'difference between two computations of the reference', &
                                'reference', put_reference_error), &
-            stability_column_t('reason', '', 'reason of the verdict', 'verdict', put_reason)]
+            stability_column_t('reason', '', 'reason of the verdict', 'verdict', put_reason, words=.true.)]
     end function stability_columns
 
     !> Adds a row of all columns.

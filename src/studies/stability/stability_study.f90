@@ -26,6 +26,7 @@ module spintop_stability_study
     contains
         procedure, nopass :: info
         procedure, nopass :: columns
+        procedure :: holds_words
         procedure :: cases
         procedure :: check
         procedure :: explain
@@ -49,6 +50,17 @@ contains
         allocate (known, source=stability_columns())
         columns = known%study_column_t
     end function columns
+
+    !> Whether the cells of a column are words.
+    logical function holds_words(self, place)
+        class(stability_study_t), intent(in) :: self
+        integer, intent(in) :: place !! index of the column in the list of all columns
+        type(stability_column_t), allocatable :: known(:)
+        associate (unused => self)
+        end associate
+        allocate (known, source=stability_columns())
+        holds_words = known(place)%words
+    end function holds_words
 
     !> Number of cases.
     integer(int64) function cases(self, job)

@@ -42,6 +42,7 @@ module spintop_sweep_study
     contains
         procedure, nopass :: info
         procedure, nopass :: columns
+        procedure :: holds_words
         procedure :: check
         procedure :: explain
         procedure :: run
@@ -71,6 +72,17 @@ contains
         allocate (known, source=sweep_columns())
         columns = known%study_column_t
     end function columns
+
+    !> Whether the cells of a column are words.
+    logical function holds_words(self, place)
+        class(sweep_study_t), intent(in) :: self
+        integer, intent(in) :: place !! index of the column in the list of all columns
+        type(sweep_column_t), allocatable :: known(:)
+        associate (unused => self)
+        end associate
+        allocate (known, source=sweep_columns())
+        holds_words = known(place)%is_class .or. known(place)%is_proof
+    end function holds_words
 
     !> Plans the first case; the others are made during the run.
     subroutine check(self, job, problems, diagnostics)

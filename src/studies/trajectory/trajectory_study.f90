@@ -25,6 +25,7 @@ module spintop_trajectory_study
     contains
         procedure, nopass :: info
         procedure, nopass :: columns
+        procedure :: holds_words
         procedure :: check
         procedure :: explain
         procedure :: run
@@ -50,6 +51,17 @@ contains
         allocate (known, source=trajectory_columns())
         columns = known%study_column_t
     end function columns
+
+    !> Whether the cells of a column are words.
+    logical function holds_words(self, place)
+        class(trajectory_study_t), intent(in) :: self
+        integer, intent(in) :: place !! index of the column in the list of all columns
+        type(trajectory_column_t), allocatable :: known(:)
+        associate (unused => self)
+        end associate
+        allocate (known, source=trajectory_columns())
+        holds_words = known(place)%is_proof
+    end function holds_words
 
     !> Plans the motion.
     subroutine check(self, job, problems, diagnostics)

@@ -1,0 +1,136 @@
+"""scripts/run on every supplied input: its exit code, its tables, its figures.
+
+Studies of methods are computed with fewer settings, and the largest sweep with fewer cases.
+"""
+
+import subprocess
+import sys
+import unittest
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import NamedTuple
+
+sys.dont_write_bytecode = True
+TESTS = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TESTS / "program"), str(TESTS.parent / "python")]
+
+from program_test import (  # noqa: E402
+    COMPARISONS,
+    FAILING,
+    INPUTS,
+    LARGEST,
+    NEEDS_FLINT,
+    ROOT,
+    TableChecks,
+)
+from spintop_figures.registry import FIGURES  # noqa: E402
+from spintop_figures.tables.table import read_table  # noqa: E402
+from spintop_figures.tables.words import words_of  # noqa: E402
+
+FOLDER = "deep/er/fold er"
+WITHOUT_FIGURES = {
+    "benchmarks": "a list of figures of others",
+    "intermediate_axis": "its columns are those that one looks at beside the exact period",
+    "long_drift": "its figure compares it with other methods",
+    "recommendation": "its problems are more than fit a page",
+}
+"""Inputs to whose tables no figure belongs, and why."""
+NO_FIGURE = ": no figure belongs to its columns"
+FAILED, REFUSED = 3, 2
+
+
+class Group(NamedTuple):
+    """Inputs that run together, with their settings and their exit code."""
+
+    inputs: list[Path]
+    settings: tuple[str, ...] = ()
+    code: int = 0
+
+    def run(self, folder: Path) -> subprocess.CompletedProcess:
+        """Run the script."""
+        settings = [word for setting in self.settings for word in ("--set", setting)]
+        command = [ROOT / "scripts/run", "--quiet", "-o", FOLDER, *settings, *self.inputs]
+        return subprocess.run(
+            command, cwd=folder, capture_output=True, text=True, timeout=1200, check=False
+        )
+
+
+def group_all() -> list[Group]:
+    """All inputs in groups, the longest first."""
+    everything = sorted((ROOT / "input").glob("*.nml"))
+    texts = {path: path.read_text(encoding="utf-8") for path in everything}
+    studies = {kind: [path for path in everything if kind in texts[path]] for kind in COMPARISONS}
+    few = "repeats=1", "tolerances=1e-4,1e-8", "steps=200,400"
+    apart = {*FAILING, LARGEST, *NEEDS_FLINT}
+    return [
+        Group([path for path in INPUTS if path.stem not in apart]),
+        Group(studies["kind = 'work_precision'"], tuple(f"work_precision.{one}" for one in few)),
+        Group(studies["kind = 'benchmark'"]),
+        Group(
+            studies["kind = 'stability'"],
+            ("stability.cases=slow_top,sleeping_above", "stability.methods=rk4,taylor,dop853"),
+        ),
+        Group([path for path in everything if path.stem == LARGEST], ("sweep.count=30000",)),
+        Group([path for path in everything if path.stem in FAILING], code=FAILED),
+        Group([path for path in everything if path.stem in NEEDS_FLINT]),
+    ]
+
+
+def names_of_figures(stem: str) -> set[str]:
+    """The figures that an input can have."""
+    beside = ("", ".events", ".residuals", ".statistics")
+    return {f"{stem}{ending}_{kind.name}.png" for ending in beside for kind in FIGURES}
+
+
+class AllInputsTest(TableChecks):
+    """Every input that comes with the program."""
+
+    def test_all(self) -> None:
+        """Two groups at a time; then their tables, their figures and the kinds of columns."""
+        groups = group_all()
+        inputs = [path for group in groups for path in group.inputs]
+        self.assertEqual(sorted(inputs), sorted((ROOT / "input").glob("*.nml")))
+        with ThreadPoolExecutor(2) as pool:
+            results = list(pool.map(lambda group: group.run(self.folder), groups))
+        if "FLINT" in results[-1].stderr:  # which this build does not have
+            self.assertEqual(results.pop().returncode, REFUSED)
+            groups.pop()
+        drawn = {path.name for path in (self.folder / FOLDER).glob("*.png")}
+        for group, result in zip(groups, results, strict=True):
+            with self.subTest(group.inputs[0].stem):
+                self.assertEqual(result.returncode, group.code, result.stderr)
+                told = [line for line in result.stderr.splitlines() if "scripts/plot: " in line]
+                self.assertEqual([line for line in told if not line.endswith(NO_FIGURE)], [])
+            for path in group.inputs:
+                with self.subTest(path.stem):
+                    figures = names_of_figures(path.stem) & drawn
+                    self.assertEqual(not figures, path.stem in WITHOUT_FIGURES)
+        for path in (self.folder / FOLDER).glob("*.png"):
+            self.assertGreater(path.stat().st_size, 5000)
+            self.assertGreater(path.with_suffix(".svg").stat().st_size, 5000)
+        self.check_words([path for group in groups[1:4] for path in group.inputs])
+        known = {path.stem for path in INPUTS} | {path.stem for path in groups[-1].inputs}
+        for path in (self.folder / FOLDER).glob("*.csv"):
+            if path.stem.split(".")[0] not in known:
+                path.unlink()
+        self.check_tables(
+            [path for path in inputs if path.stem in known and path.stem not in NEEDS_FLINT],
+            FOLDER,
+            "".join(result.stdout for result in results),
+        )
+
+    def check_words(self, scenes: list[Path]) -> None:
+        """Columns of words, as the registry has them, hold words; all others hold numbers."""
+        seen: dict[str, bool] = {}
+        for scene in scenes:
+            table = read_table(self.folder / FOLDER / f"{scene.stem}.csv")
+            words = words_of(table.kind)
+            for name in table.rows:
+                self.assertEqual(table.numeric(name), name not in words, f"{scene.stem}: {name}")
+                if name in words:
+                    seen[name] = seen.get(name, False) or table.has_words(name)
+        self.assertEqual([name for name, is_word in seen.items() if not is_word], [])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,146 @@
+"""Tests of scripts/plot under settings of others, and on tables that another program has saved.
+
+Whatever is wrong is told in a line that names the cause; nothing ends in a traceback.
+"""
+
+import os
+import sys
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+TESTS = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
+
+from plot_case import TableCase, a_sweep, a_trajectory  # noqa: E402
+from spintop_figures.moving.data import lines_of  # noqa: E402
+from spintop_figures.tables.table import TableError, read_table  # noqa: E402
+
+NO_BREAK = ("\N{NO-BREAK SPACE}", "\N{NARROW NO-BREAK SPACE}", "\N{FIGURE SPACE}")
+KINDS = {"trajectory": a_trajectory(), "sweep": a_sweep()}
+
+
+class SettingsTest(TableCase):
+    """The environment and matplotlib's settings."""
+
+    def draw(self, name: str = "a.csv", **environment: str) -> None:
+        """A figure is drawn, and its files are named."""
+        path = self.put(name, a_trajectory())
+        done = self.plot("--figure", "angles", path, **environment)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        names = [f"{path.with_suffix('')}_angles.{ending}" for ending in ("png", "svg")]
+        self.assertEqual(os.fsencode(done.stdout).splitlines(), list(map(os.fsencode, names)))
+
+    def test_backend(self) -> None:
+        """The backend of a notebook, or one that does not exist."""
+        self.draw(MPLBACKEND="module://matplotlib_inline.backend_inline")
+        self.draw(MPLBACKEND="nothing")
+
+    def test_latex(self) -> None:
+        """LaTeX is asked for, and is not there, or fails."""
+        (self.folder / "matplotlibrc").write_text("text.usetex: True\n", encoding="utf-8")
+        programs = self.folder / "programs"
+        programs.mkdir()
+        settings = {"MATPLOTLIBRC": str(self.folder), "PATH": str(programs)}
+        self.draw(**settings)
+        for name in ("latex", "dvipng"):
+            (programs / name).write_text("#!/bin/sh\necho wrong; exit 1\n", encoding="utf-8")
+            (programs / name).chmod(0o755)
+        path = self.put("b.csv", a_trajectory())
+        cache = {"MPLCONFIGDIR": str(self.folder / "cache"), "PATH": f"{programs}:/usr/bin:/bin"}
+        done = self.plot("--figure", "angles", path, **(settings | cache))
+        self.assertEqual(done.returncode, 2)
+        self.assertRegex(done.stderr, r"angles figure cannot be drawn: latex was not able")
+        self.assertNotIn("Traceback", done.stderr)
+
+    def test_broken_settings(self) -> None:
+        """Settings that cannot be read."""
+        (self.folder / "matplotlibrc").write_bytes(b"font.size: \xff\xfe\n")
+        path = self.put("a.csv", a_trajectory())
+        done = self.plot(path, MATPLOTLIBRC=str(self.folder))
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertIn("scripts/plot: matplotlib cannot be loaded", done.stderr)
+        self.assertNotIn("Traceback", done.stderr)
+
+    def test_encoding(self) -> None:
+        """Names that the encoding of the output does not have."""
+        for encoding in ("ascii", "ascii:strict", "latin-1:strict"):
+            self.draw("Kreisel für Łódź.csv", PYTHONIOENCODING=encoding)
+
+
+class SavedTest(TableCase):
+    """Tables that an editor or a spreadsheet has saved."""
+
+    def complaint(self, text: str | bytes) -> str:
+        """What is said of a table."""
+        path = self.folder / "a.csv"
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        code, said = self.call("-o", self.folder, path)
+        self.assertEqual(code, 2)
+        self.assertEqual(said.count("\n"), 1, said)
+        with self.assertRaises(TableError):
+            read_table(path)
+        return said
+
+    def test_taken(self) -> None:
+        """A mark of UTF-8 and other ends of lines change nothing."""
+        for kind, text in KINDS.items():
+            first = read_table(self.put("first.csv", text))
+            ends = {end: text.replace("\n", end) for end in ("\r\n", "\r", "\n")}
+            for name, changed in {**ends, "mark": f"\ufeff{text}"}.items():
+                with self.subTest(kind, change=name):
+                    path = self.folder / "again.csv"
+                    path.write_bytes(changed.encode())
+                    again = read_table(path)
+                    self.assertEqual(again.header, first.header)
+                    self.assertTrue(again.rows.equals(first.rows))
+                    self.assertEqual(lines_of(again), lines_of(first))
+
+    def test_encodings(self) -> None:
+        """Other encodings are named."""
+        for kind, text in KINDS.items():
+            for encoding in ("utf-16", "utf-16-be", "utf-32"):
+                with self.subTest(kind, encoding=encoding):
+                    mark = "\ufeff" if encoding.endswith("be") else ""
+                    said = self.complaint((mark + text).encode(encoding))
+                    self.assertIn(f"is a text in {encoding[:6].upper()}", said)
+
+    def test_separators(self) -> None:
+        """Semicolons, also with decimal commas, and tabs."""
+        for kind, text in KINDS.items():
+            lines = text.split("\n")
+            rows = "\n".join(
+                line if line.startswith("#") else line.replace(",", ";").replace(".", ",")
+                for line in lines
+            )
+            for changed, name in (
+                (text.replace(",", ";"), "semicolons"),
+                (rows, "semicolons"),
+                (text.replace(",", "\t"), "tabs"),
+            ):
+                with self.subTest(kind, name=name):
+                    self.assertIn(f"are separated by {name}", self.complaint(changed))
+
+    def test_header(self) -> None:
+        """Quotes around its lines, and lines before it."""
+        for kind, text in KINDS.items():
+            with self.subTest(kind):
+                quoted = "\n".join(
+                    f'"{line}";;' if line.startswith("#") else line for line in text.split("\n")
+                )
+                self.assertIn("its header is in quotes", self.complaint(quoted))
+                self.assertIn("its first line is empty", self.complaint(f"\n{text}"))
+
+    def test_spaces(self) -> None:
+        """No-break spaces in the header, in a name and in a number; spaces around names."""
+        for kind, text in KINDS.items():
+            name = {"trajectory": ",theta,", "sweep": ",delta_u,"}[kind]
+            for space in NO_BREAK:
+                with self.subTest(kind, space=space):
+                    said = self.complaint(text.replace("# ", f"#{space}"))
+                    self.assertIn("has no-break spaces", said)
+                    said = self.complaint(text.replace(name, f",{name[1:-1]}{space},"))
+                    self.assertRegex(said, r"the name of column \d+ has a no-break space")
+                    said = self.complaint(text.replace(",0.5,", f",0{space}.5,"))
+                    self.assertRegex(said, r"line \d+: .* is no number: it has a no-break space")
+            said = self.complaint(text.replace(name, f", {name[1:]}"))
+            self.assertRegex(said, r"the name of column \d+ has a space")

@@ -30,7 +30,7 @@ def install_from_pypi() -> None:
     attempt(sys.executable, "-m", "venv", "--clear", VENV)
     python = VENV / "bin/python"
     pip = (python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check")
-    attempt(*pip, "--requirement", REQUIREMENTS)
+    attempt(*pip, "--no-deps", "--require-hashes", "--requirement", REQUIREMENTS)
     if subprocess.run([python, "-c", "import numpy"], check=False).returncode == 0:
         shutil.copy(REQUIREMENTS, done)
 

@@ -14,6 +14,7 @@ struct crc32 {
 };
 
 void spintop_add_to_crc32(struct crc32 *self, const char *bytes, long long count);
+void spintop_add_reals_to_crc32(struct crc32 *self, const double *values, long long count);
 
 enum { polynomial = (int)0xEDB88320u, tables = 8 };
 
@@ -95,13 +96,20 @@ static int64_t lines_in(const char *bytes, long long count, int in_line) {
     return lines;
 }
 
-void spintop_add_to_crc32(struct crc32 *self, const char *bytes, long long count) {
-    const unsigned char *const first = (const unsigned char *)bytes;
-    const size_t whole = can_fold((size_t)count) ? (size_t)count / stripe * stripe : 0;
-    if (count == 0) return;
+static void add(struct crc32 *self, const unsigned char *bytes, size_t count) {
+    const size_t whole = can_fold(count) ? count / stripe * stripe : 0;
     self->state = ~self->state;
-    if (whole > 0) self->state = by_folding(self->state, first, whole);
-    self->state = ~by_tables(self->state, first + whole, (size_t)count - whole);
+    if (whole > 0) self->state = by_folding(self->state, bytes, whole);
+    self->state = ~by_tables(self->state, bytes + whole, count - whole);
+}
+
+void spintop_add_reals_to_crc32(struct crc32 *self, const double *values, long long count) {
+    add(self, (const unsigned char *)values, (size_t)count * sizeof *values);
+}
+
+void spintop_add_to_crc32(struct crc32 *self, const char *bytes, long long count) {
+    if (count == 0) return;
+    add(self, (const unsigned char *)bytes, (size_t)count);
     self->lines += lines_in(bytes, count, self->in_line);
     self->in_line = bytes[count - 1] != '\n';
 }

@@ -5,10 +5,10 @@ module spintop_merge
     use spintop_files, only: input_file_t
     use spintop_interrupted_run, only: refuse_to_discard_idle
     use spintop_netcdf_file, only: is_netcdf, netcdf_file_t
-    use spintop_netcdf_table, only: head_of_netcdf, netcdf_table_t
+    use spintop_netcdf_table, only: end_problem, head_of_netcdf, netcdf_table_t
     use spintop_row_block, only: row_block_t
     use spintop_shard, only: read_shard_line, shard_t
-    use spintop_table_end, only: check_table, table_check_t
+    use spintop_table_end, only: check_table, table_check_t, table_end_t
     use spintop_table_file, only: table_file_t
     use spintop_table_head, only: check_format, compare_heads, first_line_of, is_dated, read_head
     use spintop_text, only: append, string_t, to_text
@@ -72,6 +72,8 @@ contains
         type(netcdf_table_t) :: table
         type(row_block_t) :: block
         type(error_t), allocatable :: ignored
+        type(table_end_t) :: ending
+        character(:), allocatable :: problem
         integer(int64) :: first
         integer :: i, rows
 
@@ -82,14 +84,21 @@ contains
                 table%description%part = ''
                 call table%start(path, head, .false., .false., error)
             end if
+            ending = table_end_t()
             do first = 1, part%room, rows_at_once
                 if (allocated(error)) exit
                 rows = int(min(int(rows_at_once, int64), part%room - first + 1))
                 call block%reserve(size(part%description%columns), rows)
                 call part%get(first, block%cells(:, :rows), error)
                 block%rows = rows
-                if (.not. allocated(error)) call table%put(block, error)
+                if (allocated(error)) exit
+                call ending%add_cells(block%cells(:, :rows))
+                call table%put(block, error)
             end do
+            if (.not. allocated(error)) then
+                problem = end_problem(parts(part_at(i))%text, part, ending)
+                if (problem /= '') error = input_error('cannot merge ' // problem)
+            end if
             call part%close(ignored)
             if (allocated(error)) exit
         end do

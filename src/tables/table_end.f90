@@ -5,10 +5,12 @@
 !>     0,0.3
 !>     # status: ok
 !>     # end: 1 rows, CRC-32 9C2E1F05
+!>
+!> The attribute `end` of a NetCDF table says the same of its rows as numbers of 64 bits, row by row.
 module spintop_table_end
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_checksum, only: checksum_width
-    use spintop_crc32, only: add_to_crc32, crc32_t, crc32_text
+    use spintop_crc32, only: add_reals_to_crc32, add_to_crc32, crc32_t, crc32_text
     use spintop_errors, only: error_t
     use spintop_files, only: input_file_t, read_file
     use spintop_kinds, only: dp
@@ -16,7 +18,7 @@ module spintop_table_end
     use spintop_text, only: abbreviate, to_text
     implicit none
     private
-    public :: table_end_t, table_check_t, check_table, check_table_text
+    public :: table_end_t, table_check_t, check_table, check_table_text, place_of_summary
 
     character, parameter :: nl = new_line('a')
     character(*), parameter :: key = '# end: ', between = ' rows, CRC-32 '
@@ -29,8 +31,12 @@ module spintop_table_end
         logical :: in_head = .true., in_line = .false.
         !> Of the lines before the names, and of the rest.
         type(crc32_t) :: head, crc
+        !> Rows that were added as numbers.
+        integer(int64) :: of_numbers = 0
     contains
         procedure :: add
+        procedure :: add_cells
+        procedure :: summary
         procedure :: checksum
         procedure :: rows
         procedure :: line
@@ -74,7 +80,7 @@ contains
     !> Number of rows so far.
     pure integer(int64) function rows(self)
         class(table_end_t), intent(in) :: self
-        rows = max(0_int64, self%crc%lines - 1)
+        rows = max(0_int64, self%crc%lines - 1) + self%of_numbers
     end function rows
 
     !> A checksum of all bytes so far, for a journal.
@@ -88,8 +94,31 @@ contains
     function line(self)
         class(table_end_t), intent(in) :: self
         character(:), allocatable :: line
-        line = key // to_text(self%rows()) // between // crc32_text(self%crc) // nl
+        line = key // self%summary() // nl
     end function line
+
+    !> Adds rows of numbers.
+    subroutine add_cells(self, cells)
+        class(table_end_t), intent(inout) :: self
+        real(dp), intent(in), contiguous :: cells(:, :) !! the cell of column i in row k is `cells(i, k)`
+        call add_reals_to_crc32(self%crc, cells)
+        self%of_numbers = self%of_numbers + size(cells, 2)
+    end subroutine add_cells
+
+    !> The number of rows, and their checksum.
+    function summary(self)
+        class(table_end_t), intent(in) :: self
+        character(:), allocatable :: summary
+        summary = to_text(self%rows()) // between // crc32_text(self%crc)
+    end function summary
+
+    !> As long as the summary of a table with these rows, to keep its place.
+    function place_of_summary(rows) result(place)
+        integer(int64), intent(in) :: rows !! number of rows
+        character(:), allocatable :: place
+        type(crc32_t) :: nothing
+        place = to_text(rows) // between // crc32_text(nothing)
+    end function place_of_summary
 
     !> Begins to check a table.
     subroutine begin(self)

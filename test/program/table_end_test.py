@@ -165,6 +165,34 @@ class TableEndTest(StudyCase):
             self.check_end(self.folder / "all.csv")
             (self.folder / "all.csv").unlink()
 
+    def test_netcdf(self) -> None:
+        """The attribute of a NetCDF table; one that was changed is refused by all that read it."""
+        for kind in ("sweep_netcdf", "sweep_packed", "trajectory_netcdf"):
+            if self.run_study(kind, code=None).returncode:
+                self.skipTest("no NetCDF")
+            path = self.folder / f"output/{kind}.nc"
+            self.run_study(kind, "--resume")
+            if kind == "sweep_packed":  # which takes a library to be read
+                continue
+            self.assertEqual(read_table(path).note, "")
+            changed = bytearray(path.read_bytes())
+            changed[-3] ^= 1
+            path.write_bytes(changed)
+            with self.assertRaisesRegex(TableError, "was changed after it was written"):
+                read_table(path)
+            said = self.run_study(kind, "--resume", code=2).stderr
+            self.assertIn("was changed after it was written", said)
+        for part in ("1/2", "2/2"):
+            self.run_study("sweep_netcdf", "--shard", part)
+        names = [f"output/sweep_netcdf.{i}-of-2.nc" for i in (1, 2)]
+        self.assertEqual(self.run_program("merge", "all.nc", *names).returncode, 0)
+        self.assertEqual(read_table(self.folder / "all.nc").note, "")
+        path = self.folder / names[1]
+        path.write_bytes(path.read_bytes()[:-8] + bytes(8))
+        result = self.run_program("merge", "all.nc", *names)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn("was changed after it was written", result.stderr)
+
     def test_readers(self) -> None:
         """Python and the program refuse what was changed, and read what has no such line."""
         for kind in ("sweep", "trajectory"):

@@ -95,14 +95,19 @@ def read_netcdf(path: Path) -> tuple[Attributes, dict[str, Variable]]:
     return attributes, variables
 
 
-def cells_of(variable: Variable, grid: Variable) -> np.ndarray:
-    """The cells of a column in the order of the cases, which `grid` has all: numbers or words."""
+def along(variable: Variable, grid: Variable) -> np.ndarray:
+    """The values of a column in the order of the cases, which `grid` has all."""
     values = variable.values
     if variable.dimensions != grid.dimensions:
-        along = grid.dimensions.index(variable.dimensions[0])
-        shape = [-1 if i == along else 1 for i in range(grid.values.ndim)]
+        axis = grid.dimensions.index(variable.dimensions[0])
+        shape = [-1 if i == axis else 1 for i in range(grid.values.ndim)]
         values = np.broadcast_to(values.reshape(shape), grid.values.shape)
-    values = values.reshape(-1)
+    return values.reshape(-1)
+
+
+def cells_of(variable: Variable, grid: Variable) -> np.ndarray:
+    """The cells of a column in the order of the cases, which `grid` has all: numbers or words."""
+    values = along(variable, grid)
     if "flag_values" in variable.attributes:
         return np.array(str(variable.attributes["flag_meanings"]).split())[values]
     if "flag_masks" in variable.attributes:

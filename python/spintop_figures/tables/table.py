@@ -11,11 +11,12 @@ import pandas as pd
 
 from spintop_figures.tables.causes import TableError, changed_header, plain
 from spintop_figures.tables.characters import printable
-from spintop_figures.tables.ending import problem_of_text
+from spintop_figures.tables.ending import problem_of_cells, problem_of_text
 from spintop_figures.tables.netcdf import (
     Attributes,
     FormatError,
     Variable,
+    along,
     cells_of,
     is_netcdf4,
     read_netcdf,
@@ -147,6 +148,7 @@ def table_of_netcdf(path: Path, attributes: Attributes, variables: dict[str, Var
         raise TableError("is no table of spintop: its attributes name no program")
     texts = {key: str(value) for key, value in attributes.items()}
     check_format(texts)
+    said = texts.pop("end", "")
     lines = [printable(line) for line in texts.pop("input", "").split("\n")]
     resolved = "\n".join(lines)
     header = {key: printable(text) for key, text in texts.items()}
@@ -159,11 +161,14 @@ def table_of_netcdf(path: Path, attributes: Attributes, variables: dict[str, Var
     if grid.values.size == 0:
         raise TableError("has no rows" + (f" (status: {status})" if status else ""))
     stride = stride_of(settings, list(columns), grid.values.size)
+    if problem := said and problem_of_cells(said, [along(each, grid) for each in columns.values()]):
+        raise TableError(problem)
     cells = {name: cells_of(column, grid) for name, column in columns.items()}
     rows = pd.DataFrame({name: native(column[::stride]) for name, column in cells.items()})
     units = {name: attribute(column, "units") for name, column in columns.items()}
     meanings = {name: attribute(column, "long_name") for name, column in columns.items()}
-    return Table(path, header, settings, units, meanings, rows, status, stride, resolved)
+    note = "" if said else NOTE
+    return Table(path, header, settings, units, meanings, rows, status, stride, resolved, (), note)
 
 
 def table_of_statistics(

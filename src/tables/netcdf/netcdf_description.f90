@@ -24,6 +24,8 @@ module spintop_netcdf_description
         !> The line that names a part of a sweep; '' if the file contains the whole. The rows of a part are no grid: they
         !> are stored along one dimension, and the axes are those of the whole.
         character(:), allocatable :: part
+        !> What a file says of the end of its rows (spintop_table_end); '' if nothing.
+        character(:), allocatable :: ending
         !> Level of the compression, 0 to 9: a file in the format NetCDF-4. Without one (-1) it has the classic format.
         integer :: compression = -1
     contains

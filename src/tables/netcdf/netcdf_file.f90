@@ -18,6 +18,9 @@ module spintop_netcdf_file
     private
     public :: netcdf_file_t, has_netcdf, has_compression, is_netcdf, close_netcdf, confirm_netcdf
 
+    !> Name of the attribute that says how many rows there are, and their checksum.
+    character(*), parameter :: end_key = 'end'
+
     !> An open file.
     type :: netcdf_file_t
         type(netcdf_description_t) :: description
@@ -39,6 +42,7 @@ module spintop_netcdf_file
         procedure :: put
         procedure :: get
         procedure :: flush => flush_file
+        procedure :: seal
         procedure :: close => close_file
     end type netcdf_file_t
 
@@ -91,6 +95,13 @@ module spintop_netcdf_file
             real(dp), intent(out) :: cells(:, :) !! the rows, as in `put`
             type(error_t), allocatable, intent(out) :: error !! not allocated on success
         end subroutine get
+
+        !> Has the file say how many rows there are, and their checksum, when it has all of them.
+        module subroutine seal(self, summary, error)
+            class(netcdf_file_t), intent(inout) :: self
+            character(*), intent(in) :: summary !! that of spintop_table_end
+            type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        end subroutine seal
 
         !> Passes all rows to the system.
         module subroutine flush_file(self, error)

@@ -47,6 +47,12 @@ contains
         error = output_error(reason)
     end procedure get
 
+    module procedure seal
+        associate (unused => self, also_unused => summary)
+        end associate
+        error = output_error(reason)
+    end procedure seal
+
     module procedure flush_file
         associate (unused => self)
         end associate

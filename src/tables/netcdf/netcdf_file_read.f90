@@ -85,6 +85,7 @@ contains
 
         allocate (description%facts(0), description%input(0), description%axes(0))
         description%part = ''
+        description%ending = ''
         attributes = 0
         n = 0
         if (status == nf90_noerr) status = nf90_inquire(id, nAttributes=attributes)
@@ -99,6 +100,8 @@ contains
                 if (allocated(description%input)) deallocate (description%input)
                 allocate (description%input(count_parts(text, new_line('a'))))
                 call split(text, new_line('a'), description%input)
+            case (end_key)
+                description%ending = text
             case ('part')
                 description%part = text
             case ('grid')

@@ -13,6 +13,7 @@ submodule(spintop_netcdf_file) netcdf_file_written
     use spintop_netcdf_grid, only: find_box, netcdf_name, netcdf_unit, netcdf_word, size_of_chunk
     use spintop_process, only: expect_crash, leave_libraries
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words, table_column_t
+    use spintop_table_end, only: place_of_summary
     use spintop_text, only: join, to_text
     implicit none
 
@@ -60,6 +61,8 @@ contains
         ! Every value is written, so filling the file beforehand would write it twice.
         if (status == nf90_noerr) status = nf90_set_fill(self%id, nf90_nofill, old_mode)
         call add_attributes(self%id, description, status)
+        ! Later no attribute may become longer.
+        call add_text(self%id, nf90_global, end_key, place_of_summary(self%room), status)
         call define_dimensions(self, dimensions, status)
         call define_variables(self, dimensions, status)
         if (status == nf90_noerr) status = nf90_enddef(self%id)
@@ -314,6 +317,10 @@ contains
                               self%pending(row:row + (last - first) * stride:stride, column), &
                               [int(first) + 1], [int(last - first) + 1])
     end subroutine write_coordinate
+
+    module procedure seal
+        call check(self, nf90_put_att(self%id, nf90_global, end_key, summary), error)
+    end procedure seal
 
     module procedure flush_file
         call write_pending(self, error)

@@ -18,10 +18,11 @@ module spintop_netcdf_table
     use spintop_status, only: last_status
     use spintop_status_counts, only: status_of_ending
     use spintop_table_column, only: status_column
+    use spintop_table_end, only: table_end_t
     use spintop_table_file, only: changed_after, part_of
     implicit none
     private
-    public :: netcdf_table_t, head_of_netcdf
+    public :: netcdf_table_t, head_of_netcdf, end_problem
 
     !> Rows that are read at once.
     integer, parameter :: rows_at_once = 4096
@@ -33,8 +34,9 @@ module spintop_netcdf_table
         type(netcdf_file_t), private :: file
         !> Whether the part is that of an earlier run: the library leaves bytes without a meaning at its end.
         logical, private :: is_continued = .false.
-        !> Checksum of the rows.
+        !> Checksum of the rows, and what the file says of them.
         type(checksum_t), private :: checksum
+        type(table_end_t), private :: ending
     contains
         procedure :: format => leave_cells
         procedure :: begin_part
@@ -71,6 +73,7 @@ contains
         of_part = self%description
         of_part%compression = -1
         self%checksum = checksum_t()
+        self%ending = table_end_t()
         call self%file%create(part_of(self%table%path), of_part, error)
     end subroutine begin_part
 
@@ -80,6 +83,7 @@ contains
         type(row_block_t), intent(in) :: block !! rows in their order
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call add_reals_to_checksum(self%checksum, block%cells(:, :block%rows))
+        call self%ending%add_cells(block%cells(:, :block%rows))
         call self%file%put(block%cells(:, :block%rows), error)
     end subroutine put_to_part
 
@@ -102,7 +106,8 @@ contains
 
         problem = ''
         call self%file%open(part_of(self%table%path), .true., error)
-        if (.not. allocated(error)) call walk_rows(self%file, sum(entry%counts), self%checksum, error)
+        if (.not. allocated(error)) call walk_rows(self%file, sum(entry%counts), self%checksum, &
+                                                      self%ending, error)
         if (allocated(error)) return
         self%file%rows = sum(entry%counts)
         self%is_continued = .true.
@@ -114,7 +119,8 @@ contains
         class(netcdf_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         if (self%is_as_wanted()) then
-            call self%file%close(error)
+            call self%file%seal(self%ending%summary(), error)
+            if (.not. allocated(error)) call self%file%close(error)
             if (.not. allocated(error)) call self%confirm(part_of(self%table%path), error)
             if (.not. allocated(error)) call self%table%finish_part(-1_int64, error)
             return
@@ -132,12 +138,14 @@ contains
         type(error_t), allocatable, intent(out) :: error
         type(netcdf_file_t) :: file
         type(checksum_t) :: found
+        type(table_end_t) :: ending
         type(error_t), allocatable :: ignored
 
         call file%open(path, .false., error)
-        if (.not. allocated(error)) call walk_rows(file, self%file%rows, found, error)
+        if (.not. allocated(error)) call walk_rows(file, self%file%rows, found, ending, error)
         if (.not. allocated(error)) then
             if (file%description%head() /= self%description%head()) found = checksum_t()
+            if (file%description%ending /= self%ending%summary()) found = checksum_t()
         end if
         call file%close(ignored)
         if (allocated(error)) then
@@ -161,11 +169,13 @@ contains
         type(netcdf_file_t) :: to
         type(output_file_t) :: output
         type(checksum_t) :: checksum
+        type(table_end_t) :: ending
         type(error_t), allocatable :: problem
 
         call output%create(self%table%path // '.new', error)
         if (.not. allocated(error)) call to%create(output%path, self%description, error)
-        if (.not. allocated(error)) call walk_rows(self%file, self%file%rows, checksum, error, to)
+        if (.not. allocated(error)) call walk_rows(self%file, self%file%rows, checksum, ending, error, to)
+        if (.not. allocated(error)) call to%seal(ending%summary(), error)
         call to%close(problem)
         if (.not. allocated(error)) call move_alloc(problem, error)
         if (.not. allocated(error)) call self%confirm(output%path, error)
@@ -174,11 +184,12 @@ contains
         call output%discard()
     end subroutine convert
 
-    !> Reads the first rows of a file: their checksum; and puts them to another file, if there is one.
-    subroutine walk_rows(from, rows, checksum, error, to)
+    !> Reads the first rows of a file: their checksums; and puts them to another file, if there is one.
+    subroutine walk_rows(from, rows, checksum, ending, error, to)
         type(netcdf_file_t), intent(in) :: from
         integer(int64), intent(in) :: rows
         type(checksum_t), intent(out) :: checksum
+        type(table_end_t), intent(out) :: ending
         type(error_t), allocatable, intent(out) :: error
         type(netcdf_file_t), intent(inout), optional :: to
         real(dp), allocatable :: cells(:, :)
@@ -190,6 +201,7 @@ contains
             if (present(to) .and. .not. allocated(error)) call to%put(cells, error)
             if (allocated(error)) return
             call add_reals_to_checksum(checksum, cells)
+            call ending%add_cells(cells)
             deallocate (cells)
         end do
     end subroutine walk_rows
@@ -243,14 +255,38 @@ contains
         end if
     end subroutine compare_head
 
-    !> Nothing: a file has no last line, and its header has been compared.
+    !> Checks that a file has all its rows, and that they are as they were written.
     subroutine check_complete(path, problem)
         character(*), intent(in) :: path !! path of the file
-        character(:), allocatable, intent(out) :: problem !! ''
-        associate (unused => path)
-        end associate
-        problem = ''
+        character(:), allocatable, intent(out) :: problem !! what is wrong; '' if nothing is
+        type(netcdf_file_t) :: file
+        type(checksum_t) :: checksum
+        type(table_end_t) :: ending
+        type(error_t), allocatable :: error, ignored
+
+        call file%open(path, .false., error)
+        if (.not. allocated(error)) call walk_rows(file, file%room, checksum, ending, error)
+        if (allocated(error)) then
+            problem = error%message
+        else
+            problem = end_problem(path, file, ending)
+        end if
+        call file%close(ignored)
     end subroutine check_complete
+
+    !> How the end that a file names differs from its rows; '' if it does not.
+    function end_problem(path, file, ending) result(problem)
+        character(*), intent(in) :: path !! path of the file
+        type(netcdf_file_t), intent(in) :: file !! the open file
+        type(table_end_t), intent(in) :: ending !! of the rows that were read
+        character(:), allocatable :: problem
+        problem = ''
+        if (file%description%ending == ending%summary()) return
+        problem = path // ' was changed after it was written: its attribute end is "' // file%description%ending // &
+                  '", that of its rows "' // ending%summary() // '"'
+        if (file%description%ending == '') problem = path // ' is not known to be complete: it has no attribute end, as files &
+                                                     &of earlier versions'
+    end function end_problem
 
     !> The header of a file, as a table of text has it.
     subroutine head_of_netcdf(path, head, error)

@@ -1,7 +1,8 @@
 """heyoka: adaptive Taylor series, compiled for the equations; compiling them is not counted.
 
-Constants are numbers in the compiled code, which is not compact and may reorder sums: its fastest
-way.
+Constants are numbers in the compiled code, which is not compact: its fastest way. It is compiled
+with fast_math, which may reorder sums, and without: the methods `heyoka_fast` and `heyoka`. The
+better one of both counts.
 """
 
 import time
@@ -19,7 +20,7 @@ except ImportError:
     heyoka = None
 
 NAME = "heyoka"
-METHODS = ("heyoka",)
+METHODS = ("heyoka", "heyoka_fast")
 FORMULATIONS = ("space_frame", "cayley_klein", "rigid_body")
 DEBIAN: tuple[str, ...] = ()
 SETTING = "tolerance"
@@ -28,7 +29,7 @@ CPU = Path("/proc/cpuinfo")
 WIDE = CPU.exists() and "avx512f" in CPU.read_text(encoding="utf-8")
 """Whether the processor has vectors of eight, which heyoka does not use by itself."""
 SIZE = 8 if WIDE else 4
-BATCHES = (f"heyoka_{SIZE}",)
+BATCHES = (f"heyoka_{SIZE}", f"heyoka_fast_{SIZE}")
 """So many bodies at once; twice as many were no faster, and half as many slower."""
 BATCH_REPEATS = 3
 COMPILED: dict[tuple, object] = {}
@@ -42,12 +43,19 @@ def absence() -> str:
 
 def versions() -> str:
     """What is used."""
-    return f"heyoka {heyoka.__version__} (compact_mode=False, fast_math=True)"
+    return f"heyoka {heyoka.__version__} (compact_mode=False; heyoka_fast: fast_math=True)"
 
 
-def integrator(formulation: str, constants: list[float], tolerance: float) -> object:
+def is_fast(method: str) -> bool:
+    """Whether a method is compiled with fast_math."""
+    return "fast" in method
+
+
+def integrator(
+    formulation: str, constants: list[float], tolerance: float, fast_math: bool
+) -> object:
     """The compiled integrator."""
-    key = (formulation, *constants, tolerance)
+    key = (formulation, *constants, tolerance, fast_math)
     if key not in COMPILED:
         states = heyoka.make_vars(*EQUATIONS[formulation].states)
         rates = python_rates(EQUATIONS[formulation], constants)(0.0, states)
@@ -56,7 +64,7 @@ def integrator(formulation: str, constants: list[float], tolerance: float) -> ob
             [0.0] * len(states),
             tol=max(tolerance, 2.3e-16),
             compact_mode=False,
-            fast_math=True,
+            fast_math=fast_math,
         )
     return COMPILED[key]
 
@@ -65,7 +73,7 @@ def solve(problem: Problem, method: str, formulation: str, setting: float) -> An
     """Solve to a tolerance. A function evaluation is a coefficient of the series, as in spintop."""
     form = EQUATIONS[formulation]
     constants, start = form.start(problem)
-    solver = integrator(formulation, constants, setting)
+    solver = integrator(formulation, constants, setting, is_fast(method))
     found = []
 
     def before() -> None:
@@ -83,7 +91,7 @@ def solve(problem: Problem, method: str, formulation: str, setting: float) -> An
     return Answer(q, seconds, steps, 0, steps * solver.order)
 
 
-def batch_integrator(tolerance: float) -> tuple[object, list[int]]:
+def batch_integrator(tolerance: float, fast_math: bool) -> tuple[object, list[int]]:
     """The compiled integrator of a batch, and which constants it has as parameters.
 
     They are those that differ between the bodies; the others are numbers in the code.
@@ -93,7 +101,7 @@ def batch_integrator(tolerance: float) -> tuple[object, list[int]]:
     constants = list(several[0])
     for place, i in enumerate(varied):
         constants[i] = heyoka.par[place]
-    key = ("batch", tolerance)
+    key = ("batch", tolerance, fast_math)
     if key not in COMPILED:
         states = heyoka.make_vars(*RIGID_BODY.states)
         rates = python_rates(RIGID_BODY, constants)(0.0, states)
@@ -103,7 +111,7 @@ def batch_integrator(tolerance: float) -> tuple[object, list[int]]:
             pars=np.zeros((len(varied), SIZE)),
             tol=max(tolerance, 2.3e-16),
             compact_mode=False,
-            fast_math=True,
+            fast_math=fast_math,
             force_avx512=WIDE,
         )
     return COMPILED[key], varied
@@ -114,7 +122,7 @@ def solve_batch(t_end: float, every: int, method: str, setting: float) -> BatchA
 
     The calls from Python are not counted: their time is that of motions that end at once.
     """
-    solver, varied = batch_integrator(setting)
+    solver, varied = batch_integrator(setting, is_fast(method))
     bodies = [RIGID_BODY.start(problem) for problem in problems(t_end)]
     pars = in_batches([[constants[i] for i in varied] for constants, _ in bodies])
     starts = in_batches([start for _, start in bodies])

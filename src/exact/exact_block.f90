@@ -16,6 +16,7 @@ module spintop_exact_block
     use spintop_exact_pole, only: lanes, largest_nome, place_pole
     use spintop_exact_strip, only: strip_t, find_roots, find_roots_of_moving, find_moduli, &
         find_nome, find_start_phases, find_phases
+    use spintop_pole_passages, only: through_pole
     use spintop_status, only: status_ok, status_bad_input
     implicit none
     private
@@ -226,8 +227,9 @@ contains
                 block%precession_rate(j) = phi_speed
                 block%phi_rate_max(j) = merge(top_rate, bottom_rate, &
                                               abs(top_rate) > abs(bottom_rate))
-                ! The comparison is also false for NaN and infinity.
+                ! Passages through a pole are counted one by one. The comparison is also false for NaN and infinity.
                 strip%doubt(i) = merge(strip%doubt(i), 1.0_dp, q <= largest_nome .and. &
+                    min(strip%sine_min(i), strip%sine_max(i)) > through_pole .and. &
                     abs(strip%sine_min(i) + strip%sine_max(i) + block%delta_u(j) &
                         + block%period(j) + block%precession(j) + block%phi_rate_max(j) &
                         + strip%psi_speed(i)) <= huge(q))

@@ -9,9 +9,11 @@ module spintop_exact_motion
     use spintop_attitude, only: angles_from_quaternion, vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite, is_zero
-    use spintop_given_axes, only: follow_motion, given_axes_t
+    use spintop_given_axes, only: given_axes_t
     use spintop_free_motion, only: free_motion_t, prepare_free_motion
     use spintop_motion, only: motion_t
+    use spintop_pole_passages, only: follow_motion
+    use spintop_poles, only: reach_of
     use spintop_status, only: status_non_finite, status_ok, status_unsuitable
     use spintop_symmetric_motion, only: symmetric_motion_t, prepare_symmetric_motion
     implicit none
@@ -27,6 +29,8 @@ module spintop_exact_motion
         !> rad/s, where they differ from those of the solution.
         type(given_axes_t), private :: given
         real(dp), private :: given_angle(3) = 0, greatest_rate = 0
+        !> The distances, rad, up to which the axis passes through a pole, in both kinds of axes.
+        real(dp), private :: reach(2) = 0
     contains
         procedure :: at
         procedure :: find_angles
@@ -65,7 +69,9 @@ contains
             call prepare_free_motion(body, start, exact%free, status)
             if (status /= status_ok) deallocate (exact%free)
         end if
-        if (status /= status_ok .or. .not. body%given%differ) return
+        if (status /= status_ok .or. .not. (allocated(exact%free) .or. body%given%differ)) return
+        exact%reach = reach_of(body, start)
+        if (.not. body%given%differ) return
         exact%given = body%given
         exact%given_angle = start%given_angle
         exact%greatest_rate = greatest_rate(exact, body, start)
@@ -148,7 +154,7 @@ contains
         integer(int64), intent(inout) :: steps !! work so far, in instants computed before that time
         integer(int64), intent(in) :: most_steps !! bound of `steps`
         !> Rotation in a step, rad, and the smallest fraction of it that is tried where the axis meets a pole.
-        real(dp), parameter :: longest = 0.5_dp, shortest = 1.0e-6_dp
+        real(dp), parameter :: longest = 0.5_dp, shortest = 1.0e-12_dp
         type(motion_t) :: now, next
         real(dp) :: pace, step
         logical :: sure
@@ -183,6 +189,8 @@ contains
         end do
         motion%angle = now%angle
         motion%given_angle = now%given_angle
+        motion%passed = now%passed
+        motion%given_passed = now%given_passed
     end subroutine follow
 
     !> Gives the angles at `next` the turns of those at `now`, and those in between.
@@ -194,12 +202,14 @@ contains
         real(dp) :: angle(3)
         logical :: also_sure
         also_sure = .true.
-        if (self%given%differ) call self%given%follow(now, next, also_sure)
+        if (self%given%differ) call self%given%follow(now, next, self%reach(2), also_sure)
         sure = also_sure
         if (.not. allocated(self%free)) return
         angle = now%angle
-        call follow_motion(now, next, angle, sure)
-        next%angle = angles_from_quaternion(next%quaternion, angle)
+        next%passed = now%passed
+        call follow_motion(now, next, self%reach(1), next%passed, angle, sure)
+        next%angle = angle
+        if (.not. next%passed%arrived) next%angle = angles_from_quaternion(next%quaternion, angle)
         sure = sure .and. also_sure
     end subroutine count_turns
 

@@ -7,6 +7,7 @@ module spintop_nutation
     use spintop_status, only: status_ok, status_non_finite
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
+    use spintop_pole_passages, only: in_pole, through_pole
     use spintop_theta_functions, only: quotient, theta_clock_t
     use spintop_regular_start, only: regular_start_t, find_checked_start
     use spintop_turning_points, only: turning_points_t, find_turning_points
@@ -48,7 +49,7 @@ module spintop_nutation
     type :: nutation_t
         !> One of the class constants.
         integer :: class = class_sleeping
-        !> Whether the axis passes exactly (within the rounding error of the data) through theta = 0, pi.
+        !> Whether the axis passes through theta = 0, pi (spintop_pole_passages).
         logical :: passes_top = .false., passes_bottom = .false.
         !> Turning angles.
         real(dp) :: theta_min = 0, theta_max = 0
@@ -120,8 +121,11 @@ contains
         real(xp) :: rate_at_top, rate_at_bottom
 
         nutation%class = class_of(start, points, motion%regime)
-        nutation%passes_top = reaches_top(start, points) .and. motion%regime /= regime_resting
-        nutation%passes_bottom = reaches_bottom(start) .and. motion%regime /= regime_resting
+        nutation%passes_top = motion%regime /= regime_resting .and. (reaches_top(start, points) .or. &
+            (passes_through(points%one_minus_u2, points%one_minus_u1) &
+             .and. start%beta * points%one_minus_u2 <= points%beta_u3_minus_1))
+        nutation%passes_bottom = motion%regime /= regime_resting .and. (reaches_bottom(start) &
+            .or. passes_through(points%one_plus_u1, points%one_plus_u2))
         nutation%theta_min = inclination(points%one_minus_u2, points%one_plus_u2)
         nutation%theta_max = inclination(points%one_minus_u1, points%one_plus_u1)
         nutation%delta_u = real(points%u2_minus_u1, dp)
@@ -263,6 +267,13 @@ contains
         is_cusp = .not. reaches_top(start, points) .and. abs(start%turn - start%a * points%y2) &
             <= data_rounding * (abs(start%turn) + abs(start%a) * start%sine_squared)
     end function is_cusp
+
+    !> Whether the axis passes through a pole, by the convention of `spintop_pole_passages`: its way is nearly straight and
+    !> misses the pole by no more than `through_pole`.
+    elemental logical function passes_through(nearest, farthest)
+        real(xp), intent(in) :: nearest, farthest !! the least and the largest 1 - u for the pole u = 1, 1 + u for u = -1
+        passes_through = 2 * nearest <= through_pole**2 .and. nearest * in_pole**2 <= farthest
+    end function passes_through
 
     !> Whether the axis passes through theta = 0: b = a within the rounding error of the data, and u2 = 1 (not
     !> u3 = 1, which lies above a motion that turns earlier).

@@ -180,12 +180,12 @@ contains
     end function twice_vector
 
     !> Continues the angles to a later state; the separated spin changes psi by sigma t.
-    pure subroutine follow(self, t_last, y_last, t, y, angle, sure)
+    pure subroutine follow(self, t_last, y_last, t, y, angle, sure, beside)
         class(cayley_klein_t), intent(in) :: self
         real(dp), intent(in) :: t_last, y_last(max_states), t, y(max_states) !! times, s, and states at both ends
         real(dp), intent(inout) :: angle(3)
             !! phi, theta, psi at the earlier state on entry, at the later one on return, rad
-        logical, intent(out) :: sure !! whether the turns are certain
+        logical, intent(out) :: sure, beside !! whether the turns are certain; whether body z is beside a pole then
         real(dp) :: omega_last(3), omega(3), rate(3, 2)
         ! The oscillators have these angles minus sigma t.
         angle(3) = angle(3) - self%sigma * t_last
@@ -194,9 +194,9 @@ contains
         if (may_meet_pole(y_last(1:4), omega_last, y(1:4), omega, t - t_last)) then
             rate(:, 1) = twice_vector(y_last(1:4), self%pair%acceleration(y_last(1:4), 1.0_dp))
             rate(:, 2) = twice_vector(y(1:4), self%pair%acceleration(y(1:4), 1.0_dp))
-            call follow_angles(y_last(1:4), omega_last, y(1:4), omega, t - t_last, angle, sure, rate)
+            call follow_angles(y_last(1:4), omega_last, y(1:4), omega, t - t_last, angle, sure, beside, rate)
         else
-            call follow_angles(y_last(1:4), omega_last, y(1:4), omega, t - t_last, angle, sure)
+            call follow_angles(y_last(1:4), omega_last, y(1:4), omega, t - t_last, angle, sure, beside)
         end if
         angle(3) = angle(3) + self%sigma * t
     end subroutine follow

@@ -197,15 +197,16 @@ contains
     !> Continues angles from one time and state to a later one, so that angles that the state contains only
     !> modulo a turn are continuous. If `sure` is false, states in between are needed. By default the state
     !> contains the angles themselves.
-    pure subroutine keep_angles(self, t_last, y_last, t, y, angle, sure)
+    pure subroutine keep_angles(self, t_last, y_last, t, y, angle, sure, beside)
         class(formulation_t), intent(in) :: self
         real(dp), intent(in) :: t_last, y_last(max_states), t, y(max_states) !! times, s, and states at both ends
         real(dp), intent(inout) :: angle(3)
             !! phi, theta, psi at the earlier state on entry, at the later one on return, rad
-        logical, intent(out) :: sure !! whether the turns are certain
+        logical, intent(out) :: sure, beside !! whether the turns are certain; whether body z is beside a pole then
         associate (unused => self, a => t_last, b => y_last, c => t, d => y, e => angle)
         end associate
         sure = .true.
+        beside = .false.
     end subroutine keep_angles
 
 end module spintop_formulation

@@ -221,12 +221,12 @@ contains
     end function bound_rate
 
     !> Continues the angles to a later state.
-    pure subroutine follow(self, t_last, y_last, t, y, angle, sure)
+    pure subroutine follow(self, t_last, y_last, t, y, angle, sure, beside)
         class(rigid_body_t), intent(in) :: self
         real(dp), intent(in) :: t_last, y_last(max_states), t, y(max_states) !! times, s, and states at both ends
         real(dp), intent(inout) :: angle(3)
             !! phi, theta, psi at the earlier state on entry, at the later one on return, rad
-        logical, intent(out) :: sure !! whether the turns are certain
+        logical, intent(out) :: sure, beside !! whether the turns are certain; whether body z is beside a pole then
         real(dp) :: omega_last(3), omega(3), slope(max_states, 2)
         integer :: status
         omega_last = y_last(5:7) / self%body%inertia
@@ -236,9 +236,9 @@ contains
             call self%derivative(t, y, slope(:, 2), status)
             slope(5:7, 1) = slope(5:7, 1) / self%body%inertia
             slope(5:7, 2) = slope(5:7, 2) / self%body%inertia
-            call follow_angles(y_last(1:4), omega_last, y(1:4), omega, t - t_last, angle, sure, slope(5:7, :))
+            call follow_angles(y_last(1:4), omega_last, y(1:4), omega, t - t_last, angle, sure, beside, slope(5:7, :))
         else
-            call follow_angles(y_last(1:4), omega_last, y(1:4), omega, t - t_last, angle, sure)
+            call follow_angles(y_last(1:4), omega_last, y(1:4), omega, t - t_last, angle, sure, beside)
         end if
     end subroutine follow
 

@@ -174,12 +174,12 @@ contains
     end function with_spin
 
     !> Continues the angles to a later state; the separated spin changes psi by sigma t.
-    pure subroutine follow(self, t_last, y_last, t, y, angle, sure)
+    pure subroutine follow(self, t_last, y_last, t, y, angle, sure, beside)
         class(space_frame_t), intent(in) :: self
         real(dp), intent(in) :: t_last, y_last(max_states), t, y(max_states) !! times, s, and states at both ends
         real(dp), intent(inout) :: angle(3)
             !! phi, theta, psi at the earlier state on entry, at the later one on return, rad
-        logical, intent(out) :: sure !! whether the turns are certain
+        logical, intent(out) :: sure, beside !! whether the turns are certain; whether body z is beside a pole then
         real(dp) :: omega_last(3), omega(3), rate(3, 2)
         ! The attitude without spin has these angles minus sigma t.
         angle(3) = angle(3) - self%sigma * t_last
@@ -188,9 +188,9 @@ contains
         if (may_meet_pole(y_last(3:6), omega_last, y(3:6), omega, t - t_last)) then
             rate(:, 1) = without_spin_rate(self, t_last, y_last)
             rate(:, 2) = without_spin_rate(self, t, y)
-            call follow_angles(y_last(3:6), omega_last, y(3:6), omega, t - t_last, angle, sure, rate)
+            call follow_angles(y_last(3:6), omega_last, y(3:6), omega, t - t_last, angle, sure, beside, rate)
         else
-            call follow_angles(y_last(3:6), omega_last, y(3:6), omega, t - t_last, angle, sure)
+            call follow_angles(y_last(3:6), omega_last, y(3:6), omega, t - t_last, angle, sure, beside)
         end if
         angle(3) = angle(3) + self%sigma * t
     end subroutine follow

@@ -11,6 +11,7 @@ module spintop_run
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
     use spintop_observer, only: observer_t
+    use spintop_poles, only: reach_of
     use spintop_rest, only: rest_t
     use spintop_status, only: status_ok, status_outside, status_step_too_small, status_step_limit, status_turning_point, &
         status_not_converged, status_too_many_events
@@ -91,7 +92,7 @@ contains
             end if
             is_idle = .not. self%observer%counts_turns
             if (present(watch)) is_idle = is_idle .and. .not. watch%needs_turns
-            self%follower = follower_t(0.0_dp, work%y, start%angle, start%given_angle, is_idle)
+            self%follower = follower_t(0.0_dp, work%y, start%angle, start%given_angle, is_idle, reach_of(body, start))
             self%looks_at_steps = .not. is_idle .or. present(watch) .or. self%observer%sees_steps &
                                   .or. allocated(formulation%action)
             if (stepper%controls%steps > 0) self%slack = grid_slack * work%t_end / stepper%controls%steps

@@ -4,8 +4,9 @@ module spintop_step_path
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
     use spintop_loads, only: works
-    use spintop_motion, only: motion_t
+    use spintop_motion, only: motion_t, passages_t
     use spintop_motions, only: instants, motions_t
+    use spintop_pole_passages, only: pass_pole, through_pole
     use spintop_stepper, only: stepper_t, workspace_t
     use spintop_work_account, only: work_account_t
     implicit none
@@ -18,10 +19,14 @@ module spintop_step_path
         !> Those in the axes in which the body was given, where they differ.
         real(dp) :: given_angle(3) = 0
         logical :: is_idle = .false.
+        !> How far off a pole is passed through, rad, and the passages so far, in both kinds of axes.
+        real(dp) :: reach(2) = 0
+        type(passages_t) :: passed = passages_t(), given_passed = passages_t()
     contains
         procedure :: go_to
         procedure :: walk_to
         procedure :: motion => motion_of_follower
+        procedure, private :: put
         procedure, private :: try
         procedure, private :: try_given
     end type follower_t
@@ -124,14 +129,23 @@ contains
         class(follower_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
-        real(dp) :: angle(3), given_angle(3)
+        type(follower_t) :: there
         logical :: sure
-        call self%try(formulation, t, y, angle, given_angle, sure)
-        self%angle = angle
-        self%given_angle = given_angle
-        self%t = t
-        self%y = y
+        call self%try(formulation, t, y, there, sure)
+        call self%put(there)
     end subroutine go_to
+
+    !> Takes the place of another follower of the same motion.
+    pure subroutine put(self, other)
+        class(follower_t), intent(inout) :: self
+        type(follower_t), intent(in) :: other
+        self%t = other%t
+        self%y = other%y
+        self%angle = other%angle
+        self%given_angle = other%given_angle
+        self%passed = other%passed
+        self%given_passed = other%given_passed
+    end subroutine put
 
     !> Moves to a state within the last step, in small increments where the axis passes a pole and the states
     !> in between are known.
@@ -141,7 +155,8 @@ contains
         class(stepper_t), intent(in) :: stepper !! the method that took the step
         class(workspace_t), intent(inout) :: work !! its workspace
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
-        real(dp) :: angle(3), given_angle(3), middle
+        type(follower_t) :: there
+        real(dp) :: middle
         logical :: sure
 
         if (self%is_idle) then
@@ -149,14 +164,11 @@ contains
             self%y = y
             return
         end if
-        call self%try(formulation, t, y, angle, given_angle, sure)
+        call self%try(formulation, t, y, there, sure)
         if (.not. sure) sure = t - self%t <= max(shortest_pace * (work%t - work%t_last), 2 * spacing(t)) &
                                .or. work%is_spent(stepper%controls%max_steps)
         if (sure) then
-            self%t = t
-            self%y = y
-            self%angle = angle
-            self%given_angle = given_angle
+            call self%put(there)
         else
             middle = self%t + (t - self%t) / 2
             work%counts%looks = work%counts%looks + 1
@@ -166,35 +178,49 @@ contains
         end if
     end subroutine walk_to
 
-    !> The angles at a later time and state.
-    subroutine try(self, formulation, t, y, angle, given_angle, sure)
+    !> The follower at a later time and state.
+    subroutine try(self, formulation, t, y, there, sure)
         class(follower_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: t, y(max_states)
-        real(dp), intent(out) :: angle(3), given_angle(3)
+        type(follower_t), intent(out) :: there
         logical, intent(out) :: sure  !! whether the turns are certain
-        angle = self%angle
-        given_angle = self%given_angle
+        real(dp) :: angle(3)
+        logical :: beside, is_decided
+        there%angle = self%angle
+        there%given_angle = self%given_angle
+        there%passed = self%passed
+        there%given_passed = self%given_passed
+        there%t = t
+        there%y = y
         sure = .true.
         if (self%is_idle) return
-        call formulation%follow(self%t, self%y, t, y, angle, sure)
-        if (formulation%body%given%differ) call self%try_given(formulation, t, y, given_angle, sure)
+        call formulation%follow(self%t, self%y, t, y, there%angle, sure, beside)
+        if (beside .or. self%passed%arrived .or. self%reach(1) > through_pole .or. .not. sure) then
+            angle = self%angle
+            call pass_pole(formulation%motion_without_angles(self%t, self%y, self%angle), &
+                           formulation%motion_without_angles(t, y, self%angle), self%reach(1), there%passed, angle, is_decided)
+            if (is_decided) there%angle = angle
+            sure = is_decided .or. (sure .and. .not. self%passed%arrived)
+        end if
+        if (formulation%body%given%differ) call self%try_given(formulation, there, sure)
     end subroutine try
 
     !> The same for the angles in the axes of the input.
-    subroutine try_given(self, formulation, t, y, angle, sure)
+    subroutine try_given(self, formulation, there, sure)
         class(follower_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation
-        real(dp), intent(in) :: t, y(max_states)
-        real(dp), intent(inout) :: angle(3)
+        type(follower_t), intent(inout) :: there
         logical, intent(inout) :: sure
         type(motion_t) :: last, next
         logical :: also_sure
         last = formulation%motion_without_angles(self%t, self%y, self%angle)
-        last%given_angle = angle
-        next = formulation%motion_without_angles(t, y, self%angle)
-        call formulation%body%given%follow(last, next, also_sure)
-        angle = next%given_angle
+        last%given_angle = self%given_angle
+        last%given_passed = self%given_passed
+        next = formulation%motion_without_angles(there%t, there%y, self%angle)
+        call formulation%body%given%follow(last, next, self%reach(2), also_sure)
+        there%given_angle = next%given_angle
+        there%given_passed = next%given_passed
         sure = sure .and. also_sure
     end subroutine try_given
 
@@ -203,7 +229,11 @@ contains
         class(follower_t), intent(in) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         motion = formulation%motion(self%t, self%y, self%angle)
+        ! In a pole the attitude does not tell phi and psi.
+        if (self%passed%arrived) motion%angle(1:3:2) = self%angle(1:3:2)
         motion%given_angle = self%given_angle
+        motion%passed = self%passed
+        motion%given_passed = self%given_passed
     end function motion_of_follower
 
 end module spintop_step_path

@@ -45,6 +45,19 @@ void spintop_proof_close(top_proof *proof)
     free(proof);
 }
 
+/* Whether the axis comes so close to a pole, at most through_pole = 2^-35 rad, that it counts as passing through it. */
+static int passes_pole(const top_motion *m)
+{
+    int passes;
+    arb_t gap, least;
+    arb_init(gap), arb_init(least);
+    arb_set_d(least, 0x1p-71); /* 1 - u or 1 + u, half of the square */
+    arb_sub(gap, BALL(m, sh), BALL(m, y2), m->bits), passes = arb_lt(gap, least);
+    arb_add(gap, BALL(m, ch), BALL(m, y1), m->bits), passes = passes || arb_lt(gap, least);
+    arb_clear(gap), arb_clear(least);
+    return passes;
+}
+
 /* The motion at a precision; NULL without memory. */
 static top_motion *motion_at_level(top_proof *proof, int level)
 {
@@ -63,6 +76,7 @@ static top_motion *motion_at_level(top_proof *proof, int level)
         if (*reason == PROVED) *reason = ball_phases(m);
     }
     m->meets_pole = m->regime == SLEEPING || m->pole || m->meets_top || m->meets_bottom;
+    if (m->regime == NUTATING && *reason == PROVED) m->meets_pole = m->meets_pole || passes_pole(m);
     return m;
 }
 

@@ -8,8 +8,8 @@
 
 /* The steps of a motion, after which its turns are not counted any more. */
 enum { MOST_STEPS = 30000 };
-/* A component this close to zero is on a pole, where phi and psi jump. */
-static const double on_pole = 0x1p-40;
+/* A component this close to zero, half of the distance through_pole, is on a pole, where phi and psi jump. */
+static const double on_pole = 0x1p-36;
 
 /* The larger side of a ball, or the smaller of its size, as a double on the safe side. */
 static double upper_bound(const arb_t x)

@@ -8,7 +8,7 @@ module spintop_trial
     use spintop_compare, only: is_finite
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_formulation, only: formulation_t, max_states
-    use spintop_poles, only: through_pole
+    use spintop_pole_passages, only: through_pole
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_motion, only: motion_from_quaternion, motion_t
     use spintop_plan, only: plan_t

@@ -12,10 +12,13 @@ module spintop_attitude
     public :: omega_from_rates, rates_from_omega, omega_rate_from_accelerations
     public :: attitude_circular_t, circular_of_attitude, omega_from_circular
     public :: quaternion_product, conjugate_quaternion, to_space, vertical_from_quaternion
-    public :: rotation_angle, nearest_turn, follow_angles, may_meet_pole, rotation_minus_one
+    public :: rotation_angle, nearest_turn, follow_angles, may_meet_pole, rotation_minus_one, beside_pole
 
     !> pi in extended precision.
     real(xp), parameter :: half_of_turn = acos(-1.0_xp)
+
+    !> Body z is beside a pole at smaller distances from it, rad: it may be passing through it (spintop_pole_passages).
+    real(dp), parameter :: beside_pole = 1.0e-9_dp
 
     !> Sines and cosines of theta and psi, on which the angular velocity in body axes depends.
     type :: attitude_circular_t
@@ -77,13 +80,13 @@ contains
     !> belong to one continuous motion and may have any norm. `sure` is false if the axis passes so close to a
     !> pole, or circles about it, that the side is not certain; phi and psi may then be wrong by whole turns of
     !> opposite sign. Rotations by thousands of radians at once are not followed.
-    pure subroutine follow_angles(q_last, omega_last, q, omega, h, angle, sure, omega_rate)
+    pure subroutine follow_angles(q_last, omega_last, q, omega, h, angle, sure, beside, omega_rate)
         real(dp), intent(in) :: q_last(4), omega_last(3), q(4), omega(3)
             !! quaternion and angular velocity in body axes, rad/s, at the beginning; the same at the end
         real(dp), intent(in) :: h !! time, s
         real(dp), intent(inout) :: angle(3)
             !! phi, theta, psi at the earlier state on entry, at the later one on return, rad
-        logical, intent(out) :: sure !! whether the turns are certain
+        logical, intent(out) :: sure, beside !! whether the turns are certain; whether body z is beside a pole at the end
         real(dp), intent(in), optional :: omega_rate(3, 2)
             !! rates of the angular velocity at the beginning and the end, rad/s^2; needed where the axis may
             !! meet a pole
@@ -98,6 +101,7 @@ contains
         integer :: pieces, i
 
         sure = .true.
+        beside = min(sum(q(1:4:3)**2), sum(q(2:3)**2)) < (beside_pole / 2)**2 * sum(q**2)
         turn = h * sqrt(max(sum(omega_last**2), sum(omega**2)))
         if (.not. turn <= endless_turn) then
             angle = angles_from_quaternion(q, angle)
@@ -165,8 +169,7 @@ contains
     !> Whether a part of the quaternion, the point whose argument is a half angle, stays clear of zero on its way
     !> between two places. With a constant angular velocity the way is less than a quarter of an ellipse about zero,
     !> on the far side of the chord. Accelerations bend it: those across body z by `bend(1)`/16 of the other part,
-    !> those about it by `bend(2)`/16 of this part; twice that is admitted. A part that is zero at an end has no
-    !> argument there.
+    !> those about it by `bend(2)`/16 of this part; twice that is admitted. A part that stays zero has no argument.
     pure logical function keeps_off(from, to, other, bend)
         real(dp), intent(in) :: from(2), to(2), other(2), bend(2)
         real(dp), parameter :: admitted = 0.125_dp
@@ -180,7 +183,7 @@ contains
         else
             keeps_off = sqrt(minval(squares)) > bent
         end if
-        keeps_off = keeps_off .or. any(is_zero(squares))
+        keeps_off = keeps_off .or. all(is_zero(squares))
     end function keeps_off
 
     !> Unit quaternion of the rotation about a vector by the norm of the vector, rad.

@@ -3,14 +3,14 @@
 !> The angles of two sets of body axes turn differently: where the axis of one set circles about the vertical that of
 !> the other may not. So the turns in the given axes are counted along the motion, beside those of the computation.
 module spintop_given_axes
-    use spintop_attitude, only: angles_from_quaternion, conjugate_quaternion, follow_angles, may_meet_pole, quaternion_product, &
-        to_space, vertical_from_quaternion
+    use spintop_attitude, only: angles_from_quaternion, conjugate_quaternion, quaternion_product, to_space, vertical_from_quaternion
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
+    use spintop_pole_passages, only: follow_motion
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: given_axes_t, about_z, components, follow_motion, unshifted
+    public :: given_axes_t, about_z, components, unshifted
 
     !> The axes in which a body was given.
     type :: given_axes_t
@@ -38,10 +38,11 @@ contains
 
     !> Gives the given angles of `next` the turns of those of `last`, and those in between. They are not sure if the body may
     !> rotate so far in between that its attitudes do not tell, or if its axis may meet a pole.
-    pure subroutine follow(self, last, next, sure)
+    pure subroutine follow(self, last, next, reach, sure)
         class(given_axes_t), intent(in) :: self
         type(motion_t), intent(in) :: last !! an instant of the motion
-        type(motion_t), intent(inout) :: next !! another one; `given_angle` is set
+        type(motion_t), intent(inout) :: next !! another one; `given_angle` and `given_passed` are set
+        real(dp), intent(in) :: reach !! the distance up to which a pole is passed through, rad
         logical, intent(out) :: sure !! whether the turns are certain
         !> Rotation that attitudes tell, rad; one that is followed in no case.
         real(dp), parameter :: largest_turn = 1.0_dp, endless_turn = 1.0e4_dp
@@ -54,25 +55,12 @@ contains
         ! Of both quaternions of an attitude, the one that the motion reaches.
         if (turn <= largest_turn .and. dot_product(here%quaternion, there%quaternion) < 0) there%quaternion = -there%quaternion
         angle = last%given_angle
-        call follow_motion(here, there, angle, sure)
+        next%given_passed = last%given_passed
+        call follow_motion(here, there, reach, next%given_passed, angle, sure)
         sure = sure .and. .not. (turn > largest_turn .and. turn <= endless_turn)
-        next%given_angle = angles_from_quaternion(there%quaternion, angle)
+        next%given_angle = angle
+        if (.not. next%given_passed%arrived) next%given_angle = angles_from_quaternion(there%quaternion, angle)
     end subroutine follow
-
-    !> Continues angles from an instant of a motion to another one.
-    pure subroutine follow_motion(last, next, angle, sure)
-        type(motion_t), intent(in) :: last, next !! the instants
-        real(dp), intent(inout) :: angle(3) !! phi, theta, psi at the first on entry, at the second on return, rad
-        logical, intent(out) :: sure !! whether the turns are certain
-        real(dp) :: h
-        h = abs(next%t - last%t)
-        if (may_meet_pole(last%quaternion, last%omega, next%quaternion, next%omega, h)) then
-            call follow_angles(last%quaternion, last%omega, next%quaternion, next%omega, h, angle, sure, &
-                               reshape([last%omega_rate, next%omega_rate], [3, 2]))
-        else
-            call follow_angles(last%quaternion, last%omega, next%quaternion, next%omega, h, angle, sure)
-        end if
-    end subroutine follow_motion
 
     !> A motion whose rates of phi and psi are smaller, with the angular acceleration.
     pure type(motion_t) function unshifted(phi_shift, psi_shift, motion) result(other)

@@ -5,7 +5,13 @@ module spintop_motion
         omega_from_rates, rates_from_omega
     implicit none
     private
-    public :: motion_t, motion_from_angles, motion_from_quaternion
+    public :: motion_t, passages_t, motion_from_angles, motion_from_quaternion
+
+    !> The passages of body z through the upper and the lower pole so far (spintop_pole_passages): whether their number is
+    !> odd; and whether body z has arrived in a pole, and not yet left it.
+    type :: passages_t
+        logical :: odd(2) = .false., arrived = .false.
+    end type passages_t
 
     !> Attitude, velocity and acceleration of a top at an instant.
     type :: motion_t
@@ -26,6 +32,8 @@ module spintop_motion
         !> phi, theta, psi in the axes in which the body was given, or angles near them, rad; only where these differ from
         !> the axes of the computation (spintop_given_axes).
         real(dp) :: given_angle(3) = 0
+        !> Passages through the poles, in the axes of the computation and in those in which the body was given.
+        type(passages_t) :: passed = passages_t(), given_passed = passages_t()
         !> For a start: which quantities were given and are exact. The others are computed from them and
         !> rounded. With `gives_quaternion` the quaternion is exact, not the angles; with `gives_omega` omega,
         !> with `gives_omega3` omega3 alone, not the rates.

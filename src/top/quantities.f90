@@ -189,16 +189,16 @@ contains
     end function axis_tip
 
     !> Rate of the height of body z, cos(theta), 1/s: zero at the turning points of theta, smooth at the
-    !> poles. It is exactly zero where it is only the rounding error of its terms.
+    !> poles. It is exactly zero where it is only a rounding error.
     pure real(dp) function axis_height_rate(motion) result(rate)
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
-        !> Rounding error of gamma and omega, relative to the terms.
+        !> Rounding error of gamma and omega across body z, relative to their magnitudes.
         real(dp), parameter :: rounding = 8 * epsilon(1.0_dp)
         real(dp) :: gamma(3)
         gamma = vertical_from_quaternion(motion%quaternion)
-        associate (terms => [gamma(1) * motion%omega(2), -gamma(2) * motion%omega(1)])
-            rate = sum(terms)
-            if (abs(rate) <= rounding * sum(abs(terms))) rate = 0
+        associate (omega => motion%omega)
+            rate = gamma(1) * omega(2) - gamma(2) * omega(1)
+            if (abs(rate) <= rounding * hypot(gamma(1), gamma(2)) * hypot(omega(1), omega(2))) rate = 0
         end associate
     end function axis_height_rate
 

@@ -182,12 +182,12 @@ contains
     end function bound_rate
 
     !> Continues the angles to a later state.
-    pure subroutine follow(self, t_last, y_last, t, y, angle, sure)
+    pure subroutine follow(self, t_last, y_last, t, y, angle, sure, beside)
         class(body_with_effects_t), intent(in) :: self
         real(dp), intent(in) :: t_last, y_last(max_states), t, y(max_states) !! times, s, and states at both ends
         real(dp), intent(inout) :: angle(3)
             !! phi, theta, psi at the earlier state on entry, at the later one on return, rad
-        logical, intent(out) :: sure !! whether the turns are certain
+        logical, intent(out) :: sure, beside !! whether the turns are certain; whether body z is beside a pole then
         type(loads_t) :: last, now
         real(dp) :: slope(3, 2)
         call find_kinematics(self%body, self%effects, t_last, y_last(1:4), y_last(5:7), last)
@@ -197,9 +197,9 @@ contains
             call self%loads_at(t, y, now)
             slope(:, 1) = acceleration(self%body, last)
             slope(:, 2) = acceleration(self%body, now)
-            call follow_angles(y_last(1:4), last%omega, y(1:4), now%omega, t - t_last, angle, sure, slope)
+            call follow_angles(y_last(1:4), last%omega, y(1:4), now%omega, t - t_last, angle, sure, beside, slope)
         else
-            call follow_angles(y_last(1:4), last%omega, y(1:4), now%omega, t - t_last, angle, sure)
+            call follow_angles(y_last(1:4), last%omega, y(1:4), now%omega, t - t_last, angle, sure, beside)
         end if
     end subroutine follow
 

@@ -6,7 +6,7 @@ module spintop_instants
     use spintop_attitude, only: vertical_from_quaternion
     use spintop_compare, only: is_finite
     use spintop_motion, only: motion_t
-    use spintop_poles, only: through_pole
+    use spintop_pole_passages, only: through_pole
     use spintop_vectors, only: cross
     implicit none
     private

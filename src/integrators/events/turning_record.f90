@@ -3,8 +3,9 @@ module spintop_turning_record
     use spintop_attitude, only: vertical_from_quaternion
     use spintop_compare, only: is_zero
     use spintop_constancy, only: margin, rounding_distance
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, pi
     use spintop_motion, only: motion_t
+    use spintop_pole_passages, only: half_turns
     use spintop_quantities, only: axis_height_rate
     use spintop_vectors, only: cross
     implicit none
@@ -22,7 +23,7 @@ module spintop_turning_record
     type :: turning_points_t
         integer :: n = 0
         logical :: is_interrupted = .false., has_ended = .false.
-        !> Time, s, phi and psi, rad, of the first and the last.
+        !> Time, s, phi and psi without the half turns at poles, rad, of the first and the last.
         real(dp), dimension(3) :: first = 0, last = 0
         !> Extremes of theta, rad, and of the precession rate there, rad/s.
         real(dp) :: theta(2) = [huge(1.0_dp), -huge(1.0_dp)]
@@ -41,16 +42,23 @@ contains
         type(motion_t), intent(in) :: motion !! the motion at the turning point
         call self%count_in(motion)
         if (self%has_ended) return
-        self%last = [motion%t, motion%angle(1), motion%angle(3)]
+        self%last = time_and_angles(motion)
         if (self%n == 0) self%first = self%last
         self%n = self%n + 1
     end subroutine take
+
+    !> Time, s, phi and psi without the half turns at poles, rad.
+    pure function time_and_angles(motion) result(values)
+        type(motion_t), intent(in) :: motion
+        real(dp) :: values(3)
+        values = [motion%t, motion%angle(1:3:2) - pi * half_turns(motion%passed)]
+    end function time_and_angles
 
     !> Takes one before all others.
     pure subroutine take_before(self, motion)
         class(turning_points_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion !! the motion at the turning point
-        self%first = [motion%t, motion%angle(1), motion%angle(3)]
+        self%first = time_and_angles(motion)
         if (self%n == 0) self%last = self%first
         self%n = self%n + 1
         call self%count_in(motion)

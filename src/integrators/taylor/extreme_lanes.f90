@@ -7,7 +7,8 @@ module spintop_extreme_lanes
     use spintop_formulation, only: max_series_order
     use spintop_lane_series, only: numerator, parts
     use spintop_motion, only: motion_t
-    use spintop_poles, only: polar_precession_rate, precession_is_lost, through_pole
+    use spintop_pole_passages, only: through_pole
+    use spintop_poles, only: polar_precession_rate, precession_is_lost
     use spintop_quantities, only: angular_acceleration
     use spintop_lane_products, only: multiply, multiply_slopes, square
     use spintop_root_watch, only: find_derivatives, find_row, of_interval, root_watch_t, states_at

@@ -196,10 +196,11 @@ contains
     !> and where the side is to be changed, `most` its largest value. Where a whole step is too long, it
     !> is looked at in two parts. `rate` is the square of the angular velocity, the larger of both ends, or
     !> of what stands for it where the axis circles about a pole, rad^2/s^2.
-    pure subroutine follow(order, c, duration, side, state, other, rate, doubt, most)
+    pure subroutine follow(order, c, duration, side, in_pole2, state, other, rate, doubt, most)
         integer, intent(in) :: order !! order of the series
-        real(dp), intent(in) :: c(lanes, rows, 0:order), duration(lanes), side(lanes), state(lanes, parts)
-            !! Taylor coefficients; durations, s; sides; states at the end of the step
+        real(dp), intent(in) :: c(lanes, rows, 0:order), duration(lanes), side(lanes), in_pole2(lanes), state(lanes, parts)
+            !! Taylor coefficients; durations, s; sides; squares of the distances from a pole within which a place is in it;
+            !! states at the end of the step
         real(dp), intent(inout) :: other(lanes) !! the other angles, rad
         real(dp), intent(out) :: rate(lanes) !! squares of the angular velocity, rad^2/s^2
         integer(int64), intent(out) :: doubt(lanes), most
@@ -221,6 +222,7 @@ contains
                              .and. abs(change(i)) <= sharp)
             ! Positive where the path may pass zero on another side than its chord.
             bend(i) = merge(duration(i)**2 * bend(i) - (straight - change(i)**2) * nearest, 0.0_dp, abs(change(i)) <= sharp)
+            bend(i) = merge(1.0_dp, bend(i), nearest**2 <= in_pole2(i))
             most = max(most, doubt(i))
         end do
         if (most >= turns_far) then
@@ -240,7 +242,8 @@ contains
                 change(i) = first(i) + second(i)
                 doubt(i) = merge(doubt(i), merge(no_reason, changes_side, side(i) * state(i, 6) >= border), &
                                  longest**2 * rate(i) > largest_turn**2 &
-                                 .or. max(abs(first(i)), abs(second(i))) > sharp)
+                                 .or. max(abs(first(i)), abs(second(i))) > sharp &
+                                 .or. middle(i, 4)**2 + middle(i, 5)**2 <= in_pole2(i))
             end do
         end if
         most = 0

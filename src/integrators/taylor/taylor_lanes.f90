@@ -17,8 +17,10 @@ module spintop_taylor_lanes
     use spintop_lane_series, only: expand, lanes, parts, rows
     use spintop_lane_steps, only: add_terms, border, choose_durations, closest_to_pole, follow, largest_turn, &
         non_finite, pole_bend, sharp, straight, turns_far
-    use spintop_motion, only: motion_t, motion_from_quaternion
+    use spintop_motion, only: motion_t, motion_from_quaternion, passages_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales
+    use spintop_pole_passages, only: in_pole, settle_passage, way_t
+    use spintop_poles, only: reach_of
     use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_step_too_small
     use spintop_stepper, only: controls_t
     use spintop_taylor, only: order_for
@@ -73,6 +75,10 @@ module spintop_taylor_lanes
         integer(int64) :: steps(lanes) = 0
         !> How far the motions may be from those without errors of the method, relatively.
         real(dp) :: method_noise = rounding_distance
+        !> The passages through poles so far, and before the last step.
+        type(passages_t) :: passed(lanes) = passages_t(), passed_last(lanes) = passages_t()
+        !> How far off a pole is passed through, rad; the square of the distance at which a place is in a pole.
+        real(dp), private :: reach(lanes) = 0, in_pole2(lanes) = 0
         !> Whether there is a drag on a lane that changes its direction with that of the angular velocity at once.
         logical, private :: has_cusps(lanes) = .false.
         !> The centre of mass of a body on which a drag force acts, m; otherwise 0.
@@ -87,9 +93,12 @@ module spintop_taylor_lanes
         procedure :: stop => stop_lane
         procedure :: find_powers
         procedure :: motion
-        procedure :: other_at
+        procedure :: look_at_other
+        procedure :: is_in_pole
         procedure :: angles_at
         procedure, private :: walk
+        procedure, private :: pass
+        procedure, private :: way
         procedure, private :: change_side
     end type taylor_lanes_t
 
@@ -145,7 +154,7 @@ contains
         type(body_t), intent(in) :: body !! mass properties of the body, with the effects that all have
         type(motion_t), intent(in) :: start !! the motion at the start
         real(dp), intent(in) :: t_end !! end of the span, s
-        real(dp) :: q(4), vertical(3), side, half, turns
+        real(dp) :: q(4), vertical(3), side, half, turns, reach(2)
         type(motion_scales_t) :: scales
 
         scales = motion_scales(body, start)
@@ -178,6 +187,10 @@ contains
             self%dragged(lane, :) = 0
             if (body%effects%drag_force > 0) self%dragged(lane, :) = body%centre_of_mass
         end if
+        self%passed(lane) = passages_t()
+        reach = reach_of(body, start)
+        self%reach(lane) = reach(1)
+        self%in_pole2(lane) = (in_pole * reach(1))**2
         self%steps(lane) = 0
         self%status(lane) = status_ok
     end subroutine load
@@ -212,7 +225,8 @@ contains
             call add_terms(self%order, c, now%duration, now%t_end, now%t_last, now%t, now%state, now%rest, self%steps)
             now%side_last = now%side
             now%other_last = now%other
-            call follow(self%order, c, now%duration, now%side, now%state, now%other, now%rate, doubt, worst)
+            self%passed_last = self%passed
+            call follow(self%order, c, now%duration, now%side, self%in_pole2, now%state, now%other, now%rate, doubt, worst)
             now%other_then = now%other
             if (worst == 0) return
             do lane = 1, lanes
@@ -220,7 +234,7 @@ contains
                     t = now%t_last(lane)
                     gamma = c(lane, 4:5, 0)
                     other = now%other(lane)
-                    call self%walk(lane, now%t(lane), sqrt(now%rate(lane)), t, gamma, other)
+                    call self%walk(lane, now%t(lane), sqrt(now%rate(lane)), t, gamma, other, self%passed(lane))
                     now%other(lane) = other
                     now%other_then(lane) = other
                 end if
@@ -237,7 +251,7 @@ contains
         real(dp) :: change(parts)
         integer :: k
         associate (now => self%now)
-            now%other_then(lane) = self%other_at(lane, t)
+            call self%look_at_other(lane, t, now%other_then(lane), self%passed(lane))
             now%other(lane) = now%other_then(lane)
             now%side(lane) = now%side_last(lane)
             change = 0
@@ -285,13 +299,14 @@ contains
     end subroutine end_lanes
 
     !> Follows the other angle from `t` and `gamma` = (Gamma1, Gamma2) on to a time within the last step, in paces
-    !> short enough to resolve the turns of the body, and on which side its axis passes a pole. `rate` is the
-    !> largest angular velocity, rad/s.
-    pure recursive subroutine walk(self, lane, goal, rate, t, gamma, other)
+    !> short enough to resolve the turns of the body, and on which side its axis passes a pole, or that it passes through it.
+    !> `rate` is the largest angular velocity, rad/s.
+    pure recursive subroutine walk(self, lane, goal, rate, t, gamma, other, passed)
         class(taylor_lanes_t), intent(in) :: self
         integer, intent(in) :: lane
         real(dp), intent(in) :: goal, rate
         real(dp), intent(inout) :: t, gamma(2), other
+        type(passages_t), intent(inout) :: passed
         real(dp) :: now(4), new, pace, part, middle, bend
         logical :: is_sure
         integer :: k
@@ -308,33 +323,105 @@ contains
             bend = pole_bend(self%c(lane, :, :3), self%now%t(lane) - t_last)
             is_sure = pace * rate <= largest_turn .and. abs(new - other) <= sharp &
                       .and. pace**2 * bend <= (straight - (new - other)**2) * sqrt(min(sum(gamma**2), sum(now(1:2)**2)))
+            if (pace * rate <= largest_turn .and. (passed%arrived .or. .not. is_sure &
+                                                   .or. sum(now(1:2)**2) <= self%in_pole2(lane))) then
+                call self%pass(lane, t, goal, other, passed, new, is_sure)
+            end if
             if (is_sure .or. pace <= max(shortest_pace * (self%now%t(lane) - t_last), 2 * spacing(goal))) then
                 t = goal
                 gamma = now(1:2)
                 other = new
             else
                 part = 0.5_dp
-                if (pace * rate <= largest_turn) part = closest_to_pole(gamma, now(1:2))
+                if (pace * rate <= largest_turn .and. .not. passed%arrived) part = closest_to_pole(gamma, now(1:2))
                 middle = t + part * pace
                 ! Late in the motion a small part of the pace is less than the spacing of the time.
                 if (.not. (middle > t .and. middle < goal)) middle = t + pace / 2
-                call self%walk(lane, middle, rate, t, gamma, other)
-                call self%walk(lane, goal, rate, t, gamma, other)
+                call self%walk(lane, middle, rate, t, gamma, other, passed)
+                call self%walk(lane, goal, rate, t, gamma, other, passed)
             end if
         end associate
     end subroutine walk
 
-    !> The other angle in a lane at a time within the last step.
-    pure real(dp) function other_at(self, lane, t) result(other)
+    !> Continues the other angle through a pole, if the axis passes through it or is in it.
+    pure subroutine pass(self, lane, t, goal, other, passed, new, is_sure)
+        class(taylor_lanes_t), intent(in) :: self
+        integer, intent(in) :: lane
+        real(dp), intent(in) :: t, goal, other !! times within the last step, s; the other angle at the first, rad
+        type(passages_t), intent(inout) :: passed
+        real(dp), intent(inout) :: new !! the other angle at the goal, rad
+        logical, intent(inout) :: is_sure !! whether it is certain
+        type(way_t) :: here, there
+        real(dp) :: xi_here, xi_there, phi
+        logical :: had_arrived, is_decided
+        had_arrived = passed%arrived
+        call self%way(lane, t, here, xi_here)
+        call self%way(lane, goal, there, xi_there)
+        associate (side => self%now%side_last(lane))
+            phi = side * (xi_here / 2 + other)
+            call settle_passage(here, there, goal - t, self%reach(lane), passed, phi, is_decided)
+            if (is_decided) new = side * phi - xi_there / 2
+        end associate
+        is_sure = is_decided .or. (is_sure .and. .not. had_arrived)
+    end subroutine pass
+
+    !> The way of body z at a time within the last step, and xi there. With z = Gamma2 + i Gamma1 and s = 1 its place is
+    !> exp(i xi) conj(z), with s = -1 the conjugate of that.
+    pure subroutine way(self, lane, t, there, xi)
+        class(taylor_lanes_t), intent(in) :: self
+        integer, intent(in) :: lane
+        real(dp), intent(in) :: t !! s
+        type(way_t), intent(out) :: there
+        real(dp), intent(out) :: xi !! rad
+        real(dp) :: x(4, 0:2)
+        complex(dp) :: z(0:2), turn, spin
+        integer :: k
+        x = 0
+        do k = self%order, 0, -1
+            x(:, 2) = x(:, 2) * (t - self%now%t_last(lane)) + x(:, 1)
+            x(:, 1) = x(:, 1) * (t - self%now%t_last(lane)) + x(:, 0)
+            x(:, 0) = x(:, 0) * (t - self%now%t_last(lane)) + self%c(lane, 4:parts, k)
+        end do
+        x(:, 2) = 2 * x(:, 2)
+        xi = x(4, 0)
+        z = cmplx(x(2, :), -x(1, :), dp)
+        turn = cmplx(cos(xi), sin(xi), dp)
+        spin = cmplx(0.0_dp, x(4, 1), dp)
+        there%place = turn * z(0)
+        there%velocity = turn * (z(1) + spin * z(0))
+        there%acceleration = turn * (z(2) + 2 * spin * z(1) + (spin**2 + cmplx(0.0_dp, x(4, 2), dp)) * z(0))
+        there%is_up = x(3, 0) > 0
+        if (self%now%side_last(lane) > 0) return
+        there%place = conjg(there%place)
+        there%velocity = conjg(there%velocity)
+        there%acceleration = conjg(there%acceleration)
+    end subroutine way
+
+    !> The other angle in a lane at a time within the last step, and the passages through poles up to there.
+    pure subroutine look_at_other(self, lane, t, other, passed)
         class(taylor_lanes_t), intent(in) :: self
         integer, intent(in) :: lane !! index of the lane
         real(dp), intent(in) :: t !! time within the last step, s
+        real(dp), intent(out) :: other !! rad
+        type(passages_t), intent(out) :: passed !! the passages
         real(dp) :: reached, gamma(2)
         reached = self%now%t_last(lane)
         gamma = self%c(lane, 4:5, 0)
         other = self%now%other_last(lane)
-        call self%walk(lane, t, sqrt(self%now%rate(lane)), reached, gamma, other)
-    end function other_at
+        passed = self%passed_last(lane)
+        call self%walk(lane, t, sqrt(self%now%rate(lane)), reached, gamma, other, passed)
+    end subroutine look_at_other
+
+    !> Whether body z may be in a pole at a place (Gamma1, Gamma2), or was in the last step.
+    pure logical function is_in_pole(self, lane, gamma)
+        class(taylor_lanes_t), intent(in) :: self
+        integer, intent(in) :: lane !! index of the lane
+        real(dp), intent(in) :: gamma(2) !! Gamma1, Gamma2
+        associate (now => self%passed(lane), last => self%passed_last(lane))
+            is_in_pole = sum(gamma**2) <= self%in_pole2(lane) .or. now%arrived .or. last%arrived &
+                .or. any(now%odd .neqv. last%odd)
+        end associate
+    end function is_in_pole
 
     !> phi and psi in a lane at a time within the last step, with all their turns.
     pure function angles_at(self, lane, t) result(angles)
@@ -342,13 +429,14 @@ contains
         integer, intent(in) :: lane !! index of the lane
         real(dp), intent(in) :: t !! time within the last step, s
         real(dp) :: angles(2), now(4), other
+        type(passages_t) :: passed
         integer :: k
         now = 0
         do k = self%order, 0, -1
             now = now * (t - self%now%t_last(lane)) + self%c(lane, 4:parts, k)
         end do
-        other = self%other_at(lane, t)
-        if (any(abs(now(1:2)) > 0)) other = nearest_turn(now(4) / 2 - atan2(now(1), now(2)), other)
+        call self%look_at_other(lane, t, other, passed)
+        if (any(abs(now(1:2)) > 0) .and. .not. passed%arrived) other = nearest_turn(now(4) / 2 - atan2(now(1), now(2)), other)
         angles = [self%now%side_last(lane) * (now(4) / 2 + other), now(4) / 2 - other]
     end function angles_at
 
@@ -391,6 +479,9 @@ contains
             end associate
             q = now%sense(lane) * q / norm2(q)
             motion = motion_from_quaternion(now%t(lane), q, now%state(lane, 1:3), near)
+            motion%passed = self%passed(lane)
+            ! In a pole the attitude does not tell phi and psi.
+            if (motion%passed%arrived) motion%angle(1:3:2) = near(1:3:2)
         end associate
     end function motion
 

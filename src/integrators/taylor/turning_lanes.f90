@@ -9,7 +9,8 @@ module spintop_turning_lanes
     use spintop_instants, only: greatest_fall_rate
     use spintop_lane_series, only: parts
     use spintop_lane_steps, only: changes_to, largest_turn, sharp
-    use spintop_motion, only: motion_t
+    use spintop_motion, only: motion_t, passages_t
+    use spintop_pole_passages, only: half_turns
     use spintop_quantities, only: angular_acceleration, axis_height_rate
     use spintop_root_watch, only: find_height_rates, of_interval, root_watch_t, states_at
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
@@ -18,8 +19,10 @@ module spintop_turning_lanes
     private
     public :: turning_lanes_t
 
-    !> Places of a turning point in the lanes: time, side, other angle, state.
-    integer, parameter :: at_time = 1, at_side = 2, at_other = 3, at_state = 3, places = at_state + parts
+    !> Places of a turning point in the lanes: time, side, other angle, whether that is known although the state is in a pole,
+    !> half turns of phi and psi at poles, state.
+    integer, parameter :: at_time = 1, at_side = 2, at_other = 3, at_arrived = 4, at_half_turns = 4, at_state = 6, &
+        places = at_state + parts
 
     !> Of one kind in all lanes; `inclination` is a measure that grows with theta (see there).
     type :: lane_turns_t
@@ -102,15 +105,20 @@ contains
         real(dp), intent(in) :: u(lanes), slope(lanes)
             !! roots as fractions of the step; sign of the slope at each, 0 in lanes without a root
         real(dp) :: t(lanes), other(lanes), at(lanes, places), inclination(lanes), rate(lanes), across
+        type(passages_t) :: passed(lanes)
         integer :: i
 
         associate (now => run%now)
             t = u * (now%t - now%t_last)
             call states_at(run, t, at(:, at_state + 1:))
-            call find_other(run, t, slope, at(:, at_state + 1:), other)
+            call find_other(run, t, slope, at(:, at_state + 1:), other, passed)
             at(:, at_time) = now%t_last + t
             at(:, at_side) = now%side_last
             at(:, at_other) = other
+            at(:, at_arrived) = merge(1.0_dp, 0.0_dp, passed%arrived)
+            do i = 1, lanes
+                at(i, at_half_turns + 1:at_half_turns + 2) = half_turns(passed(i))
+            end do
         end associate
         !$omp simd private(across)
         do i = 1, lanes
@@ -174,12 +182,13 @@ contains
         end do
     end subroutine keep
 
-    !> The other angle at the times t after the beginning of the step, where it is wanted: from the nearer end
-    !> that it is followed from with certainty, or else by a walk.
-    subroutine find_other(run, t, wanted, state, other)
+    !> The other angle and the passages through poles at the times t after the beginning of the step, where they are wanted:
+    !> from the nearer end that it is followed from with certainty, or else by a walk.
+    subroutine find_other(run, t, wanted, state, other, passed)
         type(taylor_lanes_t), intent(in) :: run
         real(dp), intent(in) :: t(lanes), wanted(lanes), state(lanes, parts)
         real(dp), intent(out) :: other(lanes)
+        type(passages_t), intent(out) :: passed(lanes)
         real(dp), dimension(lanes) :: from_last, from_then, doubt
         integer :: i
 
@@ -195,9 +204,12 @@ contains
                 doubt(i) = merge(0.0_dp, doubt(i), abs(from_last(i)) <= sharp &
                                  .and. t(i)**2 * now%rate(i) <= largest_turn**2)
             end do
-            if (.not. any(doubt > 0)) return
+            passed = run%passed
             do i = 1, lanes
-                if (doubt(i) > 0) other(i) = run%other_at(i, now%t_last(i) + t(i))
+                if (.not. abs(wanted(i)) > 0) cycle
+                if (doubt(i) > 0 .or. run%is_in_pole(i, state(i, 4:5))) then
+                    call run%look_at_other(i, now%t_last(i) + t(i), other(i), passed(i))
+                end if
             end do
         end associate
     end subroutine find_other
@@ -238,13 +250,14 @@ contains
         unpacked%rate = [turns%rate_min(lane), turns%rate_max(lane)]
     end function unpacked
 
-    !> Time, phi and psi.
+    !> Time, phi and psi without the half turns at poles.
     pure function time_and_angles(at) result(values)
         real(dp), intent(in) :: at(places)
         real(dp) :: values(3), half, other
         half = at(at_state + 7) / 2
-        other = nearest_turn(half - atan2(at(at_state + 4), at(at_state + 5)), at(at_other))
-        values = [at(at_time), at(at_side) * (half + other), half - other]
+        other = at(at_other)
+        if (.not. at(at_arrived) > 0) other = nearest_turn(half - atan2(at(at_state + 4), at(at_state + 5)), other)
+        values = [at(at_time), [at(at_side) * (half + other), half - other] - pi * at(at_half_turns + 1:at_half_turns + 2)]
     end function time_and_angles
 
     !> theta of the measure of it: tan(theta/2) up to a right angle, and then 2 - cot(theta/2).

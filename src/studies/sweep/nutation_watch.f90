@@ -5,7 +5,6 @@ module spintop_nutation_watch
     use spintop_kinds, only: dp, no_number, pi
     use spintop_measures, only: fastest, fastest_nutation, largest_force, lowest_centre, measures_t, own_directions, own_names, &
         vertical_force
-    use spintop_body, only: body_t
     use spintop_case, only: case_t
     use spintop_compare, only: is_finite, is_zero
     use spintop_euler_poisson, only: euler_poisson_rate
@@ -16,21 +15,18 @@ module spintop_nutation_watch
     use spintop_motions, only: instants, motions_t
     use spintop_nutation, only: nutation_t, class_loop, class_cusp, class_wave, class_steady, &
         class_libration, class_circulation
-    use spintop_poles, only: polar_precession_rate, precession_is_lost, through_pole
+    use spintop_pole_passages, only: through_pole
+    use spintop_poles, only: exactly_plane, polar_precession_rate, precession_is_lost, swings_over_poles
     use spintop_quantities, only: angular_acceleration, axis_height_rate, support_force
     use spintop_attitude, only: vertical_from_quaternion
     use spintop_turning_record, only: count_end, interrupt, turning_points_t, turns_at, upper, lower
-    use spintop_vectors, only: cross
     implicit none
     private
-    public :: nutation_watch_t, measures_t, nutation_of, no_class, swings_over_poles, nearly_plane
+    public :: nutation_watch_t, measures_t, nutation_of, no_class
 
     !> Class of a motion whose nutations belong to several classes.
     integer, parameter :: no_class = 0
 
-    !> Directions in a motion that is nearly plane, and in one that is plane to rounding, differ by no more from those of the
-    !> plane, rad.
-    real(dp), parameter :: nearly_plane = 1.0e-6_dp, exactly_plane = 1.0e-14_dp
     !> A precession rate at the upper turning points within this fraction of the largest one and of that of the nutation, and a
     !> range of theta within this angle, rad, count as zero. Beside a pole the largest one may have any value.
     real(dp), parameter :: class_tolerance = 1.0e-6_dp
@@ -108,28 +104,12 @@ contains
         class(nutation_watch_t), intent(in) :: self
         type(motion_t), intent(in) :: motion
         given = motion
-        if (self%case%body%given%differ) given = self%case%turn%back(motion, motion%given_angle)
+        if (.not. self%case%body%given%differ) return
+        given = self%case%turn%back(motion, motion%given_angle)
+        given%passed = motion%given_passed
+        ! In a pole the attitude does not tell phi and psi.
+        if (given%passed%arrived) given%angle(1:3:2) = motion%given_angle(1:3:2)
     end function as_given
-
-    !> Whether a motion is nearly plane, about a principal axis at right angles to body z, which goes over the poles. There
-    !> its nutation rate has an extreme at which the function that `nutation_slopes` gives, and that of the lanes, is all but
-    !> zero; and its precession rate is zero, or larger than any that a computation resolves.
-    pure logical function swings_over_poles(body, start, nearly)
-        type(body_t), intent(in) :: body !! mass properties about the fixed point
-        type(motion_t), intent(in) :: start !! the start
-        real(dp), intent(in) :: nearly !! how nearly, such as `nearly_plane` or `exactly_plane`
-        real(dp) :: gamma(3), rate(6), axis(3), change(3)
-        gamma = vertical_from_quaternion(start%quaternion)
-        rate = euler_poisson_rate(body, [gamma, body%inertia * start%omega])
-        change = rate(4:6) / body%inertia
-        axis = start%omega
-        if (.not. norm2(axis) > 0) axis = change
-        swings_over_poles = norm2(axis) > 0
-        if (.not. swings_over_poles) return
-        axis = axis / norm2(axis)
-        swings_over_poles = abs(dot_product(axis, gamma)) <= nearly .and. norm2(cross(axis, change)) <= nearly * norm2(change) &
-            .and. norm2(cross(axis, body%inertia * axis)) <= nearly * norm2(body%inertia) .and. abs(axis(3)) <= nearly
-    end function swings_over_poles
 
     !> The quantities of the events of the scene, and of the measured ones.
     subroutine quantities(self, motion, values)

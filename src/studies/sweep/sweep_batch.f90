@@ -8,12 +8,12 @@ module spintop_sweep_batch
     use spintop_case, only: case_t
     use spintop_compare, only: is_equal, is_zero
     use spintop_exact_block, only: block_size
-    use spintop_poles, only: through_pole
+    use spintop_pole_passages, only: through_pole
+    use spintop_poles, only: nearly_plane, swings_over_poles
     use spintop_integration, only: outcome_t
     use spintop_job, only: job_t
     use spintop_many_bodies, only: integrate_many
     use spintop_motion, only: motion_t
-    use spintop_nutation_watch, only: nearly_plane, swings_over_poles
     use spintop_plan, only: plan_t
     use spintop_projection, only: project_nothing
     use spintop_rigid_body, only: rigid_body_t

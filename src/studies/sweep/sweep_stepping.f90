@@ -13,7 +13,8 @@ module spintop_sweep_stepping
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, find_nutation
-    use spintop_nutation_watch, only: measures_t, nearly_plane, nutation_watch_t, swings_over_poles
+    use spintop_nutation_watch, only: measures_t, nutation_watch_t
+    use spintop_poles, only: nearly_plane, swings_over_poles
     use spintop_plan, only: plan_t
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
     use spintop_status, only: is_good_end, status_ok, status_step_limit, status_too_many_events, status_meanings

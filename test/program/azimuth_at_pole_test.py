@@ -1,0 +1,143 @@
+"""phi and psi at poles: a turn of the start about the vertical shifts phi, and changes nothing else."""
+
+import csv
+import json
+import math
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+EXE = Path(os.environ["SPINTOP_EXE"]).resolve()
+BODIES = {
+    "symmetric": "mass = 1  inertia = 0.5, 0.5, 0.2  length = 0.3",
+    "asymmetric": "mass = 1  inertia = 0.5, 0.8, 0.4  length = 0.3",
+    "lying": "mass = 1  inertia = 0.5, 0.8, 0.4  centre_of_mass = 0, 0.3, 0",
+    "tensor": "mass = 1  inertia_tensor(1,:) = 0.5, 0, 0  inertia_tensor(2,2:3) = 0.5, 0.1  inertia_tensor(3,3) = 0.6"
+    "  centre_of_mass = 0, 0.3, 0",
+    "free": "mass = 1  gravity = 0  inertia = 0.5, 0.8, 0.4  length = 0",
+}
+LOSSES = {"": "", "damped": "damping = 3*0.02", "drag": ""}
+TURNS = 0.4, 2.9, -1.7, 7.3
+COLUMNS = "phi_end", "psi_end", "theta_end", "precession_per_nutation", "precession_rate", "spin_per_nutation"
+ACCURACY = 1e-5
+
+
+def methods() -> dict[str, str]:
+    """Every method that integrates a rigid body, with its numbers of steps or tolerances."""
+    answer = subprocess.run([EXE, "list", "methods", "--json"], check=True, capture_output=True, text=True)
+    wanted = {}
+    for method in json.loads(answer.stdout)["methods"]:
+        if "rigid_body" not in method["formulations"]:
+            continue
+        steps = "steps = 3000" if method["kind"] == "fixed" else "relative_tolerance = 1e-10  absolute_tolerance = 1e-10"
+        wanted[method["name"]] = f"method = '{method['name']}'  formulation = 'rigid_body'  {steps}"
+    return wanted
+
+
+def sweep(folder: Path, body: str, start: str, loss: str, method: str, t_end: float = 4) -> list[dict[str, float]]:
+    """A row for each azimuth of the start, the first of which is zero."""
+    turns = ", ".join(map(repr, (0.0, *TURNS)))
+    (folder / "scene.nml").write_text(
+        f"&study kind = 'sweep' /\n&top {BODIES[body]}  {LOSSES[loss]} /\n"
+        + ("&effects drag_moment = 3*0.01 /\n" if loss == "drag" else "")
+        + f"&initial {start} /\n&span t_end = {t_end} /\n&integration {method} /\n"
+        f"&sweep parameter(1) = 'initial.phi'  values(1,:) = {turns} /\n"
+        f"&output columns = {', '.join(map(repr, COLUMNS))} /\n"
+    )
+    command = [EXE, "--quiet", "-o", folder, folder / "scene.nml"]
+    subprocess.run(command, check=True, capture_output=True)
+    lines = (line for line in (folder / "scene.csv").read_text().splitlines() if not line.startswith("#"))
+    rows = list(csv.DictReader(lines))
+    assert [row["status"] for row in rows] == ["ok"] * (1 + len(TURNS))
+    return [{name: float(row[name]) for name in ("initial.phi", *COLUMNS)} for row in rows]
+
+
+def check_turns(rows: list[dict[str, float]], accuracy: float = ACCURACY) -> None:
+    """All rows are the first one, turned."""
+    for row in rows:
+        for name in COLUMNS:
+            wanted = rows[0][name] + (row["initial.phi"] if name == "phi_end" else 0)
+            assert row[name] == pytest.approx(wanted, abs=accuracy, nan_ok=True), (name, row, rows[0])
+
+
+def half_turns(angle: float) -> float:
+    """An angle in half turns."""
+    return angle / math.pi
+
+
+SCENES = [
+    *((method, body, "") for method in methods() for body in ("asymmetric", "tensor")),
+    *((method, body, loss) for method in ("dop853", "taylor", "rk4") for body in BODIES for loss in LOSSES if body != "free"),
+]
+
+
+@pytest.mark.parametrize(("method", "body", "loss"), dict.fromkeys(SCENES))
+def test_plane_motions(tmp_path: Path, method: str, body: str, loss: str) -> None:
+    """A plane motion does not precess, and ends 0, 1 or 2 half turns from the start; all methods agree."""
+    coarse = method in ("euler_forward", "euler_backward", "galerkin")
+    for theta, rate in ((100, 0), (30, 9)):
+        start = f"theta_deg = {theta}  theta_rate = {rate}"
+        for t_end in (0.9, 4):
+            rows = sweep(tmp_path, body, start, loss, methods()[method], t_end)
+            check_turns(rows)
+            for row in rows:
+                moved = half_turns(row["phi_end"] - row["initial.phi"])
+                assert moved == pytest.approx(round(moved), abs=ACCURACY)
+                assert round(moved) in (0, 1, 2)
+                assert half_turns(row["psi_end"]) == pytest.approx(round(half_turns(row["psi_end"])), abs=ACCURACY)
+                for name in COLUMNS[3:]:
+                    assert math.isnan(row[name]) or abs(row[name]) < ACCURACY
+            if coarse:
+                continue
+            other = sweep(tmp_path, body, start, loss, methods()["dop853"], t_end)
+            for name in ("phi_end", "psi_end"):
+                assert rows[0][name] == pytest.approx(other[0][name], abs=ACCURACY)
+
+
+def test_free_body(tmp_path: Path) -> None:
+    """The closed form of a free body counts the passages as methods do."""
+    for t_end in (0.3, 4):
+        start = "theta_deg = 30  theta_rate = 9"
+        exact = sweep(tmp_path, "free", start, "", "method = 'exact'", t_end)
+        check_turns(exact)
+        other = sweep(tmp_path, "free", start, "", methods()["dop853"], t_end)
+        for name in ("phi_end", "psi_end"):
+            assert exact[0][name] == pytest.approx(other[0][name], abs=ACCURACY)
+
+
+@pytest.mark.parametrize("miss", [0, 1e-15, 1e-12, 1e-9, 1e-6])
+def test_beside_the_plane(tmp_path: Path, miss: float) -> None:
+    """The exact solution of a top and all methods take the same way past a pole, or through it."""
+    for theta, rate in ((100, 0), (30, 9)):
+        start = f"theta_deg = {theta}  theta_rate = {rate}  phi_rate = {miss!r}"
+        exact = sweep(tmp_path, "symmetric", start, "", "method = 'exact'")
+        check_turns(exact)
+        if miss < 1e-10:
+            assert exact[0]["precession_rate"] == pytest.approx(0, abs=1e-9)
+        for method in ("dop853", "taylor", "rk4", "gauss_6"):
+            rows = sweep(tmp_path, "symmetric", start, "", methods()[method])
+            check_turns(rows)
+            for name in ("phi_end", "psi_end"):
+                assert rows[0][name] == pytest.approx(exact[0][name], abs=1e-4), (method, name)
+
+
+def test_trajectory_and_events(tmp_path: Path) -> None:
+    """Rows and events of a trajectory have the same turns by the exact solution and by methods."""
+    found = {}
+    for method in ("exact", "dop853", "taylor", "gauss_6"):
+        steps = "steps = 4000" if method == "gauss_6" else ""
+        (tmp_path / "scene.nml").write_text(
+            f"&study kind = 'trajectory' /\n&top {BODIES['symmetric']} /\n"
+            "&initial theta_deg = 30  theta_rate = 9  phi = 0.4 /\n&span t_end = 3  samples = 41 /\n"
+            f"&integration method = '{method}' {steps} /\n&output columns = 't', 'phi', 'psi', 'theta'  events = 'turning_points' /\n"
+        )
+        command = [EXE, "--quiet", "-o", tmp_path, tmp_path / "scene.nml"]
+        subprocess.run(command, check=True, capture_output=True)
+        lines = [line for line in (tmp_path / "scene.csv").read_text().splitlines() if not line.startswith("#")]
+        found[method] = [[float(x) for x in row.values()] for row in csv.DictReader(lines)]
+    for method, rows in found.items():
+        assert len(rows) == len(found["exact"])
+        for row, wanted in zip(rows, found["exact"], strict=True):
+            assert row == pytest.approx(wanted, abs=1e-5), method

@@ -20,8 +20,7 @@ module spintop_c_derivatives
     !> The motions with other values of a key, and the same with other accuracies.
     type :: varied_key_t
         type(nodes_t) :: nodes
-        type(asked_motion_t) :: motion(node_count)
-        type(asked_motion_t), allocatable :: other(:, :)
+        type(asked_motion_t), allocatable :: motion(:), other(:, :)
         logical :: has_other(node_count, other_accuracies) = .false.
     end type varied_key_t
 
@@ -77,6 +76,7 @@ contains
         end if
         self%nodes = key%nodes(key%slot%get())
         exists = self%nodes%is_valid
+        allocate (self%motion(node_count))
         do i = 2, node_count
             if (exists(i)) call prepare_motion(self%motion(i), job, key, self%nodes%x(i), columns, exists(i))
         end do

@@ -1,7 +1,10 @@
 """Limits of the system: memory, stack, standard streams."""
 
 import os
+import platform
+import re
 import resource
+import shutil
 import subprocess
 import unittest
 from pathlib import Path
@@ -88,6 +91,25 @@ class StackTest(ProgramCase):
         for text in ("512K", "1 M", "2g", "nonsense"):
             result = self.run_program(scene, environment={"OMP_STACKSIZE": text})
             self.assertEqual(result.returncode, 0, f"{text}: {result.stderr}")
+
+    @unittest.skipUnless(os.environ.get("SPINTOP_TEST_KIND") == "release", "frames of other builds")
+    @unittest.skipUnless(platform.machine() == "x86_64", "instructions of another processor")
+    @unittest.skipUnless(shutil.which("objdump"), "there is no objdump")
+    def test_no_procedure_takes_much(self) -> None:
+        """A third of the smallest stack at most, so that those that call each other fit into it."""
+        command = ["objdump", "--disassemble", "--no-show-raw-insn", PROGRAM]
+        code = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        frames: dict[str, int] = {}
+        pattern = r"^[0-9a-f]+ <(?P<name>.*)>:$|\bsub +\$0x(?P<size>[0-9a-f]{1,8}),%rsp"
+        name = ""
+        for found in re.finditer(pattern, code, re.MULTILINE):
+            if found["size"] is None:
+                name = found["name"]
+            else:
+                frames[name] = max(frames.get(name, 0), int(found["size"], 16))
+        self.assertGreater(len(frames), 1000)
+        much = {name: size for name, size in frames.items() if size > LEAST_STACK / 3}
+        self.assertEqual(much, {}, "bytes on the stack")
 
 
 class MemoryTest(ProgramCase):

@@ -58,7 +58,7 @@ module spintop_sweep_axes
     !> A copy of the scene that describes some axes, which takes the values of one case after another. It must stay
     !> where it was made a copy, and be a target there.
     type :: swept_scene_t
-        type(scene_t) :: scene
+        type(scene_t), allocatable :: scene
         !> Where the value of each axis goes.
         type(number_slot_t), allocatable, private :: slots(:)
     contains
@@ -370,7 +370,7 @@ contains
         type(scene_t), target, intent(in) :: scene !! where it was when the axes were made
         type(axes_t), intent(in) :: axes !! the axes
         integer :: i
-        self%scene = scene
+        allocate (self%scene, source=scene)
         allocate (self%slots(size(axes%axis)))
         do i = 1, size(self%slots)
             self%slots(i) = axes%axis(i)%slot%in_copy(c_loc(scene), c_loc(self%scene), storage_size(scene))

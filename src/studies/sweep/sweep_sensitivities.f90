@@ -22,8 +22,8 @@ module spintop_sweep_sensitivities
     !> A sweep over nodes of a case: the axes of the sweep of the table, then the other keys. It must stay where it was prepared,
     !> and be a target there.
     type :: node_sweep_t
-        type(job_t) :: job
-        type(sweep_worker_t) :: worker
+        type(job_t), allocatable :: job
+        type(sweep_worker_t), allocatable :: worker
         type(row_block_t) :: rows
         !> Quantities at the nodes of the keys.
         real(dp), allocatable :: values(:, :, :)
@@ -90,6 +90,7 @@ contains
         type(problems_t) :: problems
         integer :: i
 
+        allocate (self%job, self%worker)
         associate (own => self%job, wanted => job%sensitivities)
             own%scene = job%scene
             own%scene%certified = .false.

@@ -98,7 +98,7 @@ contains
             if (.not. allocated(error)) call self%resume(head, error)
         else if (resume .and. self%has_head .and. file_exists(path)) then
             call self%compare_head(path, head, problem)
-            if (problem == '') call self%check_complete(path, problem)
+            if (problem == '' .and. self%keeps_rows) call self%check_complete(path, problem)
             if (problem /= '') then
                 error = refusal(path, problem)
                 return

@@ -231,7 +231,9 @@ contains
             return
         end if
         said = -1
+        status = 0
         if (check%has_end()) read (check%last(len(key) + 1:), *, iostat=status) said
+        if (status /= 0) said = -1
         if (index(text, nl // key) == 0) then
             problem = 'is not complete: after row ' // to_text(check%rows()) // ' a last line "' // key // 'N' // between // &
                       '..." is missing; it was cut, or written by an earlier version'

@@ -45,6 +45,7 @@ contains
         end if
         associate (wanted => job%sensitivities)
             allocate (places, source=wanted%columns())
+            allocate (place(wanted%count))
             place = [(findloc(places, wanted%list(i)%column, dim=1), i=1, wanted%count)]
             do key = 1, size(wanted%keys)
                 nodes = wanted%keys(key)%nodes(wanted%keys(key)%slot%get())

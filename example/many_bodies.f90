@@ -20,7 +20,7 @@ program many_bodies
     controls%relative_tolerance = 1.0e-13_dp
     call integrate_many(controls, bodies, starts, spans, ends, outcomes)
 
-    print '(i0, a)', count(outcomes%status == status_ok), ' bodies completed'
+    print '(i0, a)', count(is_good_end(outcomes%status)), ' bodies completed'
     do i = n / 4, n, n / 4
         print '(a, f5.2, a, f12.9)', 'I2 =', bodies(i)%inertia(2), ' kg m^2: theta after 2 s =', ends(i)%angle(2)
     end do

@@ -30,7 +30,7 @@ module spintop_table_end
         private
         logical :: in_head = .true., in_line = .false.
         !> Of the lines before the names, and of the rest.
-        type(crc32_t) :: head, crc
+        type(crc32_t) :: head = crc32_t(), crc = crc32_t()
         !> Rows that were added as numbers.
         integer(int64) :: of_numbers = 0
     contains

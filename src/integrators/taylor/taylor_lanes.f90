@@ -12,14 +12,14 @@ module spintop_taylor_lanes
     use spintop_body, only: body_t
     use spintop_constancy, only: noise_of_tolerance, rounding_distance
     use spintop_formulation, only: max_series_order
+    use spintop_lane_azimuth, only: lane_step_t
     use spintop_lane_effects, only: lane_effects_t, lane_kinds_t, more_rows
     use spintop_lane_reversals, only: end_before_reversals, find_reversals
     use spintop_lane_series, only: expand, lanes, parts, rows
-    use spintop_lane_steps, only: add_terms, border, choose_durations, closest_to_pole, follow, largest_turn, &
-        non_finite, pole_bend, sharp, straight, turns_far
+    use spintop_lane_steps, only: add_terms, border, choose_durations, follow, non_finite, turns_far
     use spintop_motion, only: motion_t, motion_from_quaternion, passages_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales
-    use spintop_pole_passages, only: in_pole, settle_passage, way_t
+    use spintop_pole_passages, only: in_pole
     use spintop_poles, only: reach_of
     use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_step_too_small
     use spintop_stepper, only: controls_t
@@ -27,9 +27,6 @@ module spintop_taylor_lanes
     implicit none
     private
     public :: taylor_lanes_t, lane_numbers_t, lanes
-
-    !> A pole that is passed within this fraction of a step is passed on an arbitrary side.
-    real(dp), parameter :: shortest_pace = 1.0e-12_dp
 
     !> By how much of the tolerance a motion is off within some steps: measured.
     real(dp), parameter :: share = 0.004_dp
@@ -96,9 +93,7 @@ module spintop_taylor_lanes
         procedure :: look_at_other
         procedure :: is_in_pole
         procedure :: angles_at
-        procedure, private :: walk
-        procedure, private :: pass
-        procedure, private :: way
+        procedure, private :: step_of
         procedure, private :: change_side
     end type taylor_lanes_t
 
@@ -200,7 +195,7 @@ contains
     subroutine advance(self)
         class(taylor_lanes_t), intent(inout) :: self
         integer(int64) :: trouble(lanes), doubt(lanes), worst
-        real(dp) :: t, gamma(2), other
+        type(lane_step_t) :: step
         logical :: reverses(lanes)
         integer :: lane
 
@@ -231,12 +226,9 @@ contains
             if (worst == 0) return
             do lane = 1, lanes
                 if (doubt(lane) >= turns_far) then
-                    t = now%t_last(lane)
-                    gamma = c(lane, 4:5, 0)
-                    other = now%other(lane)
-                    call self%walk(lane, now%t(lane), sqrt(now%rate(lane)), t, gamma, other, self%passed(lane))
-                    now%other(lane) = other
-                    now%other_then(lane) = other
+                    step = self%step_of(lane)
+                    call step%follow(c(lane, :, :), now%t(lane), now%other(lane), self%passed(lane))
+                    now%other_then(lane) = now%other(lane)
                 end if
                 if (now%side(lane) * now%state(lane, 6) < border) call self%change_side(lane)
             end do
@@ -298,104 +290,15 @@ contains
         end associate
     end subroutine end_lanes
 
-    !> Follows the other angle from `t` and `gamma` = (Gamma1, Gamma2) on to a time within the last step, in paces
-    !> short enough to resolve the turns of the body, and on which side its axis passes a pole, or that it passes through it.
-    !> `rate` is the largest angular velocity, rad/s.
-    pure recursive subroutine walk(self, lane, goal, rate, t, gamma, other, passed)
+    !> The last step in a lane, along which the other angle is followed.
+    pure type(lane_step_t) function step_of(self, lane) result(step)
         class(taylor_lanes_t), intent(in) :: self
-        integer, intent(in) :: lane
-        real(dp), intent(in) :: goal, rate
-        real(dp), intent(inout) :: t, gamma(2), other
-        type(passages_t), intent(inout) :: passed
-        real(dp) :: now(4), new, pace, part, middle, bend
-        logical :: is_sure
-        integer :: k
-
-        pace = goal - t
-        if (.not. pace > 0) return
-        associate (t_last => self%now%t_last(lane))
-            now = 0
-            do k = self%order, 0, -1
-                now = now * (goal - t_last) + self%c(lane, 4:parts, k)
-            end do
-            new = other
-            if (any(abs(now(1:2)) > 0)) new = nearest_turn(now(4) / 2 - atan2(now(1), now(2)), other)
-            bend = pole_bend(self%c(lane, :, :3), self%now%t(lane) - t_last)
-            is_sure = pace * rate <= largest_turn .and. abs(new - other) <= sharp &
-                      .and. pace**2 * bend <= (straight - (new - other)**2) * sqrt(min(sum(gamma**2), sum(now(1:2)**2)))
-            if (pace * rate <= largest_turn .and. (passed%arrived .or. .not. is_sure &
-                                                   .or. sum(now(1:2)**2) <= self%in_pole2(lane))) then
-                call self%pass(lane, t, goal, other, passed, new, is_sure)
-            end if
-            if (is_sure .or. pace <= max(shortest_pace * (self%now%t(lane) - t_last), 2 * spacing(goal))) then
-                t = goal
-                gamma = now(1:2)
-                other = new
-            else
-                part = 0.5_dp
-                if (pace * rate <= largest_turn .and. .not. passed%arrived) part = closest_to_pole(gamma, now(1:2))
-                middle = t + part * pace
-                ! Late in the motion a small part of the pace is less than the spacing of the time.
-                if (.not. (middle > t .and. middle < goal)) middle = t + pace / 2
-                call self%walk(lane, middle, rate, t, gamma, other, passed)
-                call self%walk(lane, goal, rate, t, gamma, other, passed)
-            end if
+        integer, intent(in) :: lane !! index of the lane
+        associate (now => self%now)
+            step = lane_step_t(self%order, now%t_last(lane), now%t(lane), now%side_last(lane), sqrt(now%rate(lane)), &
+                               self%reach(lane), self%in_pole2(lane))
         end associate
-    end subroutine walk
-
-    !> Continues the other angle through a pole, if the axis passes through it or is in it.
-    pure subroutine pass(self, lane, t, goal, other, passed, new, is_sure)
-        class(taylor_lanes_t), intent(in) :: self
-        integer, intent(in) :: lane
-        real(dp), intent(in) :: t, goal, other !! times within the last step, s; the other angle at the first, rad
-        type(passages_t), intent(inout) :: passed
-        real(dp), intent(inout) :: new !! the other angle at the goal, rad
-        logical, intent(inout) :: is_sure !! whether it is certain
-        type(way_t) :: here, there
-        real(dp) :: xi_here, xi_there, phi
-        logical :: had_arrived, is_decided
-        had_arrived = passed%arrived
-        call self%way(lane, t, here, xi_here)
-        call self%way(lane, goal, there, xi_there)
-        associate (side => self%now%side_last(lane))
-            phi = side * (xi_here / 2 + other)
-            call settle_passage(here, there, goal - t, self%reach(lane), passed, phi, is_decided)
-            if (is_decided) new = side * phi - xi_there / 2
-        end associate
-        is_sure = is_decided .or. (is_sure .and. .not. had_arrived)
-    end subroutine pass
-
-    !> The way of body z at a time within the last step, and xi there. With z = Gamma2 + i Gamma1 and s = 1 its place is
-    !> exp(i xi) conj(z), with s = -1 the conjugate of that.
-    pure subroutine way(self, lane, t, there, xi)
-        class(taylor_lanes_t), intent(in) :: self
-        integer, intent(in) :: lane
-        real(dp), intent(in) :: t !! s
-        type(way_t), intent(out) :: there
-        real(dp), intent(out) :: xi !! rad
-        real(dp) :: x(4, 0:2)
-        complex(dp) :: z(0:2), turn, spin
-        integer :: k
-        x = 0
-        do k = self%order, 0, -1
-            x(:, 2) = x(:, 2) * (t - self%now%t_last(lane)) + x(:, 1)
-            x(:, 1) = x(:, 1) * (t - self%now%t_last(lane)) + x(:, 0)
-            x(:, 0) = x(:, 0) * (t - self%now%t_last(lane)) + self%c(lane, 4:parts, k)
-        end do
-        x(:, 2) = 2 * x(:, 2)
-        xi = x(4, 0)
-        z = cmplx(x(2, :), -x(1, :), dp)
-        turn = cmplx(cos(xi), sin(xi), dp)
-        spin = cmplx(0.0_dp, x(4, 1), dp)
-        there%place = turn * z(0)
-        there%velocity = turn * (z(1) + spin * z(0))
-        there%acceleration = turn * (z(2) + 2 * spin * z(1) + (spin**2 + cmplx(0.0_dp, x(4, 2), dp)) * z(0))
-        there%is_up = x(3, 0) > 0
-        if (self%now%side_last(lane) > 0) return
-        there%place = conjg(there%place)
-        there%velocity = conjg(there%velocity)
-        there%acceleration = conjg(there%acceleration)
-    end subroutine way
+    end function step_of
 
     !> The other angle in a lane at a time within the last step, and the passages through poles up to there.
     pure subroutine look_at_other(self, lane, t, other, passed)
@@ -404,12 +307,11 @@ contains
         real(dp), intent(in) :: t !! time within the last step, s
         real(dp), intent(out) :: other !! rad
         type(passages_t), intent(out) :: passed !! the passages
-        real(dp) :: reached, gamma(2)
-        reached = self%now%t_last(lane)
-        gamma = self%c(lane, 4:5, 0)
+        type(lane_step_t) :: step
         other = self%now%other_last(lane)
         passed = self%passed_last(lane)
-        call self%walk(lane, t, sqrt(self%now%rate(lane)), reached, gamma, other, passed)
+        step = self%step_of(lane)
+        call step%follow(self%c(lane, :, :), t, other, passed)
     end subroutine look_at_other
 
     !> Whether body z may be in a pole at a place (Gamma1, Gamma2), or was in the last step.

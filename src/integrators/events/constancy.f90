@@ -21,7 +21,7 @@ module spintop_constancy
     use spintop_quantities, only: angular_acceleration
     implicit none
     private
-    public :: find_constant, find_noise, driven_rate, height_rate_noise, noise_of_tolerance, noise_within_step
+    public :: find_constant, find_noise, driven_rate, noise_of_tolerance, noise_within_step
     public :: early, margin, rounding_distance
 
     !> How far neighbours are, relatively, and their number: turned about each body axis, or with another angular velocity.
@@ -184,14 +184,6 @@ contains
         driven_rate = 0
         if (fall > 0) driven_rate = fall * (fall / (norm2(omega) + 2 * fall))
     end function driven_rate
-
-    !> The noise of the rate of Gamma3 where attitude and angular velocity are known to a relative `distance`.
-    elemental real(dp) function height_rate_noise(distance, tilt, across, driven) result(noise)
-        real(dp), intent(in) :: distance !! such as `rounding_distance`
-        real(dp), intent(in) :: tilt, across, driven
-            !! magnitudes of Gamma and omega across body z, and what the weight adds to omega, rad/s
-        noise = distance * (across + (tilt + distance) * (across + driven))
-    end function height_rate_noise
 
     !> How far a motion that is integrated to a tolerance may be from that without errors of the method, relatively.
     elemental real(dp) function noise_of_tolerance(tolerance, share) result(distance)

@@ -4,7 +4,7 @@
 !> Newton's method in all lanes at once, several in the lanes that have them. A root at the end of a step is
 !> found once: the sign there is carried to the next.
 module spintop_root_watch
-    use spintop_constancy, only: height_rate_noise, margin
+    use spintop_constancy, only: margin
     use spintop_kinds, only: dp
     use spintop_formulation, only: max_series_order
     use spintop_lane_polynomials, only: find_changes, find_roots, most_roots, refine_root, rounding
@@ -26,6 +26,8 @@ module spintop_root_watch
         logical :: is_noise(lanes) = .false.
         !> Whether the polynomial is zero to rounding; how large it was since the last root, where it was seen.
         logical, private :: is_constant(lanes) = .false., was_noise(lanes) = .false.
+        !> Whether either is so in any lane.
+        logical, private :: has_constant = .false., had_noise = .false.
         real(dp), private :: far(lanes) = 0
     contains
         procedure(find_polynomials), deferred :: find_polynomials
@@ -71,7 +73,7 @@ contains
 
         call self%find_polynomials(run, degree, a, noise)
         if (any(run%steps == 1)) call self%judge(run, degree, a, noise)
-        noise = merge(sqrt(huge(noise)), noise, self%is_constant)
+        if (self%has_constant) noise = merge(sqrt(huge(noise)), noise, self%is_constant)
         before = self%sign
         call find_changes(degree, a, noise, self%sign, changes, u)
         self%far = max(self%far, abs(a(:, 0)))
@@ -117,6 +119,8 @@ contains
             self%far(lane) = 0
             self%was_noise(lane) = .false.
         end do
+        self%has_constant = any(self%is_constant)
+        self%had_noise = any(self%was_noise)
     end subroutine judge
 
     !> Notes which roots are those of noise. `last` is the root before in this step, or its beginning.
@@ -125,20 +129,27 @@ contains
         integer, intent(in) :: degree
         real(dp), intent(in) :: a(lanes, 0:max_series_order), noise(lanes), u(lanes), slope(lanes)
         real(dp), intent(inout) :: last(lanes)
-        real(dp), dimension(lanes) :: before, after, middle, later
+        real(dp), dimension(lanes) :: before, after
+        real(dp) :: doubt
         logical :: is_root, is_near
-        integer :: i, k
-        middle = (last + u) / 2
-        later = (u + 1) / 2
-        before = 0
-        after = 0
-        do k = degree, 0, -1
+        integer :: i
+        call find_values(degree, a, (u + 1) / 2, after)
+        ! Mostly the polynomial was beyond its noise since the root before.
+        doubt = merge(1.0_dp, 0.0_dp, self%had_noise)
+        !$omp simd reduction(max: doubt)
+        do i = 1, lanes
+            doubt = max(doubt, merge(1.0_dp, 0.0_dp, abs(slope(i)) > 0 .and. self%far(i) <= noise(i)))
+        end do
+        if (.not. doubt > 0) then
+            self%is_noise = .false.
             !$omp simd
             do i = 1, lanes
-                before(i) = before(i) * middle(i) + a(i, k)
-                after(i) = after(i) * later(i) + a(i, k)
+                self%far(i) = merge(abs(after(i)), self%far(i), abs(slope(i)) > 0)
+                last(i) = merge(u(i), last(i), abs(slope(i)) > 0)
             end do
-        end do
+            return
+        end if
+        call find_values(degree, a, (last + u) / 2, before)
         !$omp simd private(is_root, is_near)
         do i = 1, lanes
             is_root = abs(slope(i)) > 0
@@ -148,7 +159,28 @@ contains
             self%far(i) = merge(abs(after(i)), self%far(i), is_root)
             last(i) = merge(u(i), last(i), is_root)
         end do
+        self%had_noise = any(self%was_noise)
     end subroutine find_noise
+
+    !> Values of the polynomials: even and odd powers side by side.
+    pure subroutine find_values(degree, a, u, x)
+        integer, intent(in) :: degree
+        real(dp), intent(in) :: a(lanes, 0:max_series_order), u(lanes)
+        real(dp), intent(out) :: x(lanes)
+        real(dp) :: odd(lanes)
+        integer :: i, k
+        x = 0
+        odd = 0
+        if (mod(degree, 2) == 0) x = a(:, degree)
+        do k = degree - 1 - mod(degree + 1, 2), 0, -2
+            !$omp simd
+            do i = 1, lanes
+                x(i) = x(i) * u(i)**2 + a(i, k)
+                odd(i) = odd(i) * u(i)**2 + a(i, k + 1)
+            end do
+        end do
+        x = x + u * odd
+    end subroutine find_values
 
     !> A row of the series over the steps as the unit interval. Here and below the series come as an array of known shape:
     !> behind a pointer they would be read number by number.
@@ -184,11 +216,13 @@ contains
         end do
     end subroutine find_derivatives
 
-    !> The series of Gamma3', by the time since the step began, and its noise.
+    !> The series of Gamma3', by the time since the step began, and its noise: attitude and angular velocity are known to
+    !> rounding (`spintop_constancy`).
     pure subroutine find_height_rates(order, c, driven, degree, x, noise)
         integer, intent(in) :: order, degree !! order of the series, last term
         real(dp), intent(in) :: c(lanes, rows, 0:order), driven(lanes) !! series; see `root_watch_t`, rad/s
         real(dp), intent(out) :: x(lanes, 0:degree), noise(lanes) !! coefficients of Gamma3'; its noise
+        real(dp) :: tilt, across
         integer :: i, k
         do k = 0, degree
             !$omp simd
@@ -196,7 +230,13 @@ contains
                 x(i, k) = (k + 1) * c(i, 6, k + 1)
             end do
         end do
-        noise = height_rate_noise(rounding, abs(c(:, 4, 0)) + abs(c(:, 5, 0)), abs(c(:, 1, 0)) + abs(c(:, 2, 0)), driven)
+        ! Of Gamma and omega across body z. Not by a function of another module, which costs as much as the series.
+        !$omp simd private(tilt, across)
+        do i = 1, lanes
+            tilt = abs(c(i, 4, 0)) + abs(c(i, 5, 0))
+            across = abs(c(i, 1, 0)) + abs(c(i, 2, 0))
+            noise(i) = rounding * (across + (tilt + rounding) * (across + driven(i)))
+        end do
     end subroutine find_height_rates
 
     !> A polynomial of the time since the step began, over the step as the unit interval.

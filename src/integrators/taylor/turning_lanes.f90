@@ -155,15 +155,17 @@ contains
         type(lane_turns_t), intent(inout) :: turns
         real(dp), intent(in) :: mask(lanes), at(lanes, places), inclination(lanes), rate(lanes)
         logical, intent(in) :: is_noise(lanes)
-        logical :: is_first, counts(lanes)
+        real(dp) :: counts(lanes) ! above zero, as `mask`
+        logical :: is_first
         integer :: i, m
 
-        counts = mask > 0 .and. .not. (is_noise .or. turns%has_ended)
+        counts = mask
+        if (any(is_noise .or. turns%has_ended)) counts = merge(0.0_dp, mask, is_noise .or. turns%has_ended)
         do m = 1, places
             !$omp simd
             do i = 1, lanes
-                turns%first(i, m) = merge(at(i, m), turns%first(i, m), counts(i) .and. .not. turns%n(i) > 0)
-                turns%last(i, m) = merge(at(i, m), turns%last(i, m), counts(i))
+                turns%first(i, m) = merge(at(i, m), turns%first(i, m), counts(i) > 0 .and. .not. turns%n(i) > 0)
+                turns%last(i, m) = merge(at(i, m), turns%last(i, m), counts(i) > 0)
             end do
         end do
         !$omp simd private(is_first)
@@ -177,7 +179,7 @@ contains
                                       .or. (mask(i) > 0 .and. rate(i) < turns%rate_min(i)))
             turns%rate_max(i) = merge(rate(i), turns%rate_max(i), is_first &
                                       .or. (mask(i) > 0 .and. rate(i) > turns%rate_max(i)))
-            turns%n(i) = turns%n(i) + merge(1.0_dp, 0.0_dp, counts(i))
+            turns%n(i) = turns%n(i) + merge(1.0_dp, 0.0_dp, counts(i) > 0)
             turns%seen(i) = turns%seen(i) + merge(1.0_dp, 0.0_dp, mask(i) > 0)
         end do
     end subroutine keep

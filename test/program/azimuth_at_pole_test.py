@@ -1,4 +1,4 @@
-"""phi and psi at poles: a turn of the start about the vertical shifts phi, and changes nothing else."""
+"""phi and psi at poles: a turn of the start about the vertical shifts phi, and nothing else."""
 
 import csv
 import json
@@ -154,7 +154,8 @@ def test_trajectory_and_events(tmp_path: Path) -> None:
         steps = "steps = 4000" if method == "gauss_6" else ""
         (tmp_path / "scene.nml").write_text(
             f"&study kind = 'trajectory' /\n&top {BODIES['symmetric']} /\n"
-            "&initial theta_deg = 30  theta_rate = 9  phi = 0.4 /\n&span t_end = 3  samples = 41 /\n"
+            "&initial theta_deg = 30  theta_rate = 9  phi = 0.4 /\n"
+            "&span t_end = 3  samples = 41 /\n"
             f"&integration method = '{method}' {steps} /\n"
             "&output columns = 't', 'phi', 'psi', 'theta'  events = 'turning_points' /\n"
         )

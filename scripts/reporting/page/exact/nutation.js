@@ -20,14 +20,17 @@ export const CLASS_MEANINGS = {
 
 /** Tolerance of the classification for rounding errors of the data, in units of their largest terms. */
 const DATA_ROUNDING = 8 * EPSILON;
+/** A pole that is missed by no more than this, rad, is passed through, if the axis goes so many times as far from it. */
+const THROUGH_POLE = 2 ** -35, IN_POLE = 10;
 
 /** The complete quantities of a motion whose theta functions are set up; SI units and radians. */
 export function describeNutation(start, points, motion) {
   const isResting = motion.regime === RESTING;
   const nutation = {
     motionClass: classOf(start, points, motion.regime),
-    passesTop: reachesTop(start, points) && !isResting,
-    passesBottom: reachesBottom(start) && !isResting,
+    passesTop: !isResting && (reachesTop(start, points)
+      || (passesThrough(points.oneMinusU2, points.oneMinusU1) && start.beta * points.oneMinusU2 <= points.betaU3Minus1)),
+    passesBottom: !isResting && (reachesBottom(start) || passesThrough(points.onePlusU1, points.onePlusU2)),
     thetaMin: inclination(points.oneMinusU2, points.onePlusU2),
     thetaMax: inclination(points.oneMinusU1, points.onePlusU1),
     deltaU: points.u2MinusU1,
@@ -126,6 +129,11 @@ function isSteady(start, points) {
 function isCusp(start, points) {
   return !reachesTop(start, points) && Math.abs(start.turn - start.a * points.y2)
     <= DATA_ROUNDING * (Math.abs(start.turn) + Math.abs(start.a) * start.sineSquared);
+}
+
+/** Whether the axis passes through a pole, from the least and the largest 1 - u, or 1 + u, of the motion. */
+function passesThrough(nearest, farthest) {
+  return 2 * nearest <= THROUGH_POLE ** 2 && nearest * IN_POLE ** 2 <= farthest;
 }
 
 /**

@@ -15,7 +15,6 @@ from spintop_figures.moving.data import Data, rows_kept
 from spintop_figures.moving.motion import refusal
 from spintop_figures.tables.characters import printable
 from spintop_figures.tables.ends import ended_well, is_good_end
-from spintop_figures.tables.netcdf import FormatError
 from spintop_figures.tables.table import Table, TableError, read_table
 
 MOST_CELLS = 4_000
@@ -187,7 +186,7 @@ def read_study(
             table = read_table(path)
             undrawn: list[str] = []
             pictures = pictures_of(table, undrawn)
-        except (TableError, FormatError) as error:
+        except TableError as error:
             problems.append(f"{printable(path.relative_to(folder))}: {error}")
             continue
         problems += [f"{printable(path.relative_to(folder))}: {problem}" for problem in undrawn]

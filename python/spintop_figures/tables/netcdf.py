@@ -1,18 +1,13 @@
-"""Reading NetCDF tables of spintop: the classic format with 64-bit offsets, without records."""
+"""Reading NetCDF tables of spintop, classic or NetCDF-4, by the package netCDF4."""
 
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-MAGIC, MAGIC_OF_NETCDF4 = b"CDF\x02", b"\x89HDF"
-TYPES = {1: ">i1", 2: "S1", 3: ">i2", 4: ">i4", 5: ">f4", 6: ">f8"}
-CHARACTERS = 2
+from spintop_figures.tables.causes import TableError
+
 Attributes = dict[str, str | np.ndarray]
-
-
-class FormatError(Exception):
-    """What is wrong with a file, in one line."""
 
 
 @dataclass(frozen=True)
@@ -24,75 +19,37 @@ class Variable:
     values: np.ndarray
 
 
-class Header:
-    """The bytes at the beginning of a file, read one thing after the other."""
-
-    def __init__(self, data: np.ndarray) -> None:
-        self.data = data
-        self.place = 0
-
-    def take(self, count: int) -> bytes:
-        """Some bytes, and what fills them up to a multiple of four."""
-        if count < 0 or self.place + count > self.data.size:
-            raise FormatError("is cut short")
-        taken = self.data[self.place : self.place + count].tobytes()
-        self.place += count + -count % 4
-        return taken
-
-    def integer(self, width: int = 4) -> int:
-        """An integer of so many bytes."""
-        return int.from_bytes(self.take(width), "big", signed=True)
-
-    def name(self) -> str:
-        """A name."""
-        return self.take(self.integer()).decode()
-
-    def entries(self) -> range:
-        """What counts the entries of a list, behind the tag that says of what."""
-        self.integer()
-        return range(self.integer())
-
-    def attributes(self) -> Attributes:
-        """A list of attributes."""
-        found: Attributes = {}
-        for _ in self.entries():
-            name, kind, count = self.name(), self.integer(), self.integer()
-            values = np.frombuffer(self.take(count * np.dtype(TYPES[kind]).itemsize), TYPES[kind])
-            found[name] = values.tobytes().decode() if kind == CHARACTERS else values
-        return found
-
-
-def is_netcdf4(path: Path) -> bool:
-    """Whether a file has the format NetCDF-4, which this module does not read."""
-    with path.open("rb") as file:
-        return file.read(4) == MAGIC_OF_NETCDF4
-
-
 def read_netcdf(path: Path) -> tuple[Attributes, dict[str, Variable]]:
-    """The attributes of a file and its variables, whose values stay on the disk."""
-    if path.stat().st_size == 0:
-        raise FormatError("is empty")
-    data = np.memmap(path, dtype=np.uint8, mode="r")
-    header = Header(data)
-    if header.take(4) != MAGIC:
-        raise FormatError("is no NetCDF file of the classic format with 64-bit offsets")
+    """The attributes of a file and its variables."""
     try:
-        if header.integer() != 0:
-            raise FormatError("has records")
-        lengths = [(header.name(), header.integer()) for _ in header.entries()]
-        attributes = header.attributes()
-        variables = {}
-        for _ in header.entries():
-            name = header.name()
-            axes = [lengths[header.integer()] for _ in range(header.integer())]
-            own = header.attributes()
-            kind, _, offset = header.integer(), header.integer(), header.integer(8)
-            shape = tuple(length for _, length in axes)
-            values = np.ndarray(shape, TYPES[kind], data, offset)
-            variables[name] = Variable(tuple(axis for axis, _ in axes), own, values)
-    except (KeyError, IndexError, TypeError, ValueError) as error:
-        raise FormatError("is damaged or cut short") from error
-    return attributes, variables
+        from netCDF4 import Dataset
+    except ImportError as error:
+        raise TableError(
+            "is read by the Python package netCDF4, which is not installed: `pip install netCDF4`, "
+            "in a checkout `.venv/bin/pip install --no-deps -r scripts/requirements_netcdf.txt`"
+        ) from error
+    data = path.read_bytes()  # the library takes no name that is not in the encoding of the locale
+    if not data:
+        raise TableError("is empty")
+    try:
+        with Dataset("table.nc", memory=data) as file:
+            file.set_auto_maskandscale(False)
+            variables = {
+                name: Variable(each.dimensions, attributes_of(each), each[...])
+                for name, each in file.variables.items()
+            }
+            return attributes_of(file), variables
+    except (OSError, RuntimeError) as error:
+        raise TableError("is no NetCDF file, or is damaged or cut short") from error
+
+
+def attributes_of(place: object) -> Attributes:
+    """The attributes of a file or of a variable: texts, and arrays of numbers."""
+    found = {name: place.getncattr(name) for name in place.ncattrs()}
+    return {
+        name: value if isinstance(value, str) else np.atleast_1d(value)
+        for name, value in found.items()
+    }
 
 
 def along(variable: Variable, grid: Variable) -> np.ndarray:

@@ -12,16 +12,7 @@ import pandas as pd
 from spintop_figures.tables.causes import TableError, changed_header, plain
 from spintop_figures.tables.characters import printable
 from spintop_figures.tables.ending import problem_of_cells, problem_of_text
-from spintop_figures.tables.netcdf import (
-    Attributes,
-    FormatError,
-    Variable,
-    along,
-    cells_of,
-    is_netcdf4,
-    read_netcdf,
-)
-from spintop_figures.tables.netcdf_library import read_netcdf4
+from spintop_figures.tables.netcdf import Attributes, Variable, along, cells_of, read_netcdf
 from spintop_figures.tables.rows import is_word, names_of, read_rows
 from spintop_figures.tables.words import words_of
 
@@ -132,12 +123,9 @@ def read_table(path: str | Path) -> Table:
 def read_netcdf_table(path: Path) -> Table:
     """Read the NetCDF table of a sweep or of a trajectory."""
     try:
-        parts = read_netcdf4(path) if is_netcdf4(path) else read_netcdf(path)
-        return table_of_netcdf(path, *parts)
+        return table_of_netcdf(path, *read_netcdf(path))
     except OSError as error:
         raise TableError((error.strerror or str(error)).lower()) from error
-    except FormatError as error:
-        raise TableError(str(error)) from error
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         raise TableError("is damaged or cut short") from error
 
@@ -164,7 +152,7 @@ def table_of_netcdf(path: Path, attributes: Attributes, variables: dict[str, Var
     if problem := said and problem_of_cells(said, [along(each, grid) for each in columns.values()]):
         raise TableError(problem)
     cells = {name: cells_of(column, grid) for name, column in columns.items()}
-    rows = pd.DataFrame({name: native(column[::stride]) for name, column in cells.items()})
+    rows = pd.DataFrame({name: column[::stride] for name, column in cells.items()})
     units = {name: attribute(column, "units") for name, column in columns.items()}
     meanings = {name: attribute(column, "long_name") for name, column in columns.items()}
     note = "" if said else NOTE
@@ -188,8 +176,8 @@ def table_of_statistics(
     for place, axis in enumerate(over):
         name = printable(variables[axis].attributes["column"])
         along = [-1 if i == len(over) - 1 - place else 1 for i in range(len(over))]
-        ends = native(variables[f"{axis}_bounds"].values)
-        parts = {"": native(variables[axis].values), "_from": ends[:, 0], "_to": ends[:, 1]}
+        ends = variables[f"{axis}_bounds"].values
+        parts = {"": variables[axis].values, "_from": ends[:, 0], "_to": ends[:, 1]}
         for ending, values in parts.items():
             grid = np.broadcast_to(values.reshape(along), shape).reshape(-1)
             cells[name + ending] = np.concatenate([none, grid])
@@ -200,7 +188,7 @@ def table_of_statistics(
             continue
         name = printable(variable.attributes["column"])
         of_bins = variables.get(key.removeprefix("all_"))
-        grid = native(of_bins.values).reshape(-1) if of_bins else np.full(count, np.nan)
+        grid = of_bins.values.reshape(-1) if of_bins else np.full(count, np.nan)
         cells[name] = np.concatenate([[float(variable.values)], grid])
         units[name], meanings[name] = attribute(variable, "units"), attribute(variable, "long_name")
     return Table(path, header, settings, units, meanings, pd.DataFrame(cells), None, 1, resolved)
@@ -218,11 +206,6 @@ def attribute(variable: Variable, name: str) -> str:
     """An attribute of a variable, empty if it has none; a unit as tables of texts have it."""
     text = printable(variable.attributes.get(name, ""))
     return UNITS.get(text, text) if name == "units" else text
-
-
-def native(cells: np.ndarray) -> np.ndarray:
-    """Cells in the byte order of this machine."""
-    return cells.astype(cells.dtype.newbyteorder("="))
 
 
 def stride_of(settings: dict[str, list[str]], names: list[str], count: int) -> int:

@@ -15,9 +15,9 @@ import pandas as pd
 from peers import bodies
 from peers.answer import HALF_DECADES
 from peers.crew import LostError, Worker
-from peers.result import OWN, processor
-from peers.scene import call
-from peers.summary import NONE, as_table
+from peers.program import as_table, call
+from peers.result import OWN, least, write_table
+from peers.summary import NONE
 
 EVERY = 10
 """Every so many of the bodies is judged."""
@@ -49,21 +49,19 @@ def measure_batches(
     """All rows: a program, its method, a tolerance, the errors and the least time of each."""
     able = [worker for worker in workers if hasattr(worker.peer, "BATCHES")]
     tolerances = HALF_DECADES[::every]
-    rows: list[dict] = []
+    rounds: list[pd.DataFrame] = []
     for span in SPANS:
         say(f"{span.name}: ends in quadruple precision")
         right = bodies.run_reference(folder, repr(span.t_end), EVERY)
         scene = bodies.write_scene(folder, "many_bodies", 1)
-        least: dict[tuple, dict] = {}
         for turn in range(1, ROUNDS + 1):
             say(f"{span.name}: round {turn} of {ROUNDS}")
-            for tolerance in tolerances:
-                for row in take_turns(able, scene, span, tolerance, right):
-                    key = row["program"], row["method"], tolerance
-                    if key not in least or row["time_s"] < least[key]["time_s"]:
-                        least[key] = row
-        rows += least.values()
-    return pd.DataFrame(rows).sort_values(["problem", "time_s"], ignore_index=True)
+            rounds += [
+                pd.DataFrame(take_turns(able, scene, span, tolerance, right))
+                for tolerance in tolerances
+            ]
+    rows = least(rounds, ["problem", "program", "method", "tolerance"])
+    return rows.sort_values(["problem", "time_s"], ignore_index=True)
 
 
 def take_turns(
@@ -91,15 +89,10 @@ def take_turns(
 
 
 def write_batches(path: Path, rows: pd.DataFrame, versions: dict[str, str]) -> None:
-    """Write the table; a complete one alone has its name."""
+    """Write the table."""
     header = {"title": "Many bodies at once, by spintop and by other programs"}
-    header |= {"program": call("--version").strip(), "processor": processor()}
-    header |= {f"peer {name}": text for name, text in versions.items()}
-    part = path.with_name(path.name + ".part")
-    with part.open("w", encoding="utf-8") as file:
-        file.writelines(f"# {key}: {text}\n" for key, text in header.items())
-        rows.to_csv(file, index=False, float_format="%.6g")
-    part.replace(path)
+    header |= {"program": call("--version").strip()}
+    write_table(path, header, versions, (), rows, float_format="%.6g")
 
 
 def summarise_batches(rows: pd.DataFrame) -> str:

@@ -6,18 +6,14 @@ to 20 rad/s. Slow bodies fall, and amplify the errors of the steps up to ten mil
 
 import csv
 import math
-import os
-import re
-import subprocess
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from peers.problem import Problem
+from peers.program import RunError, processors, run_sweep
 from peers.quaternion import angle_between
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
 CASES = 10000
 INERTIA = (0.875, 0.7, 0.25)
 MASS, GRAVITY = 2.0, 9.81
@@ -41,10 +37,6 @@ SCENE = f"""\
 &output  columns = 'theta_end', 'phi_end', 'psi_end' /
 &sweep  table = 'TABLE' /
 """
-
-
-class RunError(Exception):
-    """What spintop said when it could not compute the sweep."""
 
 
 @dataclass(frozen=True)
@@ -96,25 +88,24 @@ def run(
     scene: Path, threads: int, span: str, tolerance: str, method: str = "taylor"
 ) -> tuple[list[list[float]], float]:
     """Run the sweep, and give the angles at the ends and the seconds of computing."""
-    command = [PROGRAM, "--quiet", "--restart", "--threads", threads, "-o", scene.parent]
-    for setting in (f"span.t_end={span}", f"integration.method={method}",
-                    f"integration.relative_tolerance={tolerance}",
-                    f"integration.absolute_tolerance={tolerance}"):  # fmt: skip
-        command += ["--set", setting]
-    command += ["--", scene]
-    result = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False)
-    computing = re.search(r"computing ([0-9.E+-]+) s", result.stdout)
-    if result.returncode != 0 or computing is None:
-        raise RunError(f"{result.stdout}{result.stderr}".strip())
+    settings = (
+        f"span.t_end={span}",
+        f"integration.method={method}",
+        *(f"integration.{kind}_tolerance={tolerance}" for kind in ("relative", "absolute")),
+    )
+    seconds = run_sweep(scene, threads, settings, scene.parent).computing
     with scene.with_suffix(".csv").open(encoding="utf-8") as file:
         rows = csv.DictReader(line for line in file if not line.startswith("#"))
-        return [[float(row[name]) for name in ANGLES] for row in rows], float(computing[1])
+        angles = [[float(row[name]) for name in ANGLES] for row in rows]
+    if not all(math.isfinite(angle) for three in angles for angle in three):
+        raise RunError(f"{scene}: some bodies have no end")
+    return angles, seconds
 
 
 def run_reference(folder: Path, span: str, every: int) -> list[list[float]]:
     """The attitudes at the end of every so many of the bodies, in quadruple precision."""
     scene = write_scene(folder, "judged_bodies", every)
-    angles, _ = run(scene, len(os.sched_getaffinity(0)), span, "1e-20", "taylor_quadruple")
+    angles, _ = run(scene, processors(), span, "1e-20", "taylor_quadruple")
     return [quaternion_of(three) for three in angles]
 
 

@@ -16,7 +16,7 @@ from types import ModuleType
 
 from peers.equations import EQUATIONS
 from peers.problem import Problem
-from peers.scene import ROOT
+from peers.program import ROOT
 
 WORKER = Path(__file__).resolve().parent / "worker.py"
 VENV = ROOT / "build/peers/venv"

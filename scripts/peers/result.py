@@ -2,13 +2,14 @@
 
 import math
 import os
-import re
+from collections.abc import Iterable
 from pathlib import Path
 
 import pandas as pd
 
 from peers.crew import Trial
 from peers.problem import Problem
+from peers.program import processor
 from spintop_figures.tables.ends import ended_well
 from spintop_figures.tables.table import Table
 
@@ -17,6 +18,8 @@ OWN = "spintop"
 PROGRAM = "the program that was measured"
 SHARED = ("inherent_error", "reference", "reference_error", "reference_check")
 """Columns that are the same in all rows of a problem."""
+KEYS = ["program", "method", "formulation", "setting"]
+"""What is measured in every round, of which the least time counts."""
 
 
 def own_rows(table: Table, name: str) -> pd.DataFrame:
@@ -49,11 +52,11 @@ def is_numeric(column: pd.Series) -> bool:
     return pd.api.types.is_numeric_dtype(column)
 
 
-def least(rounds: list[pd.DataFrame]) -> pd.DataFrame:
+def least(rounds: list[pd.DataFrame], keys: list[str] = KEYS) -> pd.DataFrame:
     """Each setting of each method and program once, with the least time of all rounds."""
     rows = pd.concat([rows for rows in rounds if len(rows)], ignore_index=True)
     rows = rows.sort_values("time_s", kind="stable", na_position="last", ignore_index=True)
-    return rows.drop_duplicates(["program", "method", "formulation", "setting"], ignore_index=True)
+    return rows.drop_duplicates(keys, ignore_index=True)
 
 
 def join(parts: list[pd.DataFrame]) -> pd.DataFrame:
@@ -81,33 +84,33 @@ def front(rows: pd.DataFrame) -> pd.DataFrame:
     return good[good["orientation_error"] < best]
 
 
-def processor() -> str:
-    """What the machine computes with."""
-    try:
-        found = re.search(r"^model name\s*: (.*)$", Path("/proc/cpuinfo").read_text("utf-8"), re.M)
-    except OSError:
-        found = None
-    return f"{found[1] if found else os.uname().machine}, {os.cpu_count()} processors"
-
-
 def write(path: Path, rows: pd.DataFrame, own: Table, versions: dict[str, str], title: str) -> None:
-    """Write the table with a header that scripts/plot reads; a complete one alone has its name."""
-    header = {"title": title} | {
-        key: own.header[key]
-        for key in ("program", "format", "revision", "compiler", "options", "date")
-        if key in own.header
-    }
-    header |= {"processor": processor()}
-    header |= {f"peer {name}": text for name, text in versions.items()}
-    lines = [f"{key}: {text}" for key, text in header.items()]
-    lines += ["input:", "    &study", "        kind = 'work_precision'"]
+    """Write the table with a header that scripts/plot reads."""
+    keys = ("program", "format", "revision", "compiler", "options", "date")
+    header = {"title": title} | {key: own.header[key] for key in keys if key in own.header}
+    lines = ["input:", "    &study", "        kind = 'work_precision'"]
     lines += [f"        title = '{title}'", "    /", "columns:"]
     meanings = own.meanings | {"program": PROGRAM}
     for name in rows:
         unit = f" [{own.units[name]}]" if own.units.get(name) else ""
         lines.append(f"    {name}{unit}: {meanings.get(name, '')}")
+    write_table(path, header, versions, lines, rows, na_rep="nan", float_format="%.17g")
+
+
+def write_table(
+    path: Path,
+    header: dict[str, str],
+    versions: dict[str, str],
+    lines: Iterable[str],
+    rows: pd.DataFrame,
+    **form: str,
+) -> None:
+    """Write a table below what was measured where; a complete one alone has its name."""
+    header = header | {"processor": processor()}
+    header |= {f"peer {name}": text for name, text in versions.items()}
     part = path.with_name(path.name + ".part")
     with part.open("w", encoding="utf-8") as file:
-        file.writelines(f"# {line}\n" for line in lines)
-        rows.to_csv(file, index=False, na_rep="nan", float_format="%.17g")
+        told = (f"{key}: {text}" for key, text in header.items())
+        file.writelines(f"# {line}\n" for line in (*told, *lines))
+        rows.to_csv(file, index=False, **form)
     os.replace(part, path)

@@ -1,19 +1,16 @@
 """Problems from inputs of spintop: what peers need to know is asked of the program itself."""
 
 import math
-import os
 import re
-import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
 from peers.problem import ALIKE, Problem
+from peers.program import RunError as SceneError
+from peers.program import call
 from peers.quaternion import product
 from spintop_figures.tables.ends import is_good_end
 from spintop_figures.tables.table import Table, read_head, read_table
-
-ROOT = Path(__file__).resolve().parent.parent.parent
-PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
 
 GROUP = re.compile(r"^&(\w+)\n.*?^/\n", re.MULTILINE | re.DOTALL)
 UPRIGHT = ((0.5, -0.5, -0.5, -0.5), (0.5, 0.5, 0.5, 0.5), (1.0, 0.0, 0.0, 0.0))
@@ -29,23 +26,6 @@ ENERGIES = ("kinetic", "potential")
 REFERENCE = "&integration method = 'taylor_quadruple' /"
 ONE_STEP = "&integration formulation = 'rigid_body' method = 'rk4' steps = 1 /"
 """For what is known at the start."""
-
-
-SOME_FAILED = 3
-"""Exit code of spintop if the status of some rows is no good end."""
-
-
-class SceneError(Exception):
-    """Why an input is no problem for peers, in a line."""
-
-
-def call(*arguments: object) -> str:
-    """Run spintop, and give what it prints."""
-    command = [PROGRAM, *map(str, arguments)]
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
-    if result.returncode not in (0, SOME_FAILED):
-        raise SceneError(result.stderr.strip() or f"spintop ended with {result.returncode}")
-    return result.stdout
 
 
 def compute(kind: str, groups: list[str], folder: Path) -> Table:

@@ -2,6 +2,7 @@
 
 import pandas as pd
 
+from peers.program import as_table
 from peers.result import OWN
 from spintop_figures.tables.ends import ended_well
 
@@ -34,12 +35,6 @@ def ratio(other: pd.Series | None, own: pd.Series | None) -> str:
         return NONE
     factor = float(f"{other['time_s'] / own['time_s']:.2g}")
     return f"{factor:g}" if factor < 10 else f"{factor:.0f}"
-
-
-def as_table(header: list[str], lines: list[list[str]]) -> str:
-    """A table in Markdown."""
-    rule = ["---"] * len(header)
-    return "\n".join("| " + " | ".join(cells) + " |" for cells in (header, rule, *lines))
 
 
 def summarise(rows: pd.DataFrame) -> str:

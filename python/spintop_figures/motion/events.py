@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from spintop_figures.style.lines import MANY_POINTS
 from spintop_figures.style.look import LINES
 from spintop_figures.style.page import add_panels, new_figure
+from spintop_figures.tables.names import SYMBOLS, axis_of
 from spintop_figures.tables.table import Table
 
 LEAST_EVENTS = 20
@@ -22,25 +23,6 @@ MANY_EVENTS, BARS = 80, 60
 
 ROW = 0.8
 """Height of the highest bar, over that of a row."""
-
-SYMBOLS = {
-    "phi": "φ",
-    "theta": "θ",
-    "psi": "ψ",
-    "phi_rate": "precession rate",
-    "theta_rate": "nutation rate",
-    "psi_rate": "spin rate",
-    "omega1": "ω₁",
-    "omega2": "ω₂",
-    "omega3": "ω₃",
-    "com_x": "x of the centre of mass",
-    "com_y": "y of the centre of mass",
-    "com_z": "height of the centre of mass",
-    "force_x": "horizontal force x",
-    "force_y": "horizontal force y",
-    "force_z": "vertical force",
-}
-"""Columns as they are written; the others stand by their names."""
 
 ROW_HEIGHT, PANEL_HEIGHT, LEAST_HEIGHT = 0.36, 2.5, 4.0
 """Of a kind of event, of a row of sections, and of all of them, in inches."""
@@ -145,7 +127,7 @@ def draw_sections(table: Table) -> Figure:
         spot = axes.get_subplotspec()
         axes.tick_params(labelleft=spot.is_first_col(), labelbottom=spot.is_last_row())
         if spot.is_first_col():
-            axes.set_ylabel(r"nutation rate $\dot\theta$ (rad/s)")
+            axes.set_ylabel(axis_of("theta_rate", "rad/s"))
         if spot.is_last_row():
-            axes.set_xlabel(r"inclination $\theta$ (degrees)")
+            axes.set_xlabel(axis_of("theta", "deg"))
     return figure

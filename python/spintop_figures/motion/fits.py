@@ -4,15 +4,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from spintop_figures.motion.trajectory import TIME, numbers
-from spintop_figures.style.lines import with_unit
 from spintop_figures.style.look import FAINT, GREY, LINES
 from spintop_figures.style.page import new_figure
+from spintop_figures.tables.names import SYMBOLS, with_unit
 from spintop_figures.tables.table import Table
 
 ENDING = "_residual"
-
-SYMBOLS = {"phi": "φ", "theta": "θ", "psi": "ψ"}
-"""Angles are written as on the other figures, and in degrees."""
 
 
 def measured_columns(table: Table) -> list[str]:

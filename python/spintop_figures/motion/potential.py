@@ -8,6 +8,7 @@ from spintop_figures.motion.reduced import Reduced, find_reduced
 from spintop_figures.motion.trajectory import numbers
 from spintop_figures.style.look import FAINT, GREY, LINES
 from spintop_figures.style.page import new_figure
+from spintop_figures.tables.names import axis_of
 from spintop_figures.tables.table import Table
 
 ROOM = 0.35
@@ -19,7 +20,7 @@ LEAST_ROOM = 1e-9
 LEVELS = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)
 """Amplitudes of the level curves over that of the motion."""
 
-INCLINATION = r"inclination $\theta$ (degrees)"
+INCLINATION = axis_of("theta", "deg")
 BAND = "#d3e8f0"
 
 

@@ -6,27 +6,15 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
 from spintop_figures.motion.trajectory import TIME, four_panels, numbers
-from spintop_figures.style.lines import (
-    draw_line,
-    draw_sizes,
-    has_wide_range,
-    with_unit,
-)
+from spintop_figures.style.lines import draw_line, draw_sizes, has_wide_range
 from spintop_figures.style.look import FAINT, GREY, LINES
 from spintop_figures.style.page import new_figure
 from spintop_figures.style.provenance import describe_run, model_of
+from spintop_figures.tables.names import with_unit
 from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import columns_of
 
 NAMES = ("R1", "R2", "R3", "R4")
-
-
-MEANINGS = {
-    "R1": "residual of Euler's first equation",
-    "R2": "residual of Euler's second equation",
-    "R3": "change of Lz since the start",
-    "R4": "change of energy since the start",
-}
-"""What they are where the table does not say it."""
 
 TOGETHER = ("R1", "R2")
 """Residuals of one kind, which have one scale."""
@@ -51,7 +39,8 @@ def draw_residuals(table: Table) -> Figure:
         draw_residual(axes, t, y, is_log)
         label = f"$|R_{name[1]}|$" if is_log and np.any(y) else f"$R_{name[1]}$"
         axes.set_ylabel(with_unit(label, table.units.get(name, "")))
-        meaning = table.meanings.get(name, MEANINGS[name]).partition(" (")[0]
+        known = columns_of("trajectory")[name]["description"]
+        meaning = table.meanings.get(name, known).partition(" (")[0]
         axes.set_title(f"{name}: {meaning}", loc="left", fontsize=9.5, pad=18, parse_math=False)
         scale = "scale of R1 and R2" if name in TOGETHER else f"scale of {name} alone"
         style = {"ha": "right", "fontsize": 8.5, "color": GREY}

@@ -14,6 +14,7 @@ from spintop_figures.style.lines import (
 )
 from spintop_figures.style.look import FAINT, GREY, LINES
 from spintop_figures.style.page import new_figure
+from spintop_figures.tables.names import axis_of
 from spintop_figures.tables.table import Table
 
 TIME = "time t (s)"
@@ -45,12 +46,11 @@ def draw_angles(table: Table) -> Figure:
     """Euler angles and height of the centre of mass against time (Figure 8)."""
     figure, panels = four_panels(table, "Euler angles and height of the centre of mass")
     t = numbers(table, "t")
-    symbols = {"phi": r"precession $\phi$", "theta": r"inclination $\theta$", "psi": r"spin $\psi$"}
-    for (name, symbol), axes in zip(symbols.items(), panels, strict=False):
+    for name, axes in zip(("phi", "theta", "psi"), panels, strict=False):
         degrees = np.degrees(numbers(table, name))
         draw_line(axes, t, degrees)
         set_degree_ticks(axes.yaxis, degrees)
-        axes.set_ylabel(f"{symbol} (degrees)")
+        axes.set_ylabel(axis_of(name, "deg"))
         if name == "theta":
             ends = inclination_extremes(table)
             turned = [end._replace(value=np.degrees(end.value)) for end in ends]

@@ -17,15 +17,6 @@ MANY_POINTS = 20_000
 RIGHT_ANGLES = (1, 2, 5, 10, 15, 30, 45, 90, 180, 360, 720)
 
 
-UNIT_WORDS = {"deg": "degrees"}
-"""Units that are written otherwise than in a table."""
-
-
-def with_unit(name: str, unit: str) -> str:
-    """The label of an axis."""
-    return f"{name} ({UNIT_WORDS.get(unit, unit)})" if unit else name
-
-
 def draw_line(axes: Axes, x: np.ndarray, y: np.ndarray, line: int = 0, **options: object) -> None:
     """Draw a curve; what is not finite is left out."""
     finite = np.where(np.isfinite(y), y, np.nan)

@@ -6,7 +6,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from spintop_figures.style.lines import with_unit
 from spintop_figures.style.look import FAINT, FAULT, LINES
 from spintop_figures.style.page import add_panels, head, new_figure
 from spintop_figures.sweeps.quantities import (
@@ -22,6 +21,7 @@ from spintop_figures.sweeps.quantities import (
 )
 from spintop_figures.sweeps.sweep import marks
 from spintop_figures.tables.ends import ended_well
+from spintop_figures.tables.names import with_unit
 from spintop_figures.tables.table import Table
 
 PANEL_HEIGHT, LEAST_HEIGHT = 1.9, 3.0

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from spintop_figures.style.look import FAULT, HIDDEN, LINES
 from spintop_figures.style.page import add_panels, head, new_figure
 from spintop_figures.sweeps.maps import PANEL_HEIGHT
-from spintop_figures.sweeps.quantities import PARAMETERS
 from spintop_figures.sweeps.statistics import beside, describe, tell_cases
+from spintop_figures.tables.names import PARAMETERS
 from spintop_figures.tables.netcdf import read_netcdf
 from spintop_figures.tables.table import Table, TableError, read_table
 

@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter
 
-from spintop_figures.style.lines import set_degree_ticks, with_unit
+from spintop_figures.style.lines import set_degree_ticks
 from spintop_figures.style.look import FAULT
 from spintop_figures.style.page import add_panels, head, new_figure
 from spintop_figures.sweeps.fields import jumps, spots
@@ -31,6 +31,7 @@ from spintop_figures.sweeps.quantities import (
 )
 from spintop_figures.sweeps.scales import COLOURS, colours_of, is_signed, scale_of
 from spintop_figures.tables.ends import ended_well
+from spintop_figures.tables.names import with_unit
 from spintop_figures.tables.table import Table
 
 LETTER, LINE = 0.085, 0.16

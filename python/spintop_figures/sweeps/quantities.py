@@ -7,22 +7,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.axis import Axis
 
-from spintop_figures.style.lines import with_unit
 from spintop_figures.tables.ends import count_failures, ended_well
+from spintop_figures.tables.names import PARAMETERS, SYMBOLS, with_unit
 from spintop_figures.tables.table import Table
-
-PARAMETERS = {
-    "initial.spin_ratio": r"spin ratio $\lambda=\omega_3\,/\sqrt{4mgl/I_3}$",
-    "initial.omega3": r"initial angular velocity $\omega_3$",
-    "initial.theta": r"initial inclination $\theta_0$",
-    "initial.theta_deg": r"initial inclination $\theta_0$",
-    "initial.theta_rate": r"initial nutation rate $\dot\theta_0$",
-    "initial.phi_rate": r"initial precession rate $\dot\phi_0$",
-    "initial.psi_rate": r"initial spin rate $\dot\psi_0$",
-    "effects.vibration_rate": r"rate of the vibration $W$",
-    "effects.vibration_amplitude(3)": r"amplitude of the vibration $A_3$",
-}
-"""How parameters are written, in words and then a symbol; the others stand by their keys."""
 
 WIDE_AXIS = 12
 """Listed values of a parameter over a larger ratio stand on a log axis."""
@@ -50,10 +37,6 @@ CLASSES = (
     "circulation",
 )
 """Classes of motion in the order in which they are drawn; others come after them."""
-
-
-SHORT = {"t_end": "end of the motion"}
-"""Columns whose meaning is too long for a title."""
 
 
 class Quantity(NamedTuple):
@@ -111,7 +94,7 @@ def column_shown(table: Table, name: str) -> Quantity:
     """A column as a quantity, named by its meaning."""
     unit, factor = unit_shown(name, table.units.get(name, ""))
     values = the_column(name) if factor == 1 else in_degrees(name)
-    label = SHORT.get(name) or table.meanings.get(name) or name
+    label = SYMBOLS.get(name) or table.meanings.get(name) or name
     return Quantity((name,), label, unit, values)
 
 

@@ -22,7 +22,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-from spintop_figures.style.lines import with_unit
 from spintop_figures.style.look import FAINT, FAULT
 from spintop_figures.style.page import new_figure
 from spintop_figures.sweeps.cloud import Cloud, make_cloud
@@ -40,6 +39,7 @@ from spintop_figures.sweeps.quantities import (
 )
 from spintop_figures.sweeps.scales import COLOURS, colours_of, is_signed, scale_of
 from spintop_figures.tables.ends import count_failures
+from spintop_figures.tables.names import with_unit
 from spintop_figures.tables.table import Table
 
 MOST_PARAMETERS, MOST_QUANTITIES = 4, 6

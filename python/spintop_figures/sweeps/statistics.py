@@ -10,18 +10,13 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from spintop_figures.style.lines import set_degree_ticks, with_unit
+from spintop_figures.style.lines import set_degree_ticks
 from spintop_figures.style.look import FAINT, GREY, HIDDEN, LINES
 from spintop_figures.style.page import add_panels, head, new_figure, width_of
 from spintop_figures.sweeps.maps import LEAST_HEIGHT, PANEL_HEIGHT, scale_name
-from spintop_figures.sweeps.quantities import (
-    PARAMETERS,
-    Quantity,
-    parameter_words,
-    the_column,
-    unit_shown,
-)
+from spintop_figures.sweeps.quantities import Quantity, parameter_words, the_column, unit_shown
 from spintop_figures.sweeps.scales import COLOURS, colours_of, is_signed, scale_of
+from spintop_figures.tables.names import PARAMETERS, with_unit
 from spintop_figures.tables.netcdf import read_netcdf
 from spintop_figures.tables.table import Table, TableError, read_table
 

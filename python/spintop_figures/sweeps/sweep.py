@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MultipleLocator, NullLocator
 
-from spintop_figures.style.lines import with_unit
 from spintop_figures.style.look import LINES
 from spintop_figures.style.page import new_figure
 from spintop_figures.sweeps.quantities import has_log_axis, is_wide, label_parameter, succeeded
+from spintop_figures.tables.names import axis_of
 from spintop_figures.tables.table import Table
 
 FORMULA = "_fast_top"
@@ -29,15 +29,14 @@ class Quantity(NamedTuple):
     """A quantity that the paper has a formula for."""
 
     column: str
-    label: str
     equation: str
 
 
 QUANTITIES = (
-    Quantity("delta_u", r"range $\Delta u$ of $\cos\theta$", "Eq 29"),
-    Quantity("nutation_rate", "nutation rate", "Eq 30"),
-    Quantity("precession_rate", "mean precession rate", "Eq 32"),
-    Quantity("nutations_per_turn", "nutations per turn", "Eq 54"),
+    Quantity("delta_u", "Eq 29"),
+    Quantity("nutation_rate", "Eq 30"),
+    Quantity("precession_rate", "Eq 32"),
+    Quantity("nutations_per_turn", "Eq 54"),
 )
 TOO = {1: "too large", -1: "too small"}
 AZIMUTH = "azimuth_after_period_deg"
@@ -95,7 +94,7 @@ def draw_quantity(
         axes.set_yscale("log")
         if is_wide(values, MANY_DECADES):
             axes.yaxis.set_minor_locator(NullLocator())  # a tenth of the time of a figure
-    axes.set_ylabel(with_unit(quantity.label, unit))
+    axes.set_ylabel(axis_of(quantity.column, unit))
     axes.legend()
 
 

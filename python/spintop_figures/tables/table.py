@@ -12,6 +12,7 @@ import pandas as pd
 from spintop_figures.tables.causes import TableError, changed_header, plain
 from spintop_figures.tables.characters import printable
 from spintop_figures.tables.ending import problem_of_cells, problem_of_text
+from spintop_figures.tables.names import UNITS
 from spintop_figures.tables.netcdf import Attributes, Variable, along, cells_of, read_netcdf
 from spintop_figures.tables.rows import is_word, names_of, read_rows
 from spintop_figures.tables.words import words_of
@@ -33,8 +34,6 @@ EVENT = "event"
 MANY_CASES = 20_000
 """Rows of a sweep over one parameter beyond which only some are kept, about KEPT_CASES."""
 KEPT_CASES = 5_000
-UNITS = {"1": "", "degree": "deg"}
-"""Units that NetCDF tables name otherwise, as UDUNITS knows them."""
 VALUE = re.compile(r"'((?:[^']|'')*)'|([^\s,]+)")
 ASSIGNMENT = re.compile(r"([a-z]\w*(?:\([^)]*\))?)\s*=\s*(.*)", re.IGNORECASE)
 COLUMN = re.compile(r"(\S+?)(?:\s+\[(.*?)\])?:\s*(.*)")

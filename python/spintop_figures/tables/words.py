@@ -1,4 +1,4 @@
-"""Which columns hold words, from the registry of the program."""
+"""What the registry of the program says of columns: which hold words, and what all mean."""
 
 import functools
 import json
@@ -12,12 +12,18 @@ OF_PEERS = frozenset({"program"})
 
 
 @functools.cache
+def registry() -> dict:
+    """The registry of columns."""
+    return json.loads(COPY.read_text(encoding="utf-8"))
+
+
+def columns_of(study: str) -> dict[str, dict]:
+    """The columns of a kind of study by name: unit, description, and whether they hold words."""
+    return {column["name"]: column for column in registry()["columns"] if column["study"] == study}
+
+
+@functools.cache
 def words_of(study: str) -> frozenset[str]:
     """The columns of words in the tables of a kind of study; all others hold numbers."""
-    registry = json.loads(COPY.read_text(encoding="utf-8"))
-    own = {
-        column["name"]
-        for column in registry["columns"]
-        if column["study"] == study and column["words"]
-    }
-    return OF_PEERS.union(own, registry["other_words"])
+    own = {name for name, column in columns_of(study).items() if column["words"]}
+    return OF_PEERS.union(own, registry()["other_words"])

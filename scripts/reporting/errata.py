@@ -7,13 +7,12 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from reporting.paper import runs_of
+from reporting.paper import numbers_named, runs_of
 from spintop_figures.tables.table import Table
 
 ERRATA = Path(__file__).resolve().parent.parent.parent / "doc" / "errata.md"
 SECTION = re.compile(r"^## (.+)$", re.MULTILINE)
 CONCERNS = re.compile(r"^Concerns: (.+?)\.$", re.MULTILINE | re.DOTALL)
-NUMBERED = re.compile(r"\b(Example|Figure|Eq|Table)s? (\d+\w?)(?:(?: to |-)(\d+))?")
 
 
 @dataclass(frozen=True)
@@ -60,7 +59,7 @@ def topics_of(table: Table) -> set[str]:
         return topics
     topics |= runs | {table.kind, table.setting("top.shape"), *table.axes()}
     topics |= {table.setting(f"integration.{key}") for key in ("formulation", "method")}
-    topics |= {table.header.get(key, "").split(":")[0] for key in ("model", "method")}
+    topics |= set(table.model_and_method)
     topics |= words_in(table, "method") | words_in(table, "formulation")
     for text in table.meanings.values():
         topics |= {name for name in numbers_named(text) if name.startswith("Eq ")}
@@ -73,17 +72,6 @@ def words_in(table: Table, column: str) -> set[str]:
     if column not in table.rows or table.numeric(column):
         return set()
     return {str(word) for word in table.rows[column].unique()}
-
-
-def numbers_named(text: str) -> set[str]:
-    """`Figure 2`, `Figure 3`, ... of a text that names `Figures 2 to 3`; so of equations."""
-    found = set()
-    for kind, first, last in NUMBERED.findall(text):
-        if last:
-            found |= {f"{kind} {i}" for i in range(int(first), int(last) + 1)}
-        else:
-            found.add(f"{kind} {first}")
-    return found
 
 
 def errata_for(table: Table, errata: list[Erratum]) -> list[Erratum]:

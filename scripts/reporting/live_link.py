@@ -35,14 +35,8 @@ def live_link(table: Table) -> str:
         return ""
     fields = body_fields(table, body) | start_fields(table, omega[0])
     times = table.rows["t"].to_numpy(float)
-    fields |= {"gravity": number_of(table, "top.gravity", 9.81), "t_end": times[-1] - times[0]}
+    fields |= {"gravity": table.number("top.gravity", 9.81), "t_end": times[-1] - times[0]}
     return "&".join(f"{name}={value}" for name, value in fields.items())
-
-
-def number_of(table: Table, key: str, default: float) -> float:
-    """A number of the resolved input."""
-    text = table.setting(key)
-    return default if not text or is_word(text) else float(text)
 
 
 def has_place(body: Body) -> bool:

@@ -34,6 +34,7 @@ RESIDUALS = {
 }
 """The figure of the paper that has the residuals of a formulation under a method, for Example 1."""
 
+NUMBERED = re.compile(r"\b(Example|Figure|Eq|Table)s? (\d+\w?)(?:(?: to |-)(\d+))?")
 NAMED = re.compile(r" \((?:Figures?|Table) [^)]*\)$")
 """What a description of a figure says of the paper."""
 
@@ -44,15 +45,9 @@ def same(found: Iterable[float], expected: Iterable[float]) -> bool:
     return all(math.isclose(a, b, rel_tol=SAME, abs_tol=SAME) for a, b in pairs)
 
 
-def number(table: Table, key: str, default: float = math.nan) -> float:
-    """A number of the resolved input, or what holds without it."""
-    text = table.setting(key)
-    return default if not text or is_word(text) else float(text)
-
-
 def angle(table: Table, name: str) -> float:
     """An angle or a rate of the start, rad, from either of its keys; 0 where it is not given."""
-    return number(table, f"initial.{name}", math.radians(number(table, f"initial.{name}_deg", 0)))
+    return table.number(f"initial.{name}", math.radians(table.number(f"initial.{name}_deg", 0)))
 
 
 def body_of(table: Table) -> Body | None:
@@ -61,12 +56,12 @@ def body_of(table: Table) -> Body | None:
         return body
     inertia = [float(x) for x in table.settings.get("top.inertia", []) if not is_word(x)]
     if table.setting("top.shape") == "spinning_wheel":
-        dimensions = [number(table, f"top.{key}") for key in ("radius", "thickness", "rod_length")]
+        dimensions = [table.number(f"top.{key}") for key in ("radius", "thickness", "rod_length")]
         is_that = same(dimensions, (0.1, 0.01, WHEEL_LENGTH))
         return Body(WHEEL_MASS, WHEEL, (0, 0, WHEEL_LENGTH)) if is_that else None
     if len(inertia) != len(SLOW_TOP.inertia):
         return None
-    return Body(number(table, "top.mass"), inertia, (0.0, 0.0, number(table, "top.length")))
+    return Body(table.number("top.mass"), inertia, (0.0, 0.0, table.number("top.length")))
 
 
 def starts_at_rest(table: Table) -> bool:
@@ -78,16 +73,16 @@ def starts_at_rest(table: Table) -> bool:
         and not broken(CONSERVED, table)
         and "initial.quaternion" not in table.settings
         and same((angle(table, "theta"), *rates), (THETA, 0, 0))
-        and same((number(table, "top.gravity", GRAVITY),), (GRAVITY,))
+        and same((table.number("top.gravity", GRAVITY),), (GRAVITY,))
     )
 
 
 def spin_ratio(table: Table, body: Body) -> float:
     """omega3 over sqrt(4 m g l/I3), by whichever key it is given."""
     unit = math.sqrt(4 * body.mass * GRAVITY * body.centre[2] / body.inertia[2])
-    if not math.isnan(ratio := number(table, "initial.spin_ratio")):
+    if not math.isnan(ratio := table.number("initial.spin_ratio")):
         return ratio
-    return number(table, "initial.omega3", angle(table, "psi_rate")) / unit
+    return table.number("initial.omega3", angle(table, "psi_rate")) / unit
 
 
 def is_wheel(body: Body) -> bool:
@@ -118,7 +113,7 @@ def runs_of(table: Table) -> set[str]:
 
 def wheel_figures(table: Table, body: Body) -> set[str]:
     """The figure of Example 2: lambda = 2 over a period T_p, with the inertia of the author."""
-    facts = (spin_ratio(table, body), number(table, "span.precessions"))
+    facts = (spin_ratio(table, body), table.number("span.precessions"))
     is_that = same(body.inertia, WHEEL_AS_COMPUTED) and same(facts, FIGURE_11)
     return {"Figure 11"} if table.kind == "trajectory" and is_that else set()
 
@@ -130,8 +125,7 @@ def slow_top_figures(table: Table) -> set[str]:
     end = float(table.rows["t"].iloc[-1])
     if not math.isclose(end, SLOW_TOP_END, rel_tol=1e-6):
         return set()
-    words = [table.header.get(key, "").split(":")[0] for key in ("model", "method")]
-    residuals = RESIDUALS.get(tuple(words))
+    residuals = RESIDUALS.get(table.model_and_method)
     return {"Figure 8", "Figure 9"} | ({f"Figure {residuals}"} if residuals else set())
 
 
@@ -140,13 +134,17 @@ def caption_of(kind: FigureKind, runs: set[str]) -> str:
     plain = NAMED.sub("", kind.what)
     if plain == kind.what:
         return plain
-    named = {f"{word} {i}" for word, i in named_in(kind.what)} & runs
+    named = numbers_named(kind.what) & runs
     return f"{plain} ({sorted(named)[0]} of the paper)" if named else plain
 
 
-def named_in(text: str) -> set[tuple[str, int]]:
-    """The figures and tables that a text names, ranges as all their members."""
+def numbers_named(text: str) -> set[str]:
+    """`Figure 2`, `Figure 3`, ... of a text that names `Figures 2 to 3`; so of equations."""
     found = set()
-    for word, first, last in re.findall(r"(Figure|Table)s? (\d+)(?: to (\d+))?", text):
-        found |= {(word, i) for i in range(int(first), int(last or first) + 1)}
+    for kind, first, last in NUMBERED.findall(text):
+        found |= (
+            {f"{kind} {i}" for i in range(int(first), int(last) + 1)}
+            if last
+            else {f"{kind} {first}"}
+        )
     return found

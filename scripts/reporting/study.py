@@ -82,8 +82,8 @@ class Section:
     @property
     def method(self) -> str:
         """The method that computed it, and the formulation under which it did."""
-        names = [self.table.header.get(key, "").split(":")[0] for key in ("model", "method")]
-        return names[1] if names[1] in ("", "exact") else f"{names[1]}, {names[0]}"
+        model, method = self.table.model_and_method
+        return method if method in ("", "exact") else f"{method}, {model}"
 
     @property
     def failed(self) -> bool:

@@ -57,8 +57,8 @@ def object_to_drift(table: Table) -> str:
 
 def method_of(table: Table) -> tuple[str, str]:
     """The method of a run and its formulation."""
-    method, formulation = (table.header.get(key, "").split(":")[0] for key in ("method", "model"))
-    return method, formulation
+    model, method = table.model_and_method
+    return method, model
 
 
 def label_of(table: Table, tables: Sequence[Table]) -> str:

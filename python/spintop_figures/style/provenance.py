@@ -85,9 +85,7 @@ def model_of(table: Table) -> tuple[str, str]:
     given = table.setting("integration.formulation"), table.setting("integration.method")
     if given[1] == "exact" or "auto" not in given:
         return given
-    chosen = (table.header.get(key, "").split(":")[0] for key in ("model", "method"))
-    formulation, method = chosen
-    return formulation, method
+    return table.model_and_method
 
 
 def describe_tolerances(table: Table) -> list[str]:

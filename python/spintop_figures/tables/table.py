@@ -80,6 +80,17 @@ class Table:
         """The first value of a setting, such as study.kind; empty if it has none."""
         return self.settings.get(key, [""])[0]
 
+    def number(self, key: str, default: float = np.nan) -> float:
+        """A number of the resolved input, or what holds without it."""
+        text = self.setting(key)
+        return default if not text or is_word(text) else float(text)
+
+    @property
+    def model_and_method(self) -> tuple[str, str]:
+        """The formulation and the method that computed it, as its header names them."""
+        model, method = (self.header.get(key, "").split(":")[0] for key in ("model", "method"))
+        return model, method
+
     def missing(self, columns: Iterable[str]) -> list[str]:
         """Those of these columns that are not there."""
         return [name for name in columns if name not in self.rows]

@@ -114,26 +114,16 @@ def shoot_all(take: Take, size: tuple[int, int], arguments: argparse.Namespace) 
     with ProcessPoolExecutor(workers, context) as pool:
         # A few at a time: pictures that wait for the encoder take memory.
         batch = 8 * workers
-        yield from told(
-            (
-                p
-                for i in range(0, total, batch)
-                for p in pool.map(shoot, range(i, min(i + batch, total)))
-            ),
-            total,
-        )
+        parts = (range(i, min(i + batch, total)) for i in range(0, total, batch))
+        yield from told((picture for part in parts for picture in pool.map(shoot, part)), total)
 
 
 def told(pictures: Iterator[bytes], total: int) -> Iterator[bytes]:
     """The pictures; the terminal tells how many there are."""
     for i, picture in enumerate(pictures, start=1):
         if sys.stderr.isatty():
-            print(
-                f"\rpicture {i} of {total}",
-                end="\n" if i == total else "",
-                file=sys.stderr,
-                flush=True,
-            )
+            end = "\n" if i == total else ""
+            print(f"\rpicture {i} of {total}", end=end, file=sys.stderr, flush=True)
         yield picture
 
 

@@ -12,31 +12,10 @@ from filming.take import FilmError
 
 EXIT_OUTPUT = 4
 CODECS = {
-    ".mp4": (
-        "-c:v",
-        "libx264",
-        "-preset",
-        "medium",
-        "-crf",
-        "18",
-        "-pix_fmt",
-        "yuv420p",
-        "-movflags",
-        "+faststart",
-    ),
-    ".webm": (
-        "-c:v",
-        "libvpx-vp9",
-        "-crf",
-        "28",
-        "-b:v",
-        "0",
-        "-row-mt",
-        "1",
-        "-pix_fmt",
-        "yuv420p",
-    ),
+    ".mp4": "-c:v libx264 -preset medium -crf 18 -pix_fmt yuv420p -movflags +faststart",
+    ".webm": "-c:v libvpx-vp9 -crf 28 -b:v 0 -row-mt 1 -pix_fmt yuv420p",
 }
+"""What ffmpeg is told for a kind of film."""
 KINDS = (*CODECS, ".gif")
 COLOURS = 128
 """Of a GIF."""
@@ -76,19 +55,10 @@ def write_by_ffmpeg(
     path: Path, pictures: Iterable[bytes], size: tuple[int, int], rate: int
 ) -> None:
     """Hand the pictures to ffmpeg."""
-    command = [
-        *("ffmpeg", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"),
-        *(
-            "-s",
-            f"{size[0]}x{size[1]}",
-            "-r",
-            str(rate),
-            "-i",
-            "-",
-            *CODECS[path.suffix],
-            f"file:{path.absolute()}",
-        ),
-    ]
+    width, height = size
+    taken = f"-loglevel error -f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {rate} -i -"
+    made = [*CODECS[path.suffix].split(), f"file:{path.absolute()}"]
+    command = ["ffmpeg", *taken.split(), *made]
     with tempfile.TemporaryFile() as log:
         with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=log) as process:
             try:

@@ -103,35 +103,18 @@ class Camera:
                 x, y = (np.where(shown, points[:, i], np.nan) for i in (0, 1))
                 width = 1.1 * self.scale
                 space.plot(x, y, color=colours["faint"], lw=width, alpha=alpha, zorder=ORDER["far"])
+        quiet = {"color": colours["quiet"], "zorder": ORDER["far"]}
+        small = quiet | {"size": 12 * self.scale, "ha": "center", "va": "center", "style": "italic"}
         for axis, letter in zip(np.eye(3), "xyz", strict=True):
             x, y, _ = project(0.34 * self.reach * axis)
-            space.plot(
-                [0, x], [0, y], color=colours["quiet"], lw=1.2 * self.scale, zorder=ORDER["far"]
-            )
-            space.text(
-                1.15 * x,
-                1.15 * y,
-                letter,
-                color=colours["quiet"],
-                style="italic",
-                size=12 * self.scale,
-                ha="center",
-                va="center",
-                zorder=ORDER["far"],
-            )
-        self.figure.text(
-            0.02, 0.955, self.take.title, color=colours["ink"], size=15 * self.scale, va="center"
-        )
+            space.plot([0, x], [0, y], lw=1.2 * self.scale, **quiet)
+            space.text(1.15 * x, 1.15 * y, letter, **small)
+        large = {"color": colours["ink"], "size": 15 * self.scale, "va": "center"}
+        self.figure.text(0.02, 0.955, self.take.title, **large)
         for i, name in enumerate(self.arrows):
-            self.figure.text(
-                0.98,
-                0.955 - 0.04 * i,
-                f"{NAMES[name]} \N{EM DASH}",
-                color=colours[name],
-                size=11 * self.scale,
-                ha="right",
-                va="center",
-            )
+            style = {"size": 11 * self.scale, "ha": "right", "va": "center"}
+            words = f"{NAMES[name]} \N{EM DASH}"
+            self.figure.text(0.98, 0.955 - 0.04 * i, words, color=colours[name], **style)
 
     def add_chart(self) -> None:
         """The inclination against time."""
@@ -168,25 +151,10 @@ class Camera:
             (head,) = space.fill([0, 0, 0], [0, 0, 0], color=colours[name], zorder=ORDER["arrows"])
             arrows[name] = (shaft, head)
         cursor = self.chart.axvline(self.take.times[0], color=colours["mark"], lw=1.8 * scale)
-        clock = self.figure.text(
-            0.02,
-            0.91,
-            "",
-            color=colours["quiet"],
-            size=12 * scale,
-            va="center",
-            family="DejaVu Sans Mono",
-        )
-        return {
-            "far": paths["far"],
-            "near": paths["near"],
-            "body": body,
-            "rod": rod,
-            "knob": knob,
-            "arrows": arrows,
-            "cursor": cursor,
-            "clock": clock,
-        }
+        style = {"size": 12 * scale, "va": "center", "family": "DejaVu Sans Mono"}
+        clock = self.figure.text(0.02, 0.91, "", color=colours["quiet"], **style)
+        lines = {"rod": rod, "knob": knob, "arrows": arrows, "cursor": cursor, "clock": clock}
+        return paths | lines | {"body": body}
 
     def shoot(self, picture: int) -> bytes:
         """A picture, three bytes a pixel."""

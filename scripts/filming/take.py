@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from spintop_figures.moving.body import Body, draw_body, read_body
+from spintop_figures.moving.motion import FORCE, OMEGA, QUATERNION
 from spintop_figures.tables.table import Table, TableError, read_table
 
 PROGRAM = os.environ.get("SPINTOP_EXE", "build/release/spintop")
@@ -24,9 +25,6 @@ MOST_ROWS = 30_000
 KIND = re.compile(r"^[^!\n]*\bkind\s*=\s*(['\"])(\w+)\1", re.MULTILINE | re.IGNORECASE)
 """The kind of study that an input names."""
 
-QUATERNION = ("q0", "q1", "q2", "q3")
-OMEGA = ("omega1", "omega2", "omega3")
-FORCE = ("force_x", "force_y", "force_z")
 COLUMNS = ("t", *QUATERNION, *OMEGA, *FORCE, "theta")
 
 
@@ -153,14 +151,9 @@ def take_of(table: Table, pictures: int) -> Take:
 def matrices(q: np.ndarray) -> np.ndarray:
     """The rotations of unit quaternions, body to space."""
     w, x, y, z = q.T
-    return np.moveaxis(
-        np.array(
-            [
-                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-            ]
-        ),
-        2,
-        0,
-    )
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), 2, 0)

@@ -14,12 +14,12 @@ function element(name, attributes) {
   return made;
 }
 
-/** The least and the largest of numbers. */
+/** The least and the largest of numbers; nan is none. */
 export function extremesOf(values) {
   let [low, high] = [Infinity, -Infinity];
   for (const value of values) {
-    low = Math.min(low, value);
-    high = Math.max(high, value);
+    if (value < low) low = value;
+    if (value > high) high = value;
   }
   return [low, high];
 }

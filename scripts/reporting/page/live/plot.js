@@ -1,5 +1,7 @@
 // A plot on a canvas: axes, lines, and a mark that moves over it without drawing anew.
 
+import { extremesOf } from "../plot.js";
+
 const MARGIN = { left: 46, right: 10, top: 8, bottom: 22 };
 const FONT = "11px system-ui, sans-serif";
 const TICKS = [1, 2, 2.5, 5, 10];
@@ -23,13 +25,7 @@ function textOf(value, decimals) {
 
 /** The least and the largest of some columns, with a little room. */
 export function rangeOf(columns, least = 1e-6) {
-  let [low, high] = [Infinity, -Infinity];
-  for (const column of columns) {
-    for (const value of column) {
-      if (value < low) low = value;
-      if (value > high) high = value;
-    }
-  }
+  const [low, high] = extremesOf(columns.flatMap(extremesOf));
   const middle = (low + high) / 2;
   const half = Math.max((high - low) / 2, least * Math.max(1, Math.abs(middle)));
   return [middle - 1.08 * half, middle + 1.08 * half];

@@ -1,5 +1,8 @@
 """The pictures of a film: top, path of its axis, arrows, and the inclination against time."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection, PolyCollection
@@ -24,24 +27,22 @@ JOINED = np.radians(15)
 FADES_IN, FAINTEST = 0.12, 0.2
 """Part of the film after which most of a path's strength is gone, and what is left of it."""
 
-PALETTES = {
-    False: {
-        **{"ground": "#f6f4ef", "ink": "#1d2530", "quiet": "#565f6b", "faint": "#c3bfb4"},
-        **{"rod": "#8a8f98", "trace": "#b5530f", "mark": "#d1641b", "even": "#1f4d80"},
-        **{"odd": "#d9e2ec", "momentum": "#7550a3", "omega": "#b3246b", "force": "#1b7f76"},
-    },
-    True: {
-        **{"ground": "#10131a", "ink": "#e8e6e1", "quiet": "#a5abb4", "faint": "#454c58"},
-        **{"rod": "#a9afb9", "trace": "#f2a05c", "mark": "#f08a3c", "even": "#4f86c2"},
-        **{"odd": "#cfd8e3", "momentum": "#b795e0", "omega": "#f27fb4", "force": "#4fc3b7"},
-    },
-}
+SHEET = Path(__file__).resolve().parent.parent / "reporting" / "page" / "page.css"
+"""The style sheet of the report, whose stage has the colours of a film."""
+
 NAMES = {
     "momentum": "angular momentum",
     "omega": "angular velocity",
     "force": "support force",
 }
 ORDER = {"far": 1, "rod behind": 2, "body": 3, "rod before": 4, "near": 5, "arrows": 6}
+
+
+def palette(dark: bool) -> dict[str, str]:
+    """The colours of the page by their names, light or dark."""
+    light, night = SHEET.read_text(encoding="utf-8").split("prefers-color-scheme: dark", 1)
+    sheet = night.partition("}")[0] if dark else light
+    return dict(re.findall(r"--(?:body-)?([a-z]+): (#\w+);", sheet))
 
 
 def project(points: np.ndarray) -> np.ndarray:
@@ -58,7 +59,7 @@ class Camera:
     def __init__(self, take: Take, size: tuple[int, int], arrows: list[str], dark: bool) -> None:
         """Prepare all that is the same in every picture."""
         self.take = take
-        self.colours = PALETTES[dark]
+        self.colours = palette(dark)
         self.scale = size[1] / 720
         self.polygons, kinds = self.body()
         self.paints = np.array([to_rgb(self.colours[k]) for k in ("mark", "even", "odd")])[kinds]
@@ -70,7 +71,7 @@ class Camera:
         self.is_joined = take.steps() <= JOINED
         self.arrows = arrows
         self.figure = Figure(
-            figsize=(size[0] / DPI, size[1] / DPI), dpi=DPI, facecolor=self.colours["ground"]
+            figsize=(size[0] / DPI, size[1] / DPI), dpi=DPI, facecolor=self.colours["stage"]
         )
         self.canvas = FigureCanvasAgg(self.figure)
         self.space = self.figure.add_axes((0, 0.14, 1, 0.86))

@@ -112,11 +112,6 @@ export class ExactMotion {
     };
   }
 
-  /** The unit quaternion at time t, s. */
-  quaternionAt(t) {
-    return this.#quaternion(this.#attitude(t));
-  }
-
   #quaternion({ upper, lower }) {
     return [this.side * upper[0], this.side * lower[0], this.side * lower[1], this.side * upper[1]];
   }

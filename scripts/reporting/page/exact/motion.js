@@ -59,16 +59,3 @@ export function toSpace([w, x, y, z], [a, b, c]) {
   const [p, q, r] = [y * c - z * b + w * a, z * a - x * c + w * b, x * b - y * a + w * c];
   return [a + 2 * (y * r - z * q), b + 2 * (z * p - x * r), c + 2 * (x * q - y * p)];
 }
-
-/** The upward vertical in body axes, Gamma. */
-export function verticalFromQuaternion([w, x, y, z]) {
-  return [2 * (x * z - w * y), 2 * (y * z + w * x), w * w + z * z - (x * x + y * y)];
-}
-
-/** Rotation angle between two attitudes, rad, in [0, pi]. */
-export function rotationAngle([a, b, c, d], [w, x, y, z]) {
-  return 2 * Math.atan2(
-    Math.hypot(a * x - b * w - c * z + d * y, a * y + b * z - c * w - d * x, a * z - b * y + c * x - d * w),
-    Math.abs(a * w + b * x + c * y + d * z),
-  );
-}

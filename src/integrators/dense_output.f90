@@ -9,8 +9,8 @@ module spintop_dense_output
     use spintop_formulation, only: formulation_t, max_states
     use spintop_lapack, only: dgetrf, dgetrs
     use spintop_motions, only: instants
-    use spintop_stepper, only: workspace_t
     use spintop_status, only: status_ok
+    use spintop_stepper, only: run_state_t
     implicit none
     private
     public :: dense_output_t
@@ -71,25 +71,25 @@ contains
         place = (node - mod(level, 2) / 3.0_dp) / (level + 1)
     end function place
 
-    !> Computes the polynomial of the last step of `work`, which began with the slope `slope_last`. If a slope
+    !> Computes the polynomial of the last step of `run`, which began with the slope `slope_last`. If a slope
     !> inside does not exist, the degree reached so far is kept.
-    subroutine fit(self, formulation, work, slope_last)
+    subroutine fit(self, formulation, run, slope_last)
         class(dense_output_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
+        class(run_state_t), intent(inout) :: run !! state of the run
         real(dp), intent(in) :: slope_last(max_states) !! slope at the beginning of the step
         real(dp) :: h, slope(max_states), conditions(max_unknowns, max_states)
         integer :: level, node, status, failure
 
-        h = work%t - work%t_last
+        h = run%t - run%t_last
         self%coefficient = 0
-        self%coefficient(:, 0) = work%y_last
+        self%coefficient(:, 0) = run%y_last
         self%coefficient(:, 1) = h * slope_last
         do level = 0, self%level
-            conditions(1, :) = work%y - work%y_last - h * slope_last
-            conditions(2, :) = h * (work%slope - slope_last)
+            conditions(1, :) = run%y - run%y_last - h * slope_last
+            conditions(2, :) = h * (run%slope - slope_last)
             do node = 1, level
-                call work%evaluate(formulation, work%t_last + h * place(node, level), &
+                call run%evaluate(formulation, run%t_last + h * place(node, level), &
                                    self%at(place(node, level)), slope, status)
                 if (status /= status_ok) return
                 conditions(node + 2, :) = h * (slope - slope_last)

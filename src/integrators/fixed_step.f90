@@ -5,13 +5,13 @@ module spintop_fixed_step
     use spintop_dense_output, only: dense_output_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_motions, only: instants
-    use spintop_stepper, only: stepper_t, workspace_t
+    use spintop_stepper, only: stepper_t
     use spintop_status, only: status_ok, status_outside, status_non_finite, status_step_too_small
     implicit none
     private
-    public :: grid_stepper_t, fixed_step_t, grid_workspace_t, begin_on_grid, advance_on_grid, longest_step
+    public :: grid_stepper_t, fixed_step_t, begin_on_grid, advance_on_grid, longest_step
 
-    !> Value of `workspace_t%grid` for a run that has left the grid of fixed step size.
+    !> Value of `grid` for a run that has left the grid of fixed step size.
     integer, parameter :: off_grid = -1
     !> Near the end of its equations a run steps by at most this fraction of the time left.
     real(dp), parameter :: share_of_time_left = 0.25_dp
@@ -24,10 +24,12 @@ module spintop_fixed_step
         procedure(try_step), deferred :: try_step
     end type grid_stepper_t
 
-    !> A method with one step formula.
+    !> A method with one step formula. It keeps the polynomial of the last step after dense output was needed.
     type, extends(grid_stepper_t), abstract :: fixed_step_t
+        type(dense_output_t) :: dense
+        !> End of the step to which the polynomial belongs, s.
+        real(dp) :: t_fitted = -huge(1.0_dp)
     contains
-        procedure :: new_workspace
         procedure :: try_step => try_formula
         procedure :: state_within
         procedure :: states_within
@@ -35,32 +37,22 @@ module spintop_fixed_step
         procedure :: starts_from_slope
     end type fixed_step_t
 
-    !> Keeps the polynomial of the last step after dense output was needed.
-    type, extends(workspace_t) :: grid_workspace_t
-        type(dense_output_t) :: dense
-        !> End of the step to which the polynomial belongs, s.
-        real(dp) :: t_fitted = -huge(1.0_dp)
-    end type grid_workspace_t
-
     abstract interface
         !> A step of the size `h` to the time `t_new`. After `status_outside`, which leaves the state as it is,
         !> a shorter one is tried.
-        subroutine try_step(self, formulation, work, h, t_new, status)
-            import :: grid_stepper_t, formulation_t, workspace_t, dp
-            class(grid_stepper_t), intent(in) :: self
+        subroutine try_step(self, formulation, h, t_new, status)
+            import :: grid_stepper_t, formulation_t, dp
+            class(grid_stepper_t), intent(inout) :: self
             class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-            class(workspace_t), intent(inout) :: work !! state and workspace of the run
             real(dp), intent(in) :: h, t_new !! s
             integer, intent(out) :: status !! `status_ok`, or why there is no such step
         end subroutine try_step
 
-        !> Change of the state `work%y` over a time `h`. `work%slope` is the slope for methods whose steps
-        !> start from it.
-        subroutine step(self, formulation, work, h, change, status)
-            import :: fixed_step_t, formulation_t, workspace_t, dp, max_states
-            class(fixed_step_t), intent(in) :: self
+        !> Change of the state over a time `h`. `slope` is the slope for methods whose steps start from it.
+        subroutine step(self, formulation, h, change, status)
+            import :: fixed_step_t, formulation_t, dp, max_states
+            class(fixed_step_t), intent(inout) :: self
             class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-            class(workspace_t), intent(inout) :: work !! state and workspace of the run
             real(dp), intent(in) :: h !! step size, s
             real(dp), intent(out) :: change(max_states) !! change of the state
             integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
@@ -68,15 +60,6 @@ module spintop_fixed_step
     end interface
 
 contains
-
-    !> A workspace with room for dense output.
-    subroutine new_workspace(self, work)
-        class(fixed_step_t), intent(in) :: self
-        class(workspace_t), allocatable, intent(out) :: work !! workspace of the type that the method needs
-        associate (unused => self)
-        end associate
-        allocate (grid_workspace_t :: work)
-    end subroutine new_workspace
 
     !> Whether steps start from the slope; otherwise slopes are evaluated for dense output only.
     pure logical function starts_from_slope(self)
@@ -87,39 +70,37 @@ contains
     end function starts_from_slope
 
     !> Evaluates the first slope and, for a fixed step size, sets the size.
-    subroutine begin_on_grid(self, formulation, work, status)
-        class(grid_stepper_t), intent(in) :: self
+    subroutine begin_on_grid(self, formulation, status)
+        class(grid_stepper_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
 
-        if (self%controls%steps > 0) work%h = (work%t_end - work%t_begin) / self%controls%steps
-        call work%evaluate(formulation, work%t, work%y, work%slope, status)
+        if (self%controls%steps > 0) self%h = (self%t_end - self%t_begin) / self%controls%steps
+        call self%evaluate(formulation, self%t, self%y, self%slope, status)
     end subroutine begin_on_grid
 
     !> One step: on the grid, or ever shorter ones where the equations end.
-    subroutine advance_on_grid(self, formulation, work, status)
-        class(grid_stepper_t), intent(in) :: self
+    subroutine advance_on_grid(self, formulation, status)
+        class(grid_stepper_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: h, t_new
 
-        h = min(work%h, longest_step(formulation, work%y))
-        if (h < work%h) work%grid = off_grid
+        h = min(self%h, longest_step(formulation, self%y))
+        if (h < self%h) self%grid = off_grid
         do
-            if (work%grid == off_grid) then
-                t_new = min(work%t + h, work%t_end)
-                h = t_new - work%t
+            if (self%grid == off_grid) then
+                t_new = min(self%t + h, self%t_end)
+                h = t_new - self%t
             else
-                work%grid = work%grid + 1
-                t_new = grid_time(work, self%controls%steps)
+                self%grid = self%grid + 1
+                t_new = grid_time(self)
             end if
-            call self%try_step(formulation, work, h, t_new, status)
+            call self%try_step(formulation, h, t_new, status)
             if (status /= status_outside) return
-            work%grid = off_grid
+            self%grid = off_grid
             h = h / 2
-            if (h <= 2 * spacing(work%t)) exit
+            if (h <= 2 * spacing(self%t)) exit
         end do
         status = status_step_too_small
     end subroutine advance_on_grid
@@ -133,87 +114,76 @@ contains
     end function longest_step
 
     !> A step by the formula of the method. A method that starts from the slope needs one at the end, too.
-    subroutine try_formula(self, formulation, work, h, t_new, status)
-        class(fixed_step_t), intent(in) :: self
+    subroutine try_formula(self, formulation, h, t_new, status)
+        class(fixed_step_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         real(dp), intent(in) :: h, t_new !! step size, s, and time at its end, s
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: change(max_states), slope(max_states)
         logical :: changed, sloped
 
         sloped = self%starts_from_slope()
-        call self%step(formulation, work, h, change, status)
+        call self%step(formulation, h, change, status)
         ! Not with is_finite, as in `evaluate`.
         if (status == status_ok .and. .not. all(abs(change) <= huge(1.0_dp))) status = status_non_finite
         if (status == status_ok .and. sloped) then
-            call work%evaluate(formulation, t_new, work%y + (change + work%rest), slope, status)
+            call self%evaluate(formulation, t_new, self%y + (change + self%rest), slope, status)
         end if
-        if (status == status_outside) work%counts%rejected = work%counts%rejected + 1
+        if (status == status_outside) self%counts%rejected = self%counts%rejected + 1
         if (status /= status_ok) return
-        call work%settle_change(formulation, t_new, change, changed)
+        call self%settle_change(formulation, t_new, change, changed)
         if (.not. sloped) return
-        if (changed) call work%evaluate(formulation, t_new, work%y, slope, status)
-        work%slope = slope
+        if (changed) call self%evaluate(formulation, t_new, self%y, slope, status)
+        self%slope = slope
     end subroutine try_formula
 
     !> Time of the current grid point of a run with so many steps of fixed size, computed without summing
     !> steps.
-    pure real(dp) function grid_time(work, steps)
-        class(workspace_t), intent(in) :: work !! workspace of the run
-        integer, intent(in) :: steps !! number of steps
-        grid_time = work%t_end
-        if (work%grid < steps) then
-            grid_time = work%t_begin + (work%t_end - work%t_begin) * work%grid / steps
-        end if
+    pure real(dp) function grid_time(self)
+        class(grid_stepper_t), intent(in) :: self
+        associate (steps => self%controls%steps)
+            grid_time = self%t_end
+            if (self%grid < steps) grid_time = self%t_begin + (self%t_end - self%t_begin) * self%grid / steps
+        end associate
     end function grid_time
 
     !> The state within the last step, to the order of the method (at least 4, at most 8).
-    function state_within(self, formulation, work, t) result(y)
-        class(fixed_step_t), intent(in) :: self
+    function state_within(self, formulation, t) result(y)
+        class(fixed_step_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states)
 
-        y = work%y
-        select type (work)
-        class is (grid_workspace_t)
-            call fit_step(self, formulation, work)
-            y = work%dense%at((t - work%t_last) / (work%t - work%t_last))
-        end select
+        y = self%y
+        call fit_step(self, formulation)
+        y = self%dense%at((t - self%t_last) / (self%t - self%t_last))
     end function state_within
 
     !> The states at several times within the last step, all by the same instructions.
-    subroutine states_within(self, formulation, work, t, y)
-        class(fixed_step_t), intent(in) :: self
+    subroutine states_within(self, formulation, t, y)
+        class(fixed_step_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         real(dp), intent(in) :: t(instants) !! times, s
         real(dp), intent(out) :: y(instants, max_states) !! states
 
         y = 0
-        select type (work)
-        class is (grid_workspace_t)
-            call fit_step(self, formulation, work)
-            call work%dense%at_several((t - work%t_last) / (work%t - work%t_last), y)
-        end select
+        call fit_step(self, formulation)
+        call self%dense%at_several((t - self%t_last) / (self%t - self%t_last), y)
     end subroutine states_within
 
     !> Fits the polynomial of the last step, if this was not done yet.
-    subroutine fit_step(self, formulation, work)
-        class(fixed_step_t), intent(in) :: self
+    subroutine fit_step(self, formulation)
+        class(fixed_step_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
-        class(grid_workspace_t), intent(inout) :: work
         integer :: status
-        if (is_equal(work%t_fitted, work%t)) return
+        if (is_equal(self%t_fitted, self%t)) return
         if (.not. self%starts_from_slope()) then
-            call work%evaluate(formulation, work%t_last, work%y_last, work%slope_last, status)
-            call work%evaluate(formulation, work%t, work%y, work%slope, status)
+            call self%evaluate(formulation, self%t_last, self%y_last, self%slope_last, status)
+            call self%evaluate(formulation, self%t, self%y, self%slope, status)
         end if
-        call work%dense%set_order(self%order())
-        call work%dense%fit(formulation, work, work%slope_last)
-        work%t_fitted = work%t
+        call self%dense%set_order(self%order())
+        call self%dense%fit(formulation, self%run_state_t, self%slope_last)
+        self%t_fitted = self%t
     end subroutine fit_step
 
 end module spintop_fixed_step

@@ -8,7 +8,7 @@ module spintop_integration
     use spintop_run, only: run_t
     use spintop_step_path, only: step_path_t
     use spintop_formulation, only: formulation_t
-    use spintop_stepper, only: stepper_t, workspace_t, counts_t
+    use spintop_stepper, only: stepper_t, counts_t
     use spintop_suitability, only: call_status
     use spintop_status, only: status_ok, status_at_rest, status_step_limit
     implicit none
@@ -48,7 +48,7 @@ contains
     subroutine integrate(formulation, stepper, body, start, t_end, samples, observer, outcome, watch)
         class(formulation_t), target, intent(inout) :: formulation
             !! the equations of motion; prepared by this procedure
-        class(stepper_t), target, intent(in) :: stepper !! the method with its settings
+        class(stepper_t), intent(in) :: stepper !! the method with its settings; a copy of it runs
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         real(dp), intent(in) :: t_end !! length of the span, s
@@ -56,7 +56,7 @@ contains
         class(observer_t), target, intent(inout) :: observer !! receives the motion
         type(outcome_t), intent(out) :: outcome !! status, time reached and cost
         class(event_watch_t), intent(inout), optional :: watch !! search for events
-        class(workspace_t), allocatable, target :: work
+        class(stepper_t), allocatable, target :: method
         type(run_t), target :: run
         type(step_path_t) :: path
         integer :: status
@@ -66,11 +66,11 @@ contains
         if (outcome%status == status_ok .and. present(watch)) outcome%status = watch%check()
         if (outcome%status /= status_ok) return
         ends = .false.
-        call stepper%new_workspace(work)
-        work%t_end = t_end
+        allocate (method, source=stepper)
+        method%t_end = t_end
         run%formulation => formulation
-        run%stepper => stepper
-        run%work => work
+        run%method => method
+        run%stepper => method
         run%observer => observer
         run%samples => samples
         ! A run that is resumed has shown its start.
@@ -81,34 +81,34 @@ contains
             call run%carry(observer%resumed, watch)
             deallocate (observer%resumed)
         end if
-        do while (status == status_ok .and. work%t < t_end .and. .not. observer%has_enough)
-            if (work%is_spent(stepper%controls%max_steps)) then
+        do while (status == status_ok .and. method%t < t_end .and. .not. observer%has_enough)
+            if (method%is_spent()) then
                 status = status_step_limit
                 exit
             end if
             if (allocated(formulation%action)) then
                 call run%take_step(path, status)
             else
-                call stepper%advance(formulation, work, status)
+                call method%advance(formulation, status)
             end if
             if (status == status_ok .and. present(watch)) then
                 call run%look_for_events(path, watch, status, ends)
                 if (ends) exit
             end if
-            if (status == status_ok .and. run%work%t >= run%due) call run%show_until(run%work%t)
+            if (status == status_ok .and. run%stepper%t >= run%due) call run%show_until(run%stepper%t)
             if (allocated(formulation%ends)) call run%check_arrival(status)
-            if (allocated(formulation%action)) call run%end_step(stepper, work, path, status, ends, watch)
+            if (allocated(formulation%action)) call run%end_step(path, status, ends, watch)
             if (ends) exit
             if (observer%keeps_states .and. status == status_ok) call run%keep(watch)
         end do
         outcome%status = status
-        outcome%t = run%work%t
+        outcome%t = run%stepper%t
         if (run%rest%is_resting) then
             outcome%t_stuck = run%rest%t_stuck
             if (status == status_ok .and. .not. ends) outcome%status = status_at_rest
         end if
         if (ends) outcome%t = watch%t
-        outcome%counts = work%counts
+        outcome%counts = method%counts
     end subroutine integrate
 
 end module spintop_integration

@@ -3,7 +3,7 @@ module spintop_lying
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
     use spintop_status, only: status_ok
-    use spintop_stepper, only: stepper_t, workspace_t
+    use spintop_stepper, only: stepper_t
     implicit none
     private
     public :: lying_t
@@ -11,7 +11,6 @@ module spintop_lying
     !> Rest: the attitude is kept.
     type, extends(stepper_t) :: lying_t
     contains
-        procedure :: new_workspace
         procedure :: begin => begin_rest
         procedure :: advance => lie
         procedure :: state_within
@@ -19,52 +18,41 @@ module spintop_lying
 
 contains
 
-    !> A workspace.
-    subroutine new_workspace(self, work)
-        class(lying_t), intent(in) :: self
-        class(workspace_t), allocatable, intent(out) :: work !! workspace of the type that the method needs
-        associate (unused => self)
-        end associate
-        allocate (workspace_t :: work)
-    end subroutine new_workspace
-
     !> Nothing to prepare.
-    subroutine begin_rest(self, formulation, work, status)
-        class(lying_t), intent(in) :: self
+    subroutine begin_rest(self, formulation, status)
+        class(lying_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        associate (unused => self, also_unused => formulation)
+        associate (unused => formulation)
         end associate
-        work%slope = 0
+        self%slope = 0
         status = status_ok
     end subroutine begin_rest
 
     !> Lies still until the torques exceed the friction, or to the end; with a fixed step size over one step.
-    subroutine lie(self, formulation, work, status)
-        class(lying_t), intent(in) :: self
+    subroutine lie(self, formulation, status)
+        class(lying_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: t, peak
 
-        t = work%t_end
+        t = self%t_end
         if (formulation%action%may_slip) then
-            t = min(t, work%t + formulation%action%pause(work%t))
+            t = min(t, self%t + formulation%action%pause(self%t))
             peak = t
-            if (.not. excess(formulation, work%y, t) > 0) peak = highest(formulation, work%y, work%t, t)
-            if (excess(formulation, work%y, peak) > 0) t = root(formulation, work%y, work%t, peak)
+            if (.not. excess(formulation, self%y, t) > 0) peak = highest(formulation, self%y, self%t, t)
+            if (excess(formulation, self%y, peak) > 0) t = root(formulation, self%y, self%t, peak)
         end if
         if (self%controls%steps > 0) then
-            work%grid = work%grid + 1
-            t = work%t_end
-            if (work%grid < self%controls%steps) t = work%t_begin + (work%t_end - work%t_begin) * work%grid / self%controls%steps
+            self%grid = self%grid + 1
+            t = self%t_end
+            if (self%grid < self%controls%steps) t = self%t_begin + (self%t_end - self%t_begin) * self%grid / self%controls%steps
         end if
-        work%t_last = work%t
-        work%y_last = work%y
-        work%y = formulation%action%at_rest(t, work%y, 0.0_dp)
-        work%t = t
-        work%counts%steps = work%counts%steps + 1
+        self%t_last = self%t
+        self%y_last = self%y
+        self%y = formulation%action%at_rest(t, self%y, 0.0_dp)
+        self%t = t
+        self%counts%steps = self%counts%steps + 1
         status = status_ok
     end subroutine lie
 
@@ -126,15 +114,12 @@ contains
     end function root
 
     !> The state at rest.
-    function state_within(self, formulation, work, t) result(y)
-        class(lying_t), intent(in) :: self
+    function state_within(self, formulation, t) result(y)
+        class(lying_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states)
-        associate (unused => self)
-        end associate
-        y = formulation%action%at_rest(t, work%y_last, 0.0_dp)
+        y = formulation%action%at_rest(t, self%y_last, 0.0_dp)
     end function state_within
 
 end module spintop_lying

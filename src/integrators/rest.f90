@@ -12,7 +12,7 @@ module spintop_rest
     use spintop_lying, only: lying_t
     use spintop_motions, only: instants
     use spintop_reversals, only: end_before_reversal, end_step, may_reverse
-    use spintop_stepper, only: method_info_t, stepper_t, workspace_t
+    use spintop_stepper, only: method_info_t, stepper_t
     implicit none
     private
     public :: rest_t
@@ -24,10 +24,9 @@ module spintop_rest
         real(dp) :: t_stuck = 0
         !> What happened at the end of the last step: the body came to rest, or began to move.
         integer :: occasion = occasion_none
-        !> Whether the last step was one of another stepper, and that stepper with its workspace.
+        !> Whether the last step was one of another stepper, and that stepper.
         logical :: is_other = .false.
         class(stepper_t), allocatable :: stepper
-        class(workspace_t), allocatable :: work
         !> Whether the next step must be one of another stepper: at its beginning there is no series.
         logical, private :: leads_on = .false.
         !> Whether the angular velocity surely kept its direction, and more than half of its magnitude, in the last step.
@@ -67,14 +66,14 @@ module spintop_rest
 contains
 
     !> Looks at the start.
-    subroutine begin(self, formulation, work)
+    subroutine begin(self, formulation, stepper)
         class(rest_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(in) :: work !! at the start
+        class(stepper_t), intent(in) :: stepper !! the method, at the start
         real(dp) :: speed, slowing, across
-        call formulation%action%find_speed(work%t, work%y, speed, slowing, across)
+        call formulation%action%find_speed(stepper%t, stepper%y, speed, slowing, across)
         self%largest = speed
-        if (.not. speed > 0) call self%check_rest(formulation, work%t, work%y)
+        if (.not. speed > 0) call self%check_rest(formulation, stepper%t, stepper%y)
     end subroutine begin
 
     !> The angular velocity and how fast it decreases; zero where nothing depends on its direction: without dry friction, but
@@ -117,23 +116,22 @@ contains
     !> Notes whether the angular velocity, and the velocity on which drag depends, are far from any reversal in a step by series:
     !> they change by less than `share` of their magnitude, as all terms of its series together are less. Then the step is also
     !> shorter than that to `latest_end`.
-    subroutine check_direction(self, formulation, stepper, work)
+    subroutine check_direction(self, formulation, stepper)
         class(rest_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
-        class(stepper_t), intent(in) :: stepper
-        class(workspace_t), intent(inout) :: work
+        class(stepper_t), intent(inout) :: stepper
         real(dp) :: span, change(max_states), speed, reach, narrowest, speed_now
         logical :: is_known
 
-        call stepper%bound_changes(work, change, is_known)
+        call stepper%bound_changes(change, is_known)
         self%goes_on = .false.
         if (.not. is_known) return
-        span = work%t - work%t_last
-        call formulation%action%find_reach(work%t_last, work%y_last, span, change, speed, reach, narrowest)
+        span = stepper%t - stepper%t_last
+        call formulation%action%find_reach(stepper%t_last, stepper%y_last, span, change, speed, reach, narrowest)
         self%goes_on = reach < share * min(speed, narrowest)
         if (.not. self%goes_on .and. narrowest >= 0 .and. reach < share * speed) self%goes_on = .not. turns_back()
         if (.not. self%goes_on) return
-        call formulation%action%find_reach(work%t, work%y, 0.0_dp, change, speed_now, reach, narrowest)
+        call formulation%action%find_reach(stepper%t, stepper%y, 0.0_dp, change, speed_now, reach, narrowest)
         self%largest = max(self%largest, speed, speed_now)
         self%steepest = max(self%steepest, (speed - speed_now) / span)
 
@@ -143,9 +141,9 @@ contains
         logical function turns_back()
             real(dp) :: t(0:instants), y(0:instants, max_states)
             integer :: i
-            t = work%t_last + span * [(real(i, dp) / instants, i=0, instants)]
-            y(0, :) = work%y_last
-            call stepper%states_within(formulation, work, t(1:), y(1:, :))
+            t = stepper%t_last + span * [(real(i, dp) / instants, i=0, instants)]
+            y(0, :) = stepper%y_last
+            call stepper%states_within(formulation, t(1:), y(1:, :))
             turns_back = formulation%action%drag_turns(t, y)
         end function turns_back
 
@@ -170,11 +168,10 @@ contains
     end subroutine check_rest
 
     !> Takes a step, by the method or by another stepper.
-    subroutine advance(self, formulation, stepper, work, status)
+    subroutine advance(self, formulation, stepper, status)
         class(rest_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(stepper_t), intent(in) :: stepper !! the method
-        class(workspace_t), intent(inout) :: work !! its workspace
+        class(stepper_t), intent(inout) :: stepper !! the method
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: t_end
         logical :: may_turn, looks_back
@@ -185,29 +182,29 @@ contains
             if (allocated(self%stepper)) deallocate (self%stepper)
             allocate (lying_t :: self%stepper)
             self%stepper%controls = stepper%controls
-            call self%advance_by_other(formulation, work, 1.0_dp, status)
+            call self%advance_by_other(formulation, stepper, 1.0_dp, status)
             return
         end if
         ! Whether the step is looked at when it is done, which is cheap; its state can be had at any time in double precision.
         may_turn = formulation%action%may_turn .and. needs_series(stepper)
         looks_back = may_turn .and. stepper%info%needs == structure_series .and. .not. formulation%action%may_stick
-        t_end = work%t_end
+        t_end = stepper%t_end
         if (stepper%controls%steps == 0) then
-            work%t_end = min(t_end, formulation%action%next_knot(work%t))
+            stepper%t_end = min(t_end, formulation%action%next_knot(stepper%t))
             if (formulation%action%may_stick .or. (may_turn .and. .not. looks_back)) then
-                work%t_end = min(work%t_end, self%latest_end(formulation, stepper, work%t, work%y))
+                stepper%t_end = min(stepper%t_end, self%latest_end(formulation, stepper, stepper%t, stepper%y))
             end if
         end if
         if (self%leads_on) then
-            call self%lead_on(formulation, stepper, work, status)
+            call self%lead_on(formulation, stepper, status)
         else
-            call stepper%advance(formulation, work, status)
+            call stepper%advance(formulation, status)
             if (needs_series(stepper)) call keep_direction()
             if (needs_series(stepper) .and. (status == status_non_finite .or. status == status_step_too_small)) then
-                call self%lead_on(formulation, stepper, work, status)
+                call self%lead_on(formulation, stepper, status)
             end if
         end if
-        work%t_end = t_end
+        stepper%t_end = t_end
 
     contains
 
@@ -215,31 +212,30 @@ contains
         subroutine keep_direction()
             real(dp) :: latest, y(max_states)
             if (looks_back) then
-                if (status == status_ok) call self%check_direction(formulation, stepper, work)
+                if (status == status_ok) call self%check_direction(formulation, stepper)
                 if (self%goes_on) return
                 if (status == status_ok) then
-                    latest = self%latest_end(formulation, stepper, work%t_last, work%y_last)
-                    if (latest < work%t) then
-                        y = stepper%state_within(formulation, work, latest)
-                        call end_step(formulation, stepper, work, latest, y, status)
+                    latest = self%latest_end(formulation, stepper, stepper%t_last, stepper%y_last)
+                    if (latest < stepper%t) then
+                        y = stepper%state_within(formulation, latest)
+                        call end_step(formulation, stepper, latest, y, status)
                     end if
                 else
-                    work%t_end = min(work%t_end, self%latest_end(formulation, stepper, work%t, work%y))
+                    stepper%t_end = min(stepper%t_end, self%latest_end(formulation, stepper, stepper%t, stepper%y))
                 end if
             end if
             if (status /= status_ok) return
-            if (.not. may_reverse(formulation, stepper, work)) return
-            call end_before_reversal(formulation, stepper, work, self%leads_on, status)
+            if (.not. may_reverse(formulation, stepper)) return
+            call end_before_reversal(formulation, stepper, self%leads_on, status)
         end subroutine keep_direction
 
     end subroutine advance
 
     !> Takes a Runge-Kutta step, where there is no series.
-    subroutine lead_on(self, formulation, stepper, work, status)
+    subroutine lead_on(self, formulation, stepper, status)
         class(rest_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
         class(stepper_t), intent(in) :: stepper
-        class(workspace_t), intent(in) :: work
         integer, intent(out) :: status
         self%leads_on = .false.
         self%is_other = .true.
@@ -249,35 +245,32 @@ contains
             own%relative_tolerance = max(finest_tolerance, min(crossing_tolerance, given%relative_tolerance))
             own%absolute_tolerance = max(finest_tolerance, min(crossing_tolerance, given%absolute_tolerance))
         end associate
-        call self%advance_by_other(formulation, work, first_part, status)
+        call self%advance_by_other(formulation, stepper, first_part, status)
     end subroutine lead_on
 
     !> Takes a step of the other stepper from the state of the method: a part of its first step, if the size is its own.
-    subroutine advance_by_other(self, formulation, work, part, status)
+    subroutine advance_by_other(self, formulation, stepper, part, status)
         class(rest_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(in) :: work
+        class(stepper_t), intent(in) :: stepper
         real(dp), intent(in) :: part
         integer, intent(out) :: status
-        if (allocated(self%work)) deallocate (self%work)
-        call self%stepper%new_workspace(self%work)
-        self%work%t_begin = work%t_begin
-        self%work%t_end = work%t_end
-        self%work%t = work%t
-        self%work%y = work%y
-        self%work%grid = work%grid
-        self%work%counts = work%counts
-        call self%stepper%begin(formulation, self%work, status)
-        self%work%h = part * self%work%h
-        if (status == status_ok) call self%stepper%advance(formulation, self%work, status)
+        self%stepper%t_begin = stepper%t_begin
+        self%stepper%t_end = stepper%t_end
+        self%stepper%t = stepper%t
+        self%stepper%y = stepper%y
+        self%stepper%grid = stepper%grid
+        self%stepper%counts = stepper%counts
+        call self%stepper%begin(formulation, status)
+        self%stepper%h = part * self%stepper%h
+        if (status == status_ok) call self%stepper%advance(formulation, status)
     end subroutine advance_by_other
 
     !> Takes the state of another stepper over, and finds out whether the body comes to rest, or begins to move.
-    subroutine settle(self, formulation, stepper, work, status)
+    subroutine settle(self, formulation, stepper, status)
         class(rest_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(stepper_t), intent(in) :: stepper !! the method
-        class(workspace_t), intent(inout) :: work !! its workspace
+        class(stepper_t), intent(inout) :: stepper !! the method
         integer, intent(inout) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: speed, slowing, left, allowed
         logical :: begins, was_resting
@@ -285,33 +278,33 @@ contains
         was_resting = self%is_resting
         begins = self%is_other
         if (self%is_other) then
-            work%t = self%work%t
-            work%y = self%work%y
-            work%grid = self%work%grid
-            work%counts = self%work%counts
-            work%rest = 0
+            stepper%t = self%stepper%t
+            stepper%y = self%stepper%y
+            stepper%grid = self%stepper%grid
+            stepper%counts = self%stepper%counts
+            stepper%rest = 0
             self%is_other = .false.
         end if
         if (formulation%action%may_stick .or. &
             (formulation%action%may_turn .and. needs_series(stepper) .and. .not. self%goes_on)) then
-            call self%find_slowing(formulation, stepper, work%t, work%y, speed, slowing)
+            call self%find_slowing(formulation, stepper, stepper%t, stepper%y, speed, slowing)
             if (speed > 0) then
                 self%is_resting = .false.
                 allowed = nearly_still * self%largest
-                if (stepper%controls%steps > 0) allowed = max(allowed, slowing * work%h)
+                if (stepper%controls%steps > 0) allowed = max(allowed, slowing * stepper%h)
                 if (slowing > 0 .and. speed <= allowed .and. &
                     (formulation%action%may_stick .or. self%seen_across <= rounding * self%largest)) then
-                    left = min(speed / slowing, work%t_end - work%t)
+                    left = min(speed / slowing, stepper%t_end - stepper%t)
                     call stop_at_rest(left)
                 end if
             else
-                call self%check_rest(formulation, work%t, work%y)
+                call self%check_rest(formulation, stepper%t, stepper%y)
             end if
         end if
         self%occasion = occasion_none
         if (self%is_resting .and. .not. was_resting) self%occasion = occasion_stuck
         if (was_resting .and. .not. self%is_resting) self%occasion = occasion_slip
-        if (begins .and. .not. self%is_resting .and. work%t < work%t_end) call stepper%begin(formulation, work, status)
+        if (begins .and. .not. self%is_resting .and. stepper%t < stepper%t_end) call stepper%begin(formulation, status)
 
     contains
 
@@ -320,15 +313,15 @@ contains
             real(dp), intent(in) :: left
             real(dp) :: y(max_states)
             self%seen_at = -1
-            y = formulation%action%at_rest(work%t + left, work%y, left)
-            call self%check_rest(formulation, work%t + left, y)
+            y = formulation%action%at_rest(stepper%t + left, stepper%y, left)
+            call self%check_rest(formulation, stepper%t + left, y)
             if (stepper%controls%steps > 0) then
-                if (self%is_resting) work%y = y
+                if (self%is_resting) stepper%y = y
                 return
             end if
-            work%t = work%t + left
-            work%y = y
-            work%rest = 0
+            stepper%t = stepper%t + left
+            stepper%y = y
+            stepper%rest = 0
             begins = .true.
         end subroutine stop_at_rest
 

@@ -8,7 +8,7 @@ module spintop_reversals
     use spintop_kinds, only: dp
     use spintop_motions, only: instants
     use spintop_status, only: status_ok, status_step_too_small
-    use spintop_stepper, only: stepper_t, workspace_t
+    use spintop_stepper, only: stepper_t
     implicit none
     private
     public :: end_step, may_reverse, end_before_reversal
@@ -25,31 +25,29 @@ module spintop_reversals
 contains
 
     !> Ends a step by series earlier, at a time and in a state within it.
-    subroutine end_step(formulation, stepper, work, t, y, status)
+    subroutine end_step(formulation, stepper, t, y, status)
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(stepper_t), intent(in) :: stepper !! the method
-        class(workspace_t), intent(inout) :: work !! its workspace
+        class(stepper_t), intent(inout) :: stepper !! the method, after a step
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        work%t = t
-        work%y = y
-        work%rest = 0
-        call stepper%begin(formulation, work, status)
+        stepper%t = t
+        stepper%y = y
+        stepper%rest = 0
+        call stepper%begin(formulation, status)
     end subroutine end_step
 
     !> Whether one of the vectors may vanish in a step: always under friction that is dry or depends on the support, and under a
     !> drag where one turns by more than a right angle in half of the step.
-    logical function may_reverse(formulation, stepper, work)
+    logical function may_reverse(formulation, stepper)
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(stepper_t), intent(in) :: stepper !! the method
-        class(workspace_t), intent(inout) :: work !! its workspace, after a step
+        class(stepper_t), intent(inout) :: stepper !! the method, after a step
         real(dp) :: middle, first(3, directions), at_middle(3, directions), last(3, directions)
         may_reverse = formulation%action%may_stick
         if (may_reverse .or. .not. formulation%action%may_turn) return
-        middle = work%t_last + (work%t - work%t_last) / 2
-        at_middle = formulation%action%directions_at(middle, stepper%interpolate(formulation, work, middle))
-        first = formulation%action%directions_at(work%t_last, work%y_last)
-        last = formulation%action%directions_at(work%t, work%y)
+        middle = stepper%t_last + (stepper%t - stepper%t_last) / 2
+        at_middle = formulation%action%directions_at(middle, stepper%interpolate(formulation, middle))
+        first = formulation%action%directions_at(stepper%t_last, stepper%y_last)
+        last = formulation%action%directions_at(stepper%t, stepper%y)
         may_reverse = norm2(at_middle(:, direction_force)) > 0 .or. which_reversed(first, first, at_middle) > 0 .or. &
             which_reversed(first, at_middle, last) > 0
     end function may_reverse
@@ -78,10 +76,9 @@ contains
     !> that is nearly plane reverses too, as far as its terms can tell. Where another vector vanishes, a step without series
     !> must lead on, from there: `leads_on`. If that is the beginning of the step, the step is undone and the status is that of
     !> a step that is too small.
-    subroutine end_before_reversal(formulation, stepper, work, leads_on, status)
+    subroutine end_before_reversal(formulation, stepper, leads_on, status)
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(stepper_t), intent(in) :: stepper !! the method
-        class(workspace_t), intent(inout) :: work !! its workspace, after a step
+        class(stepper_t), intent(inout) :: stepper !! the method, after a step
         logical, intent(out) :: leads_on !! whether a step without series must follow
         integer, intent(inout) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: span, times(instants), y(instants, max_states), lower
@@ -89,11 +86,11 @@ contains
         integer :: i, which
 
         leads_on = .false.
-        span = work%t - work%t_last
-        first = formulation%action%directions_at(work%t_last, work%y_last)
+        span = stepper%t - stepper%t_last
+        first = formulation%action%directions_at(stepper%t_last, stepper%y_last)
         do
-            times = work%t_last + span * [(real(i, dp) / instants, i=1, instants)]
-            call stepper%states_within(formulation, work, times, y)
+            times = stepper%t_last + span * [(real(i, dp) / instants, i=1, instants)]
+            call stepper%states_within(formulation, times, y)
             before = first
             do i = 1, instants
                 now = formulation%action%directions_at(times(i), y(i, :))
@@ -102,34 +99,33 @@ contains
                 before = now
             end do
             ! Not within the first part, or at once.
-            if (i > 1 .or. which /= direction_omega .or. .not. times(1) > work%t_last) exit
+            if (i > 1 .or. which /= direction_omega .or. .not. times(1) > stepper%t_last) exit
             span = span / instants
         end do
         if (which == 0) return
-        lower = work%t_last
+        lower = stepper%t_last
         if (i > 1) lower = times(i - 1)
         if (which == direction_omega) then
-            if (i > 1) call end_step(formulation, stepper, work, lower, y(i - 1, :), status)
+            if (i > 1) call end_step(formulation, stepper, lower, y(i - 1, :), status)
             return
         end if
-        call approach(formulation, stepper, work, which, first, lower, times(i), leads_on)
-        if (lower - work%t_last > spacings * spacing(lower)) then
-            call end_step(formulation, stepper, work, lower, stepper%state_within(formulation, work, lower), status)
+        call approach(formulation, stepper, which, first, lower, times(i), leads_on)
+        if (lower - stepper%t_last > spacings * spacing(lower)) then
+            call end_step(formulation, stepper, lower, stepper%state_within(formulation, lower), status)
         else
             leads_on = .false.
-            work%t = work%t_last
-            work%y = work%y_last
-            work%rest = 0
+            stepper%t = stepper%t_last
+            stepper%y = stepper%y_last
+            stepper%rest = 0
             status = status_step_too_small
         end if
     end subroutine end_before_reversal
 
     !> Moves the lower of two times, between which a vector reverses, to the last at which it has not; if it does not vanish there,
     !> to a part of the way to that.
-    subroutine approach(formulation, stepper, work, which, first, lower, upper, vanishes)
+    subroutine approach(formulation, stepper, which, first, lower, upper, vanishes)
         class(formulation_t), intent(in) :: formulation
-        class(stepper_t), intent(in) :: stepper
-        class(workspace_t), intent(inout) :: work
+        class(stepper_t), intent(inout) :: stepper
         integer, intent(in) :: which
         real(dp), intent(in) :: first(3, directions)
         real(dp), intent(inout) :: lower
@@ -139,11 +135,11 @@ contains
         integer :: i
 
         last = upper
-        before = formulation%action%directions_at(lower, stepper%state_within(formulation, work, lower))
+        before = formulation%action%directions_at(lower, stepper%state_within(formulation, lower))
         do while (last - lower > spacings * spacing(last))
             times = lower + (last - lower) * [(real(i, dp) / instants, i=1, instants)]
             times(instants) = last
-            call stepper%states_within(formulation, work, times, y)
+            call stepper%states_within(formulation, times, y)
             do i = 1, instants - 1
                 now = formulation%action%directions_at(times(i), y(i, :))
                 if (has_reversed(which, first, before, now)) exit
@@ -151,9 +147,9 @@ contains
             last = times(i)
             if (i > 1) lower = times(i - 1)
         end do
-        now = formulation%action%directions_at(lower, stepper%state_within(formulation, work, lower))
+        now = formulation%action%directions_at(lower, stepper%state_within(formulation, lower))
         vanishes = norm2(now(:, which)) <= vanishing * norm2(first(:, which))
-        if (.not. vanishes) lower = work%t_last + part_of_way * (lower - work%t_last)
+        if (.not. vanishes) lower = stepper%t_last + part_of_way * (lower - stepper%t_last)
     end subroutine approach
 
 end module spintop_reversals

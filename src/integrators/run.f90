@@ -16,17 +16,17 @@ module spintop_run
     use spintop_status, only: status_ok, status_outside, status_step_too_small, status_step_limit, status_turning_point, &
         status_not_converged, status_too_many_events
     use spintop_step_path, only: follower_t, step_path_t
-    use spintop_stepper, only: stepper_t, workspace_t
+    use spintop_stepper, only: stepper_t
     use spintop_work_account, only: work_account_t
     implicit none
     private
     public :: run_t
 
-    !> A run in progress: formulation, stepper, workspace, and the samples not yet shown.
+    !> A run in progress: formulation, stepper, and the samples not yet shown.
     type :: run_t
         class(formulation_t), pointer :: formulation => null()
-        class(stepper_t), pointer :: stepper => null()
-        class(workspace_t), pointer :: work => null()
+        !> The method, and what took the last step: the method, or another stepper.
+        class(stepper_t), pointer :: method => null(), stepper => null()
         class(observer_t), pointer :: observer => null()
         real(dp), pointer :: samples(:) => null()
         !> Index of the first sample that was not shown, and the number of samples.
@@ -81,32 +81,31 @@ contains
         class(event_watch_t), intent(inout), optional :: watch !! search for events
         logical :: is_idle
 
-        associate (formulation => self%formulation, stepper => self%stepper, work => self%work)
-            call formulation%prepare(body, start, work%y, status)
-            if (status == status_ok) call check_start(formulation, work, status)
+        associate (formulation => self%formulation, stepper => self%stepper)
+            call formulation%prepare(body, start, stepper%y, status)
+            if (status == status_ok) call check_start(formulation, stepper, status)
             if (status /= status_ok) return
-            call work%projection%begin(stepper%controls%project, formulation, work%y)
+            call stepper%projection%begin(stepper%controls%project, formulation, stepper%y)
             if (allocated(formulation%action)) then
-                call self%rest%begin(formulation, work)
+                call self%rest%begin(formulation, stepper)
                 self%account%is_open = self%observer%wants_work .and. formulation%action%does_work
             end if
             is_idle = .not. self%observer%counts_turns
             if (present(watch)) is_idle = is_idle .and. .not. watch%needs_turns
-            self%follower = follower_t(0.0_dp, work%y, start%angle, start%given_angle, is_idle, reach_of(body, start))
+            self%follower = follower_t(0.0_dp, stepper%y, start%angle, start%given_angle, is_idle, reach_of(body, start))
             self%looks_at_steps = .not. is_idle .or. present(watch) .or. self%observer%sees_steps &
                                   .or. allocated(formulation%action)
-            if (stepper%controls%steps > 0) self%slack = grid_slack * work%t_end / stepper%controls%steps
+            if (stepper%controls%steps > 0) self%slack = grid_slack * stepper%t_end / stepper%controls%steps
             call self%show_until(0.0_dp)
             call self%leave_rest()
-            call stepper%begin(formulation, work, status)
-            call self%show_until(work%t)
+            call stepper%begin(formulation, status)
+            call self%show_until(stepper%t)
             if (.not. present(watch)) return
             path%formulation => self%formulation
             path%stepper => self%stepper
-            path%work => self%work
             if (self%account%is_open) path%account => self%account
             if (stepper%controls%steps > 0) then
-                watch%method_noise = noise_within_step(body, start, work%t_end / stepper%controls%steps, stepper%order())
+                watch%method_noise = noise_within_step(body, start, stepper%t_end / stepper%controls%steps, stepper%order())
             else
                 watch%method_noise = noise_of_tolerance(stepper%controls%relative_tolerance, stepper%info%share)
             end if
@@ -125,7 +124,7 @@ contains
         call archive%carry(c_loc(self%follower), storage_size(self%follower))
         call archive%carry(c_loc(self%account), storage_size(self%account))
         call self%rest%carry(archive)
-        call self%work%carry(archive)
+        call self%stepper%carry(archive)
         if (present(watch)) call watch%carry(archive)
         call self%set_due()
     end subroutine carry
@@ -144,8 +143,8 @@ contains
         class(run_t), intent(inout) :: self
         class(event_watch_t), intent(inout), optional :: watch !! the search for events
         type(archive_t) :: archive
-        if (mod(self%work%counts%steps, steps_a_look) /= 0) return
-        if (.not. self%work%may_keep()) return
+        if (mod(self%stepper%counts%steps, steps_a_look) /= 0) return
+        if (.not. self%stepper%may_keep()) return
         if (.not. self%observer%wants_state()) return
         call self%observer%carry(archive)
         call self%carry(archive, watch)
@@ -158,35 +157,29 @@ contains
         class(run_t), target, intent(inout) :: self
         type(step_path_t), intent(inout) :: path !! the path that `watch` searches
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        call self%rest%advance(self%formulation, self%stepper, self%work, status)
+        call self%rest%advance(self%formulation, self%stepper, status)
         if (.not. self%rest%is_other) return
         self%stepper => self%rest%stepper
-        self%work => self%rest%work
         path%stepper => self%stepper
-        path%work => self%work
     end subroutine take_step
 
     !> Ends such a step: the work up to there, and whether the body has come to rest, which may end the run. After a
     !> step of another stepper the method begins anew.
-    subroutine end_step(self, stepper, work, path, status, ends, watch)
+    subroutine end_step(self, path, status, ends, watch)
         class(run_t), intent(inout) :: self
-        class(stepper_t), target, intent(in) :: stepper !! the method
-        class(workspace_t), target, intent(inout) :: work !! its workspace
         type(step_path_t), intent(inout) :: path !! the path that `watch` searches
         integer, intent(inout) :: status !! `status_ok`, or the reason of an end (spintop_status)
         logical, intent(out) :: ends !! whether the run ends here
         class(event_watch_t), intent(inout), optional :: watch !! search for events
         ends = .false.
         if (status == status_ok .and. self%account%is_open) then
-            call self%account%go_to(self%formulation, self%stepper, self%work, self%work%t)
+            call self%account%go_to(self%formulation, self%stepper, self%stepper%t)
         end if
-        self%stepper => stepper
-        self%work => work
-        path%stepper => stepper
-        path%work => work
-        if (status == status_ok) call self%rest%settle(self%formulation, stepper, work, status)
+        self%stepper => self%method
+        path%stepper => self%method
+        if (status == status_ok) call self%rest%settle(self%formulation, self%method, status)
         ! The work of a last instant before rest or reversal, the square of a negligible angular velocity, is zero.
-        self%account%t = max(self%account%t, work%t)
+        self%account%t = max(self%account%t, self%method%t)
         if (status == status_ok .and. self%rest%occasion /= occasion_none) call self%meet_occasion(ends, watch)
     end subroutine end_step
 
@@ -197,15 +190,15 @@ contains
         class(event_watch_t), intent(inout), optional :: watch !! search for events
         type(motion_t) :: motion
         ends = .false.
-        associate (work => self%work)
-            if (work%t > self%follower%t) call self%follower%go_to(self%formulation, work%t, work%y)
+        associate (stepper => self%stepper)
+            if (stepper%t > self%follower%t) call self%follower%go_to(self%formulation, stepper%t, stepper%y)
             if (present(watch)) then
-                motion = self%formulation%motion(work%t, work%y, self%follower%angle)
+                motion = self%formulation%motion(stepper%t, stepper%y, self%follower%angle)
                 motion%given_angle = self%follower%given_angle
                 call watch%happen(self%rest%occasion, motion, self%account%total)
                 ends = watch%has_enough
             end if
-            if (self%shown < work%t .and. (ends .or. .not. work%t < work%t_end)) call self%show()
+            if (self%shown < stepper%t .and. (ends .or. .not. stepper%t < stepper%t_end)) call self%show()
         end associate
     end subroutine meet_occasion
 
@@ -219,9 +212,9 @@ contains
         logical, intent(out) :: ends !! whether the run ends here
         call path%begin_step(self%follower)
         if (allocated(self%formulation%action) .and. watch%knows(occasion_knot)) call self%look_to_knots(path, watch)
-        if (.not. watch%has_enough) call watch%look(path, self%work%t)
+        if (.not. watch%has_enough) call watch%look(path, self%stepper%t)
         ends = watch%has_enough
-        if (.not. ends .and. (path%is_spent() .or. watch%is_full) .and. watch%t < self%work%t) then
+        if (.not. ends .and. (path%is_spent() .or. watch%is_full) .and. watch%t < self%stepper%t) then
             status = merge(status_too_many_events, status_step_limit, watch%is_full)
             ends = .true.
         end if
@@ -237,7 +230,7 @@ contains
         real(dp) :: knot
         do while (.not. watch%has_enough)
             knot = self%formulation%action%next_knot(watch%t)
-            if (knot > self%work%t) exit
+            if (knot > self%stepper%t) exit
             call watch%look(path, knot)
             if (watch%has_enough .or. watch%t < knot) exit
             call path%at(knot, motion)
@@ -249,19 +242,19 @@ contains
     subroutine show_until(self, t)
         class(run_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
-        associate (samples => self%samples, next => self%next, work => self%work, steps => self%stepper%controls%steps)
+        associate (samples => self%samples, next => self%next, stepper => self%stepper, steps => self%stepper%controls%steps)
             do while (next <= self%last .and. .not. self%observer%has_enough)
                 if (samples(next) > t + self%slack) exit
                 if (abs(samples(next) - t) <= self%slack) then
-                    call self%follower%walk_to(self%formulation, self%stepper, work, work%t, work%y)
+                    call self%follower%walk_to(self%formulation, stepper, stepper%t, stepper%y)
                     call self%show()
                 else if (steps == 0) then
                     call self%show_within(samples(next))
                 end if
                 next = next + 1
             end do
-            call self%follower%walk_to(self%formulation, self%stepper, work, work%t, work%y)
-            if (self%observer%sees_steps .and. self%shown < work%t) call self%show()
+            call self%follower%walk_to(self%formulation, stepper, stepper%t, stepper%y)
+            if (self%observer%sees_steps .and. self%shown < stepper%t) call self%show()
         end associate
         call self%set_due()
     end subroutine show_until
@@ -282,8 +275,8 @@ contains
     subroutine show_within(self, t)
         class(run_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
-        call self%follower%walk_to(self%formulation, self%stepper, self%work, t, &
-                                   self%stepper%interpolate(self%formulation, self%work, t))
+        call self%follower%walk_to(self%formulation, self%stepper, t, &
+                                   self%stepper%interpolate(self%formulation, t))
         call self%show()
     end subroutine show_within
 
@@ -291,7 +284,7 @@ contains
     subroutine show(self)
         class(run_t), intent(inout) :: self
         if (self%account%is_open) then
-            call self%account%go_to(self%formulation, self%stepper, self%work, self%follower%t)
+            call self%account%go_to(self%formulation, self%stepper, self%follower%t)
             self%observer%work = self%account%total
         end if
         self%observer%given_angle = self%follower%given_angle
@@ -300,12 +293,12 @@ contains
     end subroutine show
 
     !> Checks that the derivative exists at the start.
-    subroutine check_start(formulation, work, status)
+    subroutine check_start(formulation, stepper, status)
         class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
+        class(stepper_t), intent(inout) :: stepper
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: slope(max_states)
-        call work%evaluate(formulation, work%t, work%y, slope, status)
+        call stepper%evaluate(formulation, stepper%t, stepper%y, slope, status)
     end subroutine check_start
 
     !> Leaves a start at which the right-hand side vanishes although the motion does not rest: by the first
@@ -316,15 +309,15 @@ contains
         logical :: departed
 
         if (.not. allocated(self%formulation%ends)) return
-        associate (work => self%work, steps => self%stepper%controls%steps)
+        associate (stepper => self%stepper, steps => self%stepper%controls%steps)
             h = 0
-            if (steps > 0) h = work%t_end / steps
-            y = work%y
+            if (steps > 0) h = stepper%t_end / steps
+            y = stepper%y
             call self%formulation%ends%depart(y, h, departed)
             if (.not. departed) return
-            if (h > work%t_end) then
-                h = work%t_end
-                y = work%y
+            if (h > stepper%t_end) then
+                h = stepper%t_end
+                y = stepper%y
                 call self%formulation%ends%depart(y, h, departed)
             end if
             do while (steps == 0 .and. self%next <= self%last .and. .not. self%observer%has_enough)
@@ -332,10 +325,10 @@ contains
                 call self%show_departure(self%samples(self%next))
                 self%next = self%next + 1
             end do
-            work%y = y
-            work%t = h
-            work%grid = 1
-            work%counts%steps = 1
+            stepper%y = y
+            stepper%t = h
+            stepper%grid = 1
+            stepper%counts%steps = 1
         end associate
     end subroutine leave_rest
 
@@ -346,7 +339,7 @@ contains
         real(dp) :: time, y_then(max_states)
         logical :: unused
         time = t
-        y_then = self%work%y
+        y_then = self%stepper%y
         call self%formulation%ends%depart(y_then, time, unused)
         call self%follower%go_to(self%formulation, t, y_then)
         call self%show()
@@ -359,23 +352,23 @@ contains
         real(dp) :: left, y(max_states)
 
         if (.not. allocated(self%formulation%ends)) return
-        associate (formulation => self%formulation, work => self%work)
-            left = formulation%ends%time_left(work%y)
+        associate (formulation => self%formulation, stepper => self%stepper)
+            left = formulation%ends%time_left(stepper%y)
             select case (status)
             case (status_ok)
-                if (left > arrival * work%t) return
+                if (left > arrival * stepper%t) return
             case (status_outside, status_step_too_small, status_not_converged)
-                if (left > close * work%t) return
+                if (left > close * stepper%t) return
             case default
                 return
             end select
-            y = work%y
+            y = stepper%y
             call formulation%ends%arrive(y, left)
-            if (work%t + left > work%t_end) return
-            work%y = y
-            work%t = work%t + left
+            if (stepper%t + left > stepper%t_end) return
+            stepper%y = y
+            stepper%t = stepper%t + left
             status = status_turning_point
-            call self%follower%go_to(formulation, work%t, work%y)
+            call self%follower%go_to(formulation, stepper%t, stepper%y)
             call self%show()
         end associate
     end subroutine check_arrival

@@ -7,7 +7,7 @@ module spintop_step_path
     use spintop_motion, only: motion_t, passages_t
     use spintop_motions, only: instants, motions_t
     use spintop_pole_passages, only: pass_pole, through_pole
-    use spintop_stepper, only: stepper_t, workspace_t
+    use spintop_stepper, only: stepper_t
     use spintop_work_account, only: work_account_t
     implicit none
     private
@@ -35,7 +35,6 @@ module spintop_step_path
     type, extends(path_t) :: step_path_t
         class(formulation_t), pointer :: formulation => null()
         class(stepper_t), pointer :: stepper => null()
-        class(workspace_t), pointer :: work => null()
         !> The work of effects up to the start of the step, if it is wanted.
         type(work_account_t), pointer :: account => null()
         !> Angles at the start of the step, and at the two latest times of evaluation. They are followed to a
@@ -62,9 +61,9 @@ contains
         type(motion_t), intent(out) :: motion !! at that time
         type(follower_t) :: follower
         follower = self%seen(max(1, count(self%seen%t <= t)))
-        self%work%counts%looks = self%work%counts%looks + 1
-        call follower%walk_to(self%formulation, self%stepper, self%work, t, &
-                              self%stepper%interpolate(self%formulation, self%work, t))
+        self%stepper%counts%looks = self%stepper%counts%looks + 1
+        call follower%walk_to(self%formulation, self%stepper, t, &
+                              self%stepper%interpolate(self%formulation, t))
         motion = follower%motion(self%formulation)
         if (t > self%seen(3)%t) self%seen(2:3) = [self%seen(3), follower]
     end subroutine motion_in_step
@@ -74,8 +73,8 @@ contains
         class(step_path_t), intent(inout) :: self
         real(dp), intent(in) :: t !! s
         type(motion_t), intent(out) :: motion !! the motion at that time
-        self%work%counts%looks = self%work%counts%looks + 1
-        motion = self%formulation%motion_without_angles(t, self%stepper%interpolate(self%formulation, self%work, t), &
+        self%stepper%counts%looks = self%stepper%counts%looks + 1
+        motion = self%formulation%motion_without_angles(t, self%stepper%interpolate(self%formulation, t), &
                                                         self%seen(1)%angle)
         motion%given_angle = self%seen(1)%given_angle
     end subroutine attitude_in_step
@@ -87,8 +86,8 @@ contains
         integer, intent(in) :: used !! how many of them are different: those that count as work
         type(motions_t), intent(out) :: motions !! the motion at these times
         real(dp) :: y(instants, max_states)
-        self%work%counts%looks = self%work%counts%looks + used
-        call self%stepper%states_within(self%formulation, self%work, t, y)
+        self%stepper%counts%looks = self%stepper%counts%looks + used
+        call self%stepper%states_within(self%formulation, t, y)
         call self%formulation%find_motions(t, y, motions)
     end subroutine attitudes_in_step
 
@@ -100,9 +99,9 @@ contains
         real(dp) :: change(max_states)
         logical :: is_known
         self%seen = follower
-        call self%stepper%bound_changes(self%work, change, is_known)
+        call self%stepper%bound_changes(change, is_known)
         self%greatest_rate = 0
-        if (is_known) self%greatest_rate = self%formulation%bound_rate(self%work%y_last, change)
+        if (is_known) self%greatest_rate = self%formulation%bound_rate(self%stepper%y_last, change)
     end subroutine begin_step
 
     !> The work of effects up to a time within the last step.
@@ -114,14 +113,14 @@ contains
         work = 0
         if (.not. associated(self%account)) return
         account = self%account
-        call account%go_to(self%formulation, self%stepper, self%work, t)
+        call account%go_to(self%formulation, self%stepper, t)
         work = account%total
     end function work_in_step
 
     !> Whether the allowed work of the case is used up.
     logical function step_is_spent(self)
         class(step_path_t), intent(in) :: self
-        step_is_spent = self%work%is_spent(self%stepper%controls%max_steps)
+        step_is_spent = self%stepper%is_spent()
     end function step_is_spent
 
     !> Moves to a later time and state.
@@ -149,11 +148,10 @@ contains
 
     !> Moves to a state within the last step, in small increments where the axis passes a pole and the states
     !> in between are known.
-    recursive subroutine walk_to(self, formulation, stepper, work, t, y)
+    recursive subroutine walk_to(self, formulation, stepper, t, y)
         class(follower_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(stepper_t), intent(in) :: stepper !! the method that took the step
-        class(workspace_t), intent(inout) :: work !! its workspace
+        class(stepper_t), intent(inout) :: stepper !! the method that took the step
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         type(follower_t) :: there
         real(dp) :: middle
@@ -165,16 +163,16 @@ contains
             return
         end if
         call self%try(formulation, t, y, there, sure)
-        if (.not. sure) sure = t - self%t <= max(shortest_pace * (work%t - work%t_last), 2 * spacing(t)) &
-                               .or. work%is_spent(stepper%controls%max_steps)
+        if (.not. sure) sure = t - self%t <= max(shortest_pace * (stepper%t - stepper%t_last), 2 * spacing(t)) &
+                               .or. stepper%is_spent()
         if (sure) then
             call self%put(there)
         else
             middle = self%t + (t - self%t) / 2
-            work%counts%looks = work%counts%looks + 1
-            call self%walk_to(formulation, stepper, work, middle, &
-                              stepper%interpolate(formulation, work, middle))
-            call self%walk_to(formulation, stepper, work, t, y)
+            stepper%counts%looks = stepper%counts%looks + 1
+            call self%walk_to(formulation, stepper, middle, &
+                              stepper%interpolate(formulation, middle))
+            call self%walk_to(formulation, stepper, t, y)
         end if
     end subroutine walk_to
 

@@ -1,7 +1,7 @@
 !> The interface of integrators: one step at a time through any formulation.
 !>
-!> A stepper contains settings only and does not change during a run; a workspace contains what changes. One
-!> stepper therefore serves all threads, each with its own workspace.
+!> A stepper contains its settings and the state of its run. `integrate` takes those with the settings as patterns, and
+!> runs a copy; so one serves all threads.
 module spintop_stepper
     use, intrinsic :: iso_c_binding, only: c_loc
     use, intrinsic :: iso_fortran_env, only: int64
@@ -14,7 +14,7 @@ module spintop_stepper
     use spintop_status, only: status_ok, status_non_finite
     implicit none
     private
-    public :: stepper_t, method_info_t, controls_t, workspace_t, counts_t, looks_per_step
+    public :: stepper_t, method_info_t, controls_t, run_state_t, counts_t, looks_per_step
 
     !> So many evaluations of the motion within steps count as one step of `max_steps`.
     integer, parameter :: looks_per_step = 16
@@ -89,8 +89,8 @@ module spintop_stepper
         procedure :: work => work_done
     end type counts_t
 
-    !> A run in progress.
-    type :: workspace_t
+    !> The state of a run.
+    type :: run_state_t
         !> The span, s. `carry` needs the beginning of the type to be here.
         real(dp) :: t_begin = 0, t_end = 0
         !> Current time and state, and the slope y' there.
@@ -111,21 +111,19 @@ module spintop_stepper
         type(counts_t) :: counts
     contains
         procedure :: evaluate
-        procedure :: is_spent
         procedure :: settle
         procedure :: settle_change
         procedure :: may_keep
         procedure :: carry
-    end type workspace_t
+    end type run_state_t
 
-    !> A method of integration.
-    type, abstract :: stepper_t
+    !> A method of integration, and its run.
+    type, abstract, extends(run_state_t) :: stepper_t
         !> Properties of the method.
         type(method_info_t) :: info = method_info_t()
         !> Settings of the user.
         type(controls_t) :: controls = controls_t()
     contains
-        procedure(new_workspace), deferred :: new_workspace
         procedure(begin), deferred :: begin
         procedure(advance), deferred :: advance
         procedure(state_within), deferred :: state_within
@@ -134,40 +132,31 @@ module spintop_stepper
         procedure, non_overridable :: interpolate
         procedure :: order
         procedure :: set_weight
+        procedure :: is_spent
     end type stepper_t
 
     abstract interface
-        !> Creates a workspace of the type that this method needs.
-        subroutine new_workspace(self, work)
-            import :: stepper_t, workspace_t
-            class(stepper_t), intent(in) :: self
-            class(workspace_t), allocatable, intent(out) :: work !! workspace of the type that the method needs
-        end subroutine new_workspace
-
-        !> Begins a run at `work%t`, `work%y` (set by the caller, with the span).
-        subroutine begin(self, formulation, work, status)
-            import :: stepper_t, workspace_t, formulation_t
-            class(stepper_t), intent(in) :: self
+        !> Begins a run at the time `t` in the state `y`, set by the caller with the span.
+        subroutine begin(self, formulation, status)
+            import :: stepper_t, formulation_t
+            class(stepper_t), intent(inout) :: self
             class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-            class(workspace_t), intent(inout) :: work !! state and workspace of the run
             integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         end subroutine begin
 
-        !> Takes one step, never beyond `work%t_end`. On failure the state is the last valid one.
-        subroutine advance(self, formulation, work, status)
-            import :: stepper_t, workspace_t, formulation_t
-            class(stepper_t), intent(in) :: self
+        !> Takes one step, never beyond `t_end`. On failure the state is the last valid one.
+        subroutine advance(self, formulation, status)
+            import :: stepper_t, formulation_t
+            class(stepper_t), intent(inout) :: self
             class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-            class(workspace_t), intent(inout) :: work !! state and workspace of the run
             integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         end subroutine advance
 
         !> The state at a time before the end of the last step.
-        function state_within(self, formulation, work, t) result(y)
-            import :: stepper_t, workspace_t, formulation_t, dp, max_states
-            class(stepper_t), intent(in) :: self
+        function state_within(self, formulation, t) result(y)
+            import :: stepper_t, formulation_t, dp, max_states
+            class(stepper_t), intent(inout) :: self
             class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-            class(workspace_t), intent(inout) :: work !! state and workspace of the run
             real(dp), intent(in) :: t !! time, s
             real(dp) :: y(max_states)
         end function state_within
@@ -188,40 +177,37 @@ contains
     end subroutine add
 
     !> The state at a time within the last step.
-    function interpolate(self, formulation, work, t) result(y)
-        class(stepper_t), intent(in) :: self
+    function interpolate(self, formulation, t) result(y)
+        class(stepper_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states)
-        if (t < work%t) then
-            y = self%state_within(formulation, work, t)
+        if (t < self%t) then
+            y = self%state_within(formulation, t)
         else
-            y = work%y
+            y = self%y
         end if
     end function interpolate
 
     !> The states at several times within the last step.
-    subroutine states_within(self, formulation, work, t, y)
-        class(stepper_t), intent(in) :: self
+    subroutine states_within(self, formulation, t, y)
+        class(stepper_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         real(dp), intent(in) :: t(instants) !! times, s
         real(dp), intent(out) :: y(instants, max_states) !! states
         integer :: i
         do i = 1, instants
-            y(i, :) = self%interpolate(formulation, work, t(i))
+            y(i, :) = self%interpolate(formulation, t(i))
         end do
     end subroutine states_within
 
     !> Bounds of the change of each state variable from the beginning of the last step to any time in it, where the step is a
     !> series.
-    pure subroutine bound_changes(self, work, bound, is_known)
+    pure subroutine bound_changes(self, bound, is_known)
         class(stepper_t), intent(in) :: self
-        class(workspace_t), intent(in) :: work !! state and workspace of the run
         real(dp), intent(out) :: bound(max_states) !! bounds
         logical, intent(out) :: is_known !! whether there are bounds
-        associate (unused => self, also_unused => work)
+        associate (unused => self)
         end associate
         bound = 0
         is_known = .false.
@@ -240,16 +226,15 @@ contains
     end function order
 
     !> Prepares the error control of the run for the tolerances.
-    pure subroutine set_weight(self, formulation, work)
-        class(stepper_t), intent(in) :: self
+    pure subroutine set_weight(self, formulation)
+        class(stepper_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
-        call work%weight%set(formulation, self%controls%relative_tolerance, self%controls%absolute_tolerance)
+        call self%weight%set(formulation, self%controls%relative_tolerance, self%controls%absolute_tolerance)
     end subroutine set_weight
 
     !> Evaluates the right-hand side and counts it; an infinite or undefined slope is `status_non_finite`.
     subroutine evaluate(self, formulation, t, y, dy, status)
-        class(workspace_t), intent(inout) :: self
+        class(run_state_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         real(dp), intent(out) :: dy(max_states) !! slope
@@ -261,16 +246,15 @@ contains
     end subroutine evaluate
 
     !> Whether the maximum number of steps is reached: accepted, rejected, and evaluations within steps.
-    pure logical function is_spent(self, max_steps)
-        class(workspace_t), intent(in) :: self
-        integer(int64), intent(in) :: max_steps !! maximum number of steps
-        is_spent = self%counts%work() >= max_steps
+    pure logical function is_spent(self)
+        class(stepper_t), intent(in) :: self
+        is_spent = self%counts%work() >= self%controls%max_steps
     end function is_spent
 
     !> Accepts the state `y_new` at `t_new` after formulation and projection have projected it; `changed`
     !> reports whether they changed it. The caller renews the slope.
     subroutine settle(self, formulation, t_new, y_new, changed)
-        class(workspace_t), intent(inout) :: self
+        class(run_state_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t_new, y_new(max_states) !! time, s, and state
         logical, intent(out) :: changed !! whether the state was changed
@@ -297,7 +281,7 @@ contains
     !> Accepts the state reached by a change, summed with compensation (Kahan, Comm. ACM 8, 1965):
     !> the compensation term is kept for the next step.
     subroutine settle_change(self, formulation, t_new, change, changed)
-        class(workspace_t), intent(inout) :: self
+        class(run_state_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t_new, change(max_states) !! time, s, and change of the state
         logical, intent(out) :: changed !! whether the state was changed
@@ -308,17 +292,17 @@ contains
         call self%settle(formulation, t_new, y_new, changed)
     end subroutine settle_change
 
-    !> Whether the run could go on from its workspace as it is now.
+    !> Whether the run could go on from its state as it is now.
     logical function may_keep(self)
-        class(workspace_t), intent(in) :: self
+        class(run_state_t), intent(in) :: self
         associate (unused => self)
         end associate
         may_keep = .true.
     end function may_keep
 
-    !> Carries the workspace, with all that an extension adds to it. An extension with pointers overrides this.
+    !> Carries the state, with all that an extension adds to it. An extension with pointers overrides this.
     subroutine carry(self, archive)
-        class(workspace_t), target, intent(inout) :: self
+        class(run_state_t), target, intent(inout) :: self
         type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
         call archive%carry(c_loc(self%t_begin), storage_size(self))
     end subroutine carry

@@ -5,7 +5,7 @@ module spintop_work_account
     use spintop_kinds, only: dp
     use spintop_loads, only: works
     use spintop_motions, only: instants
-    use spintop_stepper, only: stepper_t, workspace_t
+    use spintop_stepper, only: stepper_t
     implicit none
     private
     public :: work_account_t
@@ -34,11 +34,10 @@ module spintop_work_account
 contains
 
     !> Counts the work up to a time within the last step.
-    subroutine go_to(self, formulation, stepper, work, t)
+    subroutine go_to(self, formulation, stepper, t)
         class(work_account_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(stepper_t), intent(in) :: stepper !! the method that took the step
-        class(workspace_t), intent(inout) :: work !! its workspace
+        class(stepper_t), intent(inout) :: stepper !! the method, after the step
         real(dp), intent(in) :: t !! s
         real(dp) :: half, times(instants), y(instants, max_states), power(instants, works), sum, change, new
         integer :: part
@@ -46,7 +45,7 @@ contains
         if (.not. t > self%t) return
         half = (t - self%t) / 2
         times = self%t + half + node * half
-        call stepper%states_within(formulation, work, times, y)
+        call stepper%states_within(formulation, times, y)
         call formulation%action%find_powers(times, y, power)
         do part = 1, works
             sum = dot_product(weight, power(:pairs, part) + power(pairs + 1:, part))

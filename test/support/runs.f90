@@ -9,7 +9,7 @@ module runs
     use spintop_methods, only: create_stepper
     use spintop_motion, only: motion_t, motion_from_angles
     use spintop_status, only: status_ok
-    use spintop_stepper, only: counts_t, stepper_t, workspace_t
+    use spintop_stepper, only: counts_t, stepper_t
     use recorder, only: recorder_t
     implicit none
     private
@@ -82,35 +82,35 @@ contains
         class(stepper_t), intent(in) :: stepper
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: y(max_states), t_end
-        class(workspace_t), allocatable :: work
-        call stepper%new_workspace(work)
-        call carry_from(stepper, formulation, y, t_end, work, run)
+        class(stepper_t), allocatable :: running
+        allocate (running, source=stepper)
+        call carry_from(stepper, formulation, y, t_end, running, run)
     end function carry
 
     !> The same in a workspace that may have been used before.
-    subroutine carry_from(stepper, formulation, y, t_end, work, run)
+    subroutine carry_from(stepper, formulation, y, t_end, running, run)
         class(stepper_t), intent(in) :: stepper
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: y(max_states), t_end
-        class(workspace_t), intent(inout) :: work
+        class(stepper_t), intent(inout) :: running
         type(run_t), intent(out) :: run
         real(dp) :: grid_time
 
-        work%t = 0
-        work%y = y
-        work%t_end = t_end
-        work%grid = 0
-        work%counts = counts_t()
-        call stepper%begin(formulation, work, run%status)
-        do while (run%status == status_ok .and. abs(work%t) < abs(t_end))
-            call stepper%advance(formulation, work, run%status)
+        running%t = 0
+        running%y = y
+        running%t_end = t_end
+        running%grid = 0
+        running%counts = counts_t()
+        call running%begin(formulation, run%status)
+        do while (run%status == status_ok .and. abs(running%t) < abs(t_end))
+            call running%advance(formulation, run%status)
             if (run%status /= status_ok .or. stepper%controls%steps == 0) cycle
-            grid_time = t_end * work%counts%steps / stepper%controls%steps
-            if (abs(work%t - grid_time) > 2 * spacing(grid_time)) run%off_grid = run%off_grid + 1
+            grid_time = t_end * running%counts%steps / stepper%controls%steps
+            if (abs(running%t - grid_time) > 2 * spacing(grid_time)) run%off_grid = run%off_grid + 1
         end do
-        run%t = work%t
-        run%y = work%y
-        run%counts = work%counts
+        run%t = running%t
+        run%y = running%y
+        run%counts = running%counts
     end subroutine carry_from
 
     !> The state after `t_end` seconds, to rounding.

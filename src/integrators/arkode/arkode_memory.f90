@@ -31,7 +31,7 @@ module spintop_arkode_memory
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     use spintop_kinds, only: dp
     use spintop_status, only: status_ok, status_outside, status_non_finite
-    use spintop_stepper, only: controls_t, counts_t, workspace_t
+    use spintop_stepper, only: controls_t, counts_t, run_state_t
     use spintop_sundials, only: FN_VDestroy, FN_VGetArrayPointer, FSUNContext_Free, FSUNLinSolFree, FSUNMatDestroy, &
         FSUNNonlinSolFree, FSUNNonlinSolSetConvTestFn, N_Vector, SUNLinearSolver, SUNMatrix, SUNNonlinearSolver, &
         create_context, index_kind, silence
@@ -43,7 +43,7 @@ module spintop_arkode_memory
     !> `formulation_t%units`, so that its linear equations do not depend on those of mass, length and time.
     type :: arkode_memory_t
         !> Time, state, slope and counts as ARKODE has them.
-        type(workspace_t) :: now
+        type(run_state_t) :: now
         !> Admissible error of a step, as a root mean square.
         type(error_weight_t), private :: weight
         !> Status of the last evaluation of the right-hand side.
@@ -97,12 +97,12 @@ module spintop_arkode_memory
 
 contains
 
-    !> Prepares ARKODE for a run from `work%t`, `work%y` and `work%slope`. A failure is reported by the first
+    !> Prepares ARKODE for a run from `run%t`, `run%y` and `run%slope`. A failure is reported by the first
     !> step.
-    subroutine create(self, formulation, work, table, controls)
+    subroutine create(self, formulation, run, table, controls)
         class(arkode_memory_t), intent(inout), target :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(in) :: work !! span, time, state and slope at the start of the run
+        class(run_state_t), intent(in) :: run !! span, time, state and slope at the start of the run
         type(arkode_table_t), intent(in) :: table !! Butcher table of ARKODE
         type(controls_t), intent(in) :: controls !! settings of the method
         type(formulation_info_t) :: info
@@ -113,23 +113,23 @@ contains
         n = int(self%states, index_kind)
         allocate (self%formulation, source=formulation)
         self%adaptive = controls%steps == 0
-        self%now%t = work%t
-        self%now%y = work%y
-        self%now%slope = work%slope
-        self%now%counts = work%counts
-        self%earlier = work%counts
-        self%now%projection = work%projection
+        self%now%t = run%t
+        self%now%y = run%y
+        self%now%slope = run%slope
+        self%now%counts = run%counts
+        self%earlier = run%counts
+        self%now%projection = run%projection
         self%unit = formulation%units()
-        self%state = work%y / self%unit
+        self%state = run%y / self%unit
         call self%dense%set_order(table%order)
         call self%keep(create_context(self%context))
         if (self%flag < 0) return
         self%state_vector => FN_VMake_Serial(n, self%state, self%context)
         if (table%implicit) then
-            self%integrator = FARKStepCreate(c_null_funptr, c_funloc(rhs), work%t, &
+            self%integrator = FARKStepCreate(c_null_funptr, c_funloc(rhs), run%t, &
                                              self%state_vector, self%context)
         else
-            self%integrator = FARKStepCreate(c_funloc(rhs), c_null_funptr, work%t, &
+            self%integrator = FARKStepCreate(c_funloc(rhs), c_null_funptr, run%t, &
                                              self%state_vector, self%context)
         end if
         if (.not. c_associated(self%integrator)) call self%keep(ARK_MEM_FAIL)
@@ -251,7 +251,7 @@ contains
         class(arkode_memory_t), intent(inout), target :: self
         real(dp), intent(in) :: t_end !! end of the span, s
         integer(c_int), intent(out) :: flag !! return value of ARKODE; negative on failure
-        type(workspace_t) :: before
+        type(run_state_t) :: before
         real(c_double) :: t_reached(1)
         integer(c_long) :: attempts(1), steps(1), jacobians(1)
         integer(c_int) :: ignored

@@ -10,7 +10,7 @@ module spintop_lie_group
     use spintop_formulation, only: formulation_t, max_states
     use spintop_runge_kutta, only: stage_sum
     use spintop_status, only: status_ok
-    use spintop_stepper, only: workspace_t
+    use spintop_stepper, only: run_state_t
     implicit none
     private
     public :: munthe_kaas_t, commutator_free_t
@@ -34,10 +34,9 @@ module spintop_lie_group
 contains
 
     !> One step of the classical Runge-Kutta method for u' = dexp^-1_u xi.
-    subroutine step_on_algebra(self, formulation, work, h, change, status)
-        class(munthe_kaas_t), intent(in) :: self
+    subroutine step_on_algebra(self, formulation, h, change, status)
+        class(munthe_kaas_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(out) :: change(max_states) !! change of the state
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
@@ -47,12 +46,12 @@ contains
         change = 0
         do i = 1, self%table%stages
             u = h * stage_sum(k, self%table%a(:, i), i - 1)
-            call formulation%group%move(work%y, u, change)
-            call find_velocity(formulation, work, work%t + self%table%c(i) * h, work%y + change, xi, status)
+            call formulation%group%move(self%y, u, change)
+            call find_velocity(formulation, self%run_state_t, self%t + self%table%c(i) * h, self%y + change, xi, status)
             if (status /= status_ok) return
             k(:, i) = xi + algebra_correction(formulation, u, xi)
         end do
-        call formulation%group%move(work%y, h * stage_sum(k, self%table%b, self%table%stages), change)
+        call formulation%group%move(self%y, h * stage_sum(k, self%table%b, self%table%stages), change)
     end subroutine step_on_algebra
 
     !> dexp^-1_u xi - xi for elements applied in the order of time, to the terms needed for order 4: [u,
@@ -66,54 +65,51 @@ contains
     end function algebra_correction
 
     !> One step of five moves, two of which end it.
-    subroutine step_by_moves(self, formulation, work, h, change, status)
-        class(commutator_free_t), intent(in) :: self
+    subroutine step_by_moves(self, formulation, h, change, status)
+        class(commutator_free_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(out) :: change(max_states) !! change of the state
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp), dimension(max_states) :: k1, k2, k3, k4, to_second
-        associate (unused => self)
-        end associate
 
         change = 0
-        call find_velocity(formulation, work, work%t, work%y, k1, status)
+        call find_velocity(formulation, self%run_state_t, self%t, self%y, k1, status)
         if (status /= status_ok) return
-        call formulation%group%move(work%y, h / 2 * k1, to_second)
-        call find_velocity(formulation, work, work%t + h / 2, work%y + to_second, k2, status)
+        call formulation%group%move(self%y, h / 2 * k1, to_second)
+        call find_velocity(formulation, self%run_state_t, self%t + h / 2, self%y + to_second, k2, status)
         if (status /= status_ok) return
-        call formulation%group%move(work%y, h / 2 * k2, change)
-        call find_velocity(formulation, work, work%t + h / 2, work%y + change, k3, status)
+        call formulation%group%move(self%y, h / 2 * k2, change)
+        call find_velocity(formulation, self%run_state_t, self%t + h / 2, self%y + change, k3, status)
         if (status /= status_ok) return
         change = to_second
-        call move_on(formulation, work, h * (k3 - k1 / 2), change)
-        call find_velocity(formulation, work, work%t + h, work%y + change, k4, status)
+        call move_on(formulation, self%run_state_t, h * (k3 - k1 / 2), change)
+        call find_velocity(formulation, self%run_state_t, self%t + h, self%y + change, k4, status)
         if (status /= status_ok) return
-        call formulation%group%move(work%y, h / 12 * (3 * k1 + 2 * (k2 + k3) - k4), change)
-        call move_on(formulation, work, h / 12 * (3 * k4 + 2 * (k2 + k3) - k1), change)
+        call formulation%group%move(self%y, h / 12 * (3 * k1 + 2 * (k2 + k3) - k4), change)
+        call move_on(formulation, self%run_state_t, h / 12 * (3 * k4 + 2 * (k2 + k3) - k1), change)
     end subroutine step_by_moves
 
     !> Moves the state that a change has led to.
-    subroutine move_on(formulation, work, u, change)
+    subroutine move_on(formulation, run, u, change)
         class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(in) :: work
+        class(run_state_t), intent(in) :: run
         real(dp), intent(in) :: u(max_states)
         real(dp), intent(inout) :: change(max_states)
         real(dp) :: more(max_states)
-        call formulation%group%move(work%y + change, u, more)
+        call formulation%group%move(run%y + change, u, more)
         change = change + more
     end subroutine move_on
 
     !> Velocity on the group.
-    subroutine find_velocity(formulation, work, t, y, xi, status)
+    subroutine find_velocity(formulation, run, t, y, xi, status)
         class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
+        class(run_state_t), intent(inout) :: run
         real(dp), intent(in) :: t, y(max_states)
         real(dp), intent(out) :: xi(max_states)
         integer, intent(out) :: status
         real(dp) :: dy(max_states)
-        call work%evaluate(formulation, t, y, dy, status)
+        call run%evaluate(formulation, t, y, dy, status)
         call formulation%group%velocity(y, dy, xi)
     end subroutine find_velocity
 

@@ -10,7 +10,6 @@ module spintop_splitting
     use spintop_formulation, only: formulation_t, max_states
     use spintop_splitting_tables, only: splitting_table_t
     use spintop_status, only: status_ok
-    use spintop_stepper, only: workspace_t
     implicit none
     private
     public :: splitting_t
@@ -26,10 +25,9 @@ module spintop_splitting
 contains
 
     !> One step.
-    subroutine step(self, formulation, work, h, change, status)
-        class(splitting_t), intent(in) :: self
+    subroutine step(self, formulation, h, change, status)
+        class(splitting_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(out) :: change(max_states) !! change of the state
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
@@ -44,8 +42,8 @@ contains
 
         subroutine compose(table)
             type(splitting_table_t), intent(in) :: table
-            call formulation%flows%compose(work%y, h, table%kick(:table%stages), table%drift(:table%stages), change)
-            work%counts%evaluations = work%counts%evaluations + table%kicks
+            call formulation%flows%compose(self%y, h, table%kick(:table%stages), table%drift(:table%stages), change)
+            self%counts%evaluations = self%counts%evaluations + table%kicks
         end subroutine compose
 
     end subroutine step

@@ -6,7 +6,7 @@
 module spintop_implicit_runge_kutta
     use spintop_kinds, only: dp, epsilon_dp
     use spintop_compare, only: is_equal
-    use spintop_fixed_step, only: fixed_step_t, grid_workspace_t, begin_on_grid
+    use spintop_fixed_step, only: fixed_step_t, begin_on_grid
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     use spintop_implicit_tables, only: implicit_table_t, max_implicit_stages, max_modes
     use spintop_lapack, only: zgetrf, zgetrs
@@ -14,7 +14,6 @@ module spintop_implicit_runge_kutta
     use spintop_stage_equations, only: acceptable, find_jacobian, find_residual, largest, negligible, sure, &
         units_of_stages
     use spintop_status, only: status_ok, status_non_finite, status_not_converged, status_outside
-    use spintop_stepper, only: workspace_t
     implicit none
     private
     public :: implicit_runge_kutta_t
@@ -22,14 +21,6 @@ module spintop_implicit_runge_kutta
     !> An implicit method given by its table.
     type, extends(fixed_step_t) :: implicit_runge_kutta_t
         type(implicit_table_t) :: table
-    contains
-        procedure :: new_workspace
-        procedure :: begin
-        procedure :: step
-    end type implicit_runge_kutta_t
-
-    !> Keeps data that the next step can use.
-    type, extends(grid_workspace_t) :: stage_workspace_t
         !> Number of components in use.
         integer :: states = max_states
         !> Increments of the stages of the last step, and its size, s; 0 before the first step.
@@ -38,7 +29,10 @@ module spintop_implicit_runge_kutta
         complex(dp) :: factors(max_states, max_states, max_modes) = 0
         integer :: pivots(max_states, max_modes) = 0
         real(dp) :: h_factors = 0
-    end type stage_workspace_t
+    contains
+        procedure :: begin
+        procedure :: step
+    end type implicit_runge_kutta_t
 
     !> Number of iterations after which a step has not converged.
     integer, parameter :: newton_limit = 30, fixed_point_limit = 200
@@ -52,39 +46,25 @@ module spintop_implicit_runge_kutta
 
 contains
 
-    !> A workspace with room for the stages.
-    subroutine new_workspace(self, work)
-        class(implicit_runge_kutta_t), intent(in) :: self
-        class(workspace_t), allocatable, intent(out) :: work !! workspace of the type that the method needs
-        associate (unused => self)
-        end associate
-        allocate (stage_workspace_t :: work)
-    end subroutine new_workspace
-
     !> First slope; data of an earlier run are discarded.
-    subroutine begin(self, formulation, work, status)
-        class(implicit_runge_kutta_t), intent(in) :: self
+    subroutine begin(self, formulation, status)
+        class(implicit_runge_kutta_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(formulation_info_t) :: info
 
-        select type (work)
-        class is (stage_workspace_t)
-            info = formulation%info()
-            work%states = info%states
-            work%h_stages = 0
-            work%h_factors = 0
-        end select
-        call begin_on_grid(self, formulation, work, status)
+        info = formulation%info()
+        self%states = info%states
+        self%h_stages = 0
+        self%h_factors = 0
+        call begin_on_grid(self, formulation, status)
     end subroutine begin
 
     !> One step of the method. The initial guess of the stages is the polynomial of the last step. If it
     !> fails, the slope is the guess, with a new Jacobian; if that fails too, continuation is used.
-    subroutine step(self, formulation, work, h, change, status)
-        class(implicit_runge_kutta_t), intent(in) :: self
+    subroutine step(self, formulation, h, change, status)
+        class(implicit_runge_kutta_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(out) :: change(max_states) !! change of the state
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
@@ -93,37 +73,33 @@ contains
 
         change = 0
         status = status_not_converged
-        select type (work)
-        class is (stage_workspace_t)
-            if (is_equal(work%h_stages, h)) then
-                z = matmul(work%z, self%table%ahead)
-                call solve_stages(self, formulation, work, h, z, status)
+        if (is_equal(self%h_stages, h)) then
+            z = matmul(self%z, self%table%ahead)
+            call solve_stages(self, formulation, h, z, status)
+        end if
+        if (status /= status_ok) then
+            self%h_factors = 0
+            do i = 1, max_implicit_stages
+                z(:, i) = self%table%node(i) * h * self%slope
+            end do
+            call solve_stages(self, formulation, h, z, status)
+            if (.not. self%controls%fixed_point .and. all(status /= [status_ok, status_outside])) then
+                call follow_stages(self%table, formulation, self%run_state_t, h, z, status)
             end if
-            if (status /= status_ok) then
-                work%h_factors = 0
-                do i = 1, max_implicit_stages
-                    z(:, i) = self%table%node(i) * h * work%slope
-                end do
-                call solve_stages(self, formulation, work, h, z, status)
-                if (.not. self%controls%fixed_point .and. all(status /= [status_ok, status_outside])) then
-                    call follow_stages(self%table, formulation, work, h, z, status)
-                end if
-            end if
-            if (status /= status_ok) return
-            work%z = z
-            work%h_stages = h
-            change = matmul(z, self%table%last)
-        end select
+        end if
+        if (status /= status_ok) return
+        self%z = z
+        self%h_stages = h
+        change = matmul(z, self%table%last)
     end subroutine step
 
     !> Solves the equations of the stages from the guess in z. Newton's corrections must be smaller than the
     !> guess, and each smaller than the last one, by half with a new Jacobian: an iteration without
     !> contraction may find a solution, but rarely the one that is connected to the state. Cyclic variables
     !> follow from the others and are ignored in this test.
-    subroutine solve_stages(self, formulation, work, h, z, status)
-        class(implicit_runge_kutta_t), intent(in) :: self
+    subroutine solve_stages(self, formulation, h, z, status)
+        class(implicit_runge_kutta_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
-        class(stage_workspace_t), intent(inout) :: work
         real(dp), intent(in) :: h
         real(dp), intent(inout) :: z(max_states, max_implicit_stages)
         integer, intent(out) :: status
@@ -133,18 +109,18 @@ contains
         logical :: newton, is_new
 
         newton = .not. self%controls%fixed_point
-        units = units_of_stages(formulation, work%y, z)
+        units = units_of_stages(formulation, self%y, z)
         previous = largest(z, units)
         core_previous = largest(z, units, .not. formulation%cyclic)
         smallest = huge(1.0_dp)
         idle = 0
         is_new = .false.
         do iteration = 1, merge(newton_limit, fixed_point_limit, newton)
-            call find_residual(self%table, formulation, work, h, z, correction, status)
+            call find_residual(self%table, formulation, self%run_state_t, h, z, correction, status)
             if (status == status_non_finite) exit
             if (status /= status_ok) return
-            if (newton .and. .not. is_equal(work%h_factors, h)) is_new = .true.
-            if (newton) call newton_correction(self%table, formulation, work, h, z, correction, status)
+            if (newton .and. .not. is_equal(self%h_factors, h)) is_new = .true.
+            if (newton) call newton_correction(self%table, formulation, self, h, z, correction, status)
             if (status /= status_ok) return
             z = z + correction
             size = largest(correction, units)
@@ -155,13 +131,13 @@ contains
             if (newton .and. iteration > 1) then
                 ! This is the expected magnitude of the next correction.
                 if (size * (size / previous) <= negligible) return
-                if (size > slow * previous) work%h_factors = 0
+                if (size > slow * previous) self%h_factors = 0
             end if
             ! Fixed-point corrections may alternate in magnitude; those of Newton's method do not.
             idle = merge(0, idle + 1, size < smallest)
             smallest = min(smallest, size)
             if (newton .and. idle > 0 .and. size <= acceptable) then
-                if (size > rounding) call solve_from_near(self%table, formulation, work, h, z, status)
+                if (size > rounding) call solve_from_near(self%table, formulation, self%run_state_t, h, z, status)
                 return
             end if
             if (idle > 1 .and. smallest <= rounding_of_insertion .and. size <= jitter * smallest) return
@@ -174,10 +150,10 @@ contains
     !> Computes Newton's correction from the residual. With one Jacobian J for all stages the equations
     !> decouple along the eigenvectors of the coefficients a (Butcher, BIT 16, 1976): for each eigenvalue
     !> lambda the matrix is 1 - h lambda J.
-    subroutine newton_correction(table, formulation, work, h, z, correction, status)
+    subroutine newton_correction(table, formulation, self, h, z, correction, status)
         type(implicit_table_t), intent(in) :: table
         class(formulation_t), intent(in) :: formulation
-        class(stage_workspace_t), intent(inout) :: work
+        class(implicit_runge_kutta_t), intent(inout) :: self
         real(dp), intent(in) :: h, z(max_states, max_implicit_stages)
         real(dp), intent(inout) :: correction(max_states, max_implicit_stages)
         integer, intent(out) :: status
@@ -186,8 +162,8 @@ contains
         integer :: i, k, failure
 
         status = status_ok
-        if (.not. is_equal(work%h_factors, h)) then
-            call factor_matrices(table, formulation, work, h, z, status)
+        if (.not. is_equal(self%h_factors, h)) then
+            call factor_matrices(table, formulation, self, h, z, status)
             if (status /= status_ok) return
         end if
         unit = formulation%units()
@@ -197,7 +173,7 @@ contains
         correction = 0
         do k = 1, table%modes
             mode = matmul(residual(:, :table%stages), table%to_modes(:table%stages, k))
-            call zgetrs('N', work%states, 1, work%factors(:, :, k), max_states, work%pivots(:, k), &
+            call zgetrs('N', self%states, 1, self%factors(:, :, k), max_states, self%pivots(:, k), &
                         mode, max_states, failure)
             do i = 1, table%stages
                 correction(:, i) = correction(:, i) + real(table%from_modes(k, i) * mode, dp) * unit
@@ -206,29 +182,29 @@ contains
     end subroutine newton_correction
 
     !> Factors the matrices 1 - h lambda J in units of the state, with the Jacobian in the middle of the stages.
-    subroutine factor_matrices(table, formulation, work, h, z, status)
+    subroutine factor_matrices(table, formulation, self, h, z, status)
         type(implicit_table_t), intent(in) :: table
         class(formulation_t), intent(in) :: formulation
-        class(stage_workspace_t), intent(inout) :: work
+        class(implicit_runge_kutta_t), intent(inout) :: self
         real(dp), intent(in) :: h, z(max_states, max_implicit_stages)
         integer, intent(out) :: status
         real(dp) :: jacobian(max_states, max_states)
         integer :: i, k, failure
 
-        work%h_factors = 0
-        call find_jacobian(formulation, work, work%t + sum(table%node) / table%stages * h, &
-                           work%y + sum(z, dim=2) / table%stages, jacobian, status)
+        self%h_factors = 0
+        call find_jacobian(formulation, self%run_state_t, self%t + sum(table%node) / table%stages * h, &
+                           self%y + sum(z, dim=2) / table%stages, jacobian, status)
         if (status /= status_ok) return
         do k = 1, table%modes
-            work%factors(:, :, k) = -h * table%eigenvalue(k) * jacobian
-            do i = 1, work%states
-                work%factors(i, i, k) = work%factors(i, i, k) + 1
+            self%factors(:, :, k) = -h * table%eigenvalue(k) * jacobian
+            do i = 1, self%states
+                self%factors(i, i, k) = self%factors(i, i, k) + 1
             end do
-            call zgetrf(work%states, work%states, work%factors(:, :, k), max_states, &
-                        work%pivots(:, k), failure)
+            call zgetrf(self%states, self%states, self%factors(:, :, k), max_states, &
+                        self%pivots(:, k), failure)
             if (failure /= 0) status = status_not_converged
         end do
-        if (status == status_ok) work%h_factors = h
+        if (status == status_ok) self%h_factors = h
     end subroutine factor_matrices
 
 end module spintop_implicit_runge_kutta

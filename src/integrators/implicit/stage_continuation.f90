@@ -12,7 +12,7 @@ module spintop_stage_continuation
     use spintop_stage_equations, only: acceptable, find_jacobian, find_residual, largest, negligible, sure, &
         units_of_stages
     use spintop_status, only: status_ok, status_not_converged
-    use spintop_stepper, only: workspace_t
+    use spintop_stepper, only: run_state_t
     implicit none
     private
     public :: follow_stages, solve_from_near
@@ -33,10 +33,10 @@ contains
 
     !> Follows the solution of the equations of the stages from step size zero. The status is
     !> `status_not_converged` if the solution ends, or turns back, before the full step size.
-    subroutine follow_stages(table, formulation, work, h, z, status)
+    subroutine follow_stages(table, formulation, run, h, z, status)
         type(implicit_table_t), intent(in) :: table !! the method
         class(formulation_t), intent(in) :: formulation !! the equations of motion
-        class(workspace_t), intent(inout) :: work !! state and slope at the beginning of the step
+        class(run_state_t), intent(inout) :: run !! state and slope at the beginning of the step
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(out) :: z(max_states, max_implicit_stages) !! increments of the stages
         integer, intent(out) :: status !! `status_ok`, or `status_not_converged`
@@ -46,14 +46,14 @@ contains
 
         here = 0
         do i = 1, max_implicit_stages
-            tangent(:, i) = table%node(i) * h * work%slope
+            tangent(:, i) = table%node(i) * h * run%slope
         end do
         share = 0
         stretch = 1
         do attempt = 1, most_stretches
             stretch = min(stretch, 1 - share)
             z = here + stretch * tangent
-            call iterate(table, formulation, work, (share + stretch) * h, stretch * tangent, z, status)
+            call iterate(table, formulation, run, (share + stretch) * h, stretch * tangent, z, status)
             if (status == status_ok) then
                 if (largest(z, formulation%scale, .not. formulation%cyclic) > farthest) exit
                 if (.not. share + stretch < 1) return
@@ -63,10 +63,10 @@ contains
                 ! The equations z = share h (first f(t, y) + ...), derived by the share.
                 tangent = here / share
                 if (formulation%depends_on_time) then
-                    call add_time_derivative(table, formulation, work, share * h, h, here, tangent, status)
+                    call add_time_derivative(table, formulation, run, share * h, h, here, tangent, status)
                     if (status /= status_ok) exit
                 end if
-                call find_correction(table, formulation, work, share * h, here, tangent, status)
+                call find_correction(table, formulation, run, share * h, here, tangent, status)
                 if (status /= status_ok) exit
             else
                 stretch = stretch / 4
@@ -78,10 +78,10 @@ contains
 
     !> Adds to the equations derived by the share what the times of the stages contribute:
     !> h sum_j a_ij df/dt(t + node_j h, y + z_j) node_j span.
-    subroutine add_time_derivative(table, formulation, work, h, span, z, tangent, status)
+    subroutine add_time_derivative(table, formulation, run, h, span, z, tangent, status)
         type(implicit_table_t), intent(in) :: table
         class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
+        class(run_state_t), intent(inout) :: run
         real(dp), intent(in) :: h, span, z(max_states, max_implicit_stages)
         real(dp), intent(inout) :: tangent(max_states, max_implicit_stages)
         integer, intent(out) :: status
@@ -90,10 +90,10 @@ contains
 
         status = status_ok
         do j = 1, table%stages
-            t = work%t + table%node(j) * h
+            t = run%t + table%node(j) * h
             shift = sqrt(epsilon(t)) * max(abs(t), abs(span))
-            call work%evaluate(formulation, t, work%y + z(:, j), slope, status)
-            if (status == status_ok) call work%evaluate(formulation, t + shift, work%y + z(:, j), later, status)
+            call run%evaluate(formulation, t, run%y + z(:, j), slope, status)
+            if (status == status_ok) call run%evaluate(formulation, t + shift, run%y + z(:, j), later, status)
             if (status /= status_ok) return
             do i = 1, table%stages
                 tangent(:, i) = tangent(:, i) &
@@ -104,23 +104,23 @@ contains
 
     !> Solves the equations of the stages to rounding, from increments that are accurate except for the last
     !> digits.
-    subroutine solve_from_near(table, formulation, work, h, z, status)
+    subroutine solve_from_near(table, formulation, run, h, z, status)
         type(implicit_table_t), intent(in) :: table !! the method
         class(formulation_t), intent(in) :: formulation !! the equations of motion
-        class(workspace_t), intent(inout) :: work !! state and slope at the beginning of the step
+        class(run_state_t), intent(inout) :: run !! state and slope at the beginning of the step
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(inout) :: z(max_states, max_implicit_stages) !! increments of the stages
         integer, intent(out) :: status !! `status_ok`, or `status_not_converged`
-        call iterate(table, formulation, work, h, z, z, status)
+        call iterate(table, formulation, run, h, z, z, status)
     end subroutine solve_from_near
 
     !> Newton's method from the guess in z. The first correction may not be larger than a fraction of `reach`,
     !> and each further one not larger than that fraction of the previous one, until only rounding errors are
     !> left. Cyclic variables follow from the others and are ignored in this test.
-    subroutine iterate(table, formulation, work, h, reach, z, status)
+    subroutine iterate(table, formulation, run, h, reach, z, status)
         type(implicit_table_t), intent(in) :: table
         class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
+        class(run_state_t), intent(inout) :: run
         real(dp), intent(in) :: h, reach(max_states, max_implicit_stages)
         real(dp), intent(inout) :: z(max_states, max_implicit_stages)
         integer, intent(out) :: status
@@ -128,12 +128,12 @@ contains
         real(dp) :: core, core_previous, magnitude, previous
         integer :: iteration
 
-        units = units_of_stages(formulation, work%y, z)
+        units = units_of_stages(formulation, run%y, z)
         previous = huge(1.0_dp)
         core_previous = largest(reach, units, .not. formulation%cyclic)
         do iteration = 1, most_iterations
-            call find_residual(table, formulation, work, h, z, correction, status)
-            if (status == status_ok) call find_correction(table, formulation, work, h, z, correction, status)
+            call find_residual(table, formulation, run, h, z, correction, status)
+            if (status == status_ok) call find_correction(table, formulation, run, h, z, correction, status)
             if (status /= status_ok) exit
             magnitude = largest(correction, units)
             core = largest(correction, units, .not. formulation%cyclic)
@@ -149,10 +149,10 @@ contains
 
     !> Computes Newton's correction from the residual, with the Jacobian of each stage: the equations
     !> correction_i - h sum_j a_ij J_j correction_j = residual_i.
-    subroutine find_correction(table, formulation, work, h, z, correction, status)
+    subroutine find_correction(table, formulation, run, h, z, correction, status)
         type(implicit_table_t), intent(in) :: table
         class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
+        class(run_state_t), intent(inout) :: run
         real(dp), intent(in) :: h, z(max_states, max_implicit_stages)
         real(dp), intent(inout) :: correction(max_states, max_implicit_stages)
         integer, intent(out) :: status
@@ -166,7 +166,7 @@ contains
         unit = formulation%units()
         all_unknowns = n * table%stages
         do j = 1, table%stages
-            call find_jacobian(formulation, work, work%t + table%node(j) * h, work%y + z(:, j), jacobian, status)
+            call find_jacobian(formulation, run, run%t + table%node(j) * h, run%y + z(:, j), jacobian, status)
             if (status /= status_ok) return
             do i = 1, table%stages
                 matrix((i - 1) * n + 1:i * n, (j - 1) * n + 1:j * n) = -h * table%a(i, j) * jacobian(:n, :n)

@@ -7,7 +7,7 @@ module spintop_stage_equations
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     use spintop_implicit_tables, only: implicit_table_t, max_implicit_stages
     use spintop_status, only: status_ok
-    use spintop_stepper, only: workspace_t
+    use spintop_stepper, only: run_state_t
     implicit none
     private
     public :: find_residual, find_jacobian, units_of_stages, largest
@@ -22,10 +22,10 @@ module spintop_stage_equations
 contains
 
     !> Residual of the equations of the stages.
-    subroutine find_residual(table, formulation, work, h, z, residual, status)
+    subroutine find_residual(table, formulation, run, h, z, residual, status)
         type(implicit_table_t), intent(in) :: table !! the method
         class(formulation_t), intent(in) :: formulation !! the equations of motion
-        class(workspace_t), intent(inout) :: work !! state and slope at the beginning of the step
+        class(run_state_t), intent(inout) :: run !! state and slope at the beginning of the step
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(in) :: z(max_states, max_implicit_stages) !! increments of the stages
         real(dp), intent(out) :: residual(max_states, max_implicit_stages) !! in units of the state
@@ -36,22 +36,22 @@ contains
         residual = 0
         status = status_ok
         do j = 1, table%stages
-            call work%evaluate(formulation, work%t + table%node(j) * h, work%y + z(:, j), slope, status)
+            call run%evaluate(formulation, run%t + table%node(j) * h, run%y + z(:, j), slope, status)
             if (status /= status_ok) return
             do i = 1, table%stages
                 residual(:, i) = residual(:, i) + table%a(i, j) * slope
             end do
         end do
         do i = 1, table%stages
-            residual(:, i) = h * (residual(:, i) + table%first * work%slope) - z(:, i)
+            residual(:, i) = h * (residual(:, i) + table%first * run%slope) - z(:, i)
         end do
     end subroutine find_residual
 
     !> The Jacobian df/dy, in units of the state, by forward differences, accurate to several digits also where a component
     !> is zero. The equations do not depend on cyclic variables.
-    subroutine find_jacobian(formulation, work, t, y, jacobian, status)
+    subroutine find_jacobian(formulation, run, t, y, jacobian, status)
         class(formulation_t), intent(in) :: formulation !! the equations of motion
-        class(workspace_t), intent(inout) :: work !! counts the evaluations
+        class(run_state_t), intent(inout) :: run !! counts the evaluations
         real(dp), intent(in) :: t, y(max_states) !! where
         real(dp), intent(out) :: jacobian(max_states, max_states) !! column j is df/dy_j, in `formulation%units()`, 1/s
         integer, intent(out) :: status !! that of the right-hand side
@@ -64,15 +64,15 @@ contains
 
         info = formulation%info()
         unit = formulation%units()
-        work%counts%jacobians = work%counts%jacobians + 1
+        run%counts%jacobians = run%counts%jacobians + 1
         jacobian = 0
-        call work%evaluate(formulation, t, y, slope, status)
+        call run%evaluate(formulation, t, y, slope, status)
         do j = 1, info%states
             if (status /= status_ok) return
             if (formulation%cyclic(j)) cycle
             moved = y
             moved(j) = y(j) + share * max(abs(y(j)), least * formulation%scale(j))
-            call work%evaluate(formulation, t, moved, slope_moved, status)
+            call run%evaluate(formulation, t, moved, slope_moved, status)
             jacobian(:, j) = (slope_moved - slope) / unit / ((moved(j) - y(j)) / unit(j))
         end do
     end subroutine find_jacobian

@@ -12,7 +12,7 @@ module spintop_dop853
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     use spintop_motions, only: instants
     use spintop_status, only: status_ok, status_non_finite, status_step_too_small
-    use spintop_stepper, only: workspace_t
+    use spintop_stepper, only: run_state_t
     implicit none
     private
     public :: dop853_t
@@ -33,17 +33,6 @@ module spintop_dop853
     !> The method, with its coefficients.
     type, extends(fixed_step_t) :: dop853_t
         type(dop853_table_t) :: table
-    contains
-        procedure :: new_workspace
-        procedure :: begin
-        procedure :: advance
-        procedure :: step
-        procedure :: state_within
-        procedure :: states_within
-    end type dop853_t
-
-    !> Keeps the stages of the last step for dense output.
-    type, extends(workspace_t) :: dop853_workspace_t
         real(dp) :: k(max_states, all_stages) = 0
         !> What stages that are found at once leave for those after them.
         real(dp) :: aside(max_aside, all_stages) = 0
@@ -54,7 +43,13 @@ module spintop_dop853
         integer :: states = max_states
         !> Logarithm to base 2 of the error of the last step, in units of the tolerance.
         real(dp) :: last_error = least_error
-    end type dop853_workspace_t
+    contains
+        procedure :: begin
+        procedure :: advance
+        procedure :: step
+        procedure :: state_within
+        procedure :: states_within
+    end type dop853_t
 
     interface
         !> The change of the state over a step, the state after it, the logarithm of its error, and by which factor the next
@@ -71,136 +66,118 @@ module spintop_dop853
 
 contains
 
-    !> A workspace with room for the stages.
-    subroutine new_workspace(self, work)
-        class(dop853_t), intent(in) :: self
-        class(workspace_t), allocatable, intent(out) :: work !! workspace of the type that the method needs
-        associate (unused => self)
-        end associate
-        allocate (dop853_workspace_t :: work)
-    end subroutine new_workspace
-
     !> First slope and, unless the step size is fixed, first step size.
-    subroutine begin(self, formulation, work, status)
-        class(dop853_t), intent(in) :: self
+    subroutine begin(self, formulation, status)
+        class(dop853_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(formulation_info_t) :: info
 
-        select type (work)
-        class is (dop853_workspace_t)
-            work%has_terms = .false.
-            work%last_error = least_error
-            info = formulation%info()
-            work%states = info%states
-        end select
-        call self%set_weight(formulation, work)
-        call begin_on_grid(self, formulation, work, status)
+        self%has_terms = .false.
+        self%last_error = least_error
+        info = formulation%info()
+        self%states = info%states
+        call self%set_weight(formulation)
+        call begin_on_grid(self, formulation, status)
         if (self%controls%steps == 0 .and. status == status_ok) then
-            work%h = first_step(formulation, work)
+            self%h = first_step(formulation, self)
         end if
     end subroutine begin
 
     !> A step for which Euler's method has an error of about 1% of the state; then, from the curvature found
     !> with it, one for the order of this method. Times are relative to the time in which the state would
     !> change by its scale, so that the unit of time does not matter, nor that a variable is zero at the start.
-    real(dp) function first_step(formulation, work) result(h)
+    real(dp) function first_step(formulation, run) result(h)
         class(formulation_t), intent(in) :: formulation
-        class(workspace_t), intent(inout) :: work
+        class(run_state_t), intent(inout) :: run
         real(dp), parameter :: share = 0.01_dp
         real(dp) :: span, allowed(max_states), slope(max_states), size, steepness, unit, bend
         integer :: status
 
-        span = work%t_end - work%t
+        span = run%t_end - run%t
         h = span
-        allowed = work%weight%allowed(work%weight%scale, work%weight%scale)
-        size = norm2(work%weight%scale / allowed)
-        steepness = norm2(work%slope / allowed)
+        allowed = run%weight%allowed(run%weight%scale, run%weight%scale)
+        size = norm2(run%weight%scale / allowed)
+        steepness = norm2(run%slope / allowed)
         if (.not. steepness > 0) return
         unit = size / steepness
         h = min(share * unit, span)
-        call work%evaluate(formulation, work%t + h, work%y + h * work%slope, slope, status)
+        call run%evaluate(formulation, run%t + h, run%y + h * run%slope, slope, status)
         if (status /= status_ok) return
-        bend = max(norm2((slope - work%slope) / allowed) / h * unit**2, size)
+        bend = max(norm2((slope - run%slope) / allowed) / h * unit**2, size)
         h = min(span, 100 * h, unit * (share / bend)**(1 / power))
     end function first_step
 
     !> One step: of the grid, or one that the error estimate accepts; rejected steps are counted.
-    subroutine advance(self, formulation, work, status)
-        class(dop853_t), intent(in) :: self
+    subroutine advance(self, formulation, status)
+        class(dop853_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
 
-        select type (work)
-        class is (dop853_workspace_t)
-            work%has_terms = .false.
-            if (self%controls%steps > 0) then
-                call advance_on_grid(self, formulation, work, status)
-            else
-                call advance_adaptively(self, formulation, work, status)
-            end if
-        end select
+        self%has_terms = .false.
+        if (self%controls%steps > 0) then
+            call advance_on_grid(self, formulation, status)
+        else
+            call advance_adaptively(self, formulation, status)
+        end if
     end subroutine advance
 
     !> A step of the size that the error estimate allows.
-    subroutine advance_adaptively(self, formulation, work, status)
-        class(dop853_t), intent(in) :: self
+    subroutine advance_adaptively(self, formulation, status)
+        class(dop853_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
-        class(dop853_workspace_t), intent(inout) :: work
         integer, intent(out) :: status
         real(dp) :: h, h_smallest, h_left, t_new, error, growth
         real(dp), dimension(max_states) :: change, y_new, slope
         logical :: was_rejected, changed, at_once
 
         at_once = finds_at_once(formulation)
-        h_left = longest_step(formulation, work%y)
-        h_smallest = smallest_step(work%h, work%t)
-        work%h = max(work%h, h_smallest)
+        h_left = longest_step(formulation, self%y)
+        h_smallest = smallest_step(self%h, self%t)
+        self%h = max(self%h, h_smallest)
         was_rejected = .false.
         do
-            h = min(work%h, h_left)
-            t_new = work%t + h
+            h = min(self%h, h_left)
+            t_new = self%t + h
             ! A step that nearly reaches the end is stretched to the end.
-            if (1.01_dp * h >= work%t_end - work%t .and. h < h_left) t_new = work%t_end
-            t_new = min(t_new, work%t_end)
-            h = t_new - work%t
-            work%k(:, 1) = work%slope
-            call find_stages(self, formulation, work, work%t, work%y, h, 2, merge(new_slope, main_stages, at_once), status)
+            if (1.01_dp * h >= self%t_end - self%t .and. h < h_left) t_new = self%t_end
+            t_new = min(t_new, self%t_end)
+            h = t_new - self%t
+            self%k(:, 1) = self%slope
+            call find_stages(self, formulation, self%t, self%y, h, 2, merge(new_slope, main_stages, at_once), status)
             error = 0
             if (status == status_ok) then
-                associate (w => work%weight)
-                    error = c_sum(self%table%since(new_slope), main_stages, self%table%sums, work%k, work%y, work%rest, h, &
-                                  w%absolute, w%relative, work%states, by_last_error * work%last_error, by_error, &
+                associate (w => self%weight)
+                    error = c_sum(self%table%since(new_slope), main_stages, self%table%sums, self%k, self%y, self%rest, h, &
+                                  w%absolute, w%relative, self%states, by_last_error * self%last_error, by_error, &
                                   change, y_new, growth)
                 end associate
                 if (.not. error <= huge(error)) status = status_non_finite
             end if
             ! The slope at the new state must exist: it begins the next step.
             if (status == status_ok .and. error <= 0) then
-                slope = work%k(:, new_slope)
-                if (.not. at_once) call work%evaluate(formulation, t_new, y_new, slope, status)
+                slope = self%k(:, new_slope)
+                if (.not. at_once) call self%evaluate(formulation, t_new, y_new, slope, status)
             end if
             if (status == status_ok .and. error <= 0) exit
-            work%counts%rejected = work%counts%rejected + 1
-            h_smallest = smallest_step(h, work%t)
+            self%counts%rejected = self%counts%rejected + 1
+            h_smallest = smallest_step(h, self%t)
             if (h <= h_smallest) then
                 if (status == status_ok) status = status_step_too_small
                 return
             end if
             growth = 0.5_dp
             if (status == status_ok) growth = max(largest_cut, safety * 2**(-by_error * error))
-            work%h = max(h * growth, h_smallest)
+            self%h = max(h * growth, h_smallest)
             was_rejected = .true.
         end do
-        call work%settle_change(formulation, t_new, change, changed)
-        work%slope = slope
-        if (changed) call work%evaluate(formulation, work%t, work%y, work%slope, status)
+        call self%settle_change(formulation, t_new, change, changed)
+        self%slope = slope
+        if (changed) call self%evaluate(formulation, self%t, self%y, self%slope, status)
         growth = min(largest_growth, max(largest_cut, safety * growth))
         if (was_rejected) growth = min(growth, 1.0_dp)
-        work%h = h * growth
-        work%last_error = max(error, least_error)
+        self%h = h * growth
+        self%last_error = max(error, least_error)
     end subroutine advance_adaptively
 
     !> Size of the smallest step at a time, exactly only if a step of size h might be smaller: `spacing` takes longer than
@@ -212,31 +189,26 @@ contains
     end function smallest_step
 
     !> The stages of a step of size h, and the change of the state over it.
-    subroutine step(self, formulation, work, h, change, status)
-        class(dop853_t), intent(in) :: self
+    subroutine step(self, formulation, h, change, status)
+        class(dop853_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(out) :: change(max_states) !! change of the state
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
 
         change = 0
         status = status_ok
-        select type (work)
-        class is (dop853_workspace_t)
-            work%k(:, 1) = work%slope
-            call find_stages(self, formulation, work, work%t, work%y, h, 2, main_stages, status)
-            if (status /= status_ok) return
-            change = h * (weighted(work%k, self%table%b, main_stages) &
-                          + weighted(work%k, self%table%b_rest, main_stages))
-        end select
+        self%k(:, 1) = self%slope
+        call find_stages(self, formulation, self%t, self%y, h, 2, main_stages, status)
+        if (status /= status_ok) return
+        change = h * (weighted(self%k, self%table%b, main_stages) &
+                      + weighted(self%k, self%table%b_rest, main_stages))
     end subroutine step
 
     !> Stages of a step of size h from a time and a state: at once where the formulation offers this.
-    subroutine find_stages(self, formulation, work, t, y, h, from, to, status)
-        class(dop853_t), intent(in) :: self
+    subroutine find_stages(self, formulation, t, y, h, from, to, status)
+        class(dop853_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
-        class(dop853_workspace_t), intent(inout) :: work
         real(dp), intent(in) :: t, y(max_states), h
         integer, intent(in) :: from, to
         integer, intent(out) :: status
@@ -246,15 +218,15 @@ contains
         status = status_ok
         if (finds_at_once(formulation)) then
             call formulation%stages%find(from, to, t, y, h, all_stages, self%table%a, self%table%since, self%table%c, &
-                                         work%k, work%aside)
-            work%counts%evaluations = work%counts%evaluations + (to - from + 1)
+                                         self%k, self%aside)
+            self%counts%evaluations = self%counts%evaluations + (to - from + 1)
             ! What is no number in a stage is none in those after it.
-            if (.not. is_finite(work%k(:, to))) status = status_non_finite
+            if (.not. is_finite(self%k(:, to))) status = status_non_finite
             return
         end if
         do i = from, to
-            stage = moved(y, h, work%k, self%table%a(:, i), i - 1)
-            call work%evaluate(formulation, t + self%table%c(i) * h, stage, work%k(:, i), status)
+            stage = moved(y, h, self%k, self%table%a(:, i), i - 1)
+            call self%evaluate(formulation, t + self%table%c(i) * h, stage, self%k(:, i), status)
             if (status /= status_ok) return
         end do
     end subroutine find_stages
@@ -304,74 +276,65 @@ contains
     end function moved
 
     !> Dense output of order 7 within the last step.
-    function state_within(self, formulation, work, t) result(y)
-        class(dop853_t), intent(in) :: self
+    function state_within(self, formulation, t) result(y)
+        class(dop853_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states), s
         integer :: i
 
-        y = work%y
-        select type (work)
-        class is (dop853_workspace_t)
-            if (.not. work%has_terms) call find_terms(self, formulation, work)
-            s = (t - work%t_last) / (work%t - work%t_last)
-            y = 0
-            do i = 8, 1, -1
-                y = work%term(:, i) + y * merge(s, 1 - s, mod(i, 2) == 1)
-            end do
-        end select
+        y = self%y
+        if (.not. self%has_terms) call find_terms(self, formulation)
+        s = (t - self%t_last) / (self%t - self%t_last)
+        y = 0
+        do i = 8, 1, -1
+            y = self%term(:, i) + y * merge(s, 1 - s, mod(i, 2) == 1)
+        end do
     end function state_within
 
     !> The same at several times, all by the same instructions.
-    subroutine states_within(self, formulation, work, t, y)
-        class(dop853_t), intent(in) :: self
+    subroutine states_within(self, formulation, t, y)
+        class(dop853_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         real(dp), intent(in) :: t(instants) !! times, s
         real(dp), intent(out) :: y(instants, max_states) !! states
         real(dp) :: s(instants), left(instants), c(8)
         integer :: m
 
         y = 0
-        select type (work)
-        class is (dop853_workspace_t)
-            if (.not. work%has_terms) call find_terms(self, formulation, work)
-            s = (t - work%t_last) / (work%t - work%t_last)
-            left = 1 - s
-            do m = 1, max_states
-                c = work%term(m, :)
-                y(:, m) = c(1) + s * (c(2) + left * (c(3) + s * (c(4) + left * (c(5) &
-                          + s * (c(6) + left * (c(7) + s * c(8)))))))
-            end do
-        end select
+        if (.not. self%has_terms) call find_terms(self, formulation)
+        s = (t - self%t_last) / (self%t - self%t_last)
+        left = 1 - s
+        do m = 1, max_states
+            c = self%term(m, :)
+            y(:, m) = c(1) + s * (c(2) + left * (c(3) + s * (c(4) + left * (c(5) &
+                      + s * (c(6) + left * (c(7) + s * c(8)))))))
+        end do
     end subroutine states_within
 
     !> The terms of the dense output of the last step, with three more stages. If one of these does not exist,
     !> the cubic Hermite polynomial is used.
-    subroutine find_terms(self, formulation, work)
-        class(dop853_t), intent(in) :: self
+    subroutine find_terms(self, formulation)
+        class(dop853_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
-        class(dop853_workspace_t), intent(inout) :: work
         real(dp) :: h
         integer :: i, from, status
 
-        h = work%t - work%t_last
-        work%has_terms = .true.
-        work%k(:, new_slope) = work%slope
-        work%term(:, 1) = work%y_last
-        work%term(:, 2) = work%y - work%y_last
-        work%term(:, 3) = h * work%k(:, 1) - work%term(:, 2)
-        work%term(:, 4) = work%term(:, 2) - h * work%slope - work%term(:, 3)
-        work%term(:, 5:8) = 0
+        h = self%t - self%t_last
+        self%has_terms = .true.
+        self%k(:, new_slope) = self%slope
+        self%term(:, 1) = self%y_last
+        self%term(:, 2) = self%y - self%y_last
+        self%term(:, 3) = h * self%k(:, 1) - self%term(:, 2)
+        self%term(:, 4) = self%term(:, 2) - h * self%slope - self%term(:, 3)
+        self%term(:, 5:8) = 0
         ! Stages that are found at once depend on what that of the slope leaves aside, which was not found on a grid.
         from = new_slope + 1
         if (self%controls%steps > 0 .and. finds_at_once(formulation)) from = new_slope
-        call find_stages(self, formulation, work, work%t_last, work%y_last, h, from, all_stages, status)
+        call find_stages(self, formulation, self%t_last, self%y_last, h, from, all_stages, status)
         if (status /= status_ok) return
         do i = 1, 4
-            work%term(:, 4 + i) = h * weighted(work%k, self%table%dense(:, i), all_stages)
+            self%term(:, 4 + i) = h * weighted(self%k, self%table%dense(:, i), all_stages)
         end do
     end subroutine find_terms
 

@@ -2,7 +2,6 @@
 module spintop_runge_kutta
     use spintop_kinds, only: dp
     use spintop_formulation, only: formulation_t, max_states
-    use spintop_stepper, only: workspace_t
     use spintop_fixed_step, only: fixed_step_t
     use spintop_butcher, only: butcher_t, max_stages
     use spintop_status, only: status_ok
@@ -20,10 +19,9 @@ module spintop_runge_kutta
 contains
 
     !> One step of the method. Its first stage is the known slope.
-    subroutine step(self, formulation, work, h, change, status)
-        class(runge_kutta_t), intent(in) :: self
+    subroutine step(self, formulation, h, change, status)
+        class(runge_kutta_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(out) :: change(max_states) !! change of the state
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
@@ -32,10 +30,10 @@ contains
 
         status = status_ok
         change = 0
-        k(:, 1) = work%slope
+        k(:, 1) = self%slope
         do i = 2, self%table%stages
-            call work%evaluate(formulation, work%t + self%table%c(i) * h, &
-                               work%y + h * stage_sum(k, self%table%a(:, i), i - 1), k(:, i), status)
+            call self%evaluate(formulation, self%t + self%table%c(i) * h, &
+                               self%y + h * stage_sum(k, self%table%a(:, i), i - 1), k(:, i), status)
             if (status /= status_ok) return
         end do
         change = h * stage_sum(k, self%table%b, self%table%stages)

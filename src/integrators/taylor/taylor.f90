@@ -10,15 +10,19 @@ module spintop_taylor
     use spintop_motions, only: instants
     use spintop_formulation, only: formulation_t, max_series_order, max_states
     use spintop_status, only: status_ok, status_non_finite, status_step_too_small
-    use spintop_stepper, only: stepper_t, workspace_t
+    use spintop_stepper, only: stepper_t
     implicit none
     private
     public :: taylor_t, order_for, safety, largest_growth, smallest_spacings, stretch
 
     !> Taylor's method, with an order that depends on the tolerance.
     type, extends(stepper_t) :: taylor_t
+        !> Order of the series of the last step, and that series.
+        integer :: degree = 0
+        real(dp) :: coefficient(max_states, 0:max_series_order) = 0
+        !> What a coefficient may have lost by underflow, its own or that of products in it.
+        real(dp) :: least = 0
     contains
-        procedure :: new_workspace
         procedure :: begin
         procedure :: advance
         procedure :: state_within
@@ -26,14 +30,6 @@ module spintop_taylor
         procedure :: bound_changes
         procedure :: order
     end type taylor_t
-
-    !> Keeps the series of the last step.
-    type, extends(workspace_t) :: taylor_workspace_t
-        integer :: order = 0
-        real(dp) :: coefficient(max_states, 0:max_series_order) = 0
-        !> What a coefficient may have lost by underflow, its own or that of products in it.
-        real(dp) :: least = 0
-    end type taylor_workspace_t
 
     !> The order, found by measurement: that for the tolerance 1, its increase per digit, and the lowest.
     real(dp), parameter :: order_at_one = 12, order_a_digit = 1.15_dp
@@ -91,30 +87,17 @@ contains
         order = min(max(order, lowest_order), max_series_order)
     end function order_for
 
-    !> A workspace with room for a series.
-    subroutine new_workspace(self, work)
-        class(taylor_t), intent(in) :: self
-        class(workspace_t), allocatable, intent(out) :: work !! workspace of the type that the method needs
-        associate (unused => self)
-        end associate
-        allocate (taylor_workspace_t :: work)
-    end subroutine new_workspace
-
     !> First slope, the order, and the span as the longest step.
-    subroutine begin(self, formulation, work, status)
-        class(taylor_t), intent(in) :: self
+    subroutine begin(self, formulation, status)
+        class(taylor_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
 
-        call self%set_weight(formulation, work)
-        call work%evaluate(formulation, work%t, work%y, work%slope, status)
-        select type (work)
-        class is (taylor_workspace_t)
-            work%order = self%order()
-            work%least = lost_by_underflow(work%slope(:work%weight%states), work%weight%scale(:work%weight%states))
-            work%h = work%t_end - work%t
-        end select
+        call self%set_weight(formulation)
+        call self%evaluate(formulation, self%t, self%y, self%slope, status)
+        self%degree = self%order()
+        self%least = lost_by_underflow(self%slope(:self%weight%states), self%weight%scale(:self%weight%states))
+        self%h = self%t_end - self%t
     end subroutine begin
 
     !> What a coefficient may lose by underflow: products of two variables are multiplied by a rate over a
@@ -127,36 +110,30 @@ contains
     end function lost_by_underflow
 
     !> One step, of the size that the last terms of the series allow.
-    subroutine advance(self, formulation, work, status)
-        class(taylor_t), intent(in) :: self
+    subroutine advance(self, formulation, status)
+        class(taylor_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: h, t_new, change(max_states)
         logical :: changed
 
-        associate (unused => self)
-        end associate
-        select type (work)
-        class is (taylor_workspace_t)
-            call formulation%series%expand(work%t, work%y, work%order, work%coefficient)
-            work%counts%evaluations = work%counts%evaluations + work%order
-            h = length_of_step(work)
-            status = status_non_finite
-            if (.not. abs(h) <= huge(h)) return
-            status = status_step_too_small
-            if (is_too_small(h, work%t)) return
-            work%h = h
-            t_new = work%t + h
-            if (stretch * h >= work%t_end - work%t) t_new = work%t_end
-            call c_add_terms(work%order, work%coefficient, t_new - work%t, change)
-            call formulation%series%unfold(work%y, t_new - work%t, change)
-            ! Terms that are NaN do not show in the largest magnitude.
-            status = status_non_finite
-            if (.not. all(abs(change) <= huge(1.0_dp))) return
-            call work%settle_change(formulation, t_new, change, changed)
-            status = status_ok
-        end select
+        call formulation%series%expand(self%t, self%y, self%degree, self%coefficient)
+        self%counts%evaluations = self%counts%evaluations + self%degree
+        h = length_of_step(self)
+        status = status_non_finite
+        if (.not. abs(h) <= huge(h)) return
+        status = status_step_too_small
+        if (is_too_small(h, self%t)) return
+        self%h = h
+        t_new = self%t + h
+        if (stretch * h >= self%t_end - self%t) t_new = self%t_end
+        call c_add_terms(self%degree, self%coefficient, t_new - self%t, change)
+        call formulation%series%unfold(self%y, t_new - self%t, change)
+        ! Terms that are NaN do not show in the largest magnitude.
+        status = status_non_finite
+        if (.not. all(abs(change) <= huge(1.0_dp))) return
+        call self%settle_change(formulation, t_new, change, changed)
+        status = status_ok
     end subroutine advance
 
     !> Whether a step is too small for the time. `spacing` costs more than all other checks of a step.
@@ -168,81 +145,63 @@ contains
 
     !> The time at which one of the last two terms reaches the tolerance. Near a zero of a component the magnitude one
     !> step away is used.
-    real(dp) function length_of_step(work) result(h)
-        type(taylor_workspace_t), intent(in) :: work
-        associate (w => work%weight)
-            h = safety * c_length(work%order, work%coefficient, w%absolute, w%relative, w%scale, work%least, work%h)
+    real(dp) function length_of_step(self) result(h)
+        class(taylor_t), intent(in) :: self
+        associate (w => self%weight)
+            h = safety * c_length(self%degree, self%coefficient, w%absolute, w%relative, w%scale, self%least, self%h)
         end associate
-        if (abs(h) <= huge(h)) h = min(largest_growth * work%h, h)
+        if (abs(h) <= huge(h)) h = min(largest_growth * self%h, h)
     end function length_of_step
 
     !> The state at a time within the last step.
-    function state_within(self, formulation, work, t) result(y)
-        class(taylor_t), intent(in) :: self
+    function state_within(self, formulation, t) result(y)
+        class(taylor_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states), change(max_states)
-        associate (unused => self)
-        end associate
-        y = work%y
-        select type (work)
-        class is (taylor_workspace_t)
-            call c_add_terms(work%order, work%coefficient, t - work%t_last, change)
-            call formulation%series%unfold(work%y_last, t - work%t_last, change)
-            y = work%y_last + change
-        end select
+        y = self%y
+        call c_add_terms(self%degree, self%coefficient, t - self%t_last, change)
+        call formulation%series%unfold(self%y_last, t - self%t_last, change)
+        y = self%y_last + change
     end function state_within
 
     !> The states at several times within the last step, all by the same instructions.
-    subroutine states_within(self, formulation, work, t, y)
-        class(taylor_t), intent(in) :: self
+    subroutine states_within(self, formulation, t, y)
+        class(taylor_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         real(dp), intent(in) :: t(instants) !! times, s
         real(dp), intent(out) :: y(instants, max_states) !! states
         real(dp) :: h(instants)
         integer :: n
 
-        associate (unused => self)
-        end associate
         y = 0
-        select type (work)
-        class is (taylor_workspace_t)
-            h = t - work%t_last
-            call c_add_terms_at(work%order, work%coefficient, h, y)
-            call formulation%series%unfold_several(work%y_last, h, y)
-            do n = 1, max_states
-                y(:, n) = work%y_last(n) + y(:, n)
-            end do
-        end select
+        h = t - self%t_last
+        call c_add_terms_at(self%degree, self%coefficient, h, y)
+        call formulation%series%unfold_several(self%y_last, h, y)
+        do n = 1, max_states
+            y(:, n) = self%y_last(n) + y(:, n)
+        end do
     end subroutine states_within
 
     !> Bounds of the changes within the last step, where the variables of the series are the state: the sums of the magnitudes
     !> of all terms at its end.
-    pure subroutine bound_changes(self, work, bound, is_known)
+    pure subroutine bound_changes(self, bound, is_known)
         class(taylor_t), intent(in) :: self
-        class(workspace_t), intent(in) :: work !! state and workspace of the run
         real(dp), intent(out) :: bound(max_states) !! bounds
         logical, intent(out) :: is_known !! whether there are bounds
         real(dp) :: h
         integer :: k, n
 
-        associate (unused => self)
-        end associate
         bound = 0
         is_known = .false.
-        select type (work)
-        class is (taylor_workspace_t)
-            is_known = .true.
-            h = work%t - work%t_last
-            do k = work%order, 1, -1
-                !$omp simd
-                do n = 1, max_states
-                    bound(n) = (bound(n) + abs(work%coefficient(n, k))) * h
-                end do
+        is_known = .true.
+        h = self%t - self%t_last
+        do k = self%degree, 1, -1
+            !$omp simd
+            do n = 1, max_states
+                bound(n) = (bound(n) + abs(self%coefficient(n, k))) * h
             end do
-        end select
+        end do
     end subroutine bound_changes
 
 end module spintop_taylor

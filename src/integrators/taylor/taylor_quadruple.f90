@@ -9,7 +9,7 @@ module spintop_taylor_quadruple
     use spintop_compare, only: is_finite
     use spintop_formulation, only: formulation_t, formulation_info_t, max_series_order, max_states
     use spintop_status, only: status_ok, status_non_finite, status_step_too_small
-    use spintop_stepper, only: stepper_t, workspace_t
+    use spintop_stepper, only: stepper_t
     use spintop_taylor, only: safety, smallest_spacings, stretch
     implicit none
     private
@@ -17,106 +17,82 @@ module spintop_taylor_quadruple
 
     !> Taylor's method of the highest order, in quadruple precision.
     type, extends(stepper_t) :: taylor_quadruple_t
+        real(qp) :: coefficient(max_states, 0:max_series_order) = 0
+        !> Index of the first component of the quaternion, and number of components in use.
+        integer :: attitude = 1, states = max_states
     contains
-        procedure :: new_workspace
         procedure :: begin
         procedure :: advance
         procedure :: state_within
     end type taylor_quadruple_t
 
-    !> Keeps the series of the last step.
-    type, extends(workspace_t) :: quadruple_workspace_t
-        real(qp) :: coefficient(max_states, 0:max_series_order) = 0
-        !> Index of the first component of the quaternion, and number of components in use.
-        integer :: attitude = 1, states = max_states
-    end type quadruple_workspace_t
-
 contains
 
-    !> A workspace with room for a series.
-    subroutine new_workspace(self, work)
-        class(taylor_quadruple_t), intent(in) :: self
-        class(workspace_t), allocatable, intent(out) :: work !! workspace of the type that the method needs
-        associate (unused => self)
-        end associate
-        allocate (quadruple_workspace_t :: work)
-    end subroutine new_workspace
-
     !> First slope.
-    subroutine begin(self, formulation, work, status)
-        class(taylor_quadruple_t), intent(in) :: self
+    subroutine begin(self, formulation, status)
+        class(taylor_quadruple_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(formulation_info_t) :: info
-        call self%set_weight(formulation, work)
-        select type (work)
-        class is (quadruple_workspace_t)
-            info = formulation%info()
-            work%attitude = info%quaternion
-            work%states = info%states
-        end select
-        call work%evaluate(formulation, work%t, work%y, work%slope, status)
+        call self%set_weight(formulation)
+        info = formulation%info()
+        self%attitude = info%quaternion
+        self%states = info%states
+        call self%evaluate(formulation, self%t, self%y, self%slope, status)
     end subroutine begin
 
     !> One step, of the size that the last terms of the series allow.
-    subroutine advance(self, formulation, work, status)
-        class(taylor_quadruple_t), intent(in) :: self
+    subroutine advance(self, formulation, status)
+        class(taylor_quadruple_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(qp) :: y(max_states)
         real(dp) :: h, t_new, y_new(max_states), rest(max_states)
         logical :: changed
 
-        associate (unused => self)
-        end associate
-        select type (work)
-        class is (quadruple_workspace_t)
-            y = work%rest + real(work%y, qp)
-            call formulation%quadruple_series%expand(work%t, y, max_series_order, work%coefficient)
-            work%counts%evaluations = work%counts%evaluations + max_series_order
-            work%slope = real(work%coefficient(:, 1), dp)
-            h = length_of_step(work)
-            status = status_non_finite
-            if (.not. is_finite(h)) return
-            status = status_step_too_small
-            if (h <= smallest_spacings * spacing(work%t)) return
-            t_new = work%t + h
-            if (stretch * h >= work%t_end - work%t) t_new = work%t_end
-            y = y + sum_of_terms(work, t_new - real(work%t, qp))
-            y_new = real(y, dp)
-            status = status_non_finite
-            if (.not. all(abs(y_new) <= huge(1.0_dp))) return
-            rest = real(y - y_new, dp)
-            call work%settle(formulation, t_new, y_new, changed)
-            if (.not. changed) work%rest = rest
-            status = status_ok
-        end select
+        y = self%rest + real(self%y, qp)
+        call formulation%quadruple_series%expand(self%t, y, max_series_order, self%coefficient)
+        self%counts%evaluations = self%counts%evaluations + max_series_order
+        self%slope = real(self%coefficient(:, 1), dp)
+        h = length_of_step(self)
+        status = status_non_finite
+        if (.not. is_finite(h)) return
+        status = status_step_too_small
+        if (h <= smallest_spacings * spacing(self%t)) return
+        t_new = self%t + h
+        if (stretch * h >= self%t_end - self%t) t_new = self%t_end
+        y = y + sum_of_terms(self, t_new - real(self%t, qp))
+        y_new = real(y, dp)
+        status = status_non_finite
+        if (.not. all(abs(y_new) <= huge(1.0_dp))) return
+        rest = real(y - y_new, dp)
+        call self%settle(formulation, t_new, y_new, changed)
+        if (.not. changed) self%rest = rest
+        status = status_ok
     end subroutine advance
 
     !> The time at which one of the last two terms reaches the tolerance, relative to the magnitude of the
     !> attitude, or of the momentum; not finite if a term is not.
-    pure real(dp) function length_of_step(work) result(h)
-        type(quadruple_workspace_t), intent(in) :: work
+    pure real(dp) function length_of_step(self) result(h)
+        class(taylor_quadruple_t), intent(in) :: self
         integer :: i
-        h = work%t_end - work%t
-        associate (q => work%attitude)
-            call shorten(work, [(i, i=q, q + 3)], h)
-            call shorten(work, [(i, i=1, q - 1), (i, i=q + 4, work%states)], h)
+        h = self%t_end - self%t
+        associate (q => self%attitude)
+            call shorten(self, [(i, i=q, q + 3)], h)
+            call shorten(self, [(i, i=1, q - 1), (i, i=q + 4, self%states)], h)
         end associate
     end function length_of_step
 
     !> Reduces a step to the size that components of equal units allow.
-    pure subroutine shorten(work, like, h)
-        type(quadruple_workspace_t), intent(in) :: work
+    pure subroutine shorten(self, like, h)
+        class(taylor_quadruple_t), intent(in) :: self
         integer, intent(in) :: like(:)
         real(dp), intent(inout) :: h
         real(qp) :: allowed, term
         integer :: k
 
         if (.not. is_finite(h)) return
-        associate (c => work%coefficient, weight => work%weight)
+        associate (c => self%coefficient, weight => self%weight)
             allowed = maxval(weight%absolute(like)) + maxval(weight%relative(like)) * maxval(abs(c(like, 0)))
             do k = max_series_order - 1, max_series_order
                 term = maxval(abs(c(like, k)))
@@ -128,31 +104,27 @@ contains
     end subroutine shorten
 
     !> Change of the state after a time h, by Horner's rule.
-    pure function sum_of_terms(work, h) result(change)
-        type(quadruple_workspace_t), intent(in) :: work
+    pure function sum_of_terms(self, h) result(change)
+        class(taylor_quadruple_t), intent(in) :: self
         real(qp), intent(in) :: h
         real(qp) :: change(max_states)
         integer :: k
         change = 0
         do k = max_series_order, 1, -1
-            change = (change + work%coefficient(:, k)) * h
+            change = (change + self%coefficient(:, k)) * h
         end do
     end function sum_of_terms
 
     !> The state at a time within the last step.
-    function state_within(self, formulation, work, t) result(y)
-        class(taylor_quadruple_t), intent(in) :: self
+    function state_within(self, formulation, t) result(y)
+        class(taylor_quadruple_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        class(workspace_t), intent(inout) :: work !! state and workspace of the run
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states)
-        associate (unused => self, also_unused => formulation)
+        associate (unused => formulation)
         end associate
-        y = work%y
-        select type (work)
-        class is (quadruple_workspace_t)
-            y = real(work%coefficient(:, 0) + sum_of_terms(work, t - real(work%t_last, qp)), dp)
-        end select
+        y = self%y
+        y = real(self%coefficient(:, 0) + sum_of_terms(self, t - real(self%t_last, qp)), dp)
     end function state_within
 
 end module spintop_taylor_quadruple

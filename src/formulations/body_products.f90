@@ -1,4 +1,4 @@
-!> Factors of the products of vectors in which the series of one body are written: body_series.c, effects_series.c.
+!> Factors of the products of vectors in which the series of one body are written: body_series.h, effects_series.h.
 module spintop_body_products
     use, intrinsic :: iso_c_binding, only: c_double
     use spintop_body, only: body_t
@@ -8,7 +8,7 @@ module spintop_body_products
     private
     public :: body_products_t, products_of
 
-    !> Factors of the three products of body_vectors.h, of damping and torque, as in body_series.c.
+    !> Factors of the three products of body_vectors.h, of damping and torque, as in body_series.h.
     type, bind(C) :: body_products_t
         real(c_double), dimension(max_states) :: first = 0, second = 0, third = 0, decay = 0, pull = 0, swing = 0
     end type body_products_t

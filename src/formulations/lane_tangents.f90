@@ -16,10 +16,10 @@ module spintop_lane_tangents
     private
     public :: carry_tangents, components, body_change_t
 
-    !> Components of a perturbation: delta, epsilon. lane_series.c repeats their number.
+    !> Components of a perturbation: delta, epsilon. lane_series.h repeats their number.
     integer, parameter :: components = 6
 
-    !> Changes of a body that force a perturbation: of the numbers by which its motion is expanded. lane_series.c repeats
+    !> Changes of a body that force a perturbation: of the numbers by which its motion is expanded. lane_series.h repeats
     !> this type.
     type, bind(C) :: body_change_t
         real(c_double), dimension(lanes, 3) :: coupling = 0, decay = 0, pull = 0, swing = 0

@@ -1,4 +1,4 @@
-!> Stages of a Runge-Kutta step for any rigid body with a fixed point, by body_stages.c.
+!> Stages of a Runge-Kutta step for any rigid body with a fixed point, by body_stages.h.
 !>
 !> The angular velocity omega and the vertical Gamma in body axes start from the momentum and the quaternion, and have stages of
 !> their own,
@@ -18,10 +18,10 @@ module spintop_rigid_body_stages
     private
     public :: rigid_body_stages_t
 
-    !> Room of a vector of three components in body_stages.c.
+    !> Room of a vector of three components in body_stages.h.
     integer, parameter :: room = 4
 
-    !> Constants of the equations of omega, as in body_stages.c: those of momenta over I.
+    !> Constants of the equations of omega, as in body_stages.h: those of momenta over I.
     type, bind(C) :: constants_t
         real(c_double), dimension(room) :: inertia = 0, mobility = 0, coupling = 0, decay = 0, pull = 0, swing = 0
     end type constants_t

@@ -75,7 +75,7 @@ contains
     !>     p'' = ((m u0 - w.w/2)/2 -+ m/2) p + m v p,  - for p0 and p3, + for p1 and p2,
     !>     v'' = v''(0) + (4 m u0 - w.w) v + 3 m v^2,
     !> with w.w at the start. (w.w/2 + m u and w.e are constant, k x e = k e + u and e p = p k as
-    !> quaternions.) So a term needs one product only, with v, and a coefficient but the last but one: top_series.c.
+    !> quaternions.) So a term needs one product only, with v, and a coefficient but the last but one: top_series.h.
     pure subroutine expand(self, t, y, order, coefficient)
         class(space_frame_series_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state

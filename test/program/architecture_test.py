@@ -18,7 +18,7 @@ SOURCES = sorted([*ROOT.glob("src/**/*.f90"), *ROOT.glob("app/*.f90")])
 MECHANICS = (
     "foundation",
     "system",
-    "top",
+    "top kernels",
     "exact approximate formulations proof",
     "integrators",
     "stability",
@@ -33,6 +33,8 @@ PLAIN = ("foundation", "system", "input", "tables", "parallel statistics samplin
 
 MODULE = re.compile(r"^\s*module\s+(?!procedure\b|subroutine\b|function\b)(\w+)\s*$", re.M | re.I)
 USE = re.compile(r"^\s*use\s+(\w+)", re.M | re.I)
+BOUND = re.compile(r"\bbind\(C, name='(\w+)'\)", re.I)
+DEFINED = re.compile(r"^(?!static\b)\w[\w ]*[ *](\w+)\([^;]*?\)\s*\{", re.M)
 PREFIX = r"(?:(?:pure|elemental|impure|recursive|module|integer|logical|\w+\s*\([^)]*\))\s+)*"
 BEGIN = re.compile(rf"^\s*{PREFIX}(?:subroutine|function)\s+(\w+)", re.I)
 END = re.compile(r"^\s*end\s+(?:subroutine|function|procedure)\b", re.I)
@@ -81,15 +83,22 @@ class ArchitectureTest(unittest.TestCase):
     """The rules for folders on the page for developers."""
 
     def imports(self) -> list[tuple[Path, Path]]:
-        """Each import of one source of ours by another."""
+        """Each import of one source of ours by another: of a module, or of a function in C."""
         texts = {path: path.read_text(encoding="utf-8") for path in SOURCES}
         home = {name.lower(): path for path, text in texts.items() for name in MODULE.findall(text)}
+        for path in [*ROOT.glob("src/**/*.c"), *ROOT.glob("src/**/*.cpp")]:
+            text = path.read_text(encoding="utf-8")
+            home |= {name.lower(): path for name in DEFINED.findall(text)}
         return [
             (path, home[name.lower()])
             for path, text in texts.items()
-            for name in USE.findall(text)
+            for name in [*USE.findall(text), *BOUND.findall(text)]
             if name.lower() in home
         ]
+
+    def test_functions_in_c_are_imports(self) -> None:
+        kernels = [path for path, other in self.imports() if other.name == "kernels.c"]
+        self.assertGreater(len(kernels), 15)
 
     def test_imports_go_down(self) -> None:
         """No folder imports from one above it, and those without mechanics import no mechanics."""

@@ -188,7 +188,7 @@ class Checkout:
             else:
                 shutil.copy(source, target)
         for name in (
-            "src/formulations/kernels",
+            "src/kernels",
             "src/proof",
             "app",
             "test/funit",

@@ -1,4 +1,4 @@
-!> Stages of a Runge-Kutta step for a body with effects that are analytic, by effects_stages.c.
+!> Stages of a Runge-Kutta step for a body with effects that are analytic, by effects_stages.h.
 !>
 !> Within a step the quaternion has the norm |q| = N of its beginning, as in `spintop_rigid_body_stages`. With U = P - h the
 !> equations of `spintop_loads` are
@@ -20,10 +20,10 @@ module spintop_effects_stages
     private
     public :: effects_stages_t
 
-    !> Room of a vector of three components in effects_stages.c.
+    !> Room of a vector of three components in effects_stages.h.
     integer, parameter :: room = 4
 
-    !> Constants of the equations, as in effects_stages.c.
+    !> Constants of the equations, as in effects_stages.h.
     type, bind(C) :: constants_t
         real(c_double), dimension(room) :: mobility = 0, coupling = 0, damping = 0, weight = 0, arm = 0, drag = 0, &
             torque_body = 0, rotor = 0, drive = 0, torque_space = 0, frame = 0

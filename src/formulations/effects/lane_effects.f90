@@ -36,7 +36,7 @@ module spintop_lane_effects
         real(c_double) :: speed(lanes, 6) = 0, moment(lanes, 3) = 0, power(lanes) = 1
     end type lane_drag_t
 
-    !> Constants of the equations, as in lane_effects.c.
+    !> Constants of the equations, as in lane_effects.h.
     type, bind(C) :: constants_t
         !> (I2 - I3)/I1 and cyclic, damping/I, m (r3/I1, r1/I2, r2/I3) and m (r2/I1, r3/I2, r1/I3), and g.
         real(c_double), dimension(lanes, 3) :: coupling = 0, decay = 0, pull = 0, swing = 0

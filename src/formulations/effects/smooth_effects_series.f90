@@ -7,7 +7,7 @@
 !> (see `spintop_loads`); the rows of the rotation are G, the vertical, and where they are needed X and Y, or what is made of
 !> them for a pivot that vibrates. The drag of the air is y z with y = (x.x)^b, where x and z are linear in w: z = k w with x = w,
 !> and z = c r x (w x r) with x = w x r. Each term enters the next one by a matrix, its products with first terms: see
-!> effects_series.c.
+!> effects_series.h.
 module spintop_smooth_effects_series
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_body, only: body_t
@@ -23,7 +23,7 @@ module spintop_smooth_effects_series
     private
     public :: smooth_series_t
 
-    !> Room of a vector of three components in effects_series.c, and number of state variables.
+    !> Room of a vector of three components in effects_series.h, and number of state variables.
     integer, parameter :: room = 4, numbers = max_states, most_drags = 2
 
     !> A drag: matrices that make x and z of w, and b.
@@ -31,7 +31,7 @@ module spintop_smooth_effects_series
         real(c_double) :: speed(room, 3) = 0, moment(room, 3) = 0, power = 1
     end type drag_t
 
-    !> Constants of the equations, as in effects_series.c.
+    !> Constants of the equations, as in effects_series.h.
     type, bind(C) :: constants_t
         !> Factors of the products of vectors, as in `body_products_t`; then those of X and Y with U.
         real(c_double), dimension(numbers) :: first = 0, second = 0, third = 0, turn_first = 0, turn_second = 0

@@ -25,7 +25,7 @@ module spintop_force_lanes
     real(dp), parameter :: degree_share = 0.7_dp
     integer, parameter :: least_degree = 12
 
-    !> Unit vectors, two beside r and one along it, and |r|; gravity. lane_products.c repeats this type.
+    !> Unit vectors, two beside r and one along it, and |r|; gravity. lane_products.h repeats this type.
     type, bind(C) :: arm_t
         real(c_double) :: axes(lanes, 3, 3) = 0, length(lanes) = 0, gravity(lanes) = 0
     end type arm_t

@@ -29,7 +29,7 @@ module spintop_lane_polynomials
         [((gamma(real(i + 1, dp)) * gamma(real(max(n - i, 0) + 1, dp)) / gamma(real(n + 1, dp)), &
            i=0, max_series_order), n=0, max_series_order)], [max_series_order + 1, max_series_order + 1])
 
-    ! In lane_roots.c.
+    ! In lane_roots.h.
     interface
         pure subroutine c_find_changes(n, share, rounding, a, noise, sign, changes, near) &
             bind(C, name='spintop_find_changes')

@@ -1,4 +1,4 @@
-!> Products of power series, one pair in each lane. lane_products.c computes them.
+!> Products of power series, one pair in each lane. lane_products.h computes them.
 module spintop_lane_products
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_kinds, only: dp

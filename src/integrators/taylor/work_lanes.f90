@@ -1,5 +1,5 @@
 !> Energies of bodies with effects along the motions in lanes, and the work of the effects: the integral over each step of the
-!> power, of the products of the Taylor series of a moment and the angular velocity. lane_work.c computes it.
+!> power, of the products of the Taylor series of a moment and the angular velocity. lane_work.h computes it.
 module spintop_work_lanes
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_body, only: body_t
@@ -11,7 +11,7 @@ module spintop_work_lanes
     private
     public :: work_lanes_t
 
-    !> Constants of the power, over the scale of the energy, as in lane_work.c: coefficients of the parts, m r, the constant
+    !> Constants of the power, over the scale of the energy, as in lane_work.h: coefficients of the parts, m r, the constant
     !> torque in body axes, the drive of the rotor, and 1/scale.
     type, bind(C) :: constants_t
         real(c_double), dimension(lanes, 3) :: damping = 0, linear_drag = 0

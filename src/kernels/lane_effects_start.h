@@ -1,4 +1,4 @@
-// The start of a step of lane_effects.c, which includes this file for each level of the processor.
+// The start of a step of lane_effects.h.
 
 // Cosine and sine to a unit or two in the last place. The quarters of a turn are taken off with pi/2 as the sum of three
 // numbers, of which the first two have so few digits that the products are exact; then by the polynomials of fdlibm.
@@ -6,10 +6,12 @@ inlined void find_circle(vector x, vector *cosine, vector *sine) {
     const double round = 0x1.8p52, exact = 1e6, per_quarter = 0x1.45f306dc9c883p-1;
     const vector whole = x * per_quarter + round, n = whole - round;
     const vector r = ((x - n * 0x1.921fb544p0) - n * 0x1.0b4611a6p-34) - n * 0x1.3198a2e037073p-69, y = r * r;
+    // clang-format off: the brackets would get a line each.
     const vector s = r + r * y * (-0x1.5555555555549p-3 + y * (0x1.111111110f8a6p-7 + y * (-0x1.a01a019c161d5p-13
         + y * (0x1.71de357b1fe7dp-19 + y * (-0x1.ae5e68a2b9cebp-26 + y * 0x1.5d93a5acfd57cp-33)))));
     const vector c = 1 - y * (0.5 - y * (0x1.555555555554cp-5 + y * (-0x1.6c16c16c15177p-10 + y * (0x1.a01a019cb1590p-16
         + y * (-0x1.27e4f809c52adp-22 + y * (0x1.1ee9ebdb4b1c4p-29 + y * -0x1.8fae9be8838d4p-37))))));
+    // clang-format on
     const bits quarter = (bits)whole, swaps = -(quarter & 1);
     const bits cosine_of = ((bits)c & ~swaps) | ((bits)s & swaps), sine_of = ((bits)s & ~swaps) | ((bits)c & swaps);
     *cosine = (vector)(cosine_of ^ (((quarter + 1) & 2) << 62));
@@ -36,7 +38,8 @@ inlined void begin_drag(int lane, const struct lane_drag *d, const double *state
 #define cross_of(a, b, i) ((a)[((i) + 1) % 3] * (b)[((i) + 2) % 3] - (a)[((i) + 2) % 3] * (b)[((i) + 1) % 3])
 
 // The acceleration of the pivot in space axes, z'' + 2 O x z' + O x (O x z) with z = A cos(W t + f), and its rate over W.
-inlined void find_pushes(int lane, const struct lane_effects *e, vector t, const vector o[3], vector now[3], vector later[3]) {
+inlined void find_pushes(int lane, const struct lane_constants *e, vector t, const vector o[3], vector now[3],
+                         vector later[3]) {
     const vector rate = get(e->rate + lane, 0);
     vector even[3], odd[3], turned[3];
     for_all(i, 3) {
@@ -54,7 +57,7 @@ inlined void find_pushes(int lane, const struct lane_effects *e, vector t, const
 
 // Term 0 of the further rows, and what all terms need. Space x and y in body axes are X = e - (e.G)/(1 + s G3) (G + s z) with
 // e = (cos xi, -sin xi, 0), and Y with e = s (sin xi, cos xi, 0).
-inlined void begin_rows(const struct lane_kinds *has, int lane, const struct lane_effects *e, vector t, vector s,
+inlined void begin_rows(const struct lane_kinds *has, int lane, const struct lane_constants *e, vector t, vector s,
                         const double *c, struct start *of, double *x) {
     const vector g[3] = {get(c, g1), get(c, g2), get(c, g3)}, inverse = 1 / (1 + s * g[2]);
     put(of->inverse + lane, 0, s * inverse);

@@ -1,88 +1,10 @@
 // Taylor coefficients of the motion of one body with effects; see smooth_effects_series.f90, which has the equations. As
-// body_series.c, with what effects add: the newest term enters the next one by a matrix, `linear`, as all products of it
-// with first terms are linear; only the products of the terms between are those of the effects.
-//
-// Each level of the processor has its build: levels.h includes this file once for each, with LEVEL set.
-
-#ifndef LEVEL
-
-#include <math.h>
-#include <string.h>
-
-// As many numbers in a term as there are state variables, as in capabilities.f90; and terms, at most.
-enum { numbers = 8, half = numbers / 2, most_terms = 31 };
-
-// Drag y z of the air, with y = (x.x)^b. smooth_effects_series.f90 repeats this type and the next.
-struct drag {
-    double speed[3][half], moment[3][half]; // columns of the matrices that make x and z of the angular velocity
-    double power;                           // b
-};
-
-struct effects {
-    double first[numbers], second[numbers], third[numbers], turn_first[numbers], turn_second[numbers];
-    double frame[3][half];         // factors of the quaternion in its rate
-    double side_frame[2][numbers]; // factors of (Y, X) and of (G, G) in the rates of (X, Y)
-    double coupling[half], inverse_inertia[half], damping[half], arm[half], frame_rate[half];
-    double torque_body[half], torque_space[half], rotor_torque[half];
-    struct drag drag[2];
-    double gravity, circle; // of (X, Y), which turn by this rate beside the body where they are the motion of the pivot
-    int drags, has_sides, turns, is_driven, vibrates;
-};
-
-// `state` has q, U, G, X, Y and the momentum of the rotor. Returns whether there is a series.
-typedef int expand_effects_t(int order, const struct effects *e, const double *state, const double *pivot,
-                             const double *share, double *c);
-void spintop_expand_effects(int order, const struct effects *e, const double *state, const double *pivot,
-                            const double *share, double *c, int *exists);
-int spintop_processor_level(void);
-
-// Vectors wider than those of the processor are no arguments of functions that are called.
-#pragma GCC diagnostic ignored "-Wpsabi"
-
-#define LEVELS_OF "effects_series.c"
-#include "levels.h"
-
-static expand_effects_t *const built[] = BUILDS(expand);
-
-static expand_effects_t *chosen;
-
-__attribute__((constructor)) static void choose(void) { chosen = built[spintop_processor_level()]; }
-
-void spintop_expand_effects(int order, const struct effects *e, const double *state, const double *pivot,
-                            const double *share, double *c, int *exists) {
-    *exists = chosen(order, e, state, pivot, share, c);
-}
-
-#else
-
-#define expand LEVEL(expand)
-#define expand_with LEVEL(expand_with)
-#define swap_factors LEVEL(swap_factors)
-#define kinds LEVEL(kinds)
-#define series LEVEL(series)
-#define drag_terms LEVEL(drag_terms)
-#define get_half LEVEL(get_half)
-#define cross LEVEL(cross)
-#define apply LEVEL(apply)
-#define first_terms LEVEL(first_terms)
-#define find_drag LEVEL(find_drag)
-#define find_first_terms LEVEL(find_first_terms)
-#define add_columns LEVEL(add_columns)
-#define arrange_sides LEVEL(arrange_sides)
-#define append_sides LEVEL(append_sides)
-#define products LEVEL(products)
-#define sums LEVEL(sums)
-#define add_pair LEVEL(add_pair)
-#define add_inner LEVEL(add_inner)
-#define add_last LEVEL(add_last)
-#define pushed LEVEL(pushed)
-#define moment_of LEVEL(moment_of)
-#define append_drag LEVEL(append_drag)
-
-#include "body_vectors.h"
+// body_series.h, with what effects add: the newest term enters the next one by a matrix, `linear`, as all products of it
+// with first terms are linear; only the products of the terms between are those of the effects. For a body without effects it
+// would take 1.01 to 1.09 times the cycles of body_series.h at the level v3, 1.13 to 1.28 times at v4, so both are kept.
 
 // A vector of a row for each term.
-typedef vector series[most_terms][parts];
+typedef vector row_series[most_terms][parts];
 
 // Which effects there are.
 struct kinds {
@@ -92,7 +14,7 @@ struct kinds {
 // Drag: s = x.x, y = s^b, and the moment -y z, where x and z are linear in the angular velocity.
 //     a = (x1 x2 x3 k s  z1 z2 z3 s)    b = (x1 x2 x3 y  y y y y)
 struct drag_terms {
-    series a, b;
+    row_series a, b;
     half_vector slope, moment; // 2 x and z in term 0
     double steep, inverse;     // b y/s and 1/s in term 0
     double inner, rest;        // of the terms between in s and y, of the next term
@@ -100,30 +22,16 @@ struct drag_terms {
 
 // Factors of the products that effects add: of X and Y with U, as a0 to b1 of `struct factors`; G, X, Y; drags.
 struct products {
-    series x0, x1, b0, b1;
+    row_series x0, x1, b0, b1;
     half_vector rows[3][most_terms];
     struct drag_terms drag[2];
 };
 
 // Their sums for the next term, and that of the acceleration of the pivot in body axes.
-struct sums {
+struct effects_sums {
     vector side[parts], drag[2][parts];
     half_vector lift;
 };
-
-inlined half_vector get_half(const double *from) {
-    half_vector value;
-    memcpy(&value, from, sizeof value);
-    return value;
-}
-
-#define component(v, i) shuffle(v, v, i, i, i, i)
-
-// The vector product.
-inlined half_vector cross(const half_vector *first, const half_vector *last) {
-    const half_vector a = *first, b = *last;
-    return shuffle(a, a, 1, 2, 0, 3) * shuffle(b, b, 2, 0, 1, 3) - shuffle(a, a, 2, 0, 1, 3) * shuffle(b, b, 1, 2, 0, 3);
-}
 
 // The product of a matrix, as its columns, and a vector.
 inlined half_vector apply(const double column[3][half], const half_vector *v) {
@@ -139,27 +47,27 @@ inlined half_vector pushed(const struct kinds *has, const double *pivot, int j, 
 
 // Adds the products of term i of the first factors and term j of the second.
 inlined void add_pair(const struct kinds *has, const double *pivot, int i, int j, const struct products *o,
-                      struct sums *s) {
+                      struct effects_sums *s) {
     if (has->sides) {
-        for_parts s->side[p] += o->x0[i][p] * o->b0[j][p];
-        for_parts s->side[p] += o->x1[i][p] * o->b1[j][p];
+        for_all(p, parts) s->side[p] += o->x0[i][p] * o->b0[j][p];
+        for_all(p, parts) s->side[p] += o->x1[i][p] * o->b1[j][p];
     }
     for (int d = 0; d < has->drags; ++d) {
-        for_parts s->drag[d][p] += o->drag[d].a[i][p] * o->drag[d].b[j][p];
+        for_all(p, parts) s->drag[d][p] += o->drag[d].a[i][p] * o->drag[d].b[j][p];
     }
     if (has->vibrates) s->lift += pushed(has, pivot, j, o, i);
 }
 
 // Adds the products of the terms 2 to k - 1 to coefficient k + 1 of the rates, as add_inner_products, in one loop: its
 // end cannot be foretold, which costs more than a product.
-inlined void add_inner(const struct kinds *has, const double *pivot, int k, const struct factors *row,
-                       const struct products *o, vector *s0, vector *s1, vector *s2, struct sums *s) {
+inlined void add_inner(const struct kinds *has, const double *pivot, int k, const struct factors *row, const struct products *o,
+                       vector *s0, vector *s1, vector *s2, struct effects_sums *s) {
     vector t0[parts], t1[parts], t2[parts];
-    struct sums more = {0};
+    struct effects_sums more = {0};
     int i = 2, j = k - 1;
-    for_parts t0[p] = t1[p] = t2[p] = (vector){0};
+    for_all(p, parts) t0[p] = t1[p] = t2[p] = (vector){0};
     for (; i < j; ++i, --j) {
-        for_parts {
+        for_all(p, parts) {
             s0[p] += row[i].a0[p] * row[j].b0[p], t0[p] += row[j].a0[p] * row[i].b0[p];
             s1[p] += row[i].a1[p] * row[j].b1[p], t1[p] += row[j].a1[p] * row[i].b1[p];
             s2[p] += row[i].a2[p] * row[j].b2[p], t2[p] += row[j].a2[p] * row[i].b2[p];
@@ -167,13 +75,13 @@ inlined void add_inner(const struct kinds *has, const double *pivot, int k, cons
         add_pair(has, pivot, i, j, o, s), add_pair(has, pivot, j, i, o, &more);
     }
     if (i == j) {
-        for_parts t0[p] += row[i].a0[p] * row[i].b0[p];
-        for_parts t1[p] += row[i].a1[p] * row[i].b1[p];
-        for_parts t2[p] += row[i].a2[p] * row[i].b2[p];
+        for_all(p, parts) t0[p] += row[i].a0[p] * row[i].b0[p];
+        for_all(p, parts) t1[p] += row[i].a1[p] * row[i].b1[p];
+        for_all(p, parts) t2[p] += row[i].a2[p] * row[i].b2[p];
         add_pair(has, pivot, i, i, o, s);
     }
-    for_parts s0[p] += t0[p], s1[p] += t1[p], s2[p] += t2[p];
-    for_parts s->side[p] += more.side[p], s->drag[0][p] += more.drag[0][p], s->drag[1][p] += more.drag[1][p];
+    for_all(p, parts) s0[p] += t0[p], s1[p] += t1[p], s2[p] += t2[p];
+    for_all(p, parts) s->side[p] += more.side[p], s->drag[0][p] += more.drag[0][p], s->drag[1][p] += more.drag[1][p];
     s->lift += more.lift;
 }
 
@@ -183,32 +91,33 @@ inlined void add_columns(half_vector column[3][2], const half_vector *v, vector 
     vector c1[parts], c2[parts], c3[parts], b1[parts], b2[parts], b3[parts];
     memcpy(c1, column[0], sizeof c1), memcpy(c2, column[1], sizeof c2), memcpy(c3, column[2], sizeof c3);
     from_halves(&v1, &v1, b1), from_halves(&v2, &v2, b2), from_halves(&v3, &v3, b3);
-    for_parts sum[p] += c1[p] * b1[p] + (c2[p] * b2[p] + c3[p] * b3[p]);
+    for_all(p, parts) sum[p] += c1[p] * b1[p] + (c2[p] * b2[p] + c3[p] * b3[p]);
 }
 
 // Puts X and Y in their arrangements, term k.
-inlined void arrange_sides(const struct effects *e, int k, const vector *now, const vector *side, const struct factors *f,
-                           struct products *s) {
+inlined void arrange_sides(const struct series_effects *e, int k, const vector *now, const vector *side,
+                           const struct factors *f, struct products *s) {
     const half_vector u = first_half(now), x = first_half(side), y = last_half(side);
     const half_vector x0 = shuffle(x, x, 1, 2, 0, 3), y0 = shuffle(y, y, 1, 2, 0, 3), b1 = shuffle(u, u, 1, 2, 0, 3);
     const half_vector x1 = shuffle(x, x, 2, 0, 1, 3), y1 = shuffle(y, y, 2, 0, 1, 3);
     vector turn_first[parts], turn_second[parts];
-    get(turn_first, e->turn_first), get(turn_second, e->turn_second);
+    get_parts(turn_first, e->turn_first), get_parts(turn_second, e->turn_second);
     from_halves(&x0, &y0, s->x0[k]), from_halves(&x1, &y1, s->x1[k]), from_halves(&b1, &b1, s->b1[k]);
-    for_parts s->x0[k][p] *= turn_first[p], s->x1[k][p] *= turn_second[p], s->b0[k][p] = f->b0[p];
+    for_all(p, parts) s->x0[k][p] *= turn_first[p], s->x1[k][p] *= turn_second[p], s->b0[k][p] = f->b0[p];
     s->rows[1][k] = x, s->rows[2][k] = y;
 }
 
 // Term k + 1 of X and Y, from term k and the products of the terms between.
-inlined void append_sides(const struct effects *e, int k, const struct products *s, double share, const vector *ahead,
+inlined void append_sides(const struct series_effects *e, int k, const struct products *s, double share, const vector *ahead,
                           vector *side) {
     vector other[parts], up[parts], frame[2][parts];
-    get(frame[0], e->side_frame[0]), get(frame[1], e->side_frame[1]);
+    get_parts(frame[0], e->side_frame[0]), get_parts(frame[1], e->side_frame[1]);
     from_halves(&s->rows[2][k], &s->rows[1][k], other), from_halves(&s->rows[0][k], &s->rows[0][k], up);
-    for_parts {
-        side[p] = share * ((ahead[p] + other[p] * frame[0][p] + up[p] * frame[1][p])
-                           + (s->x0[k][p] * s->b0[0][p] + s->x0[0][p] * s->b0[k][p])
-                           + (s->x1[k][p] * s->b1[0][p] + s->x1[0][p] * s->b1[k][p]));
+    for_all(p, parts) {
+        side[p] = share
+                  * ((ahead[p] + other[p] * frame[0][p] + up[p] * frame[1][p])
+                     + (s->x0[k][p] * s->b0[0][p] + s->x0[0][p] * s->b0[k][p])
+                     + (s->x1[k][p] * s->b1[0][p] + s->x1[0][p] * s->b1[k][p]));
     }
 }
 
@@ -223,8 +132,8 @@ inlined void append_drag(const struct drag *d, int k, const half_vector *w, stru
 }
 
 // The moments of the effects in term k + 1, but for what is linear in that term, from the sums of products.
-inlined half_vector moment_of(const struct effects *e, const struct kinds *has, double share, const struct sums *s,
-                              const half_vector *total, struct products *o) {
+inlined half_vector moment_of(const struct series_effects *e, const struct kinds *has, double share,
+                              const struct effects_sums *s, const half_vector *total, struct products *o) {
     const half_vector none = {0}, arm = get_half(e->arm), drive = get_half(e->rotor_torque);
     half_vector moment = none;
     if (e->is_driven) moment = cross(total, &drive);
@@ -244,27 +153,27 @@ inlined half_vector moment_of(const struct effects *e, const struct kinds *has, 
 // Factors for the products of a term with others, of which it is the first factor, and the second.
 inlined void swap_factors(const vector *first, const vector *second, const vector *third, const struct factors *f,
                           struct factors *swapped) {
-    for_parts {
+    for_all(p, parts) {
         swapped->a0[p] = first[p] * f->b0[p], swapped->b0[p] = first[p] * f->a0[p];
         swapped->a1[p] = second[p] * f->b1[p], swapped->b1[p] = second[p] * f->a1[p];
         swapped->a2[p] = third[p] * f->b2[p], swapped->b2[p] = third[p] * f->a2[p];
     }
 }
 
-inlined int expand_with(const struct kinds *has, int order, const struct effects *e, const double *state, const double *pivot,
-                        const double *share, double *c) {
+inlined int expand_effects_with(const struct kinds *has, int order, const struct series_effects *e, const double *state,
+                                const double *pivot, const double *share, double *c) {
     struct factors row[most_terms], start, next, f;
     struct products o;
     struct first_terms of;
-    struct sums sum = {0};
+    struct effects_sums sum = {0};
     vector first[parts], second[parts], third[parts];
     vector now[parts], side[parts], rate[parts], torque[2][parts], s1[parts], s2[parts], ahead[parts], more[parts];
     half_vector q, q_ahead = {0}, momentum, moment, total, w;
     const half_vector none = {0};
 
     if (!find_first_terms(e, has, state, pivot, o.drag, &of)) return 0;
-    get(first, e->first), get(second, e->second), get(third, e->third);
-    memcpy(&q, state, sizeof q), get(now, state + half), get(side, state + half + numbers);
+    get_parts(first, e->first), get_parts(second, e->second), get_parts(third, e->third);
+    memcpy(&q, state, sizeof q), get_parts(now, state + half), get_parts(side, state + half + numbers);
     memcpy(c, state, numbers * sizeof *c);
     arrange(now, &q, &f, torque);
     swap_factors(first, second, third, &f, &start);
@@ -281,9 +190,9 @@ inlined int expand_with(const struct kinds *has, int order, const struct effects
         from_halves(&moment, &none, more);
         arrange(now, &q, &f, torque);
         momentum = first_half(now);
-        put(c + numbers * k, &q), put(c + numbers * k + half, &momentum);
+        put_half(c + numbers * k, &q), put_half(c + numbers * k + half, &momentum);
         if (k == order) return 1;
-        for_parts {
+        for_all(p, parts) {
             rate[p] = k > 1 ? ahead[p] + more[p] : more[p];
             s1[p] = start.b1[p] * f.b1[p] + start.a1[p] * f.a1[p];
             s2[p] = start.b2[p] * f.b2[p] + start.a2[p] * f.a2[p];
@@ -304,22 +213,22 @@ inlined int expand_with(const struct kinds *has, int order, const struct effects
             append_sides(e, k, &o, share[k], sum.side, side);
         }
         for (int d = 0; d < has->drags; ++d) append_drag(&e->drag[d], k, &w, &o.drag[d]);
-        for_parts now[p] = share[k] * rate[p];
+        for_all(p, parts) now[p] = share[k] * rate[p];
         q = share[k] * (sum_of_halves(s1, s2) + q_ahead);
         // What the next term needs of those before it does not wait for that.
         if (k + 1 == order) continue;
-        sum = (struct sums){0};
+        sum = (struct effects_sums){0};
         if (k == 1) {
             swap_factors(first, second, third, &f, &next);
-            for_parts ahead[p] = next.a0[p] * f.a0[p], s1[p] = next.a1[p] * f.a1[p], s2[p] = next.a2[p] * f.a2[p];
+            for_all(p, parts) ahead[p] = next.a0[p] * f.a0[p], s1[p] = next.a1[p] * f.a1[p], s2[p] = next.a2[p] * f.a2[p];
         } else {
-            for_parts {
+            for_all(p, parts) {
                 ahead[p] = next.a0[p] * f.a0[p] + next.b0[p] * f.b0[p];
                 s1[p] = next.a1[p] * f.a1[p] + next.b1[p] * f.b1[p];
                 s2[p] = next.a2[p] * f.a2[p] + next.b2[p] * f.b2[p];
             }
             add_inner(has, pivot, k, row, &o, ahead, s1, s2, &sum);
-            for_parts f.a0[p] *= first[p], f.a1[p] *= second[p], f.a2[p] *= third[p];
+            for_all(p, parts) f.a0[p] *= first[p], f.a1[p] *= second[p], f.a2[p] *= third[p];
             row[k] = f;
             add_pair(has, pivot, 1, k, &o, &sum);
         }
@@ -331,13 +240,14 @@ inlined int expand_with(const struct kinds *has, int order, const struct effects
 }
 
 // One effect has a build of its own, in which nothing is asked in loops.
-static int expand(int order, const struct effects *e, const double *state, const double *pivot, const double *share,
-                  double *c) {
+static void expand_effects(int order, const struct series_effects *e, const double *state, const double *pivot,
+                           const double *share, double *c, int *exists) {
 #define try_kinds(...)                                                                           \
     do {                                                                                         \
         const struct kinds has = {__VA_ARGS__};                                                  \
         if (has.sides == e->has_sides && has.drags == e->drags && has.vibrates == e->vibrates) { \
-            return expand_with(&has, order, e, state, pivot, share, c);                          \
+            *exists = expand_effects_with(&has, order, e, state, pivot, share, c);               \
+            return;                                                                              \
         }                                                                                        \
     } while (0)
     const struct kinds any = {e->has_sides, e->drags, e->vibrates};
@@ -346,7 +256,7 @@ static int expand(int order, const struct effects *e, const double *state, const
     try_kinds(0, 1, 0);
     try_kinds(0, 0, 1);
     try_kinds(1, 0, 1);
-    return expand_with(&any, order, e, state, pivot, share, c);
+    *exists = expand_effects_with(&any, order, e, state, pivot, share, c);
 }
 
-#endif
+#undef try_kinds

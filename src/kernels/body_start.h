@@ -1,7 +1,4 @@
-// Where the motion of a body without effects starts, for body_series.c and body_stages.c, which include this file for each
-// level of the processor.
-
-#define find_first_term LEVEL(find_first_term)
+// Where the motion of a body without effects starts, for body_series.h and body_stages.h.
 
 // The quaternion, the momentum and the vertical in body axes, of a quaternion of any length.
 inlined void find_first_term(const double *state, half_vector *q, half_vector *momentum, half_vector *vertical) {

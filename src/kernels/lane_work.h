@@ -3,34 +3,19 @@
 // The power of an effect is the product of two series, its moment and the angular velocity, and the integral of a product of
 // terms i and j over a step of length h is a_i b_j h^(i+j+1)/(i + j + 1). So no product of series is computed: each term of
 // the angular velocity, times h^i, enters with the sum of the terms of the moment over i + j + 1.
-//
-// Each level of the processor has its build: levels.h includes this file once for each, with LEVEL set.
 
-#ifndef LEVEL
-
-#include <string.h>
-
-#include "lane_rows.h"
-
-// Most terms of a series, as in formulation.f90, and with the zeros that fill up the last block.
-enum { most_terms = 31, block = 4, room = most_terms + block };
+// Most terms of a series with the zeros that fill up the last block.
+enum { block = 4, room = most_terms + block };
 
 // The parts of the work, as in loads.f90.
 enum { by_damping, by_friction, by_drag, by_vibration, by_torque, by_rotor, works };
 
-// A row of lanes for each number, all over the scale of the energy; work_lanes.f90 repeats this type.
-struct lane_work {
-    double damping[3][lanes], linear_drag[3][lanes], drag[most_drags][3][lanes], arm[3][lanes], torque[3][lanes];
-    double drive[3][lanes], per_scale[lanes];
-};
-
-typedef void add_lane_work_t(int order, const struct lane_kinds *has, const int *acts, const struct lane_work *of,
-                             const double *duration, const double *c, const double *x, double *done);
-add_lane_work_t spintop_add_lane_work;
-int spintop_processor_level(void);
-
 // 1/k, from 1 on.
-static double share[room];
+static const double inverse[room] = {
+    1.0 / 1,  1.0 / 2,  1.0 / 3,  1.0 / 4,  1.0 / 5,  1.0 / 6,  1.0 / 7,  1.0 / 8,  1.0 / 9,  1.0 / 10, 1.0 / 11, 1.0 / 12,
+    1.0 / 13, 1.0 / 14, 1.0 / 15, 1.0 / 16, 1.0 / 17, 1.0 / 18, 1.0 / 19, 1.0 / 20, 1.0 / 21, 1.0 / 22, 1.0 / 23, 1.0 / 24,
+    1.0 / 25, 1.0 / 26, 1.0 / 27, 1.0 / 28, 1.0 / 29, 1.0 / 30, 1.0 / 31, 1.0 / 32, 1.0 / 33, 1.0 / 34, 1.0 / 35,
+};
 
 // Whether the coefficients of each drag are the same for all axes, and none is linear.
 static int has_uniform_drags(const struct lane_kinds *has, const struct lane_work *of) {
@@ -46,39 +31,8 @@ static int has_uniform_drags(const struct lane_kinds *has, const struct lane_wor
     return 1;
 }
 
-#define LEVELS_OF "lane_work.c"
-#include "levels.h"
-
-static add_lane_work_t *const built[] = BUILDS(add_lane_work);
-
-static add_lane_work_t *chosen;
-
-__attribute__((constructor)) static void choose(void) {
-    chosen = built[spintop_processor_level()];
-    for (int k = 0; k < room; ++k) share[k] = 1.0 / (k + 1);
-}
-
-void spintop_add_lane_work(int order, const struct lane_kinds *has, const int *acts, const struct lane_work *of,
-                           const double *duration, const double *c, const double *x, double *done) {
-    chosen(order, has, acts, of, duration, c, x, done);
-}
-
-#else
-
-#define series LEVEL(series)
-#define find_moment LEVEL(find_moment)
-#define integral LEVEL(integral)
-#define linear_work LEVEL(linear_work)
-#define uniform_work LEVEL(uniform_work)
-#define drag_work LEVEL(drag_work)
-#define work_of LEVEL(work_of)
-#define add LEVEL(add)
-#define add_lane_work LEVEL(add_lane_work)
-
-#include "lane_vectors.h"
-
 // The terms of a vector, each times the power of the step's length of its order.
-typedef vector series[room][3];
+typedef vector vector_series[room][3];
 
 // The moment of a part of the work in term k, from its rows.
 inlined void find_moment(int part, const struct lane_kinds *has, int k, int lane, const struct lane_work *of, const double *c,
@@ -93,7 +47,8 @@ inlined void find_moment(int part, const struct lane_kinds *has, int k, int lane
                 if (d < has->drags) moment[m] -= get(of->drag[d][m] + lane, 0) * get(x, drags + of_drag * d + drag_v + m);
             }
         } else if (part == by_vibration) {
-            moment[m] = get(of->arm[right] + lane, 0) * get(x, push + left) - get(of->arm[left] + lane, 0) * get(x, push + right);
+            moment[m] = get(of->arm[right] + lane, 0) * get(x, push + left)
+                        - get(of->arm[left] + lane, 0) * get(x, push + right);
         } else {
             moment[m] = get(of->per_scale + lane, 0) * get(x, torque + m);
             if (k == 0) moment[m] += get(of->torque[m] + lane, 0);
@@ -108,7 +63,7 @@ inlined vector integral(int terms, vector a[][3], vector b[][3]) {
         vector s[block][3] = {{{0}}};
         for (int j = 0; j < terms - i; ++j) {
             for_all(n, block) {
-                for_all(m, 3) s[n][m] += share[i + n + j] * b[j][m];
+                for_all(m, 3) s[n][m] += inverse[i + n + j] * b[j][m];
             }
         }
         for_all(n, block) {
@@ -122,7 +77,7 @@ inlined vector integral(int terms, vector a[][3], vector b[][3]) {
 inlined vector linear_work(int terms, vector a[][3], const double *moment) {
     vector sum[3] = {{0}}, work = {0};
     for (int i = 0; i < terms; ++i) {
-        for_all(m, 3) sum[m] += share[i] * a[i][m];
+        for_all(m, 3) sum[m] += inverse[i] * a[i][m];
     }
     for_all(m, 3) work += get(moment, m) * sum[m];
     return work;
@@ -131,7 +86,7 @@ inlined vector linear_work(int terms, vector a[][3], const double *moment) {
 // The same of the moment of a part of the work.
 inlined vector work_of(int part, const struct lane_kinds *has, int terms, const vector *power, vector w[][3], int lane,
                        const struct lane_work *of, const double *c, const double *x) {
-    series moment;
+    vector_series moment;
     for (int k = 0; k < terms; ++k) {
         find_moment(part, has, k, lane, of, c + term * k + lane, x + more * k + lane, moment[k]);
         for_all(m, 3) moment[k][m] *= power[k];
@@ -149,7 +104,7 @@ inlined vector uniform_work(int terms, const vector *power, const double *coeffi
     for (int i = 0; i < terms; i += block) {
         vector t[block] = {{0}};
         for (int j = 0; j < terms - i; ++j) {
-            for_all(n, block) t[n] += share[i + n + j] * s[j];
+            for_all(n, block) t[n] += inverse[i + n + j] * s[j];
         }
         for_all(n, block) sum += y[i + n] * t[n];
     }
@@ -167,7 +122,7 @@ inlined vector drag_work(const struct lane_kinds *has, int terms, const vector *
     return sum;
 }
 
-inlined void add(double *done, int part, vector work) { put(done, part, get(done, part) + work); }
+inlined void add_work(double *done, int part, vector work) { put(done, part, get(done, part) + work); }
 
 static void add_lane_work(int order, const struct lane_kinds *has, const int *acts, const struct lane_work *of,
                           const double *duration, const double *c, const double *x, double *done) {
@@ -175,7 +130,7 @@ static void add_lane_work(int order, const struct lane_kinds *has, const int *ac
         const vector h = get(duration + lane, 0), none = {0};
         double *sum = done + lane;
         vector power[room];
-        series w;
+        vector_series w;
 
         power[0] = none + 1;
         for (int k = 1; k < order; ++k) power[k] = power[k - 1] * h;
@@ -183,21 +138,19 @@ static void add_lane_work(int order, const struct lane_kinds *has, const int *ac
             for_all(m, 3) w[k][m] = power[k] * get(c + term * k + lane, w1 + m);
         }
         for (int k = order; k < order + block; ++k) w[k][0] = w[k][1] = w[k][2] = none;
-        if (acts[by_damping]) add(sum, by_damping, h * work_of(by_damping, has, order, power, w, lane, of, c, x));
-        if (acts[by_drag]) add(sum, by_drag, h * drag_work(has, order, power, w, lane, of, c, x));
-        if (has->vibrates) add(sum, by_vibration, h * work_of(by_vibration, has, order, power, w, lane, of, c, x));
+        if (acts[by_damping]) add_work(sum, by_damping, h * work_of(by_damping, has, order, power, w, lane, of, c, x));
+        if (acts[by_drag]) add_work(sum, by_drag, h * drag_work(has, order, power, w, lane, of, c, x));
+        if (has->vibrates) add_work(sum, by_vibration, h * work_of(by_vibration, has, order, power, w, lane, of, c, x));
         if (has->twists) {
-            add(sum, by_torque, h * work_of(by_torque, has, order, power, w, lane, of, c, x));
+            add_work(sum, by_torque, h * work_of(by_torque, has, order, power, w, lane, of, c, x));
         } else if (acts[by_torque]) {
-            add(sum, by_torque, h * linear_work(order, w, of->torque[0] + lane));
+            add_work(sum, by_torque, h * linear_work(order, w, of->torque[0] + lane));
         }
         if (acts[by_rotor]) {
             for (int k = 0; k < order && has->turns; ++k) {
                 for_all(m, 3) w[k][m] += power[k] * get(x + more * k + lane, frame + m);
             }
-            add(sum, by_rotor, -h * linear_work(order, w, of->drive[0] + lane));
+            add_work(sum, by_rotor, -h * linear_work(order, w, of->drive[0] + lane));
         }
     }
 }
-
-#endif

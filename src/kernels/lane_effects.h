@@ -1,76 +1,7 @@
 // Taylor coefficients of many motions with analytic effects, one in each lane of a vector; see lane_effects.f90, which has
-// the equations. As lane_series.c, with what effects add: further rows that turn with the body as the vertical does, the
-// angular velocity with that of the frame, and powers of speeds.
-//
-// Each level of the processor has its build: levels.h includes this file once for each, with LEVEL set.
-
-#ifndef LEVEL
-
-#include <math.h>
-#include <string.h>
-
-#include "lane_rows.h"
-
-// Drag of the air: the moment -moment v. lane_effects.f90 repeats this type and the next.
-struct lane_drag {
-    double speed[6][lanes], moment[3][lanes], power[lanes];
-};
-
-// A row of lanes for each number.
-struct lane_effects {
-    double coupling[3][lanes], decay[3][lanes], pull[3][lanes], swing[3][lanes], gravity[lanes];
-    double inverse_inertia[3][lanes], torque[3][lanes];
-    double rotor[2][3][lanes], drive[2][3][lanes];
-    double frame_rate[3][lanes], torque_space[3][lanes];
-    double amplitude[3][lanes], phase[3][lanes], rate[lanes];
-    struct lane_drag drag[most_drags];
-};
-
-typedef void expand_affected_t(int order, const struct lane_kinds *has, const struct lane_effects *e, const double *t,
-                               const double *side, const double *state, const double *share, const double *share_rest,
-                               double *c, double *x);
-expand_affected_t spintop_expand_affected_lanes;
-int spintop_processor_level(void);
-
-// Vectors wider than those of the processor are no arguments of functions that are called.
-#pragma GCC diagnostic ignored "-Wpsabi"
-
-#define LEVELS_OF "lane_effects.c"
-#include "levels.h"
-
-static expand_affected_t *const built[] = BUILDS(expand_affected);
-
-static expand_affected_t *chosen;
-
-__attribute__((constructor)) static void choose(void) { chosen = built[spintop_processor_level()]; }
-
-void spintop_expand_affected_lanes(int order, const struct lane_kinds *has, const struct lane_effects *e, const double *t,
-                                   const double *side, const double *state, const double *share,
-                                   const double *share_rest, double *c, double *x) {
-    chosen(order, has, e, t, side, state, share, share_rest, c, x);
-}
-
-#else
-
-#define start LEVEL(start)
-#define drag_sums LEVEL(drag_sums)
-#define sums LEVEL(sums)
-#define add_cross LEVEL(add_cross)
-#define add_products LEVEL(add_products)
-#define add_speeds LEVEL(add_speeds)
-#define list_turning LEVEL(list_turning)
-#define find_circle LEVEL(find_circle)
-#define begin_drag LEVEL(begin_drag)
-#define find_pushes LEVEL(find_pushes)
-#define begin_rows LEVEL(begin_rows)
-#define prepare_term LEVEL(prepare_term)
-#define find_linear_rates LEVEL(find_linear_rates)
-#define finish_drag LEVEL(finish_drag)
-#define append LEVEL(append)
-#define expand_with LEVEL(expand_with)
-#define expand_affected LEVEL(expand_affected)
-
-#include "lane_vectors.h"
+// the equations. As lane_series.h, with what effects add: further rows that turn with the body as the vertical does, the
+// angular velocity with that of the frame, and powers of speeds. Without effects it would take 1.04 to 1.12 times the cycles of
+// lane_series.h at the level v3, 1.26 to 1.29 times at v4, so both are kept.
 
 // What the terms of a step have in common: the factor of the quotient, 1/s and y of drags in term 0, the momentum of the
 // rotor.
@@ -82,7 +13,7 @@ struct start {
 struct drag_sums {
     vector square, first, second, moment[3];
 };
-struct sums {
+struct lane_sums {
     vector row[1 + most_turning][3], gyro[3], numerator[2], quotient;
     struct drag_sums drag[most_drags];
 };
@@ -105,7 +36,7 @@ inlined void add_cross(vector sum[3], const double *first, vector v1, vector v2,
 
 // Adds the products of the first factors in term (c, x) and the second in term (d, z).
 inlined void add_products(const struct lane_kinds *has, const double *c, const double *x, const double *d, const double *z,
-                          struct sums *sum) {
+                          struct lane_sums *sum) {
     const vector v1 = get(d, w1), v2 = get(d, w2), v3 = get(d, w3);
     const double *a = has->turns ? x + lanes * total : c, *b = has->turns ? z + lanes * total : d;
     int turning[most_turning];
@@ -126,16 +57,15 @@ inlined void add_products(const struct lane_kinds *has, const double *c, const d
 }
 
 // Adds the products w.u of two terms, which are the same in the other order.
-inlined void add_speeds(const struct lane_kinds *has, const double *c, const double *z, struct sums *sum) {
+inlined void add_speeds(const struct lane_kinds *has, const double *c, const double *z, struct lane_sums *sum) {
     for_all(i, has->drags) {
         const double *u = z + lanes * (drags + of_drag * i);
-        sum->drag[i].square += get(c, w1) * get(u, drag_u) + get(c, w2) * get(u, drag_u + 1)
-                               + get(c, w3) * get(u, drag_u + 2);
+        sum->drag[i].square += get(c, w1) * get(u, drag_u) + get(c, w2) * get(u, drag_u + 1) + get(c, w3) * get(u, drag_u + 2);
     }
 }
 
 // What follows from a term of the angular velocity at once, and zeros for what follows from the products.
-inlined void prepare_term(const struct lane_kinds *has, int lane, const struct lane_effects *e, double *now, double *z) {
+inlined void prepare_term(const struct lane_kinds *has, int lane, const struct lane_constants *e, double *now, double *z) {
     const vector v[3] = {get(now, w1), get(now, w2), get(now, w3)}, none = {0};
     put(now, quotient, none);
     if (has->turns) {
@@ -152,7 +82,7 @@ inlined void prepare_term(const struct lane_kinds *has, int lane, const struct l
 }
 
 // What is linear in term k of the rate of the angular velocity with that of the frame, and the torques that are constant.
-inlined void find_linear_rates(const struct lane_kinds *has, int k, int lane, const struct lane_effects *e,
+inlined void find_linear_rates(const struct lane_kinds *has, int k, int lane, const struct lane_constants *e,
                                const struct start *of, const double *now, const double *z, vector rate[3]) {
     const double *a = has->turns ? z + lanes * total : now;
     const double *a_last = k == 0 ? a : has->turns ? z - more + lanes * total : now - term;
@@ -191,11 +121,11 @@ inlined void finish_drag(int k, int lane, const struct lane_drag *d, const doubl
     }
 }
 
-// Finds the term behind the k-th, and the quotient and the drags of the k-th, as in lane_series.c.
-inlined void append(const struct lane_kinds *has, int k, int lane, const struct lane_effects *e, const struct start *of,
-                    struct share s, double *c, double *x) {
+// Finds the term behind the k-th, and the quotient and the drags of the k-th, as in lane_series.h.
+inlined void append_affected(const struct lane_kinds *has, int k, int lane, const struct lane_constants *e,
+                             const struct start *of, struct share s, double *c, double *x) {
     double *now = c + term * k, *next = now + term, *z = x + more * k, *z_next = z + more;
-    struct sums sum = {0};
+    struct lane_sums sum = {0};
     int turning[most_turning], i = (k + 1) / 2 - 1, j = k - i;
     const int n = list_turning(has, turning);
     vector rate[3];
@@ -241,9 +171,9 @@ inlined void append(const struct lane_kinds *has, int k, int lane, const struct 
 
 #include "lane_effects_start.h"
 
-inlined void expand_with(const struct lane_kinds *has, int order, const struct lane_effects *e, const double *t,
-                         const double *side, const double *state, const double *share, const double *share_rest,
-                         double *c, double *x) {
+inlined void expand_affected_with(const struct lane_kinds *has, int order, const struct lane_constants *e, const double *t,
+                                  const double *side, const double *state, const double *share, const double *share_rest,
+                                  double *c, double *x) {
     const int few = order < exact_shares ? order : exact_shares;
     struct start of;
     const vector none = {0};
@@ -256,26 +186,26 @@ inlined void expand_with(const struct lane_kinds *has, int order, const struct l
     }
     for (int k = 0; k < few; ++k) {
         const struct share s = {share[k], share_rest[k], 1};
-        for (int lane = 0; lane < lanes; lane += width) append(has, k, lane, e, &of, s, c + lane, x + lane);
+        for (int lane = 0; lane < lanes; lane += width) append_affected(has, k, lane, e, &of, s, c + lane, x + lane);
     }
     for (int k = few; k < order; ++k) {
         const struct share s = {share[k] + share_rest[k], 0, 0};
-        for (int lane = 0; lane < lanes; lane += width) append(has, k, lane, e, &of, s, c + lane, x + lane);
+        for (int lane = 0; lane < lanes; lane += width) append_affected(has, k, lane, e, &of, s, c + lane, x + lane);
     }
 }
 
 // One effect has a build of its own, in which nothing is asked in loops.
-static void expand_affected(int order, const struct lane_kinds *which, const struct lane_effects *e, const double *t,
-                            const double *side, const double *state, const double *share, const double *share_rest,
-                            double *c, double *x) {
-#define try_kinds(...)                                                                                       \
-    do {                                                                                                     \
-        const struct lane_kinds has = {__VA_ARGS__};                                                         \
-        if (has.turns == which->turns && has.twists == which->twists && has.vibrates == which->vibrates      \
-            && has.drags == which->drags) {                                                                  \
-            expand_with(&has, order, e, t, side, state, share, share_rest, c, x);                            \
-            return;                                                                                          \
-        }                                                                                                    \
+static void expand_affected_lanes(int order, const struct lane_kinds *which, const struct lane_constants *e, const double *t,
+                                  const double *side, const double *state, const double *share, const double *share_rest,
+                                  double *c, double *x) {
+#define try_kinds(...)                                                                                  \
+    do {                                                                                                \
+        const struct lane_kinds has = {__VA_ARGS__};                                                    \
+        if (has.turns == which->turns && has.twists == which->twists && has.vibrates == which->vibrates \
+            && has.drags == which->drags) {                                                             \
+            expand_affected_with(&has, order, e, t, side, state, share, share_rest, c, x);              \
+            return;                                                                                     \
+        }                                                                                               \
     } while (0)
     const struct lane_kinds any = *which;
     try_kinds(0, 0, 0, 0);
@@ -283,7 +213,7 @@ static void expand_affected(int order, const struct lane_kinds *which, const str
     try_kinds(0, 1, 0, 0);
     try_kinds(0, 0, 1, 0);
     try_kinds(0, 0, 0, 1);
-    expand_with(&any, order, e, t, side, state, share, share_rest, c, x);
+    expand_affected_with(&any, order, e, t, side, state, share, share_rest, c, x);
 }
 
-#endif
+#undef try_kinds

@@ -2,89 +2,18 @@
 // force, which is made of them, see force_lanes.f90.
 //
 // Two terms are computed at once, which have most operands in common.
-//
-// Each level of the processor has its build: levels.h includes this file once for each, with LEVEL set.
 
-#ifndef LEVEL
-
-#include <string.h>
-
-#include "lane_rows.h"
-
-// Terms at most, as in formulation.f90, and series that are multiplied or squared at once.
-enum { most_terms = 31, most_at_once = 3 };
-
-// What the slope of the force takes of a body: unit vectors, two beside its centre of mass and one along it, by components,
-// and the length of the arm, m; gravity, m/s^2. force_lanes.f90 repeats this type.
-struct lane_arm {
-    double axes[3][3 * lanes], length[lanes], gravity[lanes];
-};
-
-typedef void multiply_t(int degree, const double *x, const double *y, double *product);
-typedef void square_t(int degree, const double *x, double *product);
-typedef void find_force_slopes_t(int degree, const struct lane_arm *arm, const double *power, const double *c, double *slope,
-                                 double *first);
-multiply_t spintop_multiply_lanes, spintop_multiply_slopes;
-square_t spintop_square_lanes;
-find_force_slopes_t spintop_find_force_slopes;
-int spintop_processor_level(void);
-
-#define LEVELS_OF "lane_products.c"
-#include "levels.h"
-
-static multiply_t *const built_to_multiply[] = BUILDS(multiply), *const built_for_slopes[] = BUILDS(multiply_slopes);
-static square_t *const built_to_square[] = BUILDS(square);
-static find_force_slopes_t *const built_for_forces[] = BUILDS(find_force_slopes);
-
-static multiply_t *chosen_to_multiply, *chosen_for_slopes;
-static square_t *chosen_to_square;
-static find_force_slopes_t *chosen_for_forces;
-
-__attribute__((constructor)) static void choose(void) {
-    const int level = spintop_processor_level();
-    chosen_to_multiply = built_to_multiply[level];
-    chosen_for_slopes = built_for_slopes[level];
-    chosen_to_square = built_to_square[level];
-    chosen_for_forces = built_for_forces[level];
-}
-
-void spintop_multiply_lanes(int degree, const double *x, const double *y, double *product) {
-    chosen_to_multiply(degree, x, y, product);
-}
-
-void spintop_multiply_slopes(int degree, const double *x, const double *y, double *product) {
-    chosen_for_slopes(degree, x, y, product);
-}
-
-void spintop_square_lanes(int degree, const double *x, double *product) { chosen_to_square(degree, x, product); }
-
-void spintop_find_force_slopes(int degree, const struct lane_arm *arm, const double *power, const double *c, double *slope,
-                               double *first) {
-    chosen_for_forces(degree, arm, power, c, slope, first);
-}
-
-#else
-
-#define series LEVEL(series)
-#define find_products LEVEL(find_products)
-#define find_squares LEVEL(find_squares)
-#define square_of LEVEL(square_of)
-#define multiply LEVEL(multiply)
-#define multiply_slopes LEVEL(multiply_slopes)
-#define square LEVEL(square)
-#define turned LEVEL(turned)
-#define find_force_slopes LEVEL(find_force_slopes)
-
-#include "lane_vectors.h"
+// Series that are multiplied or squared at once.
+enum { most_at_once = 3 };
 
 // Room for the terms of a series.
-typedef double series[lanes * most_terms] __attribute__((aligned(64)));
+typedef double lane_series[lanes * most_terms] __attribute__((aligned(64)));
 
 // Terms k and k + 1 of the products of a series with each of some; of k = -1, which does not exist, zero.
 inlined void find_products(int k, int many, const double *x, const double *const *y, vector *now, vector *next) {
     vector ahead[most_at_once];
     for_all(n, many) now[n] = (vector){0}, ahead[n] = get(y[n], k + 1), next[n] = get(x, k + 1) * get(y[n], 0);
-    unrolled for (int j = 0; j <= k; ++j) {
+    unrolled_for(int j = 0; j <= k; ++j) {
         const vector factor = get(x, j);
         for_all(n, many) {
             const vector here = get(y[n], k - j);
@@ -100,7 +29,7 @@ inlined void find_squares(int k, int last, int many, const double *const *x, vec
     const int ahead = k < last ? k + 1 : k;
     vector one[most_at_once], other[most_at_once];
     for_all(n, many) one[n] = other[n] = (vector){0};
-    unrolled for (int j = 0; j <= k / 2; ++j) {
+    unrolled_for(int j = 0; j <= k / 2; ++j) {
         for_all(n, many) {
             const vector factor = get(x[n], j);
             one[n] += factor * get(x[n], k - j), other[n] += factor * get(x[n], ahead - j);
@@ -120,7 +49,7 @@ inlined vector square_of(int many, const double *const *x) {
     return sum;
 }
 
-static void multiply(int degree, const double *x, const double *y, double *product) {
+static void multiply_lanes(int degree, const double *x, const double *y, double *product) {
     for (int k = -1 + degree % 2; k <= degree; k += 2) {
         for (int lane = 0; lane < lanes; lane += width) {
             const double *const other = y + lane;
@@ -132,7 +61,7 @@ static void multiply(int degree, const double *x, const double *y, double *produ
     }
 }
 
-static void square(int degree, const double *x, double *product) {
+static void square_lanes(int degree, const double *x, double *product) {
     for (int lane = 0; lane < lanes; lane += width) {
         const double *const own = x + lane;
         put(product + lane, 0, square_of(1, &own));
@@ -152,7 +81,7 @@ static void multiply_slopes(int degree, const double *x, const double *y, double
         for (int lane = 0; lane < lanes; lane += width) {
             const double *const a = x + lane, *const b = y + lane;
             vector now = {0}, next = now, weight = now + (k + 1);
-            unrolled for (int j = 0; j <= k / 2; ++j) {
+            unrolled_for(int j = 0; j <= k / 2; ++j) {
                 const vector xj = get(a, j), yj = get(b, j);
                 now += weight * (get(a, k + 1 - j) * yj - xj * get(b, k + 1 - j));
                 next += (weight + 1) * (get(a, k + ahead - j) * yj - xj * get(b, k + ahead - j));
@@ -166,7 +95,7 @@ static void multiply_slopes(int degree, const double *x, const double *y, double
 
 // A vector in the axes beside the arm and along it.
 inlined vector turned(const struct lane_arm *arm, int lane, int axis, const double *x) {
-    const double *axes = arm->axes[axis] + lane;
+    const double *axes = arm->axes[axis][0] + lane;
     return get(axes, 0) * get(x, 0) + get(axes, 1) * get(x, 1) + get(axes, 2) * get(x, 2);
 }
 
@@ -175,7 +104,7 @@ inlined vector turned(const struct lane_arm *arm, int lane, int axis, const doub
 static void find_force_slopes(int degree, const struct lane_arm *arm, const double *power, const double *c, double *slope,
                               double *first) {
     const int last = degree + 1;
-    series w[3], f[3];
+    lane_series w[3], f[3];
 
     for (int lane = 0; lane < lanes; lane += width) {
         const vector length = get(arm->length + lane, 0), gravity = get(arm->gravity + lane, 0);
@@ -217,5 +146,3 @@ static void find_force_slopes(int degree, const struct lane_arm *arm, const doub
         }
     }
 }
-
-#endif

@@ -1,4 +1,4 @@
-// The start of the series of effects_series.c, which includes this file for each level of the processor.
+// The start of the series of effects_series.h.
 
 // What terms 0 and 1 are, and how a term enters the next one: columns for the components of U, G, X and Y.
 struct first_terms {
@@ -29,7 +29,7 @@ inlined int find_drag(const struct drag *d, const half_vector *w, struct drag_te
 }
 
 // Term 1, and how a term enters the next one. Returns whether there is a series.
-inlined int find_first_terms(const struct effects *e, const struct kinds *has, const double *state, const double *pivot,
+inlined int find_first_terms(const struct series_effects *e, const struct kinds *has, const double *state, const double *pivot,
                              struct drag_terms *t, struct first_terms *f) {
     const half_vector unit[3] = {{1}, {0, 1}, {0, 0, 1}};
     const half_vector q = get_half(state), u = get_half(state + 4), g = get_half(state + 8), x = get_half(state + 12);

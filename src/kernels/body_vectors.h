@@ -1,26 +1,5 @@
-// Vectors for the Taylor series of one body (body_series.c, effects_series.c), which include this file for each level of the
-// processor: the arrangements of a term, and sums of products of terms. They have set `numbers`, `half` and `most_terms`.
-
-#define width LEVEL(width)
-#define parts LEVEL(parts)
-#define vector LEVEL(vector)
-#define half_vector LEVEL(half_vector)
-#define factors LEVEL(factors)
-#define inner_sums LEVEL(inner_sums)
-#define get LEVEL(get)
-#define put LEVEL(put)
-#define arrange LEVEL(arrange)
-#define first_half LEVEL(first_half)
-#define last_half LEVEL(last_half)
-#define from_halves LEVEL(from_halves)
-#define sum_of_halves LEVEL(sum_of_halves)
-#define add_last_half LEVEL(add_last_half)
-#define add_inner_products LEVEL(add_inner_products)
-
-// A row of numbers lies in one vector, or in more where the processor has no room for it in one.
-enum { parts = numbers / width };
-typedef double vector __attribute__((vector_size(8 * width)));
-typedef double half_vector __attribute__((vector_size(8 * half)));
+// Vectors for the Taylor series of one body (body_series.h, effects_series.h): the arrangements of a term, and sums of products
+// of terms.
 
 // A term as the factors of its products with other terms (P momentum, G vertical, q quaternion):
 //     a0 = (P2 P3 P1 .  G2 G3 G1 .)    b0 = (P3 P1 P2 .  P3 P1 P2 .)
@@ -34,20 +13,6 @@ struct factors {
 struct inner_sums {
     vector s0[parts], s1[parts], s2[parts];
 };
-
-#define inlined static inline __attribute__((always_inline))
-#define shuffle __builtin_shufflevector
-#if defined(__clang__)
-#define for_parts _Pragma("clang loop unroll(full)") for (int p = 0; p < parts; ++p)
-#else
-#define for_parts _Pragma("GCC unroll 4") for (int p = 0; p < parts; ++p)
-#endif
-
-inlined void get(vector *v, const double *from) {
-    for_parts memcpy(&v[p], from + width * p, sizeof *v);
-}
-
-inlined void put(double *to, const half_vector *value) { memcpy(to, value, sizeof *value); }
 
 // Puts (P, G) and q in their arrangements. `torque` are two more, of which the torque of gravity is made:
 //     (G2 G3 G1 . G3 G1 G2 .) and (G3 G1 G2 . P2 P3 P1 .).
@@ -76,7 +41,7 @@ inlined void arrange(const vector *now, const half_vector *quaternion, struct fa
 #else
     double c[numbers];
     memcpy(c, now, sizeof c);
-#define fill(to, i, j, k, l) (to)[0] = (vector){i, j}, (to)[1] = (vector){k, l}
+#define fill(to, i, j, k, l) ((to)[0] = (vector){i, j}, (to)[1] = (vector){k, l})
     fill(f->a0, c[1], c[2], c[0], 0), fill(f->a0 + 2, c[5], c[6], c[4], 0);
     fill(f->b0, c[2], c[0], c[1], 0), fill(f->b0 + 2, c[2], c[0], c[1], 0);
     fill(f->a1, q[3], q[3], q[1], q[2]), fill(f->a1 + 2, c[6], c[4], c[5], 0);
@@ -145,26 +110,27 @@ inlined void add_last_half(vector *sum, const vector *s1) {
 
 // Adds the products of the terms 2 to k - 1 to coefficient k + 1 of the rates. Where k is even, those of the terms 2 to k are
 // found for coefficient k + 2 as well, as what is loaded then serves twice; `later` keeps them for the next term.
-inlined void add_inner_products(int k, const struct factors *row, vector *s0, vector *s1, vector *s2, struct inner_sums *later) {
+inlined void add_inner_products(int k, const struct factors *row, vector *s0, vector *s1, vector *s2,
+                                struct inner_sums *later) {
     const struct factors *older = row + 2, *newer = row + k;
     if (parts > 2) {
         // There are registers for one sum each.
         for (--newer; older < row + k; ++older, --newer) {
-            for_parts s0[p] += older->a0[p] * newer->b0[p];
-            for_parts s1[p] += older->a1[p] * newer->b1[p];
-            for_parts s2[p] += older->a2[p] * newer->b2[p];
+            for_all(p, parts) s0[p] += older->a0[p] * newer->b0[p];
+            for_all(p, parts) s1[p] += older->a1[p] * newer->b1[p];
+            for_all(p, parts) s2[p] += older->a2[p] * newer->b2[p];
         }
     } else if (k % 2) {
-        for_parts s0[p] += later->s0[p], s1[p] += later->s1[p], s2[p] += later->s2[p];
+        for_all(p, parts) s0[p] += later->s0[p], s1[p] += later->s1[p], s2[p] += later->s2[p];
     } else {
         struct inner_sums next;
-        for_parts {
+        for_all(p, parts) {
             next.s0[p] = older->a0[p] * newer->b0[p];
             next.s1[p] = older->a1[p] * newer->b1[p], next.s2[p] = older->a2[p] * newer->b2[p];
         }
         while (newer > row + 2) {
             --newer;
-            for_parts {
+            for_all(p, parts) {
                 const vector b0 = newer->b0[p], b1 = newer->b1[p], b2 = newer->b2[p];
                 s0[p] += older->a0[p] * b0, s1[p] += older->a1[p] * b1, s2[p] += older->a2[p] * b2;
                 next.s0[p] += older[1].a0[p] * b0, next.s1[p] += older[1].a1[p] * b1, next.s2[p] += older[1].a2[p] * b2;

@@ -12,11 +12,6 @@ enum { frame, torque = 3, push = 6, pull_back = 9, total = 12, drags = 15, of_dr
 enum { drag_u, drag_s = 3, drag_t, drag_y, drag_v };
 enum { most_drags = 2, most_turning = 4 };
 
-// Which effects there are, the same in all lanes.
-struct lane_kinds {
-    int turns, twists, vibrates, drags;
-};
-
 // Terms of the series whose share is more than one number.
 enum { exact_shares = 8 };
 

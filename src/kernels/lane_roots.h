@@ -1,80 +1,12 @@
 // Where polynomials pass zero, one in each lane of a vector; see lane_polynomials.f90, which has the method.
-//
-// Each level of the processor has its build: levels.h includes this file once for each, with LEVEL set.
 
-#ifndef LEVEL
-
-#include <string.h>
-
-#include "lane_rows.h"
-
-// Terms at most, as in formulation.f90, and rounds of the change to Bernstein form at once.
-enum { most_terms = 31, most_rounds = 6 };
-
-typedef void find_changes_t(int n, const double *share, double rounding, const double *a, double *noise,
-                            double *sign, double *changes, double *near);
-find_changes_t spintop_find_changes;
-typedef void refine_root_t(int n, int iterations, double still, const double *a, double *u, double *doubt);
-refine_root_t spintop_refine_root;
-int spintop_find_changes_at(int level, int n, const double *share, double rounding, const double *a, double *noise,
-                            double *sign, double *changes, double *near);
-int spintop_refine_root_at(int level, int n, int iterations, double still, const double *a, double *u, double *doubt);
-int spintop_processor_level(void);
-
-#define LEVELS_OF "lane_roots.c"
-#include "levels.h"
-
-static find_changes_t *const built[] = BUILDS(find_changes);
-static refine_root_t *const built_to_refine[] = BUILDS(refine);
-
-static find_changes_t *chosen;
-static refine_root_t *chosen_to_refine;
-
-__attribute__((constructor)) static void choose(void) {
-    chosen = built[spintop_processor_level()];
-    chosen_to_refine = built_to_refine[spintop_processor_level()];
-}
-
-void spintop_find_changes(int n, const double *share, double rounding, const double *a, double *noise,
-                          double *sign, double *changes, double *near) {
-    chosen(n, share, rounding, a, noise, sign, changes, near);
-}
-
-void spintop_refine_root(int n, int iterations, double still, const double *a, double *u, double *doubt) {
-    chosen_to_refine(n, iterations, still, a, u, doubt);
-}
-
-// The same at a level, for tests; returns whether there is a build for it.
-int spintop_find_changes_at(int level, int n, const double *share, double rounding, const double *a, double *noise,
-                            double *sign, double *changes, double *near) {
-    if (!HAS_BUILD(built, level)) return 0;
-    built[level](n, share, rounding, a, noise, sign, changes, near);
-    return 1;
-}
-
-int spintop_refine_root_at(int level, int n, int iterations, double still, const double *a, double *u, double *doubt) {
-    if (!HAS_BUILD(built_to_refine, level)) return 0;
-    built_to_refine[level](n, iterations, still, a, u, doubt);
-    return 1;
-}
-
-#else
-
-#define where LEVEL(where)
-#define size LEVEL(size)
-#define add_below LEVEL(add_below)
-#define to_bernstein LEVEL(to_bernstein)
-#define find_changes LEVEL(find_changes)
-#define refine LEVEL(refine)
-
-#include "lane_vectors.h"
+// Rounds of the change to Bernstein form at once.
+enum { most_rounds = 6 };
 
 // One value where a condition holds, another elsewhere.
 inlined vector where(bits holds, vector value, vector other) {
     return (vector)(((bits)value & holds) | ((bits)other & ~holds));
 }
-
-inlined vector size(vector x) { return (vector)((bits)x & 0x7fffffffffffffffLL); }
 
 // In round k each coefficient from b_n down to b_k gets the one below it added: some rounds from k on at once. `p` are the last
 // values in them, each one place further up than in the round before.
@@ -87,7 +19,7 @@ inlined void add_below(int rounds, int k, int n, vector *b) {
         }
     }
     // Now p[r] is of round rounds - 1 - r, at the place n - r.
-    unrolled for (int j = n; j > k + rounds - 2; --j) {
+    unrolled_for(int j = n; j > k + rounds - 2; --j) {
         vector below = b[j - rounds], sum;
         for_all(i, rounds) {
             sum = p[rounds - 1 - i] + below;
@@ -106,24 +38,24 @@ inlined void to_bernstein(int n, vector *b) {
     if (k <= n) add_below(1, k, n, b);
 }
 
-static void find_changes(int n, const double *share, double rounding, const double *a, double *noise,
-                         double *sign, double *changes, double *near) {
+static void find_changes(int n, const double *share, double rounding, const double *a, double *noise, double *sign,
+                         double *changes, double *near) {
     for (int lane = 0; lane < lanes; lane += width) {
         const vector none = {0}, one = none + 1;
         vector b[most_terms], least = get(noise + lane, 0), before = get(sign + lane, 0);
         vector found = none, total = none, index = none, place = none, here = none, last = none, ahead;
 
-        unrolled for (int k = 0; k <= n; ++k) {
+        unrolled_for(int k = 0; k <= n; ++k) {
             const vector term_k = get(a + lane, k);
-            total += size(term_k);
+            total += magnitude(term_k);
             b[k] = share[k] * term_k;
         }
         least += rounding * total;
         put(noise + lane, 0, least);
         to_bernstein(n, b);
-        ahead = size(b[0]);
-        unrolled for (int k = 0; k <= n; ++k, index += one) {
-            const vector is = size(b[k]);
+        ahead = magnitude(b[0]);
+        unrolled_for(int k = 0; k <= n; ++k, index += one) {
+            const vector is = magnitude(b[k]);
             const bits has_sign = is > least;
             const vector now = (vector)((bits)b[k] & has_sign);
             const bits differs = now * before < none;
@@ -142,7 +74,7 @@ static void find_changes(int n, const double *share, double rounding, const doub
 }
 
 // Newton's method. The polynomial is E(v) + u O(v) with v = u^2: sums of half the length, which do not wait for each other.
-static void refine(int n, int iterations, double still, const double *a, double *u, double *doubt) {
+static void refine_root(int n, int iterations, double still, const double *a, double *u, double *doubt) {
     for (int lane = 0; lane < lanes; lane += width) {
         const vector none = {0}, one = none + 1;
         vector root = get(u + lane, 0), far = none;
@@ -158,15 +90,13 @@ static void refine(int n, int iterations, double still, const double *a, double 
                 odd = odd * v + get(a + lane, k + 1);
             }
             const vector slope = odd + 2 * root * (even_rate + root * odd_rate);
-            vector new = root - (even + root * odd) / where(size(slope) > none, slope, one);
+            vector new = root - (even + root * odd) / where(magnitude(slope) > none, slope, one);
             new = where(new > none, new, none);
             new = where(new < one, new, one);
-            far = where(size(new - root) <= none + still, none, one);
+            far = where(magnitude(new - root) <= none + still, none, one);
             root = new;
         }
         put(u + lane, 0, root);
         put(doubt + lane, 0, far);
     }
 }
-
-#endif

@@ -1,8 +1,6 @@
-// Logarithm and power to base 2 for step sizes, which need few digits; for files that include this one for each level of the
-// processor.
+// Logarithm and power to base 2 for step sizes, which need few digits.
 
-#define binary_logarithm LEVEL(binary_logarithm)
-#define power_of_two LEVEL(power_of_two)
+// clang-format off: the brackets of the polynomials would get a line each.
 
 // Logarithm to base 2, to 5e-8: step sizes do not depend on the unit of time. Of zero: about -1023. A polynomial
 // interpolates at Chebyshev points.
@@ -32,3 +30,5 @@ static inline double power_of_two(double y) {
                                 + square * ((0.0096181291076284772 + 0.0013333558146428443 * x)
                                             + square * (0.00015403530393381609 + 0.000015252733804059841 * x))));
 }
+
+// clang-format on

@@ -2,95 +2,17 @@
 // lane_series.f90 and lane_tangents.f90, which have the equations. C with vectors, as a Fortran compiler gets
 // there only with flags that would hold for all files: the loop over the terms needs its sums in registers,
 // and every operand read once.
-//
-// Each level of the processor has its build: levels.h includes this file once for each, with LEVEL set.
 
-#ifndef LEVEL
-
-#include <string.h>
-
-#include "lane_rows.h"
-
-// Components of a perturbation, and terms at most, as in lane_tangents.f90; and perturbations that are carried in turn, so
-// that one is computed while another waits for its last term.
-enum { components = 6, most_terms = 30, in_turn = 2 };
+// Components of a perturbation, as in lane_tangents.f90, and perturbations that are carried in turn, so that one is computed
+// while another waits for its last term.
+enum { components = 6, in_turn = 2 };
 
 // The rows of a term of a perturbation: of omega, and the rotation.
 enum { d1, d2, d3, r1, r2, r3 };
 
-struct body { // a row of lanes for each number
+struct lane_body { // a row of lanes for each number
     const double *coupling, *decay, *pull, *swing;
 };
-
-struct body_change { // the same, as in lane_tangents.f90
-    double coupling[3 * lanes], decay[3 * lanes], pull[3 * lanes], swing[3 * lanes];
-};
-
-typedef void expand_lanes_t(int order, const double *coupling, const double *decay, const double *pull,
-                            const double *swing, const double *side, const double *state, const double *share,
-                            const double *share_rest, double *c);
-expand_lanes_t spintop_expand_lanes;
-int spintop_expand_lanes_at(int level, int order, const double *coupling, const double *decay, const double *pull,
-                            const double *swing, const double *side, const double *state, const double *share,
-                            const double *share_rest, double *c);
-typedef void carry_tangents_t(int order, const double *coupling, const double *decay, const double *pull,
-                              const double *swing, const double *c, const double *duration, const double *pace,
-                              int number, const int *which, int free, const struct body_change *change,
-                              const double *before, double *after, double *whole, double *last);
-carry_tangents_t spintop_carry_tangents;
-int spintop_processor_level(void);
-
-#define LEVELS_OF "lane_series.c"
-#include "levels.h"
-
-static expand_lanes_t *const built[] = BUILDS(expand);
-static carry_tangents_t *const built_to_carry[] = BUILDS(carry);
-
-static expand_lanes_t *chosen;
-static carry_tangents_t *chosen_to_carry;
-
-__attribute__((constructor)) static void choose(void) {
-    chosen = built[spintop_processor_level()];
-    chosen_to_carry = built_to_carry[spintop_processor_level()];
-}
-
-void spintop_expand_lanes(int order, const double *coupling, const double *decay, const double *pull,
-                          const double *swing, const double *side, const double *state,
-                          const double *share, const double *share_rest, double *c) {
-    chosen(order, coupling, decay, pull, swing, side, state, share, share_rest, c);
-}
-
-void spintop_carry_tangents(int order, const double *coupling, const double *decay, const double *pull,
-                            const double *swing, const double *c, const double *duration, const double *pace,
-                            int number, const int *which, int free, const struct body_change *change,
-                            const double *before, double *after, double *whole, double *last) {
-    chosen_to_carry(order, coupling, decay, pull, swing, c, duration, pace, number, which, free, change, before, after,
-                    whole, last);
-}
-
-// The same at a level, for tests; returns whether there is a build for it.
-int spintop_expand_lanes_at(int level, int order, const double *coupling, const double *decay, const double *pull,
-                            const double *swing, const double *side, const double *state, const double *share,
-                            const double *share_rest, double *c) {
-    if (!HAS_BUILD(built, level)) return 0;
-    built[level](order, coupling, decay, pull, swing, side, state, share, share_rest, c);
-    return 1;
-}
-
-#else
-
-#define rate_of LEVEL(rate_of)
-#define append LEVEL(append)
-#define passes LEVEL(passes)
-#define expand LEVEL(expand)
-#define multiply_rates LEVEL(multiply_rates)
-#define append_tangent LEVEL(append_tangent)
-#define magnitude LEVEL(magnitude)
-#define size_of LEVEL(size_of)
-#define add_terms LEVEL(add_terms)
-#define carry LEVEL(carry)
-
-#include "lane_vectors.h"
 
 // Passes over the pairs of terms: in one there is room for all sums of products and their operands where the processor has
 // 32 registers, as it has with the widest vectors.
@@ -98,7 +20,7 @@ enum { passes = (int)width == (int)lanes ? 1 : 2 };
 
 // A term of the angular acceleration about axis m, from those of the product of the angular velocities about the other axes, of
 // the vertical along the next axis and the one before, and of its own angular velocity.
-inlined vector rate_of(struct body b, int lane, int m, vector product, vector next, vector before, vector own) {
+inlined vector rate_of(struct lane_body b, int lane, int m, vector product, vector next, vector before, vector own) {
     return get(b.coupling + lane, m) * product
            + (next * get(b.pull + lane, m) - before * get(b.swing + lane, m) - own * get(b.decay + lane, m));
 }
@@ -107,7 +29,7 @@ inlined vector rate_of(struct body b, int lane, int m, vector product, vector ne
 // the term in the middle, if there is one, and go on to pairs of an older and a newer one; the newest
 // pair comes last, as its numbers have just been found. A quotient that is not known yet is zero. Of two passes the first has
 // the products along the same axis and those of angular velocities, the last one those along two axes.
-inlined void append(int k, int lane, struct body b, vector inverse, struct share s, double *c) {
+inlined void append_term(int k, int lane, struct lane_body b, vector inverse, struct share s, double *c) {
     double *now = c + term * k, *next = now + term;
     const double *middle = c + term * (k / 2), *older, *newer;
     vector w12 = {0}, w23 = w12, w31 = w12, n1 = w12, n2 = w12, g3q = w12;
@@ -128,7 +50,7 @@ inlined void append(int k, int lane, struct body b, vector inverse, struct share
     for_all(pass, passes) {
         const int is_first = pass == 0, is_last = pass + 1 == passes;
         older = first;
-        unrolled for (newer = middle + term; newer <= now; older -= term, newer += term) {
+        unrolled_for(newer = middle + term; newer <= now; older -= term, newer += term) {
             const vector v1 = get(older, w1), v2 = get(older, w2), v3 = get(older, w3);
             const vector u1 = get(newer, w1), u2 = get(newer, w2), u3 = get(newer, w3);
             if (is_first) w12 += v1 * u2, w23 += v2 * u3, w31 += v3 * u1;
@@ -168,10 +90,10 @@ inlined void append(int k, int lane, struct body b, vector inverse, struct share
     put(next, angle, scaled(v3 + q, s));
 }
 
-static void expand(int order, const double *coupling, const double *decay, const double *pull, const double *swing,
-                   const double *side, const double *state, const double *share, const double *share_rest, double *c) {
+static void expand_lanes(int order, const double *coupling, const double *decay, const double *pull, const double *swing,
+                         const double *side, const double *state, const double *share, const double *share_rest, double *c) {
     const int few = order < exact_shares ? order : exact_shares;
-    const struct body b = {coupling, decay, pull, swing};
+    const struct lane_body b = {coupling, decay, pull, swing};
     const vector none = {0};
     double inverse[lanes];
 
@@ -185,11 +107,11 @@ static void expand(int order, const double *coupling, const double *decay, const
     // Vectors of lanes in turn: one is computed while another waits for its last term.
     for (int k = 0; k < few; ++k) {
         const struct share s = {share[k], share_rest[k], 1};
-        for (int lane = 0; lane < lanes; lane += width) append(k, lane, b, get(inverse + lane, 0), s, c + lane);
+        for (int lane = 0; lane < lanes; lane += width) append_term(k, lane, b, get(inverse + lane, 0), s, c + lane);
     }
     for (int k = few; k < order; ++k) {
         const struct share s = {share[k] + share_rest[k], 0, 0};
-        for (int lane = 0; lane < lanes; lane += width) append(k, lane, b, get(inverse + lane, 0), s, c + lane);
+        for (int lane = 0; lane < lanes; lane += width) append_term(k, lane, b, get(inverse + lane, 0), s, c + lane);
     }
 }
 
@@ -210,7 +132,7 @@ static void multiply_rates(int terms, const double *c, double *products) {
 
 // Finds the term behind the k-th of a perturbation, which a change of the body may force. The products are those of two
 // series of different kind, so that no pair is found twice.
-inlined void append_tangent(int k, int lane, struct body b, const double *c, const struct body_change *change,
+inlined void append_tangent(int k, int lane, struct lane_body b, const double *c, const struct body_change *change,
                             const double *products, double *z) {
     vector p1 = {0}, p2 = p1, p3 = p1, e1 = p1, e2 = p1, e3 = p1, t1 = p1, t2 = p1, t3 = p1;
     const double *base = c + term * k, *now = z;
@@ -218,7 +140,7 @@ inlined void append_tangent(int k, int lane, struct body b, const double *c, con
     double *next = z + lanes * components * (k + 1);
 
     // Few operands at a time, each read once for its products: what has no register would be read again for each.
-    unrolled for (; base >= c; base -= term, now += lanes * components) {
+    unrolled_for(; base >= c; base -= term, now += lanes * components) {
         const vector v1 = get(base, w1), v2 = get(base, w2), v3 = get(base, w3);
         vector x = get(now, d1);
         p3 += x * v2, p2 += x * v3;
@@ -243,7 +165,7 @@ inlined void append_tangent(int k, int lane, struct body b, const double *c, con
     p2 = rate_of(b, lane, 1, p2, t3, t1, x2);
     p3 = rate_of(b, lane, 2, p3, t1, t2, x3);
     if (change) {
-        const struct body by = {change->coupling, change->decay, change->pull, change->swing};
+        const struct lane_body by = {*change->coupling, *change->decay, *change->pull, *change->swing};
         const double *product = products + lanes * 3 * k + lane;
         base = c + term * k;
         p1 += rate_of(by, lane, 0, get(product, 0), get(base, g2), get(base, g3), get(base, w1));
@@ -258,8 +180,6 @@ inlined void append_tangent(int k, int lane, struct body b, const double *c, con
     put(next, r3, share * (x3 + e3));
 }
 
-inlined vector magnitude(vector x) { return (vector)((bits)x & 0x7fffffffffffffffLL); }
-
 // Sum of the magnitudes of a term; those of omega times `unit`.
 inlined vector size_of(const double *z, vector unit) {
     return (magnitude(get(z, d1)) + magnitude(get(z, d2)) + magnitude(get(z, d3))) * unit
@@ -267,8 +187,8 @@ inlined vector size_of(const double *z, vector unit) {
 }
 
 // The perturbation after the duration, from its series; adds its size, and that of its last terms, to the sums.
-inlined void add_terms(int order, int lane, const double *z, vector h, vector unit, double *after, double *whole,
-                       double *last) {
+inlined void add_tangent(int order, int lane, const double *z, vector h, vector unit, double *after, double *whole,
+                         double *last) {
     enum { step = lanes * components };
     const double *newest = z + step * order + lane;
     vector sum[components], power = h;
@@ -279,17 +199,16 @@ inlined void add_terms(int order, int lane, const double *z, vector h, vector un
     for_all(row, components) put(after + lane, row, sum[row]);
     for (int k = 2; k < order; ++k) power *= h;
     put(whole + lane, 0, get(whole + lane, 0) + size_of(z + lane, unit));
-    put(last + lane, 0,
-        get(last + lane, 0) + power * (size_of(newest - step, unit) + h * size_of(newest, unit)));
+    put(last + lane, 0, get(last + lane, 0) + power * (size_of(newest - step, unit) + h * size_of(newest, unit)));
 }
 
-static void carry(int order, const double *coupling, const double *decay, const double *pull, const double *swing,
-                  const double *c, const double *duration, const double *pace, int number, const int *which, int free,
-                  const struct body_change *change, const double *before, double *after, double *whole, double *last) {
+static void carry_tangents(int order, const double *coupling, const double *decay, const double *pull, const double *swing,
+                           const double *c, const double *duration, const double *pace, int number, const int *which, int free,
+                           const struct body_change *change, const double *before, double *after, double *whole, double *last) {
     enum { step = lanes * components };
-    const struct body b = {coupling, decay, pull, swing};
-    double z[in_turn][step * (most_terms + 1)] __attribute__((aligned(64)));
-    double products[lanes * 3 * most_terms] __attribute__((aligned(64)));
+    const struct lane_body b = {coupling, decay, pull, swing};
+    double z[in_turn][step * most_terms] __attribute__((aligned(64)));
+    double products[lanes * 3 * highest_order] __attribute__((aligned(64)));
 
     // Forced perturbations are the last.
     if (number > 0 && which[number - 1] > free) multiply_rates(order, c, products);
@@ -310,10 +229,8 @@ static void carry(int order, const double *coupling, const double *decay, const 
         for (int lane = 0; lane < lanes; lane += width) {
             const vector h = get(duration + lane, 0), unit = 1 / get(pace + lane, 0);
             for (int v = 0; v < many; ++v) {
-                add_terms(order, lane, z[v], h, unit, after + step * (one[v] - 1), whole, last);
+                add_tangent(order, lane, z[v], h, unit, after + step * (one[v] - 1), whole, last);
             }
         }
     }
 }
-
-#endif

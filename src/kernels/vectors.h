@@ -1,0 +1,56 @@
+// Vectors of the processor for all kernels, and of four numbers; see kernels_of_level.h.
+
+// Numbers in a vector of the processor.
+#if defined(__AVX512F__)
+enum { width = 8 };
+#elif defined(__AVX__)
+enum { width = 4 };
+#else
+enum { width = 2 };
+#endif
+
+typedef double vector __attribute__((vector_size(8 * width)));
+typedef long long bits __attribute__((vector_size(8 * width)));
+typedef double half_vector __attribute__((vector_size(8 * half)));
+
+#define inlined static inline __attribute__((always_inline))
+#define shuffle __builtin_shufflevector
+#define component(v, i) shuffle(v, v, i, i, i, i)
+
+// A loop of few turns, which becomes none, and one of many, of which two become one.
+#if defined(__clang__)
+#define unrolled_for _Pragma("clang loop unroll_count(2)") for
+#define for_all(i, n) _Pragma("clang loop unroll(full)") for (int i = 0; i < (n); ++i)
+#else
+#define unrolled_for _Pragma("GCC unroll 2") for
+#define for_all(i, n) _Pragma("GCC unroll 8") for (int i = 0; i < (n); ++i)
+#endif
+
+// A row of numbers lies in one vector, or in more where the processor has no room for it in one.
+enum { parts = numbers / width };
+
+inlined vector load(const double *from) {
+    vector value;
+    memcpy(&value, from, sizeof value);
+    return value;
+}
+
+inlined void get_parts(vector *v, const double *from) {
+    for_all(p, parts) v[p] = load(from + width * p);
+}
+
+inlined half_vector get_half(const double *from) {
+    half_vector value;
+    memcpy(&value, from, sizeof value);
+    return value;
+}
+
+inlined void put_half(double *to, const half_vector *value) { memcpy(to, value, sizeof *value); }
+
+// The vector product.
+inlined half_vector cross(const half_vector *first, const half_vector *last) {
+    const half_vector a = *first, b = *last, c = a * shuffle(b, b, 1, 2, 0, 3) - shuffle(a, a, 1, 2, 0, 3) * b;
+    return shuffle(c, c, 1, 2, 0, 3);
+}
+
+inlined vector magnitude(vector x) { return (vector)((bits)x & 0x7fffffffffffffffLL); }

@@ -1,24 +1,19 @@
 !> Factors of the products of vectors in which the series of one body are written: body_series.h, effects_series.h.
 module spintop_body_products
-    use, intrinsic :: iso_c_binding, only: c_double
     use spintop_body, only: body_t
     use spintop_euler_poisson, only: momentum_coupling
-    use spintop_formulation, only: max_states
+    use spintop_kernel_types, only: body_products_t
+    use spintop_kinds, only: dp
     implicit none
     private
-    public :: body_products_t, products_of
-
-    !> Factors of the three products of body_vectors.h, of damping and torque, as in body_series.h.
-    type, bind(C) :: body_products_t
-        real(c_double), dimension(max_states) :: first = 0, second = 0, third = 0, decay = 0, pull = 0, swing = 0
-    end type body_products_t
+    public :: products_of
 
 contains
 
     !> The factors of a body, in the order of the products.
     pure type(body_products_t) function products_of(body) result(of)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
-        real(c_double) :: v(3), moment(3)
+        real(dp) :: v(3), moment(3)
 
         v = 1 / body%inertia
         moment = body%weight_moment()

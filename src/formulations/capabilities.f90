@@ -6,6 +6,7 @@
 module spintop_capabilities
     use spintop_kinds, only: dp, qp
     use spintop_body, only: body_t
+    use spintop_kernel_types, only: highest_order, numbers, set_aside
     use spintop_loads, only: works
     use spintop_motion, only: motion_t
     use spintop_motions, only: instants
@@ -17,9 +18,9 @@ module spintop_capabilities
         structure_quadruple, structure_names
 
     !> Largest number of state variables of any formulation, and highest order of its Taylor series.
-    integer, parameter :: max_states = 8, max_series_order = 30
+    integer, parameter :: max_states = numbers, max_series_order = highest_order
     !> How many numbers a stage may leave aside, of variables that follow from the state and have stages of their own.
-    integer, parameter :: max_aside = 12
+    integer, parameter :: max_aside = set_aside
 
     !> Vectors at whose zeros effects are not smooth (`find_directions`).
     integer, parameter :: direction_omega = 1, direction_velocity = 2, direction_force = 3, directions = 3

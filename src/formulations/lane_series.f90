@@ -13,16 +13,15 @@
 module spintop_lane_series
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use, intrinsic :: iso_fortran_env, only: sp => real32
+    use spintop_kernel_types, only: lanes, rows
     use spintop_kinds, only: dp, qp
     use spintop_formulation, only: max_series_order
     implicit none
     private
     public :: expand, lanes, parts, quotient, numerator, rows, share, share_rest
 
-    !> Number of lanes: that of doubles in the widest vectors of current processors. lane_rows.h repeats it.
-    integer, parameter :: lanes = 8
     !> Components of a state: omega, Gamma, xi; they are followed by the quotient Q and omega1 Gamma1 + omega2 Gamma2.
-    integer, parameter :: parts = 7, quotient = 8, numerator = 9, rows = numerator
+    integer, parameter :: parts = 7, quotient = 8, numerator = 9
 
     !> Index in the tables below.
     integer :: divisor

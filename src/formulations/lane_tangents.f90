@@ -10,20 +10,14 @@
 !> and stays the same for all times. `f` is the angular acceleration due to changes of the body, 1/s^2.
 module spintop_lane_tangents
     use, intrinsic :: iso_c_binding, only: c_double, c_int
+    use spintop_kernel_types, only: body_change_t, lanes, rows
     use spintop_kinds, only: dp
-    use spintop_lane_series, only: lanes, rows
     implicit none
     private
-    public :: carry_tangents, components, body_change_t
+    public :: carry_tangents, components
 
     !> Components of a perturbation: delta, epsilon. lane_series.h repeats their number.
     integer, parameter :: components = 6
-
-    !> Changes of a body that force a perturbation: of the numbers by which its motion is expanded. lane_series.h repeats
-    !> this type.
-    type, bind(C) :: body_change_t
-        real(c_double), dimension(lanes, 3) :: coupling = 0, decay = 0, pull = 0, swing = 0
-    end type body_change_t
 
     interface
         pure subroutine c_carry_tangents(order, coupling, decay, pull, swing, c, duration, pace, number, which, free, &

@@ -7,7 +7,8 @@ module spintop_rigid_body
     use spintop_attitude, only: follow_angles, may_meet_pole, quaternion_product, rotation_minus_one, &
         vertical_from_quaternion
     use spintop_body, only: body_t
-    use spintop_body_products, only: body_products_t, products_of
+    use spintop_body_products, only: products_of
+    use spintop_kernel_types, only: body_products_t
     use spintop_capabilities, only: group_action_t, max_series_order, max_states, quadruple_series_t, series_t
     use spintop_euler_poisson, only: momentum_coupling
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants

@@ -12,7 +12,7 @@ module spintop_rigid_body_series
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_kinds, only: dp, qp
     use spintop_body, only: body_t
-    use spintop_body_products, only: body_products_t
+    use spintop_kernel_types, only: body_products_t
     use spintop_formulation, only: max_series_order, max_states
     implicit none
     private

@@ -13,23 +13,16 @@ module spintop_rigid_body_stages
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_capabilities, only: max_aside, max_states, stages_t
+    use spintop_kernel_types, only: stage_factors_t
     use spintop_motion, only: motion_t
     implicit none
     private
     public :: rigid_body_stages_t
 
-    !> Room of a vector of three components in body_stages.h.
-    integer, parameter :: room = 4
-
-    !> Constants of the equations of omega, as in body_stages.h: those of momenta over I.
-    type, bind(C) :: constants_t
-        real(c_double), dimension(room) :: inertia = 0, mobility = 0, coupling = 0, decay = 0, pull = 0, swing = 0
-    end type constants_t
-
     !> Stages of the state y = (q0, q1, q2, q3, Pi1, Pi2, Pi3).
     type, extends(stages_t) :: rigid_body_stages_t
         private
-        type(constants_t) :: of = constants_t()
+        type(stage_factors_t) :: of = stage_factors_t()
     contains
         procedure :: set
         procedure :: find
@@ -37,9 +30,9 @@ module spintop_rigid_body_stages
 
     interface
         pure subroutine c_find(from, to, body, y, h, stages, a, since, k, aside) bind(C, name='spintop_find_stages')
-            import :: c_double, c_int, constants_t
+            import :: c_double, c_int, stage_factors_t
             integer(c_int), value :: from, to, stages
-            type(constants_t), intent(in) :: body
+            type(stage_factors_t), intent(in) :: body
             real(c_double), value :: h
             real(c_double), intent(in) :: y(*), a(*)
             integer(c_int), intent(in) :: since(*)

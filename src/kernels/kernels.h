@@ -1,4 +1,4 @@
-// What C and Fortran share: the kernels, and the types of their arguments.
+// What C and Fortran share: the kernels, and the types of their arguments, which kernel_types.f90 has in Fortran.
 //
 // A kernel has a build for each level of the processor (processor.c): kernels_v2.c, kernels_v3.c and kernels_v4.c are tables of
 // them, of which kernels.c chooses one when the program starts.

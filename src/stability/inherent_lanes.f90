@@ -10,6 +10,7 @@ module spintop_inherent_lanes
     use spintop_body, only: body_t
     use spintop_conditioning, only: half_unit
     use spintop_integration, only: outcome_t
+    use spintop_kernel_types, only: body_change_t
     use spintop_kinds, only: dp, epsilon_dp, pi, no_number
     use spintop_lane_watch, only: lane_watch_t, watch_slot_t
     use spintop_many_bodies, only: integrate_many
@@ -17,7 +18,7 @@ module spintop_inherent_lanes
     use spintop_regular_start, only: rates_describe
     use spintop_status, only: status_ok, status_step_limit
     use spintop_stepper, only: controls_t
-    use spintop_tangent_lanes, only: body_change_t, components, tangent_lanes_t
+    use spintop_tangent_lanes, only: components, tangent_lanes_t
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     use spintop_validity, only: plain_body_status
     implicit none

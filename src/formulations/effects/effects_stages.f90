@@ -13,6 +13,7 @@ module spintop_effects_stages
     use spintop_compare, only: is_zero
     use spintop_effects, only: effects_t
     use spintop_euler_poisson, only: momentum_coupling
+    use spintop_kernel_types, only: stage_effects_t
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
     use spintop_vectors, only: cross
@@ -20,22 +21,10 @@ module spintop_effects_stages
     private
     public :: effects_stages_t
 
-    !> Room of a vector of three components in effects_stages.h.
-    integer, parameter :: room = 4
-
-    !> Constants of the equations, as in effects_stages.h.
-    type, bind(C) :: constants_t
-        real(c_double), dimension(room) :: mobility = 0, coupling = 0, damping = 0, weight = 0, arm = 0, drag = 0, &
-            torque_body = 0, rotor = 0, drive = 0, torque_space = 0, frame = 0
-        real(c_double) :: swing(room, 2) = 0
-        real(c_double) :: gravity = 0, drag_power = 0, drag_force = 0, rate = 0
-        integer(c_int) :: has_sides = 0, has_rotor = 0, has_drag = 0, vibrates = 0, turns = 0
-    end type constants_t
-
     !> Stages of the state y = (q0, q1, q2, q3, P1, P2, P3).
     type, extends(stages_t) :: effects_stages_t
         private
-        type(constants_t) :: of
+        type(stage_effects_t) :: of
     contains
         procedure :: set
         procedure :: find
@@ -44,9 +33,9 @@ module spintop_effects_stages
 
     interface
         pure subroutine c_find(from, to, effects, t, y, h, a, stride, c, k) bind(C, name='spintop_find_effects_stages')
-            import :: c_double, c_int, constants_t
+            import :: c_double, c_int, stage_effects_t
             integer(c_int), value :: from, to, stride
-            type(constants_t), intent(in) :: effects
+            type(stage_effects_t), intent(in) :: effects
             real(c_double), value :: t, h
             real(c_double), intent(in) :: y(*), a(*), c(*)
             real(c_double), intent(inout) :: k(*)
@@ -67,7 +56,7 @@ contains
         end associate
         if (allocated(body%effects)) effects = body%effects
         self%holds = effects%are_analytic()
-        self%of = constants_t()
+        self%of = stage_effects_t()
         associate (of => self%of, o => effects%frame_rate, rate => effects%vibration_rate)
             of%mobility(:3) = 1 / body%inertia
             of%coupling(:3) = momentum_coupling(body)

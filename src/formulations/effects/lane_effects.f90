@@ -14,47 +14,22 @@ module spintop_lane_effects
     use spintop_body, only: body_t
     use spintop_compare, only: is_zero
     use spintop_effects, only: effects_t
+    use spintop_kernel_types, only: lane_constants_t, lane_kinds_t, lanes, more_rows, rows
     use spintop_kinds, only: dp
-    use spintop_lane_series, only: lanes, parts, rows, share, share_rest
+    use spintop_lane_series, only: parts, share, share_rest
     implicit none
     private
-    public :: lane_effects_t, lane_kinds_t, kinds_of, has_drag_force, has_drag_moment
-    public :: more_rows, most_drags, row_frame, row_torque, row_push, row_drags, rows_of_drag, row_moment
+    public :: lane_effects_t, kinds_of, has_drag_force, has_drag_moment
+    public :: row_frame, row_torque, row_push, row_drags, rows_of_drag, row_moment
 
-    !> Further rows of a term, and the first of some of them: rotation of the frame, torque in space axes, acceleration of
+    !> The first of some further rows of a term: rotation of the frame, torque in space axes, acceleration of
     !> the pivot, drags; of a drag, v = y u is from its row `row_moment` on. lane_rows.h repeats them.
-    integer, parameter :: more_rows = 33, most_drags = 2
     integer, parameter :: row_frame = 1, row_torque = 4, row_push = 7, row_drags = 16, rows_of_drag = 9, row_moment = 6
-
-    !> Which effects the bodies of all lanes have.
-    type, bind(C) :: lane_kinds_t
-        integer(c_int) :: turns = 0, twists = 0, vibrates = 0, drags = 0
-    end type lane_kinds_t
-
-    !> Drags: Q as 11, 22, 33, 23, 31, 12; D, the coefficients over I; and b.
-    type, bind(C) :: lane_drag_t
-        real(c_double) :: speed(lanes, 6) = 0, moment(lanes, 3) = 0, power(lanes) = 1
-    end type lane_drag_t
-
-    !> Constants of the equations, as in lane_effects.h.
-    type, bind(C) :: constants_t
-        !> (I2 - I3)/I1 and cyclic, damping/I, m (r3/I1, r1/I2, r2/I3) and m (r2/I1, r3/I2, r1/I3), and g.
-        real(c_double), dimension(lanes, 3) :: coupling = 0, decay = 0, pull = 0, swing = 0
-        real(c_double) :: gravity(lanes) = 0
-        !> 1/I; the constant torque in body axes less that of the rotor's drive, over I.
-        real(c_double), dimension(lanes, 3) :: inverse_inertia = 0, torque = 0
-        !> (h2/I1, h3/I2, h1/I3) and (h3/I1, h1/I2, h2/I3) at the start, and their rates.
-        real(c_double), dimension(lanes, 3, 2) :: rotor = 0, drive = 0
-        !> Rotation of the frame, and torque, both in space axes; motion of the pivot.
-        real(c_double), dimension(lanes, 3) :: frame_rate = 0, torque_space = 0, amplitude = 0, phase = 0
-        real(c_double) :: rate(lanes) = 1
-        type(lane_drag_t) :: drag(most_drags) = lane_drag_t()
-    end type constants_t
 
     !> The effects in all lanes.
     type :: lane_effects_t
         type(lane_kinds_t) :: kinds
-        type(constants_t) :: of
+        type(lane_constants_t) :: of
     contains
         procedure :: put
         procedure :: expand
@@ -63,10 +38,10 @@ module spintop_lane_effects
     interface
         pure subroutine c_expand(order, kinds, effects, t, side, state, share, share_rest, c, more) &
             bind(C, name='spintop_expand_affected_lanes')
-            import :: c_double, c_int, constants_t, lane_kinds_t
+            import :: c_double, c_int, lane_constants_t, lane_kinds_t
             integer(c_int), value :: order
             type(lane_kinds_t), intent(in) :: kinds
-            type(constants_t), intent(in) :: effects
+            type(lane_constants_t), intent(in) :: effects
             real(c_double), dimension(*), intent(in) :: t, side, state, share, share_rest
             real(c_double), dimension(*), intent(inout) :: c, more
         end subroutine c_expand

@@ -11,11 +11,12 @@
 module spintop_smooth_effects_series
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_body, only: body_t
-    use spintop_body_products, only: body_products_t, products_of
+    use spintop_body_products, only: products_of
     use spintop_capabilities, only: max_series_order, max_states
     use spintop_compare, only: is_zero
     use spintop_effects, only: effects_t
     use spintop_euler_poisson, only: momentum_coupling
+    use spintop_kernel_types, only: body_products_t, half, series_effects_t
     use spintop_kinds, only: dp
     use spintop_rigid_body_series, only: share
     use spintop_vectors, only: cross
@@ -23,33 +24,12 @@ module spintop_smooth_effects_series
     private
     public :: smooth_series_t
 
-    !> Room of a vector of three components in effects_series.h, and number of state variables.
-    integer, parameter :: room = 4, numbers = max_states, most_drags = 2
-
-    !> A drag: matrices that make x and z of w, and b.
-    type, bind(C) :: drag_t
-        real(c_double) :: speed(room, 3) = 0, moment(room, 3) = 0, power = 1
-    end type drag_t
-
-    !> Constants of the equations, as in effects_series.h.
-    type, bind(C) :: constants_t
-        !> Factors of the products of vectors, as in `body_products_t`; then those of X and Y with U.
-        real(c_double), dimension(numbers) :: first = 0, second = 0, third = 0, turn_first = 0, turn_second = 0
-        !> The rotation of the frame in the rates of the quaternion, and of X and Y.
-        real(c_double) :: frame(room, 3) = 0, side_frame(numbers, 2) = 0
-        real(c_double), dimension(room) :: coupling = 0, inverse_inertia = 0, damping = 0, arm = 0, frame_rate = 0
-        real(c_double), dimension(room) :: torque_body = 0, torque_space = 0, rotor_torque = 0
-        type(drag_t) :: drag(most_drags) = drag_t()
-        real(c_double) :: gravity = 0, circle = 0
-        integer(c_int) :: drags = 0, has_sides = 0, turns = 0, is_driven = 0, vibrates = 0
-    end type constants_t
-
     !> The series of a body.
     type :: smooth_series_t
         private
         !> Whether the effects are analytic.
         logical, public :: holds = .false.
-        type(constants_t) :: of
+        type(series_effects_t) :: of
         real(dp) :: rotor_momentum(3) = 0
         !> Motion of the pivot, and W^k/k!.
         real(dp) :: amplitude(3) = 0, phase(3) = 0, rate = 0, rate_power(0:max_series_order) = 0
@@ -61,9 +41,9 @@ module spintop_smooth_effects_series
 
     interface
         pure subroutine c_expand(order, effects, state, pivot, share, c, exists) bind(C, name='spintop_expand_effects')
-            import :: c_double, c_int, constants_t
+            import :: c_double, c_int, series_effects_t
             integer(c_int), value :: order
-            type(constants_t), intent(in) :: effects
+            type(series_effects_t), intent(in) :: effects
             real(c_double), intent(in) :: state(*), pivot(*), share(*)
             real(c_double), intent(out) :: c(*)
             integer(c_int), intent(out) :: exists
@@ -89,7 +69,7 @@ contains
         self%amplitude = effects%vibration_amplitude
         self%phase = effects%vibration_phase
         self%rate = effects%vibration_rate
-        self%of = constants_t()
+        self%of = series_effects_t()
         associate (of => self%of, o => effects%frame_rate, drive => effects%rotor_torque)
             of%coupling(:3) = momentum_coupling(body)
             of%damping(:3) = body%damping
@@ -105,7 +85,7 @@ contains
             of%turn_second = [of%second(5:8), of%second(5:8)]
             of%inverse_inertia(:3) = v
             of%frame_rate(:3) = o
-            of%frame = reshape([1, -1, 1, -1, 1, -1, -1, 1, 1, 1, -1, -1], [room, 3]) * spread(o / 2, 1, room)
+            of%frame = reshape([1, -1, 1, -1, 1, -1, -1, 1, 1, 1, -1, -1], [half, 3]) * spread(o / 2, 1, half)
             of%side_frame(:3, 1) = o(3)
             of%side_frame(5:7, 1) = -o(3)
             of%side_frame(:3, 2) = -o(2)

@@ -9,6 +9,7 @@ module spintop_force_lanes
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_body, only: body_t
     use spintop_formulation, only: max_series_order
+    use spintop_kernel_types, only: lane_arm_t
     use spintop_kinds, only: dp
     use spintop_lane_series, only: parts
     use spintop_motion, only: motion_t
@@ -25,15 +26,10 @@ module spintop_force_lanes
     real(dp), parameter :: degree_share = 0.7_dp
     integer, parameter :: least_degree = 12
 
-    !> Unit vectors, two beside r and one along it, and |r|; gravity. lane_products.h repeats this type.
-    type, bind(C) :: arm_t
-        real(c_double) :: axes(lanes, 3, 3) = 0, length(lanes) = 0, gravity(lanes) = 0
-    end type arm_t
-
     !> What both watches know of the bodies.
     type, abstract, extends(root_watch_t) :: body_watch_t
         real(dp), private :: mass(lanes) = 1, centre(lanes, 3) = 0
-        type(arm_t), private :: arm
+        type(lane_arm_t), private :: arm
         real(dp), dimension(lanes), private :: least = 0, largest = 0
     contains
         procedure :: begin
@@ -76,9 +72,9 @@ module spintop_force_lanes
     interface
         !> The slope of the squared force over the mass, over the step as the unit interval, and the square where it begins.
         pure subroutine c_find_force_slopes(degree, arm, power, c, slope, first) bind(C, name='spintop_find_force_slopes')
-            import :: arm_t, c_double, c_int
+            import :: lane_arm_t, c_double, c_int
             integer(c_int), value :: degree
-            type(arm_t), intent(in) :: arm
+            type(lane_arm_t), intent(in) :: arm
             real(c_double), intent(in) :: power(*), c(*)
             real(c_double), intent(inout) :: slope(*), first(*)
         end subroutine c_find_force_slopes

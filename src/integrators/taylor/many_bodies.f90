@@ -8,7 +8,8 @@ module spintop_many_bodies
     use spintop_compare, only: is_finite
     use spintop_euler_poisson, only: euler_poisson_rate
     use spintop_integration, only: outcome_t
-    use spintop_lane_effects, only: kinds_of, lane_kinds_t
+    use spintop_kernel_types, only: lane_kinds_t
+    use spintop_lane_effects, only: kinds_of
     use spintop_lane_watch, only: watch_slot_t
     use spintop_motion, only: motion_t
     use spintop_quantities, only: angular_acceleration

@@ -5,14 +5,15 @@
 !> motion are developed anew about the beginning of each part: the motion itself stays as it is.
 module spintop_tangent_lanes
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_kernel_types, only: body_change_t
     use spintop_kinds, only: dp
     use spintop_lane_series, only: rows
-    use spintop_lane_tangents, only: body_change_t, carry_tangents, components
+    use spintop_lane_tangents, only: carry_tangents, components
     use spintop_status, only: status_non_finite, status_ok, status_step_limit
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
     private
-    public :: tangent_lanes_t, components, body_change_t
+    public :: tangent_lanes_t, components
 
     !> Growth by which a perturbation is scaled: far from overflow, also of squares.
     real(dp), parameter :: far = 2.0_dp**200

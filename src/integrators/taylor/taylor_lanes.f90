@@ -12,8 +12,9 @@ module spintop_taylor_lanes
     use spintop_body, only: body_t
     use spintop_constancy, only: noise_of_tolerance, rounding_distance
     use spintop_formulation, only: max_series_order
+    use spintop_kernel_types, only: lane_kinds_t, more_rows
     use spintop_lane_azimuth, only: lane_step_t
-    use spintop_lane_effects, only: lane_effects_t, lane_kinds_t, more_rows
+    use spintop_lane_effects, only: lane_effects_t
     use spintop_lane_reversals, only: end_before_reversals, find_reversals
     use spintop_lane_series, only: expand, lanes, parts, rows
     use spintop_lane_steps, only: add_terms, border, choose_durations, follow, non_finite, turns_far

@@ -3,27 +3,19 @@
 module spintop_work_lanes
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_body, only: body_t
+    use spintop_kernel_types, only: lane_kinds_t, lane_work_t
     use spintop_kinds, only: dp
-    use spintop_lane_effects, only: has_drag_force, has_drag_moment, lane_kinds_t, most_drags, row_frame
+    use spintop_lane_effects, only: has_drag_force, has_drag_moment, row_frame
     use spintop_loads, only: works, work_damping, work_drag, work_rotor, work_torque
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
     private
     public :: work_lanes_t
 
-    !> Constants of the power, over the scale of the energy, as in lane_work.h: coefficients of the parts, m r, the constant
-    !> torque in body axes, the drive of the rotor, and 1/scale.
-    type, bind(C) :: constants_t
-        real(c_double), dimension(lanes, 3) :: damping = 0, linear_drag = 0
-        real(c_double) :: drag(lanes, 3, most_drags) = 0
-        real(c_double), dimension(lanes, 3) :: arm = 0, torque = 0, drive = 0
-        real(c_double) :: per_scale(lanes) = 0
-    end type constants_t
-
     !> The work since the start by its parts, over the scale of the energy.
     type :: work_lanes_t
         real(dp) :: done(lanes, works) = 0
-        type(constants_t), private :: of
+        type(lane_work_t), private :: of
         !> Moments of inertia and momentum of the rotor, likewise, and whether a part may differ from zero in any
         !> lane; that of a vibration and of a torque in space axes is known from the kinds of effects.
         real(dp), dimension(lanes, 3), private :: inertia = 0, rotor = 0
@@ -36,11 +28,11 @@ module spintop_work_lanes
 
     interface
         pure subroutine c_add_work(order, kinds, acts, of, duration, c, more, done) bind(C, name='spintop_add_lane_work')
-            import :: c_double, c_int, constants_t, lane_kinds_t
+            import :: c_double, c_int, lane_work_t, lane_kinds_t
             integer(c_int), value :: order
             type(lane_kinds_t), intent(in) :: kinds
             integer(c_int), intent(in) :: acts(*)
-            type(constants_t), intent(in) :: of
+            type(lane_work_t), intent(in) :: of
             real(c_double), dimension(*), intent(in) :: duration, c, more
             real(c_double), intent(inout) :: done(*)
         end subroutine c_add_work

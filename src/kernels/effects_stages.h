@@ -2,8 +2,6 @@
 // with what effects add. Both are kept: here each stage waits for a vertical from the quaternion, which for a body without
 // effects would double the cycles.
 
-typedef double state_row __attribute__((vector_size(8 * numbers)));
-
 // Up to this angle, rad, cosines and sines are short series.
 static const double small_angle = 0.8;
 
@@ -23,10 +21,10 @@ inlined half_vector pivot_at(const half_vector swing[2], double x) {
     return even * swing[0] + odd * swing[1];
 }
 
-// The rate of the quaternion q and of the momentum p at a time; `twice` is twice the inverse of the squared norm of q,
+// The slope, rates of the quaternion q and of the momentum p, at a time; `twice` is twice the inverse of the squared norm of q,
 // `push` the acceleration of the pivot in space axes.
-inlined state_row slope_at(const struct stage_effects *e, double t, const half_vector *push, const half_vector *attitude,
-                           const half_vector *momentum, double twice) {
+inlined void find_slope(const struct stage_effects *e, double t, const half_vector *push, const half_vector *attitude,
+                        const half_vector *momentum, double twice, vector *slope) {
     const half_vector q = *attitude, p = *momentum, q0 = component(q, 0), imaginary = shuffle(q, q, 1, 2, 3, 0);
     const half_vector third = {0, 0, 1}, weight = get_half(e->weight), arm = get_half(e->arm);
     const half_vector g = twice * (component(q, 3) * imaginary + q0 * (shuffle(q, q, 2, 1, 0, 3) * (half_vector){-1, 1, 1, 0}))
@@ -64,18 +62,18 @@ inlined state_row slope_at(const struct stage_effects *e, double t, const half_v
     const half_vector turn = component(w, 0) * ((half_vector){-0.5, 0.5, 0.5, -0.5} * shuffle(q, q, 1, 0, 3, 2))
                              + (component(w, 1) * ((half_vector){-0.5, -0.5, 0.5, 0.5} * shuffle(q, q, 2, 3, 0, 1))
                                 + component(w, 2) * ((half_vector){-0.5, 0.5, -0.5, 0.5} * shuffle(q, q, 3, 2, 1, 0)));
-    return shuffle(turn, rate, 0, 1, 2, 3, 4, 5, 6, 7);
+    from_halves(&turn, &rate, slope);
+    slope[parts - 1][width - 1] = 0;
 }
 
 static void find_effects_stages(int from, int to, const struct stage_effects *e, double t, const double *y, double h,
                                 const double *a, int stride, const double *c, double *k) {
     const double twice = 2 / ((y[0] * y[0] + y[3] * y[3]) + (y[1] * y[1] + y[2] * y[2]));
     const double turned = e->rate * t;
-    const state_row none = {0};
     half_vector swing[2] = {{0}}, pivot = {0};
-    state_row start, newest = none;
-    memcpy(&start, y, sizeof start);
-    if (from > 0) memcpy(&newest, k + numbers * (from - 1), sizeof newest);
+    vector start[parts], newest[parts];
+    get_parts(start, y), start[parts - 1][width - 1] = 0;
+    get_parts(newest, from > 0 ? k + numbers * (from - 1) : y);
     if (e->vibrates) {
         const double even = cos(turned), odd = sin(turned);
         swing[0] = even * get_half(e->swing[0]) + odd * get_half(e->swing[1]);
@@ -83,19 +81,21 @@ static void find_effects_stages(int from, int to, const struct stage_effects *e,
     }
     for (int i = from; i <= to; ++i) {
         const double *weight = a + (long)stride * i;
-        state_row even = none, odd = none, older, now = start;
+        vector even[parts], odd[parts], now[parts];
         int j = 0;
+        for_all(p, parts) even[p] = odd[p] = (vector){0}, now[p] = start[p];
         // The newest stage comes last, as all others are known before it.
         for (; j + 2 < i; j += 2) {
-            memcpy(&older, k + numbers * j, sizeof older), even += weight[j] * older;
-            memcpy(&older, k + numbers * (j + 1), sizeof older), odd += weight[j + 1] * older;
+            for_all(p, parts) even[p] += weight[j] * load(k + numbers * j + width * p);
+            for_all(p, parts) odd[p] += weight[j + 1] * load(k + numbers * (j + 1) + width * p);
         }
-        if (j + 1 < i) memcpy(&older, k + numbers * j, sizeof older), even += weight[j] * older;
-        if (i > 0) now = (start + h * (even + odd)) + (h * weight[i - 1]) * newest;
-        const half_vector q = shuffle(now, now, 0, 1, 2, 3), p = shuffle(now, none, 4, 5, 6, 8);
+        if (j + 1 < i)
+            for_all(p, parts) even[p] += weight[j] * load(k + numbers * j + width * p);
+        if (i > 0)
+            for_all(p, parts) now[p] = (start[p] + h * (even[p] + odd[p])) + (h * weight[i - 1]) * newest[p];
+        const half_vector q = first_half(now), p = last_half(now);
         if (e->vibrates) pivot = pivot_at(swing, e->rate * (c[i] * h));
-        newest = slope_at(e, t + c[i] * h, &pivot, &q, &p, twice);
-        newest[numbers - 1] = 0;
-        memcpy(k + numbers * i, &newest, sizeof newest);
+        find_slope(e, t + c[i] * h, &pivot, &q, &p, twice, newest);
+        for_all(p, parts) memcpy(k + numbers * i + width * p, &newest[p], sizeof *newest);
     }
 }

@@ -49,8 +49,8 @@ enum {
 
 /* An error. */
 typedef struct spintop_error {
-    int code;            /* one of the codes above */
-    int line, column;    /* first wrong place of the input; 0 if there is none */
+    int code;         /* one of the codes above */
+    int line, column; /* first wrong place of the input; 0 if there is none */
     int reserved;
     const char *status;  /* how a motion failed, as in the column status of tables; "" for other errors */
     const char *message; /* what is wrong, and what to do; may have several lines */
@@ -99,14 +99,14 @@ int spintop_top_at(const spintop_top *top, size_t n, const double *t, double *ce
 
 /* A table. */
 typedef struct spintop_table {
-    const char *name;              /* "rows", "events" or "statistics" */
+    const char *name; /* "rows", "events" or "statistics" */
     const spintop_column *columns;
     long long column_count, row_count;
 } spintop_table;
 
 /* What a run gives. */
 typedef struct spintop_result {
-    int code;                    /* SPINTOP_OK, or SPINTOP_FAILED: the motion ended early, or some cases failed */
+    int code; /* SPINTOP_OK, or SPINTOP_FAILED: the motion ended early, or some cases failed */
     int table_count;
     const spintop_table *tables; /* the first is "rows", unless the input wants none */
     const char *summary;         /* plan, cost and end of the run for a reader, or its end only; "" for a sweep in memory */
@@ -130,8 +130,8 @@ spintop_result *spintop_run(const char *input, const char *name, const char *fol
 /* Runs a sweep (study.kind = 'sweep', without a group &sweep) over `parameter_count` arrays of `cases` values each:
  * names[i], as "initial.spin_ratio", has values[i]. Without parameters there is one case. The table has a row for each
  * case, with its status; those of failed cases say why in the column notes. */
-spintop_result *spintop_sweep(const char *input, int parameter_count, const char *const *names,
-                              const double *const *values, size_t cases, int threads, spintop_error **error);
+spintop_result *spintop_sweep(const char *input, int parameter_count, const char *const *names, const double *const *values,
+                              size_t cases, int threads, spintop_error **error);
 
 /* Many undamped symmetric tops in closed form, from arrays to arrays: the fastest way, at 0.1 to 0.2 us each.
  *

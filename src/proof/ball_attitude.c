@@ -1,26 +1,23 @@
-/* The attitude of a motion at a time, and its periods. */
+// The attitude of a motion at a time, and its periods.
 #include "balls.h"
 #ifdef SPINTOP_FLINT
 
-/* size e^(i phase). */
-static void polar(acb_t value, const arb_t size, const arb_t phase, slong bits)
-{
+// size e^(i phase).
+static void polar(acb_t value, const arb_t size, const arb_t phase, slong bits) {
     arb_sin_cos(acb_imagref(value), acb_realref(value), phase, bits);
     acb_mul_arb(value, value, size, bits);
 }
 
-/* The part of M+ or M- that does not vanish identically where it is real or imaginary, with the sign of its turns. */
-static void real_part(arb_t part, const top_components *c, int is_plus, int is_dual)
-{
+// The part of M+ or M- that does not vanish identically where it is real or imaginary, with the sign of its turns.
+static void real_part(arb_t part, const top_components *c, int is_plus, int is_dual) {
     if (is_plus) arb_set(part, is_dual ? acb_imagref(c->plus) : acb_realref(c->plus));
     else arb_set(part, acb_realref(c->minus));
     if (c->is_odd) arb_neg(part, part);
 }
 
-/* One component, q0 + i q3 or q1 + i q2, and its phase. `size` is its modulus at the start, `phase` its phase there. */
-static int component(acb_t value, arb_t phase, const top_motion *m, const top_components *now, int is_plus,
-                     const arb_t size, const arb_t time)
-{
+// One component, q0 + i q3 or q1 + i q2, and its phase. `size` is its modulus at the start, `phase` its phase there.
+static int component(acb_t value, arb_t phase, const top_motion *m, const top_components *now, int is_plus, const arb_t size,
+                     const arb_t time) {
     const top_components *first = &m->first;
     const slong bits = m->bits;
     const int starts_here = m->pole == (is_plus ? -1 : 1);
@@ -53,9 +50,8 @@ static int component(acb_t value, arb_t phase, const top_motion *m, const top_co
     return is_known;
 }
 
-/* Both components and their phases while theta varies. */
-static int nutating(acb_t upper, acb_t lower, arb_t plus, arb_t minus, const top_motion *m, const arb_t time)
-{
+// Both components and their phases while theta varies.
+static int nutating(acb_t upper, acb_t lower, arb_t plus, arb_t minus, const top_motion *m, const arb_t time) {
     const slong bits = m->bits;
     top_components now;
     arb_t z;
@@ -71,9 +67,8 @@ static int nutating(acb_t upper, acb_t lower, arb_t plus, arb_t minus, const top
     return is_known;
 }
 
-/* Both components and their phases while theta is constant. */
-static void resting(acb_t upper, acb_t lower, arb_t plus, arb_t minus, const top_motion *m, const arb_t time)
-{
+// Both components and their phases while theta is constant.
+static void resting(acb_t upper, acb_t lower, arb_t plus, arb_t minus, const top_motion *m, const arb_t time) {
     const slong bits = m->bits;
     arb_t rate;
     arb_init(rate);
@@ -90,9 +85,8 @@ static void resting(acb_t upper, acb_t lower, arb_t plus, arb_t minus, const top
     arb_clear(rate);
 }
 
-/* The answer in the axes in which the body was given. */
-static void turn_back(arb_ptr answer, slong bits)
-{
+// The answer in the axes in which the body was given.
+static void turn_back(arb_ptr answer, slong bits) {
     arb_t pi;
     arb_init(pi), arb_const_pi(pi, bits);
     arb_swap(answer + Q0, answer + Q1), arb_neg(answer + Q0, answer + Q0);
@@ -103,9 +97,8 @@ static void turn_back(arb_ptr answer, slong bits)
     arb_clear(pi);
 }
 
-/* phi and psi of a quaternion, but for whole turns; NaN on a pole. */
-static void angles_of(arb_ptr answer, slong bits)
-{
+// phi and psi of a quaternion, but for whole turns; NaN on a pole.
+static void angles_of(arb_ptr answer, slong bits) {
     static const int which[2] = {ANGLE_PHI, ANGLE_PSI};
     int i;
     acb_t upper, lower, product;
@@ -118,7 +111,7 @@ static void angles_of(arb_ptr answer, slong bits)
         acb_mul(product, upper, lower, bits);
         if (acb_contains_zero(product)) {
             arb_indeterminate(angle);
-        } else if (arb_contains_negative(acb_realref(product))) { /* away from the cut */
+        } else if (arb_contains_negative(acb_realref(product))) { // away from the cut
             acb_neg(product, product), acb_arg(angle, product, bits);
             arb_const_pi(pi, bits), arb_add(angle, angle, pi, bits);
         } else {
@@ -132,8 +125,7 @@ int ball_has_turns(const top_motion *m) { return m->regime >= ROTATING || m->bod
 
 int ball_knows_turns(const top_motion *m) { return !ball_has_turns(m) && !m->meets_pole; }
 
-int ball_attitude(arb_ptr answer, const top_motion *m, double t)
-{
+int ball_attitude(arb_ptr answer, const top_motion *m, double t) {
     const slong bits = m->bits;
     int is_known = 1;
     acb_t upper, lower;
@@ -163,17 +155,16 @@ int ball_attitude(arb_ptr answer, const top_motion *m, double t)
     return is_known ? PROVED : UNDECIDED_BRANCH;
 }
 
-void ball_periods(arb_ptr answer, const top_motion *m)
-{
+void ball_periods(arb_ptr answer, const top_motion *m) {
     const slong bits = m->bits;
     arb_ptr period = answer + PERIOD, turn = answer + PRECESSION;
     arb_t pi;
     arb_init(pi), arb_const_pi(pi, bits);
     arb_set(answer + MOMENTUM_PERIOD, BALL(m, momentum_period)), arb_set(answer + MOMENTUM_TURN, BALL(m, momentum_turn));
-    if (m->regime >= ROTATING) { /* the axis of a symmetric body goes round the momentum; of others nothing is known */
+    if (m->regime >= ROTATING) { // the axis of a symmetric body goes round the momentum; of others nothing is known
         arb_set(period, BALL(m, period));
         arb_add(turn, BALL(m, jump_plus), BALL(m, jump_minus), bits);
-    } else if (m->regime == STEADY || m->regime == SLEEPING) { /* of infinitely small nutations, where they oscillate */
+    } else if (m->regime == STEADY || m->regime == SLEEPING) { // of infinitely small nutations, where they oscillate
         arb_neg(period, BALL(m, g2));
         if (arb_is_positive(period)) {
             arb_rsqrt(period, period, bits), arb_mul(period, period, pi, bits), arb_mul_2exp_si(period, period, 1);
@@ -190,7 +181,7 @@ void ball_periods(arb_ptr answer, const top_motion *m)
         if (m->meets_bottom) arb_sub(turn, turn, pi, bits);
         if (m->is_plane) arb_zero(turn);
     }
-    if (m->regime < ROTATING && m->body_axis != 2) { /* those of another axis than body z */
+    if (m->regime < ROTATING && m->body_axis != 2) { // those of another axis than body z
         arb_indeterminate(period), arb_indeterminate(turn);
     }
     arb_clear(pi);

@@ -1,24 +1,23 @@
-/* Bounds of printed numbers: the interface to certificate.f90, and the choice of the precision. */
+// Bounds of printed numbers: the interface to certificate.f90, and the choice of the precision.
 #include "balls.h"
 #ifdef SPINTOP_FLINT
 #include <math.h>
 #include <stdlib.h>
 
-/* The precisions that are tried one after the other, bits. */
+// The precisions that are tried one after the other, bits.
 static const slong precisions[] = {128, 192, 288, 432, 648, 972, 1458, 2187, 3280, 4920, 7380, 11070, 16384};
 enum { LEVELS = sizeof precisions / sizeof *precisions, LEVELS_OF_RADII = 3 };
 
-/* A top, and its motion at the precisions that were needed so far. */
+// A top, and its motion at the precisions that were needed so far.
 typedef struct {
     top_data data;
     int has_radii;
     top_motion *motion[LEVELS];
     int reason[LEVELS];
-    ball_turns turns; /* of phi and psi, counted so far */
+    ball_turns turns; // of phi and psi, counted so far
 } top_proof;
 
-void *spintop_proof_open(const double value[DATA], const double radius[DATA], int given)
-{
+void *spintop_proof_open(const double value[DATA], const double radius[DATA], int given) {
     top_proof *proof = calloc(1, sizeof *proof);
     int i;
     if (!proof) return NULL;
@@ -30,8 +29,7 @@ void *spintop_proof_open(const double value[DATA], const double radius[DATA], in
     return proof;
 }
 
-void spintop_proof_close(top_proof *proof)
-{
+void spintop_proof_close(top_proof *proof) {
     int level, i;
     if (!proof) return;
     for (level = 0; level < LEVELS; level++) {
@@ -45,22 +43,20 @@ void spintop_proof_close(top_proof *proof)
     free(proof);
 }
 
-/* Whether the axis comes so close to a pole, at most through_pole = 2^-35 rad, that it counts as passing through it. */
-static int passes_pole(const top_motion *m)
-{
+// Whether the axis comes so close to a pole, at most through_pole = 2^-35 rad, that it counts as passing through it.
+static int passes_pole(const top_motion *m) {
     int passes;
     arb_t gap, least;
     arb_init(gap), arb_init(least);
-    arb_set_d(least, 0x1p-71); /* 1 - u or 1 + u, half of the square */
+    arb_set_d(least, 0x1p-71); // 1 - u or 1 + u, half of the square
     arb_sub(gap, BALL(m, sh), BALL(m, y2), m->bits), passes = arb_lt(gap, least);
     arb_add(gap, BALL(m, ch), BALL(m, y1), m->bits), passes = passes || arb_lt(gap, least);
     arb_clear(gap), arb_clear(least);
     return passes;
 }
 
-/* The motion at a precision; NULL without memory. */
-static top_motion *motion_at_level(top_proof *proof, int level)
-{
+// The motion at a precision; NULL without memory.
+static top_motion *motion_at_level(top_proof *proof, int level) {
     top_motion *m = proof->motion[level];
     int i, *reason = proof->reason + level;
     if (m) return m;
@@ -80,9 +76,8 @@ static top_motion *motion_at_level(top_proof *proof, int level)
     return m;
 }
 
-/* The rotation from the attitude q to the printed one, which is normalised, as upper bound of its angle. */
-static double turn_between(arb_srcptr q, const double printed[], slong bits)
-{
+// The rotation from the attitude q to the printed one, which is normalised, as upper bound of its angle.
+static double turn_between(arb_srcptr q, const double printed[], slong bits) {
     arb_ptr t = _arb_vec_init(4), length = t, chord = t + 1, part = t + 2, other = t + 3;
     double least = INFINITY, size;
     int i, side;
@@ -109,9 +104,8 @@ static double turn_between(arb_srcptr q, const double printed[], slong bits)
     return least;
 }
 
-/* Whether a radius is at most a quarter of the last place of max(|x|, 2^-52). */
-static int is_narrow(const arb_t x)
-{
+// Whether a radius is at most a quarter of the last place of max(|x|, 2^-52).
+static int is_narrow(const arb_t x) {
     slong exponent;
     if (!arb_is_finite(x)) return 0;
     exponent = arf_abs_bound_lt_2exp_si(arb_midref(x));
@@ -119,8 +113,7 @@ static int is_narrow(const arb_t x)
     return mag_cmp_2exp_si(arb_radref(x), exponent - 55) <= 0;
 }
 
-static int are_narrow(arb_srcptr answer, int which)
-{
+static int are_narrow(arb_srcptr answer, int which) {
     int i;
     if (which != ORIENTATION) return is_narrow(answer + which);
     for (i = Q0; i <= Q3; i++)
@@ -128,9 +121,8 @@ static int are_narrow(arb_srcptr answer, int which)
     return 1;
 }
 
-/* An angle that is known but for whole turns, with those of another one. */
-static void take_turns(arb_t angle, double near, slong bits)
-{
+// An angle that is known but for whole turns, with those of another one.
+static void take_turns(arb_t angle, double near, slong bits) {
     arb_t turn;
     const double off = near - arf_get_d(arb_midref(angle), ARF_RND_NEAR);
     if (!(fabs(off) < 1e15)) return;
@@ -139,11 +131,10 @@ static void take_turns(arb_t angle, double near, slong bits)
     arb_clear(turn);
 }
 
-/* phi and psi with their whole turns: those that are counted, or on a way over a pole those of the printed angles.
- * Returns why they are not known. */
+// phi and psi with their whole turns: those that are counted, or on a way over a pole those of the printed angles.
+// Returns why they are not known.
 static int find_turns(arb_ptr answer, top_proof *proof, const top_motion *m, double t, const int wanted[],
-                      const double printed[])
-{
+                      const double printed[]) {
     int reason = NO_ANGLES, i;
     if (ball_knows_turns(m) || !(wanted[ANGLE_PHI] || wanted[ANGLE_PSI])) return PROVED;
     if (!(arb_is_finite(answer + ANGLE_PHI) && arb_is_finite(answer + ANGLE_PSI))) return NO_ANGLES;
@@ -157,9 +148,8 @@ static int find_turns(arb_ptr answer, top_proof *proof, const top_motion *m, dou
     return PROVED;
 }
 
-/* The bound of a printed number; with `certified` the number is the middle of its ball. */
-static double bound_of(arb_srcptr answer, int which, double printed[], int certified, slong bits)
-{
+// The bound of a printed number; with `certified` the number is the middle of its ball.
+static double bound_of(arb_srcptr answer, int which, double printed[], int certified, slong bits) {
     double bound;
     arb_t off;
     arf_t size;
@@ -174,9 +164,8 @@ static double bound_of(arb_srcptr answer, int which, double printed[], int certi
     return bound;
 }
 
-/* The sum of the radii of what is wanted: it stops falling when those of the data are all that is left. */
-static double width(arb_srcptr answer, const int wanted[])
-{
+// The sum of the radii of what is wanted: it stops falling when those of the data are all that is left.
+static double width(arb_srcptr answer, const int wanted[]) {
     double sum = 0;
     int i;
     for (i = 0; i < QUANTITIES; i++) {
@@ -187,9 +176,8 @@ static double width(arb_srcptr answer, const int wanted[])
     return sum;
 }
 
-/* Whether a quantity does not exist, whatever the precision; `turns` is what is known of the turns of phi and psi. */
-static int reason_of_absence(const top_motion *m, arb_srcptr answer, int which, int turns)
-{
+// Whether a quantity does not exist, whatever the precision; `turns` is what is known of the turns of phi and psi.
+static int reason_of_absence(const top_motion *m, arb_srcptr answer, int which, int turns) {
     if (which == ANGLE_PHI || which == ANGLE_PSI) return turns;
     if (arb_is_finite(answer + which)) return PROVED;
     if (which == MOMENTUM_PERIOD || which == MOMENTUM_TURN)
@@ -199,27 +187,24 @@ static int reason_of_absence(const top_motion *m, arb_srcptr answer, int which, 
     return PROVED;
 }
 
-/* Whether anything is wanted that depends on the time. */
-static int needs_attitude(const int wanted[])
-{
+// Whether anything is wanted that depends on the time.
+static int needs_attitude(const int wanted[]) {
     int i;
     for (i = 0; i < QUANTITIES; i++)
         if (wanted[i] && (i < PERIOD || i == ORIENTATION)) return 1;
     return 0;
 }
 
-/* Whether no other precision is to be tried. */
-static int is_final(int reason)
-{
+// Whether no other precision is to be tried.
+static int is_final(int reason) {
     return reason == PROVED || reason == NO_ANGLES || reason == NO_PERIOD || reason == NOT_PERIODIC || reason == TOO_MANY_TURNS
-        || reason == NO_CIRCULATION;
+           || reason == NO_CIRCULATION;
 }
 
-/* Bounds of the wanted quantities at a time. A reason other than PROVED goes with an infinite bound. Returns the
- * bits of the highest precision that was used. */
+// Bounds of the wanted quantities at a time. A reason other than PROVED goes with an infinite bound. Returns the
+// bits of the highest precision that was used.
 int spintop_proof_bounds(top_proof *proof, double t, const int wanted[QUANTITIES], int certified, int most_bits,
-                         double printed[QUANTITIES], double bound[QUANTITIES], int reason[QUANTITIES])
-{
+                         double printed[QUANTITIES], double bound[QUANTITIES], int reason[QUANTITIES]) {
     int level, i, open = 1, used = 0, is_last, turns = PROVED;
     double last_width = INFINITY, now_width;
     arb_ptr answer = _arb_vec_init(QUANTITIES);
@@ -242,8 +227,8 @@ int spintop_proof_bounds(top_proof *proof, double t, const int wanted[QUANTITIES
             if (!wanted[i] || is_final(reason[i])) continue;
             absent = why == PROVED ? reason_of_absence(m, answer, i, turns) : PROVED;
             reason[i] = why != PROVED ? why : absent != PROVED ? absent : TOO_WIDE;
-            if (reason[i] == TOO_WIDE && absent == PROVED && (are_narrow(answer, i) || (is_last && (i == ORIENTATION
-                || arb_is_finite(answer + i))))) {
+            if (reason[i] == TOO_WIDE && absent == PROVED
+                && (are_narrow(answer, i) || (is_last && (i == ORIENTATION || arb_is_finite(answer + i))))) {
                 bound[i] = bound_of(answer, i, printed, certified, m->bits);
                 reason[i] = isfinite(bound[i]) ? PROVED : TOO_WIDE;
             }

@@ -1,13 +1,12 @@
-/* The motion of a free body: no moment of weight about its pivot, any moments of inertia, any start. Its momentum
- * circulates about body axis z of the axes x, y, z; in units of its size it is (s a cn, b sn, c dn), but for signs.
- * Relative to it the attitude is exp(i kappa t) (F+, F-)/size, two theta functions of one argument, so that there is
- * no branch to choose. Form b, close to the separatrix, runs by the dual nome. */
+// The motion of a free body: no moment of weight about its pivot, any moments of inertia, any start. Its momentum
+// circulates about body axis z of the axes x, y, z; in units of its size it is (s a cn, b sn, c dn), but for signs.
+// Relative to it the attitude is exp(i kappa t) (F+, F-)/size, two theta functions of one argument, so that there is
+// no branch to choose. Form b, close to the separatrix, runs by the dual nome.
 #include "balls.h"
 #ifdef SPINTOP_FLINT
 
-/* The product of two quaternions. */
-static void multiply(arb_ptr r, arb_srcptr p, arb_srcptr q, slong bits)
-{
+// The product of two quaternions.
+static void multiply(arb_ptr r, arb_srcptr p, arb_srcptr q, slong bits) {
     static const int other[4][4] = {{0, 1, 2, 3}, {1, 0, 3, 2}, {2, 3, 0, 1}, {3, 2, 1, 0}};
     static const int sign[4][4] = {{1, -1, -1, -1}, {1, 1, 1, -1}, {1, -1, 1, 1}, {1, 1, -1, 1}};
     int i, j;
@@ -21,9 +20,8 @@ static void multiply(arb_ptr r, arb_srcptr p, arb_srcptr q, slong bits)
     _arb_vec_clear(t, 4);
 }
 
-/* q times the rotation by a constant angular velocity, 2 half for a second. */
-static void rotate(arb_ptr q, arb_srcptr half, const arb_t time, slong bits)
-{
+// q times the rotation by a constant angular velocity, 2 half for a second.
+static void rotate(arb_ptr q, arb_srcptr half, const arb_t time, slong bits) {
     arb_ptr t = _arb_vec_init(6), turn = t, size = t + 4, angle = t + 5;
     int i;
     for (i = 0; i < 3; i++) arb_addmul(size, half + i, half + i, bits);
@@ -36,16 +34,14 @@ static void rotate(arb_ptr q, arb_srcptr half, const arb_t time, slong bits)
     _arb_vec_clear(t, 6);
 }
 
-/* Whether two moments of inertia are the same number: those with radii remain equal. */
-static int are_same(const top_data *data, int i, int j)
-{
+// Whether two moments of inertia are the same number: those with radii remain equal.
+static int are_same(const top_data *data, int i, int j) {
     static const int place[3] = {INERTIA1, INERTIA2, INERTIA3};
     return data->value[place[i]] == data->value[place[j]] && data->radius[place[i]] == data->radius[place[j]];
 }
 
-/* The body axes in the order of their moments, which are different; whether that is known. */
-static int sort_axes(top_motion *m)
-{
+// The body axes in the order of their moments, which are different; whether that is known.
+static int sort_axes(top_motion *m) {
     int i, kept;
     for (i = 0; i < 3; i++) m->axis[i] = i;
     for (i = 0; i < 3; i++) {
@@ -58,14 +54,15 @@ static int sort_axes(top_motion *m)
     return 1;
 }
 
-/* What the constants of a tumbling body are made of: moments and momenta about x, y, z, the excess I3 (I3-I2) w3^2
- * - I1 (I2-I1) w1^2 of the smallest and largest moment, the size G of the momentum, parts of it. */
+// What the constants of a tumbling body are made of: moments and momenta about x, y, z, the excess I3 (I3-I2) w3^2
+// - I1 (I2-I1) w1^2 of the smallest and largest moment, the size G of the momentum, parts of it.
+// clang-format off
 enum { IX, IY, IZ, LX, LY, LZ, EXCESS, G, A, B, C, R_YZ, R_XY, K_DUAL, LANDEN, RATIO, RATE, SPEED, POLE, START, K_OF_K,
        K_OF_DUAL, TERM, OTHER, CONSTANTS };
+// clang-format on
 
-/* The class of the motion: axes, signs, momenta in the axes x, y, z. */
-static int find_class(top_motion *m, arb_ptr t)
-{
+// The class of the motion: axes, signs, momenta in the axes x, y, z.
+static int find_class(top_motion *m, arb_ptr t) {
     static const int ends[2] = {2, 0};
     int i, side, is_odd;
     arb_ptr term = t + TERM, other = t + OTHER;
@@ -90,20 +87,18 @@ static int find_class(top_motion *m, arb_ptr t)
     arb_sqrt(t + G, t + G, m->bits);
     for (i = 0; i < 3; i++) arb_div(t + LX + i, t + LX + i, t + G, m->bits);
     arb_mul_si(t + LY, t + LY, m->sign[1], m->bits), arb_abs(t + LX, t + LX), arb_abs(t + LZ, t + LZ);
-    m->is_turning = side < 0; /* about the axis of the smallest moment: s = -1 */
+    m->is_turning = side < 0; // about the axis of the smallest moment: s = -1
     return m->sign[0] && m->sign[2] ? PROVED : UNDECIDED_SIGN;
 }
 
-/* |Ii - Ij| Ik/(|Ix - Iz| Iy), a ratio of differences of reciprocals. */
-static void find_ratio(arb_t ratio, arb_ptr t, int i, int j, int k, slong bits)
-{
+// |Ii - Ij| Ik/(|Ix - Iz| Iy), a ratio of differences of reciprocals.
+static void find_ratio(arb_t ratio, arb_ptr t, int i, int j, int k, slong bits) {
     arb_sub(ratio, t + i, t + j, bits), arb_sub(t + TERM, t + IX, t + IZ, bits), arb_div(ratio, ratio, t + TERM, bits);
     arb_mul(ratio, ratio, t + k, bits), arb_div(ratio, ratio, t + IY, bits), arb_abs(ratio, ratio);
 }
 
-/* sqrt(x^2 + y^2 r). */
-static void find_part(arb_t part, const arb_t x, const arb_t y, const arb_t r, slong bits)
-{
+// sqrt(x^2 + y^2 r).
+static void find_part(arb_t part, const arb_t x, const arb_t y, const arb_t r, slong bits) {
     arb_t term;
     arb_init(term);
     arb_sqr(part, y, bits), arb_mul(part, part, r, bits), arb_sqr(term, x, bits), arb_add(part, part, term, bits);
@@ -111,9 +106,8 @@ static void find_part(arb_t part, const arb_t x, const arb_t y, const arb_t r, s
     arb_clear(term);
 }
 
-/* a, b, c, k', the Landen modulus (1-k')/(1+k'), r = a/(1+c), the rate Om of the elliptic functions, rho. */
-static void find_constants(arb_ptr t, slong bits)
-{
+// a, b, c, k', the Landen modulus (1-k')/(1+k'), r = a/(1+c), the rate Om of the elliptic functions, rho.
+static void find_constants(arb_ptr t, slong bits) {
     arb_ptr term = t + TERM, other = t + OTHER;
     find_ratio(t + R_YZ, t, IY, IZ, IX, bits), find_ratio(t + R_XY, t, IX, IY, IZ, bits);
     find_part(t + A, t + LX, t + LY, t + R_YZ, bits), find_part(t + C, t + LZ, t + LY, t + R_XY, bits);
@@ -123,7 +117,7 @@ static void find_constants(arb_ptr t, slong bits)
     arb_div(t + K_DUAL, t + K_DUAL, t + G, bits), arb_div(t + K_DUAL, t + K_DUAL, t + C, bits);
     if (arb_is_zero(t + EXCESS)) {
         arb_one(t + LANDEN);
-    } else { /* k^2/(1+k')^2 */
+    } else { // k^2/(1+k')^2
         arb_sqrt(term, t + R_XY, bits), arb_mul(term, term, t + B, bits), arb_div(term, term, t + C, bits);
         arb_add_ui(other, t + K_DUAL, 1, bits), arb_div(term, term, other, bits), arb_sqr(t + LANDEN, term, bits);
     }
@@ -136,9 +130,8 @@ static void find_constants(arb_ptr t, slong bits)
     arb_add(t + SPEED, t + SPEED, term, bits), arb_mul(t + SPEED, t + SPEED, t + G, bits);
 }
 
-/* The phases of the pole and of the start, by Carlson's integral, still to be multiplied by a factor. */
-static void find_phases(arb_ptr t, slong bits)
-{
+// The phases of the pole and of the start, by Carlson's integral, still to be multiplied by a factor.
+static void find_phases(arb_ptr t, slong bits) {
     arb_ptr x = t + K_OF_K, y = t + K_OF_DUAL, term = t + TERM;
     arb_sqr(term, t + RATIO, bits);
     arb_mul(x, term, t + LANDEN, bits), arb_add_ui(x, x, 1, bits), arb_mul(x, x, t + LANDEN, bits);
@@ -150,9 +143,8 @@ static void find_phases(arb_ptr t, slong bits)
     arb_div(term, t + LY, t + B, bits), arb_mul(t + START, t + START, term, bits);
 }
 
-/* The argument z = z0 + zeta t, the nome, and the phase's rate. */
-static void find_argument(top_motion *m, arb_ptr t)
-{
+// The argument z = z0 + zeta t, the nome, and the phase's rate.
+static void find_argument(top_motion *m, arb_ptr t) {
     const slong bits = m->bits;
     const int side = m->is_turning ? -1 : 1;
     arb_ptr factor = t + OTHER, term = t + TERM, tau = BALL(m, tau);
@@ -181,12 +173,11 @@ static void find_argument(top_motion *m, arb_ptr t)
     arb_mul(term, BALL(m, slope_plus), BALL(m, zeta), bits), arb_mul_si(term, term, side, bits);
     arb_mul_2exp_si(BALL(m, kappa_plus), t + SPEED, -1);
     arb_add(BALL(m, kappa_plus), BALL(m, kappa_plus), term, bits);
-    arb_mul_si(BALL(m, jump_plus), t + POLE, -2 * side, bits); /* of the phase, by half period of form b */
+    arb_mul_si(BALL(m, jump_plus), t + POLE, -2 * side, bits); // of the phase, by half period of form b
 }
 
-/* The period of the momentum in the body, which does not circulate on the separatrix, and the turn about it. */
-static void find_period(top_motion *m, arb_ptr t)
-{
+// The period of the momentum in the body, which does not circulate on the separatrix, and the turn about it.
+static void find_period(top_motion *m, arb_ptr t) {
     const slong bits = m->bits;
     const int side = m->is_turning ? -1 : 1;
     arb_ptr period = BALL(m, momentum_period), turn = BALL(m, momentum_turn), pi = t + TERM;
@@ -198,9 +189,8 @@ static void find_period(top_motion *m, arb_ptr t)
     arb_mul_2exp_si(turn, turn, 1);
 }
 
-/* The attitude relative to the momentum, in the axes x, y, z. */
-static void relative(arb_ptr q, const top_motion *m, const arb_t time)
-{
+// The attitude relative to the momentum, in the axes x, y, z.
+static void relative(arb_ptr q, const top_motion *m, const arb_t time) {
     const slong bits = m->bits;
     acb_t plus, minus, phase;
     arb_t z, angle;
@@ -217,8 +207,7 @@ static void relative(arb_ptr q, const top_motion *m, const arb_t time)
     acb_clear(plus), acb_clear(minus), acb_clear(phase), arb_clear(z), arb_clear(angle), fmpz_clear(turns);
 }
 
-void ball_circulation(top_motion *m, const arb_t along, const arb_t across, const arb_t spin, const arb_t momentum)
-{
+void ball_circulation(top_motion *m, const arb_t along, const arb_t across, const arb_t spin, const arb_t momentum) {
     const slong bits = m->bits;
     arb_ptr period = BALL(m, momentum_period), turn = BALL(m, momentum_turn);
     arb_sub(turn, along, across, ARF_PREC_EXACT), arb_mul(turn, turn, spin, bits), arb_abs(turn, turn);
@@ -226,10 +215,9 @@ void ball_circulation(top_motion *m, const arb_t along, const arb_t across, cons
     arb_mul(turn, period, momentum, bits), arb_mul(period, period, across, bits);
 }
 
-/* The period in which the axis of a symmetric body goes round the momentum, and by how much phi turns in it: by 2 pi if
- * the axis goes round the vertical, by pi if it meets it. */
-static void find_coning(top_motion *m, int axis)
-{
+// The period in which the axis of a symmetric body goes round the momentum, and by how much phi turns in it: by 2 pi if
+// the axis goes round the vertical, by pi if it meets it.
+static void find_coning(top_motion *m, int axis) {
     const slong bits = m->bits;
     int i;
     arb_srcptr q = BALL(m, q0);
@@ -261,8 +249,7 @@ static void find_coning(top_motion *m, int axis)
     _arb_vec_clear(t, 8);
 }
 
-int ball_free_body(top_motion *m, const top_data *data)
-{
+int ball_free_body(top_motion *m, const top_data *data) {
     int i, same = 0, zeros = 0, reason;
     arb_ptr t;
     ball_datum(BALL(m, i1), data, INERTIA1), ball_datum(BALL(m, i2), data, INERTIA2);
@@ -277,7 +264,7 @@ int ball_free_body(top_motion *m, const top_data *data)
     arb_indeterminate(BALL(m, period)), arb_zero(BALL(m, jump_plus)), arb_indeterminate(BALL(m, jump_minus));
     if (m->regime == CONING && arb_is_zero(BALL(m, omega1) + m->axis[2])) m->regime = ROTATING;
     if (same) find_coning(m, same == 3 ? 2 : m->axis[2]);
-    if (same == 1 && m->axis[2] != 2) { /* it is not body z that goes round the momentum in that period */
+    if (same == 1 && m->axis[2] != 2) { // it is not body z that goes round the momentum in that period
         arb_indeterminate(BALL(m, period)), arb_indeterminate(BALL(m, jump_minus));
     }
     if (m->regime != TUMBLING) return PROVED;
@@ -292,8 +279,7 @@ int ball_free_body(top_motion *m, const top_data *data)
     return reason;
 }
 
-void ball_free_attitude(acb_t upper, acb_t lower, const top_motion *m, const arb_t time)
-{
+void ball_free_attitude(acb_t upper, acb_t lower, const top_motion *m, const arb_t time) {
     const slong bits = m->bits;
     int i;
     arb_ptr t = _arb_vec_init(16), q = t, turn = t + 4, other = t + 8, half = t + 12;
@@ -306,7 +292,7 @@ void ball_free_attitude(acb_t upper, acb_t lower, const top_motion *m, const arb
     } else {
         const int axis = m->axis[2], across = (axis + 1) % 3;
         for (i = 0; i < 3; i++) arb_mul_2exp_si(half + i, BALL(m, omega1) + i, -1);
-        if (m->regime == CONING) { /* about the momentum, then about the axis */
+        if (m->regime == CONING) { // about the momentum, then about the axis
             arb_div(other, BALL(m, i1) + axis, BALL(m, i1) + across, bits);
             arb_mul(turn, half + axis, other, bits), arb_sub(other, half + axis, turn, bits);
             arb_swap(half + axis, turn), rotate(q, half, time, bits);

@@ -1,13 +1,12 @@
-/* The start of a motion that is given in any way: quaternion or angles, rates of the angles or angular velocity; for
- * a top about body x or y in the axes of which z is its axis. Sums and products of what is exact are exact, so that
- * zeros are. */
+// The start of a motion that is given in any way: quaternion or angles, rates of the angles or angular velocity; for
+// a top about body x or y in the axes of which z is its axis. Sums and products of what is exact are exact, so that
+// zeros are.
 #include "balls.h"
 #ifdef SPINTOP_FLINT
 #include <math.h>
 
-/* The quaternion, not yet divided by its size. */
-static void take_attitude(arb_ptr q, const top_data *data, slong bits)
-{
+// The quaternion, not yet divided by its size.
+static void take_attitude(arb_ptr q, const top_data *data, slong bits) {
     int i;
     arb_ptr t = _arb_vec_init(3), sum = t, difference = t + 1, half = t + 2;
     if (data->given & BY_QUATERNION) {
@@ -25,9 +24,8 @@ static void take_attitude(arb_ptr q, const top_data *data, slong bits)
     _arb_vec_clear(t, 3);
 }
 
-/* The reciprocal size of a quaternion: 1 if it comes from angles. */
-static void find_scale(arb_t scale, arb_srcptr q, const top_data *data, slong bits)
-{
+// The reciprocal size of a quaternion: 1 if it comes from angles.
+static void find_scale(arb_t scale, arb_srcptr q, const top_data *data, slong bits) {
     int i;
     if (data->given & BY_QUATERNION) {
         arb_zero(scale);
@@ -38,9 +36,8 @@ static void find_scale(arb_t scale, arb_srcptr q, const top_data *data, slong bi
     }
 }
 
-/* exp(i psi) sin(theta)/2 of a quaternion. */
-static void find_tilt(acb_t tilt, arb_srcptr q)
-{
+// exp(i psi) sin(theta)/2 of a quaternion.
+static void find_tilt(acb_t tilt, arb_srcptr q) {
     acb_t lower;
     acb_init(lower);
     arb_set(acb_realref(tilt), q), arb_set(acb_imagref(tilt), q + 3);
@@ -49,10 +46,9 @@ static void find_tilt(acb_t tilt, arb_srcptr q)
     acb_clear(lower);
 }
 
-/* sin(psi), cos(psi), sin(theta), cos(theta) at the start, q being a unit quaternion. 0 at a pole where psi is not
- * given. */
-static int find_angles(arb_ptr t, const top_motion *m, const top_data *data)
-{
+// sin(psi), cos(psi), sin(theta), cos(theta) at the start, q being a unit quaternion. 0 at a pole where psi is not
+// given.
+static int find_angles(arb_ptr t, const top_motion *m, const top_data *data) {
     const slong bits = m->bits;
     arb_srcptr q = BALL(m, q0);
     acb_t tilt;
@@ -72,9 +68,8 @@ static int find_angles(arb_ptr t, const top_motion *m, const top_data *data)
     return is_known;
 }
 
-/* The angular velocity. */
-static int take_rates(top_motion *m, const top_data *data)
-{
+// The angular velocity.
+static int take_rates(top_motion *m, const top_data *data) {
     int i, is_known = 1;
     arb_ptr omega = BALL(m, omega1), t = _arb_vec_init(8), turn = t + 5, fall = t + 6, term = t + 7;
     if (data->given & BY_OMEGA) {
@@ -93,8 +88,7 @@ static int take_rates(top_motion *m, const top_data *data)
     return is_known;
 }
 
-int ball_given(top_motion *m, const top_data *data)
-{
+int ball_given(top_motion *m, const top_data *data) {
     arb_t scale;
     arb_init(scale);
     take_attitude(BALL(m, q0), data, m->bits), find_scale(scale, BALL(m, q0), data, m->bits);
@@ -103,9 +97,8 @@ int ball_given(top_motion *m, const top_data *data)
     return take_rates(m, data);
 }
 
-void ball_about_axis(arb_ptr q, int axis, int side)
-{
-    /* q (1, s, s, s)/2, s = -1 from body x to z and from z to body y. */
+void ball_about_axis(arb_ptr q, int axis, int side) {
+    // q (1, s, s, s)/2, s = -1 from body x to z and from z to body y.
     const int s = axis == 0 ? -side : side;
     int i;
     arb_ptr t = _arb_vec_init(4);
@@ -122,9 +115,8 @@ void ball_about_axis(arb_ptr q, int axis, int side)
     _arb_vec_clear(t, 4);
 }
 
-/* The argument of x + i y, next to a number; 0 if it is closer to its opposite, or not known. */
-static int find_argument(arb_t angle, const arb_t x, const arb_t y, double near, slong bits)
-{
+// The argument of x + i y, next to a number; 0 if it is closer to its opposite, or not known.
+static int find_argument(arb_t angle, const arb_t x, const arb_t y, double near, slong bits) {
     acb_t turned, back;
     int is_near;
     acb_init(turned), acb_init(back);
@@ -137,9 +129,8 @@ static int find_argument(arb_t angle, const arb_t x, const arb_t y, double near,
     return is_near;
 }
 
-/* phi and psi; those of a motion that starts on a pole are such that it leaves it along theta. */
-static int take_angles(top_motion *m, arb_ptr q, const top_data *data)
-{
+// phi and psi; those of a motion that starts on a pole are such that it leaves it along theta.
+static int take_angles(top_motion *m, arb_ptr q, const top_data *data) {
     const slong bits = m->bits;
     arb_ptr phi = BALL(m, phi), psi = BALL(m, psi), t = _arb_vec_init(2), sum = t, difference = t + 1;
     double near[2] = {(data->value[PHI] + data->value[PSI]) / 2, (data->value[PHI] - data->value[PSI]) / 2}, part[4];
@@ -170,8 +161,7 @@ static int take_angles(top_motion *m, arb_ptr q, const top_data *data)
     return is_known;
 }
 
-int ball_given_top(top_motion *m, const top_data *data)
-{
+int ball_given_top(top_motion *m, const top_data *data) {
     const slong bits = m->bits;
     int is_known;
     arb_ptr q = _arb_vec_init(6), scale = q + 4, term = q + 5, omega = BALL(m, omega1);

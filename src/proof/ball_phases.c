@@ -1,10 +1,9 @@
-/* Periods and phases of a motion between its turning points: Carlson's R_F, and logarithmic slopes of theta functions. */
+// Periods and phases of a motion between its turning points: Carlson's R_F, and logarithmic slopes of theta functions.
 #include "balls.h"
 #ifdef SPINTOP_FLINT
 
-/* Carlson's R_F of numbers that are not negative; NaN where a ball does not say so. */
-void ball_carlson(arb_t value, const arb_t x, const arb_t y, const arb_t z, slong bits)
-{
+// Carlson's R_F of numbers that are not negative; NaN where a ball does not say so.
+void ball_carlson(arb_t value, const arb_t x, const arb_t y, const arb_t z, slong bits) {
     acb_t a, b, c, f;
     if (!(arb_is_nonnegative(x) && arb_is_nonnegative(y) && arb_is_nonnegative(z))) {
         arb_indeterminate(value);
@@ -17,9 +16,8 @@ void ball_carlson(arb_t value, const arb_t x, const arb_t y, const arb_t z, slon
     acb_clear(a), acb_clear(b), acb_clear(c), acb_clear(f);
 }
 
-/* The complete integral K of a complementary modulus squared. */
-void ball_complete(arb_t k, const arb_t complement, slong bits)
-{
+// The complete integral K of a complementary modulus squared.
+void ball_complete(arb_t k, const arb_t complement, slong bits) {
     arb_t one;
     arb_init(one), arb_one(one);
     arb_sqrt(k, complement, bits), arb_agm(k, one, k, bits);
@@ -27,11 +25,10 @@ void ball_complete(arb_t k, const arb_t complement, slong bits)
     arb_clear(one);
 }
 
-/* The distances between roots and poles. Without gravity y3 is infinite: then their ratios have limits. */
+// The distances between roots and poles. Without gravity y3 is infinite: then their ratios have limits.
 enum { D, E, UP, M1, P2, BELOW, ABOVE, P1, K2, K2_DUAL, ABOVE_BY_E, UP_BY_E, TERM, OTHER, V, DISTANCES };
 
-static void find_distances(arb_ptr t, const top_motion *m)
-{
+static void find_distances(arb_ptr t, const top_motion *m) {
     const slong bits = m->bits;
     arb_sub(t + D, BALL(m, y2), BALL(m, y1), bits);
     arb_sub(t + M1, BALL(m, sh), BALL(m, y1), bits), arb_add(t + P2, BALL(m, ch), BALL(m, y2), bits);
@@ -58,9 +55,8 @@ static void find_distances(arb_ptr t, const top_motion *m)
     arb_div(t + ABOVE_BY_E, t + ABOVE, t + E, bits), arb_div(t + UP_BY_E, t + UP, t + E, bits);
 }
 
-/* Phases of the poles, v+ and v-, and of the start, all still to be multiplied by c. */
-static void find_phases(top_motion *m, arb_ptr t, const arb_t quarter)
-{
+// Phases of the poles, v+ and v-, and of the start, all still to be multiplied by c.
+static void find_phases(top_motion *m, arb_ptr t, const arb_t quarter) {
     const slong bits = m->bits;
     arb_ptr v = t + V, term = t + TERM, other = t + OTHER;
     arb_mul(term, t + K2, t + P1, bits), arb_add(term, term, t + D, bits);
@@ -83,9 +79,8 @@ static void find_phases(top_motion *m, arb_ptr t, const arb_t quarter)
     if (arb_is_positive(BALL(m, theta_rate))) arb_neg(BALL(m, z0), BALL(m, z0));
 }
 
-/* What follows from the phases: steps per nutation, and the rates kappa+ and kappa-. */
-static void find_rates(top_motion *m, arb_ptr t)
-{
+// What follows from the phases: steps per nutation, and the rates kappa+ and kappa-.
+static void find_rates(top_motion *m, arb_ptr t) {
     const slong bits = m->bits;
     arb_ptr term = t + TERM, pi = t + OTHER;
     arb_const_pi(pi, bits);
@@ -109,8 +104,7 @@ static void find_rates(top_motion *m, arb_ptr t)
     arb_sub(BALL(m, kappa_minus), BALL(m, slope_minus), BALL(m, half), bits);
 }
 
-int ball_phases(top_motion *m)
-{
+int ball_phases(top_motion *m) {
     const slong bits = m->bits;
     int reason;
     arb_t quarter, dual, c;

@@ -1,10 +1,9 @@
-/* The three roots of the cubic of a top, proved to be real, to be these, and to lie in this order. */
+// The three roots of the cubic of a top, proved to be real, to be these, and to lie in this order.
 #include "balls.h"
 #ifdef SPINTOP_FLINT
 
-/* beta y^3 + g2 y^2 + g1 y + g0 at y, or its derivative. */
-static void evaluate(arb_t f, const top_motion *m, const arb_t y, int is_slope)
-{
+// beta y^3 + g2 y^2 + g1 y + g0 at y, or its derivative.
+static void evaluate(arb_t f, const top_motion *m, const arb_t y, int is_slope) {
     const slong bits = m->bits;
     arb_t term;
     arb_init(term);
@@ -20,9 +19,8 @@ static void evaluate(arb_t f, const top_motion *m, const arb_t y, int is_slope)
     arb_clear(term);
 }
 
-/* The root near a guess: the only one in a ball, by interval Newton iteration. 0 if no ball is found. */
-static int enclose_root(arb_t root, const top_motion *m, const arb_t guess)
-{
+// The root near a guess: the only one in a ball, by interval Newton iteration. 0 if no ball is found.
+static int enclose_root(arb_t root, const top_motion *m, const arb_t guess) {
     int i, is_found = 0;
     arb_ptr t = _arb_vec_init(4);
     arb_ptr y = t, f = t + 1, trial = t + 2, slope = t + 3;
@@ -50,10 +48,9 @@ static int enclose_root(arb_t root, const top_motion *m, const arb_t guess)
     return is_found;
 }
 
-/* Guesses of the roots: the largest by Newton steps from above, which approach it from there; the others, of opposite
- * signs, from their sum and product. */
-static void guess_roots(top_motion *m)
-{
+// Guesses of the roots: the largest by Newton steps from above, which approach it from there; the others, of opposite
+// signs, from their sum and product.
+static void guess_roots(top_motion *m) {
     const slong bits = m->bits;
     slong i;
     arb_ptr t = _arb_vec_init(5), y = t, f = t + 1, slope = t + 2, product = t + 3, sum = t + 4;
@@ -80,9 +77,8 @@ static void guess_roots(top_motion *m)
     _arb_vec_clear(t, 5);
 }
 
-/* Roots for a start between them. */
-static int moving_start(top_motion *m)
-{
+// Roots for a start between them.
+static int moving_start(top_motion *m) {
     arb_ptr y[3] = {BALL(m, y1), BALL(m, y2), BALL(m, y3)};
     int i, good = 1;
     guess_roots(m);
@@ -90,9 +86,8 @@ static int moving_start(top_motion *m)
     return good && arb_is_negative(y[0]) && arb_is_positive(y[1]) && arb_lt(y[1], y[2]);
 }
 
-/* Roots for a start where theta turns: y = 0 is one of them, the others are those of a quadratic. */
-static int turning_start(top_motion *m)
-{
+// Roots for a start where theta turns: y = 0 is one of them, the others are those of a quadratic.
+static int turning_start(top_motion *m) {
     const slong bits = m->bits;
     arb_ptr t = _arb_vec_init(3), root = t, far = t + 1, near = t + 2;
     int side = ball_sign(BALL(m, g1)), good;
@@ -116,9 +111,8 @@ static int turning_start(top_motion *m)
     return good;
 }
 
-/* Without gravity the cubic is a quadratic, and y3 is infinite. */
-static int free_start(top_motion *m)
-{
+// Without gravity the cubic is a quadratic, and y3 is infinite.
+static int free_start(top_motion *m) {
     const slong bits = m->bits;
     arb_ptr t = _arb_vec_init(2), root = t, far = t + 1;
     int good = arb_is_negative(BALL(m, g2));
@@ -143,9 +137,8 @@ static int free_start(top_motion *m)
     return good;
 }
 
-/* A plane pendulum can rise by theta'^2/beta above its start. */
-static int plane_start(top_motion *m)
-{
+// A plane pendulum can rise by theta'^2/beta above its start.
+static int plane_start(top_motion *m) {
     arb_t rise;
     int good = 1;
     m->starts_high = m->pole >= 0;
@@ -162,17 +155,13 @@ static int plane_start(top_motion *m)
     return good;
 }
 
-int ball_roots(top_motion *m)
-{
+int ball_roots(top_motion *m) {
     int good;
-    if (m->regime == FREE)
-        good = free_start(m);
-    else if (m->is_plane)
-        good = plane_start(m);
-    else
-        good = m->is_turning ? turning_start(m) : moving_start(m);
+    if (m->regime == FREE) good = free_start(m);
+    else if (m->is_plane) good = plane_start(m);
+    else good = m->is_turning ? turning_start(m) : moving_start(m);
     if (!good) return UNDECIDED_ROOTS;
-    /* A momentum that is exactly 0 makes a pole a root. */
+    // A momentum that is exactly 0 makes a pole a root.
     m->meets_bottom = arb_is_zero(BALL(m, b_plus_a));
     if (m->meets_bottom) arb_neg(BALL(m, y1), BALL(m, ch));
     m->meets_top = 0;

@@ -1,20 +1,15 @@
-/* The start of a motion: data as balls, momenta without cancellation, exact zeros, the regime. */
+// The start of a motion: data as balls, momenta without cancellation, exact zeros, the regime.
 #include "balls.h"
 #ifdef SPINTOP_FLINT
 
-int ball_sign(const arb_t x)
-{
+int ball_sign(const arb_t x) {
     if (arb_is_zero(x) || arb_is_positive(x)) return 1;
     return arb_is_negative(x) ? -1 : 0;
 }
 
-static int is_zero(const top_data *data, int which)
-{
-    return data->value[which] == 0 && data->radius[which] == 0;
-}
+static int is_zero(const top_data *data, int which) { return data->value[which] == 0 && data->radius[which] == 0; }
 
-void ball_datum(arb_t x, const top_data *data, int which)
-{
+void ball_datum(arb_t x, const top_data *data, int which) {
     arb_set_d(x, data->value[which]);
     if (data->radius[which] > 0) {
         mag_t radius;
@@ -25,9 +20,8 @@ void ball_datum(arb_t x, const top_data *data, int which)
     }
 }
 
-/* The data; of a body that hangs below its pivot those of the body turned over about its first axis. */
-static int take_data(top_motion *m, const top_data *data)
-{
+// The data; of a body that hangs below its pivot those of the body turned over about its first axis.
+static int take_data(top_motion *m, const top_data *data) {
     const slong bits = m->bits;
     int is_known = 1;
     arb_t theta, pi;
@@ -50,8 +44,7 @@ static int take_data(top_motion *m, const top_data *data)
         arb_sin_cos(BALL(m, sine), BALL(m, cosine), theta, bits);
         m->pole = is_zero(data, THETA);
     }
-    m->is_flipped = (data->value[MASS] * data->value[GRAVITY] < 0) != (data->value[LENGTH] < 0)
-        && data->value[LENGTH] != 0;
+    m->is_flipped = (data->value[MASS] * data->value[GRAVITY] < 0) != (data->value[LENGTH] < 0) && data->value[LENGTH] != 0;
     if (m->is_flipped) {
         arb_const_pi(pi, bits);
         arb_add(BALL(m, phi), BALL(m, phi), pi, bits);
@@ -68,9 +61,8 @@ static int take_data(top_motion *m, const top_data *data)
     return is_known;
 }
 
-/* b - a and b + a, exactly zero where the data say so. */
-static void find_momenta(top_motion *m, int spin_is_omega3)
-{
+// b - a and b + a, exactly zero where the data say so.
+static void find_momenta(top_motion *m, int spin_is_omega3) {
     const slong bits = m->bits;
     arb_ptr minus = BALL(m, b_minus_a), plus = BALL(m, b_plus_a);
     if (arb_equal(BALL(m, i1), BALL(m, i3)) && arb_is_exact(BALL(m, i1)) && !spin_is_omega3) {
@@ -89,11 +81,10 @@ static void find_momenta(top_motion *m, int spin_is_omega3)
     arb_mul(plus, plus, BALL(m, ch), bits);
 }
 
-/* Whether theta stays as it is, exactly: theta' = 0, and (I1 - I3) phi'^2 u0 + ((I3 psi' + h) phi' - m g l), with omega3
- * for psi' and I1 for I1 - I3 where omega3 is given, has no term: cos(theta) of a double that is not 0 is transcendental.
- * That of a quaternion is rational. */
-static int is_steady(const top_motion *m, int spin_is_omega3, int is_rational)
-{
+// Whether theta stays as it is, exactly: theta' = 0, and (I1 - I3) phi'^2 u0 + ((I3 psi' + h) phi' - m g l), with omega3
+// for psi' and I1 for I1 - I3 where omega3 is given, has no term: cos(theta) of a double that is not 0 is transcendental.
+// That of a quaternion is rational.
+static int is_steady(const top_motion *m, int spin_is_omega3, int is_rational) {
     int steady;
     arb_t along, rest;
     if (!arb_is_zero(BALL(m, theta_rate))) return 0;
@@ -104,7 +95,7 @@ static int is_steady(const top_motion *m, int spin_is_omega3, int is_rational)
     arb_mul(rest, BALL(m, i3), BALL(m, spin), ARF_PREC_EXACT), arb_add(rest, rest, BALL(m, rotor), ARF_PREC_EXACT);
     arb_mul(rest, rest, BALL(m, phi_rate), ARF_PREC_EXACT);
     arb_sub(rest, rest, BALL(m, weight), ARF_PREC_EXACT);
-    if (is_rational) { /* u0 may be rational */
+    if (is_rational) { // u0 may be rational
         arb_mul(along, along, BALL(m, phi_rate), ARF_PREC_EXACT);
         arb_submul(rest, along, BALL(m, u0), ARF_PREC_EXACT), arb_zero(along);
     }
@@ -113,9 +104,8 @@ static int is_steady(const top_motion *m, int spin_is_omega3, int is_rational)
     return steady;
 }
 
-/* The coefficients of the cubic beta y^3 + g2 y^2 + g1 y + g0. */
-static void find_cubic(top_motion *m)
-{
+// The coefficients of the cubic beta y^3 + g2 y^2 + g1 y + g0.
+static void find_cubic(top_motion *m) {
     const slong bits = m->bits;
     arb_t term;
     arb_init(term);
@@ -134,8 +124,7 @@ static void find_cubic(top_motion *m)
     arb_clear(term);
 }
 
-int ball_start(top_motion *m, const top_data *data)
-{
+int ball_start(top_motion *m, const top_data *data) {
     const slong bits = m->bits;
     int spin_is_omega3 = (data->given & (BY_OMEGA3 | GIVEN_OTHERWISE)) != 0, is_known;
     arb_t term;
@@ -146,7 +135,7 @@ int ball_start(top_motion *m, const top_data *data)
         arb_mul(term, BALL(m, phi_rate), BALL(m, u0), bits);
         arb_add(BALL(m, omega3), BALL(m, omega3), term, bits);
     }
-    if (m->pole) { /* phi' means nothing but its share of omega3 */
+    if (m->pole) { // phi' means nothing but its share of omega3
         arb_zero(BALL(m, phi_rate));
         arb_set(BALL(m, spin), BALL(m, omega3));
         spin_is_omega3 = 1;
@@ -168,15 +157,14 @@ int ball_start(top_motion *m, const top_data *data)
     } else if (!m->pole && is_steady(m, spin_is_omega3, data->given & BY_QUATERNION)) {
         m->regime = STEADY;
         arb_mul(term, BALL(m, phi_rate), BALL(m, u0), bits);
-        arb_sub(BALL(m, spin), BALL(m, omega3), term, bits); /* psi' */
+        arb_sub(BALL(m, spin), BALL(m, omega3), term, bits); // psi'
     }
     arb_indeterminate(BALL(m, momentum_period)), arb_indeterminate(BALL(m, momentum_turn));
     if (m->regime == FREE || (m->regime == STEADY && arb_is_zero(BALL(m, weight)))) {
         arb_mul(term, BALL(m, i1), BALL(m, i1), bits), arb_mul(BALL(m, omega), term, BALL(m, swing), bits);
         arb_mul(term, BALL(m, i3), BALL(m, omega3), bits), arb_addmul(BALL(m, omega), term, term, bits);
         arb_sqrt(term, BALL(m, omega), bits);
-        if (!arb_is_zero(BALL(m, swing)))
-            ball_circulation(m, BALL(m, i3), BALL(m, i1), BALL(m, omega3), term);
+        if (!arb_is_zero(BALL(m, swing))) ball_circulation(m, BALL(m, i3), BALL(m, i1), BALL(m, omega3), term);
     }
     arb_clear(term);
     return !is_known ? UNDECIDED_BRANCH : arb_contains_zero(BALL(m, i1)) ? UNDECIDED_SIGN : PROVED;

@@ -1,13 +1,12 @@
-/* Theta functions of a motion: M+ and M- with their continuous arguments, and logarithmic slopes. In form a the
- * phase runs along the real axis, in form b, by the dual nome, along the imaginary one; without gravity the nome is
- * 0, and the functions are sines and cosines. */
+// Theta functions of a motion: M+ and M- with their continuous arguments, and logarithmic slopes. In form a the
+// phase runs along the real axis, in form b, by the dual nome, along the imaginary one; without gravity the nome is
+// 0, and the functions are sines and cosines.
 #include "balls.h"
 #ifdef SPINTOP_FLINT
 
-/* The number of terms of a sum, and a bound of the others: the n-th is at most 2 q^e |w|^k, e = n (n+1) and k = 2 n + 1
- * of theta_1 and theta_2, e = n^2 and k = 2 n of the others, with a factor k in the slope. 0 if there is no bound. */
-static slong count_terms(mag_t rest, const mag_t q, const mag_t size, int is_odd, slong bits)
-{
+// The number of terms of a sum, and a bound of the others: the n-th is at most 2 q^e |w|^k, e = n (n+1) and k = 2 n + 1
+// of theta_1 and theta_2, e = n^2 and k = 2 n of the others, with a factor k in the slope. 0 if there is no bound.
+static slong count_terms(mag_t rest, const mag_t q, const mag_t size, int is_odd, slong bits) {
     const double log_q = mag_get_d_log2_approx(q), log_size = mag_get_d_log2_approx(size);
     slong n;
     int is_bounded;
@@ -16,17 +15,16 @@ static slong count_terms(mag_t rest, const mag_t q, const mag_t size, int is_odd
     for (n = 2; n < bits; n++)
         if (n * (n + is_odd) * log_q + 2 * n * log_size < -bits - 8 && (2 * n + 1) * log_q + 2 * log_size < -3) break;
     mag_pow_ui(ratio, q, 2 * n + 1), mag_mul(ratio, ratio, size), mag_mul(ratio, ratio, size);
-    is_bounded = mag_cmp_2exp_si(ratio, -2) <= 0; /* with the factor k at most 1/2 */
+    is_bounded = mag_cmp_2exp_si(ratio, -2) <= 0; // with the factor k at most 1/2
     mag_pow_ui(rest, q, n * (n + is_odd)), mag_pow_ui(ratio, size, 2 * n + is_odd);
     mag_mul(rest, rest, ratio), mag_mul_2exp_si(rest, rest, 2);
     mag_clear(ratio);
     return is_bounded ? n : 0;
 }
 
-/* theta_which, 1 .. 4, at the phase whose e^(i phase) is w, without the factor q^(1/4) of theta_1 and theta_2; `slope`,
- * its derivative, may be NULL. */
-static void theta(acb_t value, acb_ptr slope, const top_motion *m, int which, const acb_t w, int is_unit)
-{
+// theta_which, 1 .. 4, at the phase whose e^(i phase) is w, without the factor q^(1/4) of theta_1 and theta_2; `slope`,
+// its derivative, may be NULL.
+static void theta(acb_t value, acb_ptr slope, const top_motion *m, int which, const acb_t w, int is_unit) {
     const slong bits = m->bits;
     const int is_odd = which <= 2;
     slong n, terms;
@@ -77,9 +75,8 @@ static void theta(acb_t value, acb_ptr slope, const top_motion *m, int which, co
     mag_clear(size), mag_clear(rest), mag_clear(q);
 }
 
-/* e^(i z), z real, as factor along the axis of the phase: the phase of form b is i z, with the sign s. */
-static void along_axis(acb_t w, const top_motion *m, const arb_t z, int s)
-{
+// e^(i z), z real, as factor along the axis of the phase: the phase of form b is i z, with the sign s.
+static void along_axis(acb_t w, const top_motion *m, const arb_t z, int s) {
     if (m->is_dual) {
         if (s > 0) arb_neg(acb_realref(w), z);
         else arb_set(acb_realref(w), z);
@@ -89,9 +86,8 @@ static void along_axis(acb_t w, const top_motion *m, const arb_t z, int s)
     }
 }
 
-/* The factor of the pole: e^(s nu) in form a, e^(i nu) in form b. */
-static void across_axis(acb_t w, const top_motion *m, const arb_t nu, int s)
-{
+// The factor of the pole: e^(s nu) in form a, e^(i nu) in form b.
+static void across_axis(acb_t w, const top_motion *m, const arb_t nu, int s) {
     if (m->is_dual) {
         arb_sin_cos(acb_imagref(w), acb_realref(w), nu, m->bits);
     } else {
@@ -101,9 +97,8 @@ static void across_axis(acb_t w, const top_motion *m, const arb_t nu, int s)
     }
 }
 
-/* (log theta_which)' at w, its real part in form b and its imaginary part in form a. */
-static void log_slope(arb_t slope, const top_motion *m, int which, const acb_t w, int s)
-{
+// (log theta_which)' at w, its real part in form b and its imaginary part in form a.
+static void log_slope(arb_t slope, const top_motion *m, int which, const acb_t w, int s) {
     acb_t value, rate;
     acb_init(value), acb_init(rate);
     theta(value, rate, m, which, w, 0), acb_div(value, rate, value, m->bits);
@@ -113,9 +108,8 @@ static void log_slope(arb_t slope, const top_motion *m, int which, const acb_t w
     acb_clear(value), acb_clear(rate);
 }
 
-/* The nome exp(-pi tau): 0 without gravity, and of a free body on the separatrix. */
-static void find_nome(top_motion *m)
-{
+// The nome exp(-pi tau): 0 without gravity, and of a free body on the separatrix.
+static void find_nome(top_motion *m) {
     if (arb_is_zero(BALL(m, tau))) {
         arb_zero(BALL(m, nome));
     } else {
@@ -124,8 +118,7 @@ static void find_nome(top_motion *m)
     }
 }
 
-void ball_theta_start(top_motion *m)
-{
+void ball_theta_start(top_motion *m) {
     const slong bits = m->bits;
     acb_t w;
     arb_t half;
@@ -144,8 +137,7 @@ void ball_theta_start(top_motion *m)
     acb_clear(w), arb_clear(half);
 }
 
-void ball_pole_rate(arb_t rate, const top_motion *m)
-{
+void ball_pole_rate(arb_t rate, const top_motion *m) {
     const slong bits = m->bits;
     const int sign = m->pole > 0 ? m->sign_minus : m->sign_plus;
     const int which = m->pole < 0 ? 1 : m->is_dual ? 4 : 2;
@@ -155,14 +147,13 @@ void ball_pole_rate(arb_t rate, const top_motion *m)
     if (m->is_dual) acb_mul_onei(slope, slope), acb_mul_si(slope, slope, sign, bits);
     along_axis(w, m, BALL(m, z0), 1), theta(down, NULL, m, m->is_dual ? 2 : 4, w, !m->is_dual);
     acb_div(slope, slope, down, bits);
-    /* M+ of form b is imaginary there: its real counterpart is its imaginary part, as in ball_attitude. */
+    // M+ of form b is imaginary there: its real counterpart is its imaginary part, as in ball_attitude.
     arb_mul(rate, m->is_dual && m->pole < 0 ? acb_imagref(slope) : acb_realref(slope), BALL(m, zeta), bits);
     acb_clear(w), acb_clear(value), acb_clear(slope), acb_clear(down);
 }
 
-/* The continuous argument of a component near the line `line`, beyond whole jumps. 0 if the component may vanish. */
-static int argument(arb_t turn, const acb_t value, const arb_t line, const fmpz_t turns, const arb_t jump, slong bits)
-{
+// The continuous argument of a component near the line `line`, beyond whole jumps. 0 if the component may vanish.
+static int argument(arb_t turn, const acb_t value, const arb_t line, const fmpz_t turns, const arb_t jump, slong bits) {
     int is_known;
     acb_t turned;
     arb_t back;
@@ -181,19 +172,16 @@ static int argument(arb_t turn, const acb_t value, const arb_t line, const fmpz_
     return is_known;
 }
 
-void ball_components_init(top_components *c)
-{
+void ball_components_init(top_components *c) {
     acb_init(c->plus), acb_init(c->minus), arb_init(c->turn_plus), arb_init(c->turn_minus);
 }
 
-void ball_components_clear(top_components *c)
-{
+void ball_components_clear(top_components *c) {
     acb_clear(c->plus), acb_clear(c->minus), arb_clear(c->turn_plus), arb_clear(c->turn_minus);
 }
 
-/* z reduced by whole half periods, and their number. 0 if there is none. */
-static int reduce(arb_t z, fmpz_t turns, const top_motion *m, const arb_t phase)
-{
+// z reduced by whole half periods, and their number. 0 if there is none.
+static int reduce(arb_t z, fmpz_t turns, const top_motion *m, const arb_t phase) {
     arf_t half;
     arb_div(z, phase, BALL(m, height), m->bits);
     if (!arb_is_finite(z)) return 0;
@@ -205,8 +193,7 @@ static int reduce(arb_t z, fmpz_t turns, const top_motion *m, const arb_t phase)
     return 1;
 }
 
-int ball_components(top_components *c, const top_motion *m, const arb_t phase)
-{
+int ball_components(top_components *c, const top_motion *m, const arb_t phase) {
     const slong bits = m->bits;
     int is_finite;
     arb_ptr t = _arb_vec_init(4);
@@ -235,8 +222,7 @@ int ball_components(top_components *c, const top_motion *m, const arb_t phase)
     return is_finite;
 }
 
-void ball_tumbling_start(top_motion *m, const arb_t nu, int side)
-{
+void ball_tumbling_start(top_motion *m, const arb_t nu, int side) {
     acb_t w;
     acb_init(w);
     find_nome(m);
@@ -247,8 +233,7 @@ void ball_tumbling_start(top_motion *m, const arb_t nu, int side)
     acb_clear(w);
 }
 
-void ball_tumbling(acb_t plus, acb_t minus, fmpz_t turns, const top_motion *m, const arb_t phase)
-{
+void ball_tumbling(acb_t plus, acb_t minus, fmpz_t turns, const top_motion *m, const arb_t phase) {
     const slong bits = m->bits;
     acb_t w;
     arb_t z;
@@ -260,7 +245,7 @@ void ball_tumbling(acb_t plus, acb_t minus, fmpz_t turns, const top_motion *m, c
     if (m->is_dual) {
         acb_div_onei(minus, minus);
         if (fmpz_is_odd(turns)) acb_neg(minus, minus);
-    } else { /* theta_4 does not have the factor of theta_1 */
+    } else { // theta_4 does not have the factor of theta_1
         arb_root_ui(z, BALL(m, nome), 4, bits), acb_mul_arb(minus, minus, z, bits);
     }
     acb_clear(w), arb_clear(z);

@@ -1,19 +1,18 @@
-/* The whole turns of phi and psi where the closed form gives the attitude alone: of free bodies, and in axes of which z
- * is not that of the top. (phi + psi)/2 is the argument of q0 + i q3, (phi - psi)/2 that of q1 + i q2. Neither moves
- * faster than at half the angular velocity, which the energy bounds. Where the distances of two of its points from zero
- * are together longer than the path between them can be, the path does not meet zero, and turns as its chord does. */
+// The whole turns of phi and psi where the closed form gives the attitude alone: of free bodies, and in axes of which z
+// is not that of the top. (phi + psi)/2 is the argument of q0 + i q3, (phi - psi)/2 that of q1 + i q2. Neither moves
+// faster than at half the angular velocity, which the energy bounds. Where the distances of two of its points from zero
+// are together longer than the path between them can be, the path does not meet zero, and turns as its chord does.
 #include "balls.h"
 #ifdef SPINTOP_FLINT
 #include <math.h>
 
-/* The steps of a motion, after which its turns are not counted any more. */
+// The steps of a motion, after which its turns are not counted any more.
 enum { MOST_STEPS = 30000 };
-/* A component this close to zero, half of the distance through_pole, is on a pole, where phi and psi jump. */
+// A component this close to zero, half of the distance through_pole, is on a pole, where phi and psi jump.
 static const double on_pole = 0x1p-36;
 
-/* The larger side of a ball, or the smaller of its size, as a double on the safe side. */
-static double upper_bound(const arb_t x)
-{
+// The larger side of a ball, or the smaller of its size, as a double on the safe side.
+static double upper_bound(const arb_t x) {
     double bound;
     arf_t size;
     arf_init(size), arb_get_abs_ubound_arf(size, x, 64), bound = arf_get_d(size, ARF_RND_UP);
@@ -21,8 +20,7 @@ static double upper_bound(const arb_t x)
     return bound;
 }
 
-static double lower_bound(const arb_t x)
-{
+static double lower_bound(const arb_t x) {
     double bound;
     arf_t size;
     arf_init(size), arb_get_abs_lbound_arf(size, x, 64), bound = arf_get_d(size, ARF_RND_DOWN);
@@ -30,10 +28,9 @@ static double lower_bound(const arb_t x)
     return bound;
 }
 
-/* At least half the angular velocity of the motion: its square is at most twice the kinetic energy over the smallest
- * moment of inertia, and gravity adds at most 2 m g l to the energy. */
-static double find_speed(const top_motion *m)
-{
+// At least half the angular velocity of the motion: its square is at most twice the kinetic energy over the smallest
+// moment of inertia, and gravity adds at most 2 m g l to the energy.
+static double find_speed(const top_motion *m) {
     const slong bits = m->bits;
     const int is_free = m->regime >= ROTATING;
     double speed, least = lower_bound(BALL(m, i1));
@@ -52,9 +49,8 @@ static double find_speed(const top_motion *m)
     return isfinite(speed) ? speed : INFINITY;
 }
 
-/* Arguments of both components at a time, and their distances from zero. */
-static int find_components(ball_turns *there, const top_motion *m, double t)
-{
+// Arguments of both components at a time, and their distances from zero.
+static int find_components(ball_turns *there, const top_motion *m, double t) {
     static const int real[2] = {Q0, Q1}, imaginary[2] = {Q3, Q2};
     const slong bits = m->bits;
     int i, reason;
@@ -73,12 +69,11 @@ static int find_components(ball_turns *there, const top_motion *m, double t)
     return reason;
 }
 
-/* An angle without its whole turns. */
+// An angle without its whole turns.
 static double least_turn(double angle) { return remainder(angle, 6.283185307179586); }
 
-/* The start, with the turns of the given angles. */
-static int begin(ball_turns *turns, const top_motion *m, const top_data *data)
-{
+// The start, with the turns of the given angles.
+static int begin(ball_turns *turns, const top_motion *m, const top_data *data) {
     const double phi = data->value[PHI], psi = data->value[PSI];
     const int reason = find_components(turns, m, 0);
     turns->phi = phi, turns->psi = psi;
@@ -89,9 +84,8 @@ static int begin(ball_turns *turns, const top_motion *m, const top_data *data)
     return PROVED;
 }
 
-/* A step towards a time, as long as it can be. */
-static int advance(ball_turns *turns, const top_motion *m, double t, double speed)
-{
+// A step towards a time, as long as it can be.
+static int advance(ball_turns *turns, const top_motion *m, double t, double speed) {
     const double way = t - turns->time;
     double step = 1.8 * fmin(turns->distance[0], turns->distance[1]) / speed;
     ball_turns there = *turns;
@@ -113,8 +107,7 @@ static int advance(ball_turns *turns, const top_motion *m, double t, double spee
     }
 }
 
-int ball_count_turns(ball_turns *turns, const top_motion *m, const top_data *data, double t)
-{
+int ball_count_turns(ball_turns *turns, const top_motion *m, const top_data *data, double t) {
     const double speed = find_speed(m);
     int reason = !isfinite(speed) ? TOO_WIDE : turns->is_begun ? PROVED : begin(turns, m, data);
     while (reason == PROVED && turns->time != t)

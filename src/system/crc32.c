@@ -69,17 +69,11 @@ __attribute__((target("pclmul"))) static uint32_t by_folding(uint32_t state, con
     return by_tables(0, last, sizeof last);
 }
 
-static int can_fold(size_t count) {
-    return count >= stripe && __builtin_cpu_supports("pclmul");
-}
+static int can_fold(size_t count) { return count >= stripe && __builtin_cpu_supports("pclmul"); }
 #else
 enum { stripe = 1 };
-static uint32_t by_folding(uint32_t state, const unsigned char *bytes, size_t count) {
-    return by_tables(state, bytes, count);
-}
-static int can_fold(size_t count) {
-    return count == 0;
-}
+static uint32_t by_folding(uint32_t state, const unsigned char *bytes, size_t count) { return by_tables(state, bytes, count); }
+static int can_fold(size_t count) { return count == 0; }
 #endif
 
 // Lines that begin in these bytes with anything but #. The loop over a part of fixed length becomes one over vectors.

@@ -95,8 +95,8 @@ static int is_stale(const char *name, const char *host) {
     long process = 0;
     int file, is_over;
     if (spintop_open_regular(name, &file) != 0) return 0;
-    is_over = read(file, text, sizeof text - 1) > 0 && sscanf(text, "%255s %ld", there, &process) == 2 &&
-              strcmp(there, host) == 0 && process > 0 && kill((pid_t)process, 0) < 0 && errno == ESRCH;
+    is_over = read(file, text, sizeof text - 1) > 0 && sscanf(text, "%255s %ld", there, &process) == 2
+              && strcmp(there, host) == 0 && process > 0 && kill((pid_t)process, 0) < 0 && errno == ESRCH;
     close(file);
     return is_over;
 }
@@ -153,9 +153,7 @@ void spintop_remove_lock_file(const char *path) {
     }
 }
 
-static int is_same(const struct stat *a, const struct stat *b) {
-    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
-}
+static int is_same(const struct stat *a, const struct stat *b) { return a->st_dev == b->st_dev && a->st_ino == b->st_ino; }
 
 // Whether a file still has the name under which it was opened, and the size that was written to it (-1: any). If not,
 // another program has been at it, and its contents are not to be trusted.
@@ -241,9 +239,7 @@ int spintop_truncate(int file, long long size) {
 }
 
 // On Linux the descriptor is gone even when close is interrupted: no second try.
-int spintop_close(int file) {
-    return close(file) < 0 && errno != EINTR ? errno : 0;
-}
+int spintop_close(int file) { return close(file) < 0 && errno != EINTR ? errno : 0; }
 
 int spintop_rename(const char *from, const char *to) {
     const int status = spintop_check_target(to);
@@ -251,13 +247,9 @@ int spintop_rename(const char *from, const char *to) {
     return rename(from, to) < 0 ? errno : 0;
 }
 
-int spintop_remove(const char *path) {
-    return unlink(path) < 0 ? errno : 0;
-}
+int spintop_remove(const char *path) { return unlink(path) < 0 ? errno : 0; }
 
-int spintop_make_folder(const char *path) {
-    return mkdir(path, 0777) < 0 ? errno : 0;
-}
+int spintop_make_folder(const char *path) { return mkdir(path, 0777) < 0 ? errno : 0; }
 
 // Removes a folder and the files in it.
 int spintop_remove_folder(const char *path) {
@@ -271,9 +263,7 @@ int spintop_remove_folder(const char *path) {
 }
 
 // Makes a folder that no other process has; `path` ends with XXXXXX, which become its name.
-int spintop_make_private_folder(char *path) {
-    return mkdtemp(path) == NULL ? errno : 0;
-}
+int spintop_make_private_folder(char *path) { return mkdtemp(path) == NULL ? errno : 0; }
 
 // size is -1 if there is nothing of that name.
 void spintop_inspect(const char *path, long long *size, int *is_folder) {
@@ -291,9 +281,7 @@ int spintop_is_same_file(const char *a, const char *b) {
     return stat(a, &one) == 0 && stat(b, &other) == 0 && one.st_dev == other.st_dev && one.st_ino == other.st_ino;
 }
 
-int spintop_is_terminal(int file) {
-    return isatty(file);
-}
+int spintop_is_terminal(int file) { return isatty(file); }
 
 void spintop_pause(double seconds) {
     struct timespec span = {(time_t)seconds, (long)(1e9 * (seconds - (double)(time_t)seconds))};
@@ -333,9 +321,7 @@ long long spintop_peak_memory(void) {
 }
 
 // Memory of the machine, in bytes.
-long long spintop_physical_memory(void) {
-    return (long long)sysconf(_SC_PHYS_PAGES) * sysconf(_SC_PAGESIZE);
-}
+long long spintop_physical_memory(void) { return (long long)sysconf(_SC_PHYS_PAGES) * sysconf(_SC_PAGESIZE); }
 
 void spintop_reason(int number, char *text, int room) {
     static const char *const reasons[] = {
@@ -355,7 +341,7 @@ void spintop_reason(int number, char *text, int room) {
     text[room - 1] = '\0';
 }
 
-/* Columns of the terminal that a file is; 0 for any other file, or where they are not known. */
+// Columns of the terminal that a file is; 0 for any other file, or where they are not known.
 int spintop_terminal_width(int file) {
     struct winsize size;
     return isatty(file) && ioctl(file, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;

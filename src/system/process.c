@@ -79,8 +79,7 @@ static void tell(void) {
 // The run-time libraries end the process when memory runs out or a check fails. They have printed
 // the reason; their exit codes are replaced.
 static void end_unplanned(void) {
-    static const char text[] =
-        "spintop: stopped by the error above: there is no more memory, or the program has a fault\n";
+    static const char text[] = "spintop: stopped by the error above: there is no more memory, or the program has a fault\n";
     if (is_planned) return;
     complain(text, sizeof text - 1);
     tell();
@@ -156,9 +155,7 @@ void spintop_expect_crash(const char *text) {
 }
 
 // At its end the process does nothing more in its libraries.
-void spintop_leave_libraries(void) {
-    leaves_libraries = 1;
-}
+void spintop_leave_libraries(void) { leaves_libraries = 1; }
 
 // To be called once, before anything else is opened.
 void spintop_begin_process(void) {
@@ -190,19 +187,13 @@ void spintop_begin_process(void) {
 }
 
 // Whether from now on a keeper ends the process after a signal, by `spintop_end_by_signal`.
-void spintop_set_keeper(int there_is_one) {
-    has_keeper = there_is_one;
-}
+void spintop_set_keeper(int there_is_one) { has_keeper = there_is_one; }
 
 // Whether a signal is to end the process.
-int spintop_end_is_wanted(void) {
-    return wanted != 0;
-}
+int spintop_end_is_wanted(void) { return wanted != 0; }
 
 // Ends the process by that signal.
-void spintop_end_by_signal(void) {
-    tell_and_end(wanted);
-}
+void spintop_end_by_signal(void) { tell_and_end(wanted); }
 
 void spintop_end_process(int code) {
     is_planned = 1;
@@ -220,13 +211,9 @@ void spintop_watch(const char *head, const char *tail, long long rows) {
 }
 
 // Sets the number of rows.
-void spintop_keep(long long rows) {
-    rows_kept = rows;
-}
+void spintop_keep(long long rows) { rows_kept = rows; }
 
-void spintop_watch_no_more(void) {
-    is_watching = 0;
-}
+void spintop_watch_no_more(void) { is_watching = 0; }
 
 // Bytes that the stack of the first thread may take; -1 for no limit.
 long long spintop_stack_limit(void) {
@@ -244,12 +231,20 @@ static long long read_size(const char *text) {
     if (rest == text || errno != 0 || size < 0) return -1;
     while (isspace((unsigned char)*rest)) ++rest;
     switch (tolower((unsigned char)*rest)) {
-    case 'b': unit = 1; break;
-    case 'm': unit = 1024 * 1024; break;
-    case 'g': unit = 1024 * 1024 * 1024; break;
+    case 'b':
+        unit = 1;
+        break;
+    case 'm':
+        unit = 1024 * 1024;
+        break;
+    case 'g':
+        unit = 1024 * 1024 * 1024;
+        break;
     case 'k':
-    case '\0': break;
-    default: return -1;
+    case '\0':
+        break;
+    default:
+        return -1;
     }
     if (*rest != '\0') ++rest;
     while (isspace((unsigned char)*rest)) ++rest;

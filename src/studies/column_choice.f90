@@ -7,7 +7,7 @@ module spintop_column_choice
     use spintop_sensitivity, only: is_sensitivity, split_name
     use spintop_studies, only: list_studies, study_entry_t
     use spintop_study, only: study_info_t, study_t
-    use spintop_study_column, only: place_of, proof_group, study_column_t
+    use spintop_study_column, only: listed_column_t, place_of, proof_group
     use spintop_text, only: did_you_mean, to_text
     use spintop_uncertainties, only: check_uncertainties
     implicit none
@@ -27,7 +27,7 @@ contains
         logical, intent(in) :: is_whole !! whether the scene is all that the input says: it could be read without errors
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(study_info_t) :: info
-        type(study_column_t), allocatable :: known(:)
+        type(listed_column_t), allocatable :: known(:)
         integer, allocatable :: columns(:)
         integer :: i
 
@@ -85,7 +85,7 @@ contains
     subroutine take_column(study, job, known, i, columns, is_whole, problems)
         class(study_t), intent(in) :: study
         type(job_t), intent(in) :: job
-        type(study_column_t), intent(in) :: known(:) !! all columns of the study
+        type(listed_column_t), intent(in) :: known(:) !! all columns of the study
         integer, intent(in) :: i
         integer, allocatable, intent(inout) :: columns(:)
         logical, intent(in) :: is_whole
@@ -112,7 +112,7 @@ contains
     subroutine take_sensitivity(study, job, known, i, is_whole, problems)
         class(study_t), intent(in) :: study
         type(job_t), target, intent(inout) :: job
-        type(study_column_t), intent(in) :: known(:) !! all columns of the study
+        type(listed_column_t), intent(in) :: known(:) !! all columns of the study
         integer, intent(in) :: i
         logical, intent(in) :: is_whole
         type(problems_t), intent(inout) :: problems
@@ -125,7 +125,7 @@ contains
         place = place_of(known, column)
         if (place == 0) then
             call refuse_unknown(study, known, key, column, problems)
-        else if (.not. study%has_sensitivity(place)) then
+        else if (known(place)%words .or. known(place)%group == proof_group) then
             call problems%add(key, "column '" // column // "' has no derivatives", 'name a column of numbers')
             place = 0
         else if (is_whole) then
@@ -154,7 +154,7 @@ contains
     !> Reports an unknown column: the study that has it, its unit, or a similar name.
     subroutine refuse_unknown(study, known, key, name, problems)
         class(study_t), intent(in) :: study
-        type(study_column_t), intent(in) :: known(:) !! all columns of the study
+        type(listed_column_t), intent(in) :: known(:) !! all columns of the study
         character(*), intent(in) :: key, name
         type(problems_t), intent(inout) :: problems
         type(study_info_t) :: info

@@ -7,7 +7,7 @@ module spintop_study
     use spintop_job, only: job_t
     use spintop_options, only: options_t
     use spintop_problems, only: problems_t
-    use spintop_study_column, only: study_column_t
+    use spintop_study_column, only: listed_column_t
     use spintop_summary, only: summary_t
     implicit none
     private
@@ -56,8 +56,6 @@ module spintop_study
         procedure :: cases
         procedure :: default_columns
         procedure :: unmet_need
-        procedure :: has_sensitivity
-        procedure :: holds_words
         procedure :: complete
         procedure :: remark
         procedure :: forecast
@@ -73,9 +71,9 @@ module spintop_study
 
         !> All columns of its table, in their order.
         function columns_i() result(columns)
-            import :: study_column_t
+            import :: listed_column_t
             implicit none
-            type(study_column_t), allocatable :: columns(:)
+            type(listed_column_t), allocatable :: columns(:)
         end function columns_i
 
         !> Plans a job whose input has been read: axes, case, plan, and data of the study.
@@ -141,24 +139,6 @@ contains
         end associate
         need = ''
     end function unmet_need
-
-    !> Whether a column has derivatives with respect to numbers of the input; none unless the kind overrides this.
-    logical function has_sensitivity(self, place)
-        class(study_t), intent(in) :: self
-        integer, intent(in) :: place !! index of the column in the list of all columns
-        associate (unused => self, also_unused => place)
-        end associate
-        has_sensitivity = .false.
-    end function has_sensitivity
-
-    !> Whether the cells of a column are words, not numbers; those of none are unless the kind overrides this.
-    logical function holds_words(self, place)
-        class(study_t), intent(in) :: self
-        integer, intent(in) :: place !! index of the column in the list of all columns
-        associate (unused => self, also_unused => place)
-        end associate
-        holds_words = .false.
-    end function holds_words
 
     !> Completes a job whose columns are chosen; nothing is left to do unless the kind overrides this.
     subroutine complete(self, job, problems)

@@ -1,12 +1,12 @@
 !> Description of a column, common to all tables.
 !>
-!> A kind of study extends the type by the procedure that gives the value of the column, and by what else it
-!> has to know of it. Its registry has a line per column.
+!> A study whose columns can be chosen extends the type by what gives the value of the column, and by what else it has to
+!> know of it. Its registry has a line per column.
 module spintop_study_column
     use spintop_table_column, only: column_t
     implicit none
     private
-    public :: study_column_t, place_of, proof_group
+    public :: study_column_t, listed_column_t, place_of, proof_group
 
     !> The group of the columns that prove others. `columns = 'all'` leaves it out: bounds cost more than the rest.
     character(*), parameter :: proof_group = 'proof'
@@ -16,6 +16,12 @@ module spintop_study_column
         !> Columns of a group are about the same thing, or are computed together.
         character(12) :: group = ''
     end type study_column_t
+
+    !> A column in the list of all columns of a study.
+    type, extends(study_column_t) :: listed_column_t
+        !> Its cells are words, not numbers.
+        logical :: words = .false.
+    end type listed_column_t
 
 contains
 

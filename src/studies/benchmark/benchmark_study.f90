@@ -2,7 +2,7 @@
 module spintop_benchmark_study
     use spintop_benchmark, only: run_benchmarks
     use spintop_benchmark_cases, only: benchmarks
-    use spintop_benchmark_columns, only: benchmark_column_t, benchmark_columns
+    use spintop_benchmark_columns, only: benchmark_columns
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t, exit_failed, exit_ok
@@ -12,7 +12,7 @@ module spintop_benchmark_study
     use spintop_problems, only: problems_t
     use spintop_scene_words, only: kind_benchmark, study_kinds
     use spintop_study, only: study_info_t, study_t
-    use spintop_study_column, only: study_column_t
+    use spintop_study_column, only: listed_column_t
     use spintop_summary, only: summary_t
     use spintop_text, only: to_text
     implicit none
@@ -27,7 +27,6 @@ module spintop_benchmark_study
     contains
         procedure, nopass :: info
         procedure, nopass :: columns
-        procedure :: holds_words
         procedure :: cases
         procedure :: check
         procedure :: explain
@@ -46,22 +45,9 @@ contains
 
     !> All columns.
     function columns()
-        type(study_column_t), allocatable :: columns(:)
-        type(benchmark_column_t), allocatable :: known(:)
-        allocate (known, source=benchmark_columns())
-        columns = known%study_column_t
+        type(listed_column_t), allocatable :: columns(:)
+        allocate (columns, source=benchmark_columns())
     end function columns
-
-    !> Whether the cells of a column are words.
-    logical function holds_words(self, place)
-        class(benchmark_study_t), intent(in) :: self
-        integer, intent(in) :: place !! index of the column in the list of all columns
-        type(benchmark_column_t), allocatable :: known(:)
-        associate (unused => self)
-        end associate
-        allocate (known, source=benchmark_columns())
-        holds_words = known(place)%words
-    end function holds_words
 
     !> Number of benchmarks.
     integer(int64) function cases(self, job)

@@ -5,7 +5,7 @@ module spintop_fit_study
     use spintop_errors, only: error_t, exit_failed, exit_ok
     use spintop_fit_data, only: measurements_t, read_measurements
     use spintop_fit_model, only: fit_model_t
-    use spintop_fit_table, only: fit_columns, fit_words, residual_path, write_estimates, write_residuals
+    use spintop_fit_table, only: fit_columns, residual_path, write_estimates, write_residuals
     use spintop_fit_warnings, only: find_warnings, warn_of_measurements
     use spintop_body_of_scene, only: is_set
     use spintop_intervals, only: describe_minimum, estimate_t, student_quantile
@@ -22,7 +22,7 @@ module spintop_fit_study
     use spintop_scene_words, only: kind_fit, study_kinds
     use spintop_sensitivity, only: sensitive_key_t, sensitivities_t
     use spintop_study, only: study_info_t, study_t
-    use spintop_study_column, only: study_column_t
+    use spintop_study_column, only: listed_column_t
     use spintop_summary, only: rounded, summary_t
     use spintop_text, only: append, counted, string_t, to_text
     implicit none
@@ -43,7 +43,6 @@ module spintop_fit_study
     contains
         procedure, nopass :: info
         procedure, nopass :: columns
-        procedure :: holds_words
         procedure :: check
         procedure :: explain
         procedure :: run
@@ -60,18 +59,9 @@ contains
 
     !> All columns.
     function columns()
-        type(study_column_t), allocatable :: columns(:)
+        type(listed_column_t), allocatable :: columns(:)
         allocate (columns, source=fit_columns())
     end function columns
-
-    !> Whether the cells of a column are words.
-    logical function holds_words(self, place)
-        class(fit_study_t), intent(in) :: self
-        integer, intent(in) :: place !! index of the column in the list of all columns
-        associate (unused => self)
-        end associate
-        holds_words = place <= fit_words
-    end function holds_words
 
     !> Reads the measurements, and plans the motion up to the last of them.
     subroutine check(self, job, problems, diagnostics)

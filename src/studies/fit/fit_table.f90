@@ -6,7 +6,7 @@ module spintop_fit_table
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
     use spintop_sensitivity, only: sensitive_key_t
-    use spintop_study_column, only: study_column_t
+    use spintop_study_column, only: listed_column_t
     use spintop_study_head, only: study_head
     use spintop_table_column, only: column_t
     use spintop_table_file, only: table_file_t
@@ -14,25 +14,23 @@ module spintop_fit_table
     use spintop_text_buffer, only: text_buffer_t
     implicit none
     private
-    public :: fit_columns, fit_words, write_estimates, write_residuals, residual_path
-
-    !> The first columns hold words: the name of a parameter and its unit.
-    integer, parameter :: fit_words = 2
+    public :: fit_columns, write_estimates, write_residuals, residual_path
 
 contains
 
     !> The columns of the table of parameters, before those of the covariance.
     function fit_columns() result(columns)
-        type(study_column_t), allocatable :: columns(:)
+        type(listed_column_t), allocatable :: columns(:)
         columns = [ &
-            study_column_t('parameter', '', 'sought parameter of the input', 'fit'), &
-            study_column_t('unit', '', 'its unit, which is that of the next five columns', 'fit'), &
-            study_column_t('estimate', '', 'value with the least sum of squares', 'fit'), &
-            study_column_t('standard_error', '', 'standard error of the estimate, by the linear model', 'fit'), &
-            study_column_t('lower', '', 'lower end of the 95 % profile interval', 'fit'), &
-            study_column_t('upper', '', 'upper end of the 95 % profile interval', 'fit'), &
-            study_column_t('start', '', 'value of the input, where the search began', 'fit'), &
-            study_column_t('singular_value', '', 'singular values of the scaled Jacobian, from the largest: one per row', 'fit')]
+            listed_column_t('parameter', '', 'sought parameter of the input', 'fit', words=.true.), &
+            listed_column_t('unit', '', 'its unit, which is that of the next five columns', 'fit', words=.true.), &
+            listed_column_t('estimate', '', 'value with the least sum of squares', 'fit'), &
+            listed_column_t('standard_error', '', 'standard error of the estimate, by the linear model', 'fit'), &
+            listed_column_t('lower', '', 'lower end of the 95 % profile interval', 'fit'), &
+            listed_column_t('upper', '', 'upper end of the 95 % profile interval', 'fit'), &
+            listed_column_t('start', '', 'value of the input, where the search began', 'fit'), &
+            listed_column_t('singular_value', '', 'singular values of the scaled Jacobian, from the largest: one per row', &
+                            'fit')]
     end function fit_columns
 
     !> Path of the table of residuals.
@@ -52,7 +50,7 @@ contains
         character(*), intent(in) :: ending !! how the search ended
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(column_t), allocatable :: columns(:)
-        type(study_column_t), allocatable :: fixed(:)
+        type(listed_column_t), allocatable :: fixed(:)
         type(table_file_t) :: file
         type(text_buffer_t) :: cells
         type(string_t), allocatable :: trailer(:)

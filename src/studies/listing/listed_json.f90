@@ -20,7 +20,7 @@ module spintop_listed_json
     use spintop_stepper, only: method_info_t, stepper_t
     use spintop_studies, only: list_studies, study_entry_t
     use spintop_study, only: study_info_t
-    use spintop_study_column, only: study_column_t
+    use spintop_study_column, only: listed_column_t
     use spintop_suitability, only: can_run
     implicit none
     private
@@ -148,7 +148,7 @@ contains
     subroutine tell_columns(json)
         type(json_t), intent(inout) :: json !! the item is appended
         type(study_entry_t), allocatable :: known(:)
-        type(study_column_t), allocatable :: columns(:)
+        type(listed_column_t), allocatable :: columns(:)
         type(study_info_t) :: info
         integer :: i, k
 
@@ -163,7 +163,7 @@ contains
                 call json%add('name', columns(k)%name)
                 call json%add('group', columns(k)%group)
                 call json%add('unit', columns(k)%unit)
-                call json%add('words', known(i)%study%holds_words(k))
+                call json%add('words', columns(k)%words)
                 call json%add('description', columns(k)%what)
                 call json%close()
             end do

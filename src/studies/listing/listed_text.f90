@@ -17,7 +17,7 @@ module spintop_listed_text
     use spintop_stepper, only: method_info_t
     use spintop_studies, only: list_studies, study_entry_t
     use spintop_study, only: study_info_t
-    use spintop_study_column, only: study_column_t
+    use spintop_study_column, only: listed_column_t
     use spintop_text, only: string_t, join, to_text
     implicit none
     private
@@ -76,7 +76,7 @@ contains
         type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
         type(line_list_t) :: text
         type(study_entry_t), allocatable :: known(:)
-        type(study_column_t), allocatable :: columns(:)
+        type(listed_column_t), allocatable :: columns(:)
         type(study_info_t) :: info
         integer :: i, k
 

@@ -5,13 +5,13 @@ module spintop_precision_study
     use spintop_errors, only: error_t, exit_failed, exit_ok
     use spintop_job, only: job_t
     use spintop_options, only: options_t
-    use spintop_precision_columns, only: precision_column_t, precision_columns
+    use spintop_precision_columns, only: precision_columns
     use spintop_precision_plan, only: make_precision_plan, precision_plan_t, read_reference
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
     use spintop_scene_words, only: kind_precision, study_kinds
     use spintop_study, only: study_info_t, study_t
-    use spintop_study_column, only: study_column_t
+    use spintop_study_column, only: listed_column_t
     use spintop_summary, only: summary_t
     use spintop_text, only: to_text
     use spintop_work_precision, only: problems_of, run_work_precision
@@ -26,7 +26,6 @@ module spintop_precision_study
     contains
         procedure, nopass :: info
         procedure, nopass :: columns
-        procedure :: holds_words
         procedure :: cases
         procedure :: check
         procedure :: explain
@@ -46,22 +45,9 @@ contains
 
     !> All columns.
     function columns()
-        type(study_column_t), allocatable :: columns(:)
-        type(precision_column_t), allocatable :: known(:)
-        allocate (known, source=precision_columns())
-        columns = known%study_column_t
+        type(listed_column_t), allocatable :: columns(:)
+        allocate (columns, source=precision_columns())
     end function columns
-
-    !> Whether the cells of a column are words.
-    logical function holds_words(self, place)
-        class(precision_study_t), intent(in) :: self
-        integer, intent(in) :: place !! index of the column in the list of all columns
-        type(precision_column_t), allocatable :: known(:)
-        associate (unused => self)
-        end associate
-        allocate (known, source=precision_columns())
-        holds_words = known(place)%words
-    end function holds_words
 
     !> Number of problems.
     integer(int64) function cases(self, job)

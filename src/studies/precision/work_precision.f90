@@ -14,7 +14,7 @@ module spintop_work_precision
     use spintop_options, only: options_t
     use spintop_plain_text, only: escaped
     use spintop_plan, only: plan_t, make_plan
-    use spintop_precision_columns, only: precision_column_t, precision_columns, precision_view_t
+    use spintop_precision_columns, only: precision_columns, precision_view_t, put_row
     use spintop_precision_plan, only: precision_plan_t, set_setting
     use spintop_precision_summary, only: auto_tally_t, summarize_problem
     use spintop_precision_table, only: mark_front, precision_row_t, sort_rows
@@ -24,6 +24,7 @@ module spintop_work_precision
     use spintop_scene, only: scene_t
     use spintop_shard, only: shard_t
     use spintop_status, only: status_meaning, status_ok
+    use spintop_study_column, only: listed_column_t
     use spintop_study_head, only: study_head
     use spintop_summary, only: summary_t, rounded
     use spintop_sweep_axes, only: swept_scene_t
@@ -116,7 +117,7 @@ contains
         type(shard_t), intent(in) :: shard
         type(table_file_t), intent(inout) :: file
         type(error_t), allocatable, intent(out) :: error
-        type(precision_column_t), allocatable :: columns(:)
+        type(listed_column_t), allocatable :: columns(:)
         integer :: i
 
         allocate (columns, source=precision_columns())
@@ -198,21 +199,6 @@ contains
         end subroutine give_up
 
     end subroutine run_problem
-
-    !> Adds the row that is looked at, and the values of the swept parameters.
-    subroutine put_row(view, values, text)
-        type(precision_view_t), intent(in) :: view
-        real(dp), intent(in) :: values(:)
-        type(text_buffer_t), intent(inout) :: text
-        type(precision_column_t), allocatable :: columns(:)
-        integer :: i
-        allocate (columns, source=precision_columns())
-        do i = 1, size(columns)
-            call columns(i)%put(view, text)
-        end do
-        call text%put_reals(values)
-        call text%end_row()
-    end subroutine put_row
 
     !> The reference of a case.
     subroutine take_reference(study, scene, case, reference, status)

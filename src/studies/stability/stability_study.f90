@@ -9,10 +9,10 @@ module spintop_stability_study
     use spintop_scene, only: scene_t
     use spintop_scene_words, only: kind_stability, study_kinds
     use spintop_stability, only: run_stability
-    use spintop_stability_columns, only: stability_column_t, stability_columns
+    use spintop_stability_columns, only: stability_columns
     use spintop_stability_plan, only: make_stability_plan, stability_plan_t
     use spintop_study, only: study_info_t, study_t
-    use spintop_study_column, only: study_column_t
+    use spintop_study_column, only: listed_column_t
     use spintop_summary, only: summary_t
     use spintop_text, only: to_text
     implicit none
@@ -26,7 +26,6 @@ module spintop_stability_study
     contains
         procedure, nopass :: info
         procedure, nopass :: columns
-        procedure :: holds_words
         procedure :: cases
         procedure :: check
         procedure :: explain
@@ -45,22 +44,9 @@ contains
 
     !> All columns.
     function columns()
-        type(study_column_t), allocatable :: columns(:)
-        type(stability_column_t), allocatable :: known(:)
-        allocate (known, source=stability_columns())
-        columns = known%study_column_t
+        type(listed_column_t), allocatable :: columns(:)
+        allocate (columns, source=stability_columns())
     end function columns
-
-    !> Whether the cells of a column are words.
-    logical function holds_words(self, place)
-        class(stability_study_t), intent(in) :: self
-        integer, intent(in) :: place !! index of the column in the list of all columns
-        type(stability_column_t), allocatable :: known(:)
-        associate (unused => self)
-        end associate
-        allocate (known, source=stability_columns())
-        holds_words = known(place)%words
-    end function holds_words
 
     !> Number of cases.
     integer(int64) function cases(self, job)

@@ -22,7 +22,7 @@ module spintop_sweep_study
     use spintop_statistics_choice, only: choose_statistics
     use spintop_status, only: code_of, is_good_end, last_status, status_meaning, status_name, status_ok
     use spintop_study, only: study_info_t, study_t
-    use spintop_study_column, only: proof_group, study_column_t
+    use spintop_study_column, only: listed_column_t
     use spintop_summary, only: rounded, summary_t
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_columns, only: sweep_columns, sweep_work_t, work_for
@@ -42,12 +42,10 @@ module spintop_sweep_study
     contains
         procedure, nopass :: info
         procedure, nopass :: columns
-        procedure :: holds_words
         procedure :: check
         procedure :: explain
         procedure :: run
         procedure :: default_columns
-        procedure :: has_sensitivity
         procedure :: complete
         procedure :: remark
         procedure :: forecast
@@ -67,22 +65,13 @@ contains
 
     !> All quantities.
     function columns()
-        type(study_column_t), allocatable :: columns(:)
+        type(listed_column_t), allocatable :: columns(:)
         type(sweep_column_t), allocatable :: known(:)
         allocate (known, source=sweep_columns())
-        columns = known%study_column_t
+        allocate (columns(size(known)))
+        columns%study_column_t = known%study_column_t
+        columns%words = known%is_class .or. known%is_proof
     end function columns
-
-    !> Whether the cells of a column are words.
-    logical function holds_words(self, place)
-        class(sweep_study_t), intent(in) :: self
-        integer, intent(in) :: place !! index of the column in the list of all columns
-        type(sweep_column_t), allocatable :: known(:)
-        associate (unused => self)
-        end associate
-        allocate (known, source=sweep_columns())
-        holds_words = known(place)%is_class .or. known(place)%is_proof
-    end function holds_words
 
     !> Plans the first case; the others are made during the run.
     subroutine check(self, job, problems, diagnostics)
@@ -99,17 +88,6 @@ contains
         call job%make_first_case(first, problems, planned=.true.)
         call job%warn_of_bodies(problems)
     end subroutine check
-
-    !> Numbers have derivatives, words do not.
-    logical function has_sensitivity(self, place)
-        class(sweep_study_t), intent(in) :: self
-        integer, intent(in) :: place !! index of the column in the list of all columns
-        type(sweep_column_t), allocatable :: known(:)
-        associate (unused => self)
-        end associate
-        allocate (known, source=sweep_columns())
-        has_sensitivity = .not. known(place)%is_class .and. known(place)%group /= proof_group
-    end function has_sensitivity
 
     !> Number of cases.
     function explain(self, job) result(phrase)

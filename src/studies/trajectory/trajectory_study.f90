@@ -10,7 +10,7 @@ module spintop_trajectory_study
     use spintop_scene_words, only: kind_trajectory, study_kinds
     use spintop_status, only: code_of
     use spintop_study, only: study_info_t, study_t
-    use spintop_study_column, only: proof_group, study_column_t
+    use spintop_study_column, only: listed_column_t
     use spintop_summary, only: summary_t
     use spintop_text, only: to_text
     use spintop_trajectory, only: run_trajectory
@@ -25,13 +25,11 @@ module spintop_trajectory_study
     contains
         procedure, nopass :: info
         procedure, nopass :: columns
-        procedure :: holds_words
         procedure :: check
         procedure :: explain
         procedure :: run
         procedure :: default_columns
         procedure :: unmet_need
-        procedure :: has_sensitivity
     end type trajectory_study_t
 
 contains
@@ -46,22 +44,13 @@ contains
 
     !> All columns.
     function columns()
-        type(study_column_t), allocatable :: columns(:)
+        type(listed_column_t), allocatable :: columns(:)
         type(trajectory_column_t), allocatable :: known(:)
         allocate (known, source=trajectory_columns())
-        columns = known%study_column_t
+        allocate (columns(size(known)))
+        columns%study_column_t = known%study_column_t
+        columns%words = known%is_proof
     end function columns
-
-    !> Whether the cells of a column are words.
-    logical function holds_words(self, place)
-        class(trajectory_study_t), intent(in) :: self
-        integer, intent(in) :: place !! index of the column in the list of all columns
-        type(trajectory_column_t), allocatable :: known(:)
-        associate (unused => self)
-        end associate
-        allocate (known, source=trajectory_columns())
-        holds_words = known(place)%is_proof
-    end function holds_words
 
     !> Plans the motion.
     subroutine check(self, job, problems, diagnostics)
@@ -113,17 +102,6 @@ contains
         places = pack([(i, i=1, size(known))], known%is_default)
         places = pack(places, [(self%unmet_need(case, places(i)) == '', i=1, size(places))])
     end function default_columns
-
-    !> Bounds and what is proved have no derivatives.
-    logical function has_sensitivity(self, place)
-        class(trajectory_study_t), intent(in) :: self
-        integer, intent(in) :: place !! index of the column in the list of all columns
-        type(trajectory_column_t), allocatable :: known(:)
-        associate (unused => self)
-        end associate
-        allocate (known, source=trajectory_columns())
-        has_sensitivity = known(place)%group /= proof_group
-    end function has_sensitivity
 
     !> Columns that compare with the exact solution require that it exists, those of work that there are effects.
     function unmet_need(self, case, place) result(need)

@@ -38,9 +38,8 @@ module spintop_motion_view
         type(exact_motion_t), allocatable, private :: oracle
         type(conditioning_t), allocatable, private :: conditioning
         !> What was computed of this motion when a column asked for it.
-        logical, private :: has_energies = .false., has_force = .false., has_residuals = .false., has_exact = .false.
-        real(dp), private :: known_energies(2) = 0, known_force(3) = 0, known_residuals(3) = 0
-        type(motion_t), private :: known_exact
+        logical, private :: has_energies = .false., has_force = .false.
+        real(dp), private :: known_energies(2) = 0, known_force(3) = 0
     contains
         procedure :: set
         procedure :: look
@@ -108,8 +107,6 @@ contains
         self%near = self%motion%angle
         self%has_energies = .false.
         self%has_force = .false.
-        self%has_residuals = .false.
-        self%has_exact = .false.
     end subroutine forget
 
     !> Carries what the next motions take from those before.
@@ -197,12 +194,10 @@ contains
     end function accelerometer
 
     !> The residuals of Euler's equations, N m.
-    function residuals(self)
-        class(motion_view_t), intent(inout) :: self
+    pure function residuals(self)
+        class(motion_view_t), intent(in) :: self
         real(dp) :: residuals(3)
-        if (.not. self%has_residuals) self%known_residuals = euler_residuals(self%body, self%motion)
-        self%has_residuals = .true.
-        residuals = self%known_residuals
+        residuals = euler_residuals(self%body, self%motion)
     end function residuals
 
     !> The exact motion at the same time, in the axes of the computation. The body must have one.
@@ -213,9 +208,7 @@ contains
             allocate (self%oracle)
             call prepare_exact_motion(self%case%body, self%case%start, self%oracle, status)
         end if
-        if (.not. self%has_exact) self%known_exact = self%oracle%at(self%computed%t)
-        self%has_exact = .true.
-        exact = self%known_exact
+        exact = self%oracle%at(self%computed%t)
     end function exact
 
     !> The error of the attitude due to rounding of the data, rad. The body must have an exact motion.

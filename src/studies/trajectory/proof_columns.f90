@@ -1,11 +1,11 @@
 !> The columns of a trajectory table that prove its numbers: upper bounds of their errors (spintop_certificate).
 module spintop_proof_columns
-    use spintop_certificate, only: proof_of_orientation, proof_of_phi, proof_of_psi, proof_of_q0, proof_of_q1, &
+    use spintop_certificate, only: proof_count, proof_of_orientation, proof_of_phi, proof_of_psi, proof_of_q0, proof_of_q1, &
         proof_of_q2, proof_of_q3, proof_of_theta
     use spintop_kinds, only: dp
     use spintop_motion_view, only: motion_view_t
     use spintop_study_column, only: proof_group
-    use spintop_trajectory_column, only: trajectory_column_t
+    use spintop_trajectory_column, only: longest, trajectory_column_t
     implicit none
     private
     public :: proof_columns
@@ -17,70 +17,38 @@ contains
         type(trajectory_column_t), allocatable :: columns(:)
         columns = [ &
             trajectory_column_t('q0_bound', '', 'upper bound of the error of q0, proved', &
-                                proof_group, value_of_q0_bound, bounds=proof_of_q0), &
+                                proof_group, put_bounds, proof_of_q0), &
             trajectory_column_t('q1_bound', '', 'upper bound of the error of q1, proved', &
-                                proof_group, value_of_q1_bound, bounds=proof_of_q1), &
+                                proof_group, put_bounds, proof_of_q1), &
             trajectory_column_t('q2_bound', '', 'upper bound of the error of q2, proved', &
-                                proof_group, value_of_q2_bound, bounds=proof_of_q2), &
+                                proof_group, put_bounds, proof_of_q2), &
             trajectory_column_t('q3_bound', '', 'upper bound of the error of q3, proved', &
-                                proof_group, value_of_q3_bound, bounds=proof_of_q3), &
+                                proof_group, put_bounds, proof_of_q3), &
             trajectory_column_t('theta_bound', 'rad', 'upper bound of the error of theta, proved', &
-                                proof_group, value_of_theta_bound, bounds=proof_of_theta), &
+                                proof_group, put_bounds, proof_of_theta), &
             trajectory_column_t('phi_bound', 'rad', 'upper bound of the error of phi, proved', &
-                                proof_group, value_of_phi_bound, bounds=proof_of_phi), &
+                                proof_group, put_bounds, proof_of_phi), &
             trajectory_column_t('psi_bound', 'rad', 'upper bound of the error of psi, proved', &
-                                proof_group, value_of_psi_bound, bounds=proof_of_psi), &
+                                proof_group, put_bounds, proof_of_psi), &
             trajectory_column_t('orientation_bound', 'rad', &
                                 'upper bound of the rotation angle from the true attitude, proved', &
-                                proof_group, value_of_orientation_bound, bounds=proof_of_orientation), &
+                                proof_group, put_bounds, proof_of_orientation), &
             trajectory_column_t('proof', '', 'proved, or unproved if a bound of the row is infinite', &
-                                proof_group, value_of_proof, is_proof=.true.)]
+                                proof_group, put_proof, 1, is_proof=.true.)]
     end function proof_columns
 
-    real(dp) function value_of_q0_bound(now) result(value)
+    !> One for each quantity (spintop_certificate).
+    subroutine put_bounds(now, vector)
         type(motion_view_t), intent(inout) :: now
-        value = now%proof%bounds(proof_of_q0)
-    end function value_of_q0_bound
-
-    real(dp) function value_of_q1_bound(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        value = now%proof%bounds(proof_of_q1)
-    end function value_of_q1_bound
-
-    real(dp) function value_of_q2_bound(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        value = now%proof%bounds(proof_of_q2)
-    end function value_of_q2_bound
-
-    real(dp) function value_of_q3_bound(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        value = now%proof%bounds(proof_of_q3)
-    end function value_of_q3_bound
-
-    real(dp) function value_of_theta_bound(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        value = now%proof%bounds(proof_of_theta)
-    end function value_of_theta_bound
-
-    real(dp) function value_of_phi_bound(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        value = now%proof%bounds(proof_of_phi)
-    end function value_of_phi_bound
-
-    real(dp) function value_of_psi_bound(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        value = now%proof%bounds(proof_of_psi)
-    end function value_of_psi_bound
-
-    real(dp) function value_of_orientation_bound(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        value = now%proof%bounds(proof_of_orientation)
-    end function value_of_orientation_bound
+        real(dp), intent(inout) :: vector(longest)
+        vector(:proof_count) = now%proof%bounds
+    end subroutine put_bounds
 
     !> 1 where all bounds of the row are proved, else 0.
-    real(dp) function value_of_proof(now) result(value)
+    subroutine put_proof(now, vector)
         type(motion_view_t), intent(inout) :: now
-        value = merge(1, 0, now%proof%is_proved())
-    end function value_of_proof
+        real(dp), intent(inout) :: vector(longest)
+        vector(1) = merge(1, 0, now%proof%is_proved())
+    end subroutine put_proof
 
 end module spintop_proof_columns

@@ -11,8 +11,9 @@ module spintop_row_maker
     use spintop_motion_view, only: motion_view_t
     use spintop_row_proof, only: wanted_proofs
     use spintop_scene, only: scene_t
+    use spintop_study_column, only: proof_group
     use spintop_text_buffer, only: text_buffer_t
-    use spintop_trajectory_column, only: angle_group, trajectory_column_t
+    use spintop_trajectory_column, only: angle_group, longest, trajectory_column_t
     use spintop_uncertainties, only: data_radii
     implicit none
     private
@@ -22,6 +23,9 @@ module spintop_row_maker
     type :: row_maker_t
         private
         type(trajectory_column_t), allocatable :: columns(:)
+        !> The vectors of which the columns are components, and for each column the index of the first one with the same vector.
+        real(dp), allocatable :: vectors(:, :)
+        integer, allocatable :: source(:)
         type(motion_view_t) :: view
         !> Whether the angles and their rates are enough for all columns.
         logical :: needs_angles_only = .false.
@@ -35,6 +39,7 @@ module spintop_row_maker
         procedure :: put
         procedure :: proof_summary
         procedure :: close
+        procedure, private :: find_values
     end type row_maker_t
 
 contains
@@ -46,8 +51,17 @@ contains
         type(trajectory_column_t), intent(in) :: columns(:) !! the columns
         type(case_t), intent(in) :: case !! body, start and span
         type(scene_t), intent(in), optional :: scene !! contents of the input, if numbers may be proved
+        integer :: i, k
         call self%close()
         self%columns = columns
+        self%source = [(i, i=1, size(columns))]
+        do i = 1, size(columns)
+            do k = i - 1, 1, -1
+                if (associated(columns(k)%put_vector, columns(i)%put_vector)) self%source(i) = k
+            end do
+        end do
+        if (allocated(self%vectors)) deallocate (self%vectors)
+        allocate (self%vectors(longest, size(columns)), source=0.0_dp)
         call self%view%set(case)
         self%needs_angles_only = .not. case%turn%is_turned() .and. all(columns%group == angle_group)
         if (.not. present(scene)) return
@@ -63,12 +77,9 @@ contains
         logical, intent(in), optional :: as_computed !! whether the start, too, is told as it was computed
         real(dp), intent(in), optional :: work(works) !! of effects, J; that of the last motion if it is not given
         real(dp) :: values(size(self%columns))
-        integer :: i
         if (present(work)) self%view%work = work
         call self%view%look(computed, as_computed)
-        do i = 1, size(self%columns)
-            values(i) = self%columns(i)%value(self%view)
-        end do
+        call self%find_values(values)
     end function row
 
     !> Whether the angles and their rates at an instant are enough for a row, which `put_exact_row` then gives: no turns are
@@ -86,13 +97,21 @@ contains
         real(dp), intent(in) :: t !! time, s
         real(dp), intent(out) :: values(:) !! the row, one value per column
         real(dp) :: angle(3), rate(3)
-        integer :: i
         call exact%find_angles(t, angle, rate)
         call self%view%look_at_angles(t, angle, rate)
-        do i = 1, size(self%columns)
-            values(i) = self%columns(i)%value(self%view)
-        end do
+        call self%find_values(values)
     end subroutine put_exact_row
+
+    !> The values of the columns for the motion that is looked at. A vector is computed once for all of its columns.
+    subroutine find_values(self, values)
+        class(row_maker_t), intent(inout) :: self
+        real(dp), intent(out) :: values(:)
+        integer :: i
+        do i = 1, size(self%columns)
+            if (self%source(i) == i) call self%columns(i)%put_vector(self%view, self%vectors(:, i))
+            values(i) = self%vectors(self%columns(i)%component, self%source(i))
+        end do
+    end subroutine find_values
 
     !> Whether the last row, given, is finite, but for bounds and for what does not exist at a pole.
     pure logical function is_defined(self, values)
@@ -104,7 +123,7 @@ contains
         if (is_defined) return
         at_pole = abs(sin(self%view%near(2))) <= 4 * epsilon(1.0_dp)
         do i = 1, size(values)
-            if (is_finite(values(i)) .or. self%columns(i)%bounds > 0) cycle
+            if (is_finite(values(i)) .or. self%columns(i)%group == proof_group) cycle
             if (.not. (at_pole .and. self%columns(i)%ends_at_poles)) return
         end do
         is_defined = .true.

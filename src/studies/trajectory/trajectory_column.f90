@@ -1,21 +1,27 @@
-!> A column of a trajectory table: its description, and the procedure that gives its value.
+!> A column of a trajectory table: its description, and the procedure that gives a vector with its value.
 module spintop_trajectory_column
+    use spintop_certificate, only: proof_count
     use spintop_kinds, only: dp
+    use spintop_loads, only: works
     use spintop_motion_view, only: motion_view_t
     use spintop_study_column, only: study_column_t
     implicit none
     private
-    public :: trajectory_column_t, angle_group
+    public :: trajectory_column_t, angle_group, longest
 
     !> The group of the columns of the time, the angles and their rates, which need nothing else of a motion.
     character(*), parameter :: angle_group = 'angles'
     !> Groups of columns that need no angles nor their rates.
     character(*), parameter :: groups_free_of_angles(*) = [character(8) :: 'rates', 'attitude', 'energy', 'momenta']
 
+    !> Number of components of the longest vector of which columns are components.
+    integer, parameter :: longest = max(proof_count, works + 1)
+
     !> A column of a trajectory.
     type, extends(study_column_t) :: trajectory_column_t
-        !> Gives the value of the column.
-        procedure(value_i), pointer, nopass :: value => null()
+        !> Gives a vector, and the component of it that is the value of the column.
+        procedure(put_i), pointer, nopass :: put_vector => null()
+        integer :: component = 1
         !> It is in the table when the input names no columns.
         logical :: is_default = .false.
         !> It compares with the exact motion.
@@ -28,21 +34,21 @@ module spintop_trajectory_column
         logical :: varies_near_poles = .false.
         !> At a pole it does not exist.
         logical :: ends_at_poles = .false.
-        !> The quantity whose bound it is (spintop_certificate); 0 for other columns.
-        integer :: bounds = 0
         !> Its cells are words: `unproved` and `proved` for the values 0 and 1.
         logical :: is_proof = .false.
     contains
         procedure :: is_free_of_angles
+        procedure :: value
     end type trajectory_column_t
 
     abstract interface
-        !> The value of a column for the motion that is looked at.
-        real(dp) function value_i(now)
-            import :: dp, motion_view_t
+        !> The components of a vector for the motion that is looked at; those that it does not have are left as they were.
+        subroutine put_i(now, vector)
+            import :: dp, longest, motion_view_t
             implicit none
             type(motion_view_t), intent(inout) :: now
-        end function value_i
+            real(dp), intent(inout) :: vector(longest)
+        end subroutine put_i
     end interface
 
 contains
@@ -52,5 +58,14 @@ contains
         class(trajectory_column_t), intent(in) :: self
         is_free_of_angles = any(groups_free_of_angles == self%group)
     end function is_free_of_angles
+
+    !> The value of the column for the motion that is looked at.
+    real(dp) function value(self, now)
+        class(trajectory_column_t), intent(in) :: self
+        type(motion_view_t), intent(inout) :: now !! the motion
+        real(dp) :: vector(longest)
+        call self%put_vector(now, vector)
+        value = vector(self%component)
+    end function value
 
 end module spintop_trajectory_column

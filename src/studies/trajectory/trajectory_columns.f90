@@ -1,5 +1,5 @@
-!> The columns of a trajectory table: a line of the registry and a procedure each. The help, the choice of
-!> columns, the units in the header and the rows derive from it.
+!> The columns of a trajectory table: a line of the registry each, with a procedure that gives a vector, of which the column is
+!> a component. The help, the choice of columns, the units in the header and the rows derive from it.
 module spintop_trajectory_columns
     use spintop_accelerometer_columns, only: accelerometer_columns
     use spintop_attitude, only: rotation_angle, to_space, vertical_from_quaternion
@@ -10,7 +10,7 @@ module spintop_trajectory_columns
         vertical_momentum
     use spintop_proof_columns, only: proof_columns
     use spintop_study_column, only: place_of, proof_group
-    use spintop_trajectory_column, only: angle_group, trajectory_column_t
+    use spintop_trajectory_column, only: angle_group, longest, trajectory_column_t
     use spintop_work_columns, only: work_columns
     implicit none
     private
@@ -22,81 +22,81 @@ contains
     function trajectory_columns() result(columns)
         type(trajectory_column_t), allocatable :: columns(:)
         columns = [ &
-            trajectory_column_t('t', 's', 'time', angle_group, value_of_t, &
+            trajectory_column_t('t', 's', 'time', angle_group, put_time, 1, &
                                 is_default=.true., varies_near_poles=.true.), &
-            trajectory_column_t('phi', 'rad', 'precession angle, continuous', angle_group, value_of_phi, &
+            trajectory_column_t('phi', 'rad', 'precession angle, continuous', angle_group, put_angles, 1, &
                                 is_default=.true., varies_near_poles=.true.), &
-            trajectory_column_t('theta', 'rad', 'inclination of body z to the vertical', angle_group, value_of_theta, &
+            trajectory_column_t('theta', 'rad', 'inclination of body z to the vertical', angle_group, put_angles, 2, &
                                 is_default=.true., varies_near_poles=.true.), &
-            trajectory_column_t('psi', 'rad', 'spin angle, continuous', angle_group, value_of_psi, &
+            trajectory_column_t('psi', 'rad', 'spin angle, continuous', angle_group, put_angles, 3, &
                                 is_default=.true., varies_near_poles=.true.), &
-            trajectory_column_t('phi_rate', 'rad/s', 'precession rate', angle_group, value_of_phi_rate, &
+            trajectory_column_t('phi_rate', 'rad/s', 'precession rate', angle_group, put_rates, 1, &
                                 is_default=.true., varies_near_poles=.true., ends_at_poles=.true.), &
-            trajectory_column_t('theta_rate', 'rad/s', 'nutation rate', angle_group, value_of_theta_rate, &
+            trajectory_column_t('theta_rate', 'rad/s', 'nutation rate', angle_group, put_rates, 2, &
                                 is_default=.true., varies_near_poles=.true.), &
-            trajectory_column_t('psi_rate', 'rad/s', 'spin rate', angle_group, value_of_psi_rate, &
+            trajectory_column_t('psi_rate', 'rad/s', 'spin rate', angle_group, put_rates, 3, &
                                 is_default=.true., varies_near_poles=.true., ends_at_poles=.true.), &
-            trajectory_column_t('omega1', 'rad/s', 'angular velocity about body x', 'rates', value_of_omega1), &
-            trajectory_column_t('omega2', 'rad/s', 'angular velocity about body y', 'rates', value_of_omega2), &
-            trajectory_column_t('omega3', 'rad/s', 'angular velocity about body z', 'rates', value_of_omega3), &
-            trajectory_column_t('q0', '', 'attitude quaternion, scalar part', 'attitude', value_of_q0), &
-            trajectory_column_t('q1', '', 'attitude quaternion, x', 'attitude', value_of_q1), &
-            trajectory_column_t('q2', '', 'attitude quaternion, y', 'attitude', value_of_q2), &
-            trajectory_column_t('q3', '', 'attitude quaternion, z', 'attitude', value_of_q3), &
-            trajectory_column_t('gamma1', '', 'upward vertical in body axes, x', 'attitude', value_of_gamma1), &
-            trajectory_column_t('gamma2', '', 'upward vertical in body axes, y', 'attitude', value_of_gamma2), &
-            trajectory_column_t('gamma3', '', 'upward vertical in body axes, z', 'attitude', value_of_gamma3), &
-            trajectory_column_t('axis_x', '', 'body z in space axes, x', 'attitude', value_of_axis_x), &
-            trajectory_column_t('axis_y', '', 'body z in space axes, y', 'attitude', value_of_axis_y), &
-            trajectory_column_t('axis_z', '', 'body z in space axes, z', 'attitude', value_of_axis_z), &
-            trajectory_column_t('com_x', 'm', 'centre of mass in space axes, x', 'attitude', value_of_com_x, &
+            trajectory_column_t('omega1', 'rad/s', 'angular velocity about body x', 'rates', put_omega, 1), &
+            trajectory_column_t('omega2', 'rad/s', 'angular velocity about body y', 'rates', put_omega, 2), &
+            trajectory_column_t('omega3', 'rad/s', 'angular velocity about body z', 'rates', put_omega, 3), &
+            trajectory_column_t('q0', '', 'attitude quaternion, scalar part', 'attitude', put_quaternion, 1), &
+            trajectory_column_t('q1', '', 'attitude quaternion, x', 'attitude', put_quaternion, 2), &
+            trajectory_column_t('q2', '', 'attitude quaternion, y', 'attitude', put_quaternion, 3), &
+            trajectory_column_t('q3', '', 'attitude quaternion, z', 'attitude', put_quaternion, 4), &
+            trajectory_column_t('gamma1', '', 'upward vertical in body axes, x', 'attitude', put_vertical, 1), &
+            trajectory_column_t('gamma2', '', 'upward vertical in body axes, y', 'attitude', put_vertical, 2), &
+            trajectory_column_t('gamma3', '', 'upward vertical in body axes, z', 'attitude', put_vertical, 3), &
+            trajectory_column_t('axis_x', '', 'body z in space axes, x', 'attitude', put_axis, 1), &
+            trajectory_column_t('axis_y', '', 'body z in space axes, y', 'attitude', put_axis, 2), &
+            trajectory_column_t('axis_z', '', 'body z in space axes, z', 'attitude', put_axis, 3), &
+            trajectory_column_t('com_x', 'm', 'centre of mass in space axes, x', 'attitude', put_centre, 1, &
                                 is_default=.true.), &
-            trajectory_column_t('com_y', 'm', 'centre of mass in space axes, y', 'attitude', value_of_com_y, &
+            trajectory_column_t('com_y', 'm', 'centre of mass in space axes, y', 'attitude', put_centre, 2, &
                                 is_default=.true.), &
             trajectory_column_t('com_z', 'm', 'centre of mass in space axes, z (height above the pivot)', &
-                                'attitude', value_of_com_z, is_default=.true.), &
-            trajectory_column_t('kinetic', 'J', 'kinetic energy', 'energy', value_of_kinetic, is_default=.true.), &
+                                'attitude', put_centre, 3, is_default=.true.), &
+            trajectory_column_t('kinetic', 'J', 'kinetic energy', 'energy', put_energies, 1, is_default=.true.), &
             trajectory_column_t('potential', 'J', 'potential energy above the height of the pivot, with -O.IO/2 - O.h &
                                 &where the Earth turns (O its rate, h of a rotor)', &
-                                'energy', value_of_potential, is_default=.true.), &
-            trajectory_column_t('energy', 'J', 'total energy', 'energy', value_of_energy, is_default=.true.), &
+                                'energy', put_energies, 2, is_default=.true.), &
+            trajectory_column_t('energy', 'J', 'total energy', 'energy', put_energies, 3, is_default=.true.), &
             trajectory_column_t('energy_error', '', &
                                 'change of energy since the start over (kinetic at start + m g |r|)', &
-                                'energy', value_of_energy_error, needs_work=.true.), &
-            trajectory_column_t('lz', 'J s', 'angular momentum about the vertical', 'momenta', value_of_lz), &
-            trajectory_column_t('l3', 'J s', 'angular momentum about body z', 'momenta', value_of_l3), &
+                                'energy', put_energy_error, 1, needs_work=.true.), &
+            trajectory_column_t('lz', 'J s', 'angular momentum about the vertical', 'momenta', put_momenta, 1), &
+            trajectory_column_t('l3', 'J s', 'angular momentum about body z', 'momenta', put_momenta, 2), &
             trajectory_column_t('R1', 'N m', "residual of Euler's first equation (Eq 51)", &
-                                'residuals', value_of_R1, is_default=.true.), &
+                                'residuals', put_residuals, 1, is_default=.true.), &
             trajectory_column_t('R2', 'N m', "residual of Euler's second equation (Eq 51)", &
-                                'residuals', value_of_R2, is_default=.true.), &
-            trajectory_column_t('R3', 'J s', 'change of Lz since the start (Eq 51)', 'residuals', value_of_R3, &
+                                'residuals', put_residuals, 2, is_default=.true.), &
+            trajectory_column_t('R3', 'J s', 'change of Lz since the start (Eq 51)', 'residuals', put_changes, 1, &
                                 is_default=.true.), &
-            trajectory_column_t('R4', 'J', 'change of energy since the start (Eq 51)', 'residuals', value_of_R4, &
+            trajectory_column_t('R4', 'J', 'change of energy since the start (Eq 51)', 'residuals', put_changes, 2, &
                                 is_default=.true.), &
-            trajectory_column_t('force_x', 'N', 'support force on the body, x', 'force', value_of_force_x, &
+            trajectory_column_t('force_x', 'N', 'support force on the body, x', 'force', put_force, 1, &
                                 is_default=.true., varies_near_poles=.true.), &
-            trajectory_column_t('force_y', 'N', 'support force on the body, y', 'force', value_of_force_y, &
+            trajectory_column_t('force_y', 'N', 'support force on the body, y', 'force', put_force, 2, &
                                 is_default=.true., varies_near_poles=.true.), &
-            trajectory_column_t('force_z', 'N', 'support force on the body, z', 'force', value_of_force_z, &
+            trajectory_column_t('force_z', 'N', 'support force on the body, z', 'force', put_force, 3, &
                                 is_default=.true., varies_near_poles=.true.), &
             trajectory_column_t('force_r', 'N', 'support force away from the vertical, in the plane of the axis', &
-                                'force', value_of_force_r, varies_near_poles=.true.), &
+                                'force', put_force_beside_axis, 1, varies_near_poles=.true.), &
             trajectory_column_t('force_n', 'N', 'support force along the line of nodes', &
-                                'force', value_of_force_n, varies_near_poles=.true.), &
+                                'force', put_force_beside_axis, 2, varies_near_poles=.true.), &
             trajectory_column_t('orientation_error', 'rad', 'rotation angle from the exact attitude', &
-                                'errors', value_of_orientation_error, is_default=.true., needs_exact_motion=.true.), &
+                                'errors', put_errors, 1, is_default=.true., needs_exact_motion=.true.), &
             trajectory_column_t('tip_error', '', 'distance of the axis tip from the exact one', &
-                                'errors', value_of_tip_error, needs_exact_motion=.true.), &
+                                'errors', put_errors, 2, needs_exact_motion=.true.), &
             trajectory_column_t('inherent_error', 'rad', 'error of the attitude due to rounding of the data', &
-                                'errors', value_of_inherent_error, is_default=.true., needs_exact_motion=.true.), &
+                                'errors', put_inherent_error, 1, is_default=.true., needs_exact_motion=.true.), &
             trajectory_column_t('norm_error', '', 'norm error abs(q) - 1 of the computed quaternion', &
-                                'errors', value_of_norm_error), &
+                                'errors', put_norm_error, 1), &
             trajectory_column_t('axis_z_rate', '1/s', 'rate of axis_z, zero at the turning points of theta', &
-                                'attitude', value_of_axis_z_rate), &
+                                'attitude', put_axis_z_rate, 1), &
             trajectory_column_t('kovalevskaya', '1/s^4', 'Kovalevskaya integral; constant for I1 = I2 = 2 I3 and ' // &
-                                'centre of mass in body x y', 'momenta', value_of_kovalevskaya), &
+                                'centre of mass in body x y', 'momenta', put_kovalevskaya, 1), &
             trajectory_column_t('goryachev', '1/s^3', 'integral of Goryachev and Chaplygin; constant for I1 = I2 = 4 I3, ' // &
-                                'Lz = 0 and centre of mass in body x y', 'momenta', value_of_goryachev), &
+                                'Lz = 0 and centre of mass in body x y', 'momenta', put_goryachev, 1), &
             accelerometer_columns(), work_columns(), proof_columns()]
     end function trajectory_columns
 
@@ -114,273 +114,147 @@ contains
         if (found) column = columns(place)
     end subroutine find_trajectory_column
 
-    real(dp) function value_of_t(now) result(value)
+    subroutine put_time(now, vector)
         type(motion_view_t), intent(inout) :: now
-        value = now%motion%t
-    end function value_of_t
+        real(dp), intent(inout) :: vector(longest)
+        vector(1) = now%motion%t
+    end subroutine put_time
 
-    real(dp) function value_of_phi(now) result(value)
+    subroutine put_angles(now, vector)
         type(motion_view_t), intent(inout) :: now
-        value = now%motion%angle(1)
-    end function value_of_phi
+        real(dp), intent(inout) :: vector(longest)
+        vector(:3) = now%motion%angle
+    end subroutine put_angles
 
-    real(dp) function value_of_theta(now) result(value)
+    subroutine put_rates(now, vector)
         type(motion_view_t), intent(inout) :: now
-        value = now%motion%angle(2)
-    end function value_of_theta
+        real(dp), intent(inout) :: vector(longest)
+        vector(:3) = now%motion%rate
+    end subroutine put_rates
 
-    real(dp) function value_of_psi(now) result(value)
+    subroutine put_omega(now, vector)
         type(motion_view_t), intent(inout) :: now
-        value = now%motion%angle(3)
-    end function value_of_psi
+        real(dp), intent(inout) :: vector(longest)
+        vector(:3) = now%motion%omega
+    end subroutine put_omega
 
-    real(dp) function value_of_phi_rate(now) result(value)
+    subroutine put_quaternion(now, vector)
         type(motion_view_t), intent(inout) :: now
-        value = now%motion%rate(1)
-    end function value_of_phi_rate
+        real(dp), intent(inout) :: vector(longest)
+        vector(:4) = now%motion%quaternion
+    end subroutine put_quaternion
 
-    real(dp) function value_of_theta_rate(now) result(value)
+    !> The upward vertical in body axes.
+    subroutine put_vertical(now, vector)
         type(motion_view_t), intent(inout) :: now
-        value = now%motion%rate(2)
-    end function value_of_theta_rate
+        real(dp), intent(inout) :: vector(longest)
+        vector(:3) = vertical_from_quaternion(now%motion%quaternion)
+    end subroutine put_vertical
 
-    real(dp) function value_of_psi_rate(now) result(value)
+    subroutine put_axis(now, vector)
         type(motion_view_t), intent(inout) :: now
-        value = now%motion%rate(3)
-    end function value_of_psi_rate
+        real(dp), intent(inout) :: vector(longest)
+        vector(:3) = to_space(now%motion%quaternion, [0.0_dp, 0.0_dp, 1.0_dp])
+    end subroutine put_axis
 
-    real(dp) function value_of_omega1(now) result(value)
+    subroutine put_centre(now, vector)
         type(motion_view_t), intent(inout) :: now
-        value = now%motion%omega(1)
-    end function value_of_omega1
+        real(dp), intent(inout) :: vector(longest)
+        vector(:3) = now%centre()
+    end subroutine put_centre
 
-    real(dp) function value_of_omega2(now) result(value)
+    !> Kinetic, potential, and their sum.
+    subroutine put_energies(now, vector)
         type(motion_view_t), intent(inout) :: now
-        value = now%motion%omega(2)
-    end function value_of_omega2
+        real(dp), intent(inout) :: vector(longest)
+        vector(:2) = now%energies()
+        vector(3) = sum(vector(:2))
+    end subroutine put_energies
 
-    real(dp) function value_of_omega3(now) result(value)
+    subroutine put_energy_error(now, vector)
         type(motion_view_t), intent(inout) :: now
-        value = now%motion%omega(3)
-    end function value_of_omega3
+        real(dp), intent(inout) :: vector(longest)
+        vector(1) = now%energy_error()
+    end subroutine put_energy_error
 
-    real(dp) function value_of_q0(now) result(value)
+    !> About the vertical, and about body z.
+    subroutine put_momenta(now, vector)
         type(motion_view_t), intent(inout) :: now
-        value = now%motion%quaternion(1)
-    end function value_of_q0
+        real(dp), intent(inout) :: vector(longest)
+        vector(1) = vertical_momentum(now%body, now%motion)
+        vector(2) = axial_momentum(now%body, now%motion)
+    end subroutine put_momenta
 
-    real(dp) function value_of_q1(now) result(value)
+    !> The first of them are those of Euler's equations.
+    subroutine put_residuals(now, vector)
         type(motion_view_t), intent(inout) :: now
-        value = now%motion%quaternion(2)
-    end function value_of_q1
+        real(dp), intent(inout) :: vector(longest)
+        vector(:3) = now%residuals()
+    end subroutine put_residuals
 
-    real(dp) function value_of_q2(now) result(value)
+    !> Of the vertical momentum and of the energy.
+    subroutine put_changes(now, vector)
         type(motion_view_t), intent(inout) :: now
-        value = now%motion%quaternion(3)
-    end function value_of_q2
+        real(dp), intent(inout) :: vector(longest)
+        vector(:2) = [now%momentum_change(), now%energy_change()]
+    end subroutine put_changes
 
-    real(dp) function value_of_q3(now) result(value)
+    subroutine put_force(now, vector)
         type(motion_view_t), intent(inout) :: now
-        value = now%motion%quaternion(4)
-    end function value_of_q3
+        real(dp), intent(inout) :: vector(longest)
+        vector(:3) = now%force()
+    end subroutine put_force
 
-    real(dp) function value_of_gamma1(now) result(value)
+    !> Along (sin phi, -cos phi, 0), and along the line of nodes (cos phi, sin phi, 0).
+    subroutine put_force_beside_axis(now, vector)
         type(motion_view_t), intent(inout) :: now
-        real(dp) :: vector(3)
-        vector = vertical_from_quaternion(now%motion%quaternion)
-        value = vector(1)
-    end function value_of_gamma1
-
-    real(dp) function value_of_gamma2(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        real(dp) :: vector(3)
-        vector = vertical_from_quaternion(now%motion%quaternion)
-        value = vector(2)
-    end function value_of_gamma2
-
-    real(dp) function value_of_gamma3(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        real(dp) :: vector(3)
-        vector = vertical_from_quaternion(now%motion%quaternion)
-        value = vector(3)
-    end function value_of_gamma3
-
-    real(dp) function value_of_axis_x(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        real(dp) :: vector(3)
-        vector = to_space(now%motion%quaternion, [0.0_dp, 0.0_dp, 1.0_dp])
-        value = vector(1)
-    end function value_of_axis_x
-
-    real(dp) function value_of_axis_y(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        real(dp) :: vector(3)
-        vector = to_space(now%motion%quaternion, [0.0_dp, 0.0_dp, 1.0_dp])
-        value = vector(2)
-    end function value_of_axis_y
-
-    real(dp) function value_of_axis_z(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        real(dp) :: vector(3)
-        vector = to_space(now%motion%quaternion, [0.0_dp, 0.0_dp, 1.0_dp])
-        value = vector(3)
-    end function value_of_axis_z
-
-    real(dp) function value_of_com_x(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        real(dp) :: vector(3)
-        vector = now%centre()
-        value = vector(1)
-    end function value_of_com_x
-
-    real(dp) function value_of_com_y(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        real(dp) :: vector(3)
-        vector = now%centre()
-        value = vector(2)
-    end function value_of_com_y
-
-    real(dp) function value_of_com_z(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        real(dp) :: vector(3)
-        vector = now%centre()
-        value = vector(3)
-    end function value_of_com_z
-
-    real(dp) function value_of_kinetic(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        real(dp) :: energies(2)
-        energies = now%energies()
-        value = energies(1)
-    end function value_of_kinetic
-
-    real(dp) function value_of_potential(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        real(dp) :: energies(2)
-        energies = now%energies()
-        value = energies(2)
-    end function value_of_potential
-
-    real(dp) function value_of_energy(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        value = sum(now%energies())
-    end function value_of_energy
-
-    real(dp) function value_of_energy_error(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        value = now%energy_error()
-    end function value_of_energy_error
-
-    real(dp) function value_of_lz(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        value = vertical_momentum(now%body, now%motion)
-    end function value_of_lz
-
-    real(dp) function value_of_l3(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        value = axial_momentum(now%body, now%motion)
-    end function value_of_l3
-
-    real(dp) function value_of_R1(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        real(dp) :: vector(3)
-        vector = now%residuals()
-        value = vector(1)
-    end function value_of_R1
-
-    real(dp) function value_of_R2(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        real(dp) :: vector(3)
-        vector = now%residuals()
-        value = vector(2)
-    end function value_of_R2
-
-    real(dp) function value_of_R3(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        value = now%momentum_change()
-    end function value_of_R3
-
-    real(dp) function value_of_R4(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        value = now%energy_change()
-    end function value_of_R4
-
-    real(dp) function value_of_force_x(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        real(dp) :: vector(3)
-        vector = now%force()
-        value = vector(1)
-    end function value_of_force_x
-
-    real(dp) function value_of_force_y(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        real(dp) :: vector(3)
-        vector = now%force()
-        value = vector(2)
-    end function value_of_force_y
-
-    real(dp) function value_of_force_z(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        real(dp) :: vector(3)
-        vector = now%force()
-        value = vector(3)
-    end function value_of_force_z
-
-    !> Along (sin phi, -cos phi, 0).
-    real(dp) function value_of_force_r(now) result(value)
-        type(motion_view_t), intent(inout) :: now
+        real(dp), intent(inout) :: vector(longest)
         real(dp) :: force(3)
         force = now%force()
         associate (phi => now%motion%angle(1))
-            value = force(1) * sin(phi) - force(2) * cos(phi)
+            vector(1) = force(1) * sin(phi) - force(2) * cos(phi)
+            vector(2) = force(1) * cos(phi) + force(2) * sin(phi)
         end associate
-    end function value_of_force_r
+    end subroutine put_force_beside_axis
 
-    !> Along the line of nodes (cos phi, sin phi, 0).
-    real(dp) function value_of_force_n(now) result(value)
+    !> Of the attitude, and of the axis tip.
+    subroutine put_errors(now, vector)
         type(motion_view_t), intent(inout) :: now
-        real(dp) :: force(3)
-        force = now%force()
-        associate (phi => now%motion%angle(1))
-            value = force(1) * cos(phi) + force(2) * sin(phi)
-        end associate
-    end function value_of_force_n
-
-    real(dp) function value_of_orientation_error(now) result(value)
-        type(motion_view_t), intent(inout) :: now
+        real(dp), intent(inout) :: vector(longest)
         type(motion_t) :: exact
         exact = now%exact()
-        value = rotation_angle(exact%quaternion, now%computed%quaternion)
-    end function value_of_orientation_error
+        vector(1) = rotation_angle(exact%quaternion, now%computed%quaternion)
+        vector(2) = norm2(axis_tip(now%turned_body, now%computed) - axis_tip(now%turned_body, exact))
+    end subroutine put_errors
 
-    real(dp) function value_of_tip_error(now) result(value)
+    subroutine put_inherent_error(now, vector)
         type(motion_view_t), intent(inout) :: now
-        value = norm2(axis_tip(now%turned_body, now%computed) - axis_tip(now%turned_body, now%exact()))
-    end function value_of_tip_error
+        real(dp), intent(inout) :: vector(longest)
+        vector(1) = now%inherent_error()
+    end subroutine put_inherent_error
 
-    real(dp) function value_of_inherent_error(now) result(value)
+    subroutine put_norm_error(now, vector)
         type(motion_view_t), intent(inout) :: now
-        value = now%inherent_error()
-    end function value_of_inherent_error
+        real(dp), intent(inout) :: vector(longest)
+        vector(1) = now%motion%norm_error
+    end subroutine put_norm_error
 
-    real(dp) function value_of_norm_error(now) result(value)
+    subroutine put_axis_z_rate(now, vector)
         type(motion_view_t), intent(inout) :: now
-        value = now%motion%norm_error
-    end function value_of_norm_error
+        real(dp), intent(inout) :: vector(longest)
+        vector(1) = axis_height_rate(now%motion)
+    end subroutine put_axis_z_rate
 
-    real(dp) function value_of_axis_z_rate(now) result(value)
+    subroutine put_kovalevskaya(now, vector)
         type(motion_view_t), intent(inout) :: now
-        value = axis_height_rate(now%motion)
-    end function value_of_axis_z_rate
+        real(dp), intent(inout) :: vector(longest)
+        vector(1) = kovalevskaya_integral(now%body, now%motion)
+    end subroutine put_kovalevskaya
 
-    real(dp) function value_of_kovalevskaya(now) result(value)
+    subroutine put_goryachev(now, vector)
         type(motion_view_t), intent(inout) :: now
-        value = kovalevskaya_integral(now%body, now%motion)
-    end function value_of_kovalevskaya
-
-    real(dp) function value_of_goryachev(now) result(value)
-        type(motion_view_t), intent(inout) :: now
-        value = goryachev_integral(now%body, now%motion)
-    end function value_of_goryachev
+        real(dp), intent(inout) :: vector(longest)
+        vector(1) = goryachev_integral(now%body, now%motion)
+    end subroutine put_goryachev
 
 end module spintop_trajectory_columns

@@ -21,7 +21,9 @@ module spintop_sweep_batch
     use spintop_stepper, only: controls_t
     use spintop_sweep_notes, only: note_t
     use spintop_sweep_quantities, only: find_free_constants, put_fast_top, put_end
-    use spintop_sweep_result, only: sweep_result_t, sweep_work_t
+    use spintop_sweep_result, only: kinds_of_work, of_class, of_fast_top, of_fastest, of_force, of_inherent, &
+        of_lyapunov, of_measured, of_nutation_rate, of_range, of_singular, of_turns, of_vertical_force, &
+        sweep_result_t
     use spintop_sweep_stability, only: put_stability
     use spintop_sweep_watches, only: sweep_watches_t, ends_in_lanes
     use spintop_taylor, only: taylor_t
@@ -62,16 +64,16 @@ contains
         type(job_t), intent(in) :: job !! the job
         type(case_t), intent(in) :: case !! body, start and span
         type(plan_t), intent(in) :: plan !! model, method and settings
-        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
         goes_in_batch = .false.
         if (plan%exact .or. case%body%is_lagrange()) return
         ! Lanes count no turns in other axes, and measure nothing there.
-        if (case%body%given%differ .and. (wanted%turns .or. wanted%measured .or. wanted%range)) return
+        if (case%body%given%differ .and. (wanted(of_turns) .or. wanted(of_measured) .or. wanted(of_range))) return
         ! Nor do they find extremes in poles, or of a force that is constant.
-        if (wanted%nutation_rate .or. wanted%fastest) then
+        if (wanted(of_nutation_rate) .or. (wanted(of_fastest) .or. wanted(of_class))) then
             if (swings_over_poles(case%body, case%start, nearly_plane) .or. starts_beside_pole(case%start)) return
         end if
-        if ((wanted%force .or. wanted%vertical_force) .and. all(is_zero(case%body%centre_of_mass))) return
+        if ((wanted(of_force) .or. wanted(of_vertical_force)) .and. all(is_zero(case%body%centre_of_mass))) return
         if (.not. ends_in_lanes(job%events, case)) return
         if (plan%stepper%controls%project /= project_nothing) return
         select type (stepper => plan%stepper)
@@ -98,9 +100,9 @@ contains
 
     !> Whether watches in lanes would find a quantity by equations that hold without effects.
     pure logical function needs_plain_body(wanted)
-        type(sweep_work_t), intent(in) :: wanted
-        needs_plain_body = wanted%inherent .or. wanted%lyapunov .or. wanted%singular .or. wanted%nutation_rate &
-            .or. wanted%vertical_force .or. wanted%force
+        logical, intent(in) :: wanted(kinds_of_work)
+        needs_plain_body = wanted(of_inherent) .or. wanted(of_lyapunov) .or. wanted(of_singular) .or. wanted(of_nutation_rate) &
+            .or. wanted(of_vertical_force) .or. wanted(of_force)
     end function needs_plain_body
 
     !> Adds a case, the k-th of its block.
@@ -127,7 +129,7 @@ contains
         class(sweep_batch_t), intent(inout) :: self
         type(job_t), intent(in) :: job !! the job, the same in every call
         type(case_t), intent(in) :: cases(:) !! cases of the block
-        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities, the same in every call
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities, the same in every call
         type(sweep_result_t), intent(inout) :: values(:) !! the values
         integer, intent(inout) :: status(:) !! statuses of the cases of the block
         type(note_t), intent(inout) :: note(:) !! notes on the cases of the block
@@ -157,13 +159,13 @@ contains
     subroutine integrate(self, job, wanted, like, cases, values, status, note)
         class(sweep_batch_t), intent(inout) :: self
         type(job_t), intent(in) :: job
-        type(sweep_work_t), intent(in) :: wanted
+        logical, intent(in) :: wanted(kinds_of_work)
         integer, intent(in) :: like(:)
         type(case_t), intent(in) :: cases(:)
         type(sweep_result_t), intent(inout) :: values(:)
         integer, intent(inout) :: status(:)
         type(note_t), intent(inout) :: note(:)
-        type(sweep_work_t) :: in_lanes, alone
+        logical, dimension(kinds_of_work) :: in_lanes, alone
         type(controls_t) :: controls
         logical :: is_new
         integer :: i
@@ -172,11 +174,11 @@ contains
         alone = wanted
         ! Perturbations are followed to the end of the motion: beside it only if no event ends it.
         if (size(job%events) > 0) then
-            in_lanes%lyapunov = .false.
-            in_lanes%singular = .false.
+            in_lanes(of_lyapunov) = .false.
+            in_lanes(of_singular) = .false.
         else
-            alone%lyapunov = .false.
-            alone%singular = .false.
+            alone(of_lyapunov) = .false.
+            alone(of_singular) = .false.
         end if
         controls = self%controls(like(1))
         is_new = .not. allocated(self%watches%slots)
@@ -198,7 +200,7 @@ contains
     subroutine take(self, case, wanted, alone, i, waiting, values, status, note)
         class(sweep_batch_t), intent(inout) :: self
         type(case_t), intent(in) :: case
-        type(sweep_work_t), intent(in) :: wanted, alone
+        logical, intent(in), dimension(kinds_of_work) :: wanted, alone
         integer, intent(in) :: i, waiting
         type(sweep_result_t), intent(inout) :: values
         integer, intent(inout) :: status
@@ -214,7 +216,7 @@ contains
             values = sweep_result_t()
             call note%clear()
             if (is_good_end(status)) call put_stability(case, ended%t, alone, self%controls(waiting)%max_steps, values, note)
-            if (wanted%fast_top) call put_fast_top(case, values, note)
+            if (wanted(of_fast_top)) call put_fast_top(case, values, note)
             values%evaluations = real(outcome%counts%evaluations, dp)
             if (is_good_end(status)) then
                 ! Without an energy error, which a watch measures if it is wanted.

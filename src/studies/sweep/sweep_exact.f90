@@ -15,7 +15,8 @@ module spintop_sweep_exact
     use spintop_sweep_notes, only: note_t
     use spintop_sweep_quantities, only: find_free_constants, put_nutation, put_fast_top, put_azimuth, put_end, &
         put_details, precession_period, lowest_height
-    use spintop_sweep_result, only: sweep_result_t, sweep_work_t
+    use spintop_sweep_result, only: kinds_of_work, of_details, of_end, of_energy, of_fast_top, of_free, of_growth, &
+        of_inherent, of_lowest, of_multiplier, of_nutation, of_period, of_turns, sweep_result_t
     use spintop_sweep_stability, only: put_stability
     implicit none
     private
@@ -26,7 +27,7 @@ contains
     !> Puts a case into a lane of the block.
     subroutine load_lane(case, wanted, block, lane)
         type(case_t), intent(in) :: case !! body, start and span
-        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
         type(exact_block_t), intent(inout) :: block !! the data of the lane are set
         integer, intent(in) :: lane !! number of the lane
         block%inertia1(lane) = case%body%inertia(1)
@@ -40,7 +41,7 @@ contains
         block%omega3(lane) = case%start%omega(3)
         block%t_end(lane) = case%t_end
         block%t_period(lane) = 0
-        if (wanted%period) block%t_period(lane) = precession_period(case%body, case%start)
+        if (wanted(of_period)) block%t_period(lane) = precession_period(case%body, case%start)
     end subroutine load_lane
 
     !> Ends the span of a case at the n-th of the events. `came` reports whether it occurred, `status` whether
@@ -76,8 +77,8 @@ contains
 
     !> Whether the selected groups need the kernel.
     pure logical function kernel_runs(wanted)
-        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
-        kernel_runs = (wanted%nutation .or. wanted%period .or. wanted%end .or. wanted%energy)
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
+        kernel_runs = (wanted(of_nutation) .or. wanted(of_period) .or. wanted(of_end) .or. wanted(of_energy))
     end function kernel_runs
 
     !> The quantities of the case in a lane of a computed block.
@@ -85,7 +86,7 @@ contains
         type(case_t), intent(in) :: case !! body, start and span
         type(exact_block_t), intent(in) :: block !! a computed block
         integer, intent(in) :: lane !! number of the lane
-        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
         integer(int64), intent(inout) :: max_steps !! remaining work of the case
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
@@ -99,12 +100,12 @@ contains
             call note%explain(trim(status_meanings(status)))
             return
         end if
-        if (wanted%nutation) call unload_nutation(case, block, lane, wanted, values, note)
-        if (wanted%fast_top) call put_fast_top(case, values, note)
-        if (wanted%period) then
+        if (wanted(of_nutation)) call unload_nutation(case, block, lane, wanted, values, note)
+        if (wanted(of_fast_top)) call put_fast_top(case, values, note)
+        if (wanted(of_period)) then
             call put_azimuth(block%t_period(lane) > 0, block%phi_at_period(lane), values, note)
         end if
-        if (wanted%end .or. wanted%energy) then
+        if (wanted(of_end) .or. wanted(of_energy)) then
             call unload_end(case, block, lane, wanted, max_steps, values, status)
             if (status /= status_ok) then
                 call note%explain(trim(status_meanings(status)))
@@ -113,12 +114,12 @@ contains
         end if
         values%evaluations = 0
         values%orientation_error = 0
-        if (wanted%details) call put_details(case, values, note)
-        if (wanted%free) call find_free_constants(case, wanted, values, note)
-        if (wanted%stability()) then
+        if (wanted(of_details)) call put_details(case, values, note)
+        if (wanted(of_free)) call find_free_constants(case, wanted, values, note)
+        if (any(wanted(of_growth:of_multiplier))) then
             call put_stability(case, case%t_end, wanted, limit, values, note)
         end if
-        if (wanted%inherent) then
+        if (wanted(of_inherent)) then
             values%inherent_error = inherent_error(case%body, case%start, case%t_end)
         end if
     end subroutine unload_lane
@@ -128,7 +129,7 @@ contains
         type(case_t), intent(in) :: case
         type(exact_block_t), intent(in) :: block
         integer, intent(in) :: lane
-        type(sweep_work_t), intent(in) :: wanted
+        logical, intent(in) :: wanted(kinds_of_work)
         type(sweep_result_t), intent(inout) :: values
         type(note_t), intent(inout) :: note
         type(nutation_t) :: nutation
@@ -143,7 +144,7 @@ contains
             nutation%precession_rate = nutation%precession / nutation%period
         end if
         nutation%phi_rate_max = block%phi_rate_max(lane)
-        if (wanted%lowest) values%com_z_min = lowest_height(case, nutation%theta_max)
+        if (wanted(of_lowest)) values%com_z_min = lowest_height(case, nutation%theta_max)
         call put_nutation(case, nutation, values, note)
     end subroutine unload_nutation
 
@@ -152,7 +153,7 @@ contains
         type(case_t), intent(in) :: case
         type(exact_block_t), intent(in) :: block
         integer, intent(in) :: lane
-        type(sweep_work_t), intent(in) :: wanted
+        logical, intent(in) :: wanted(kinds_of_work)
         integer(int64), intent(inout) :: max_steps
         type(sweep_result_t), intent(inout) :: values
         integer, intent(out) :: status
@@ -166,13 +167,13 @@ contains
         type(case_t), intent(in) :: case
         type(exact_block_t), intent(in) :: block
         integer, intent(in) :: lane
-        type(sweep_work_t), intent(in) :: wanted
+        logical, intent(in) :: wanted(kinds_of_work)
         integer(int64), intent(inout) :: max_steps
         type(motion_t), intent(out) :: motion
         integer, intent(out) :: status
         status = status_ok
         if (case%turn%exchanges_axes()) then
-            call find_whole_end(case, wanted%turns, max_steps, motion, status)
+            call find_whole_end(case, wanted(of_turns), max_steps, motion, status)
         else
             motion%t = case%t_end
             motion%angle = [block%phi_end(lane), block%theta_end(lane), block%psi_end(lane)]

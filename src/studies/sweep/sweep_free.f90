@@ -14,7 +14,8 @@ module spintop_sweep_free
     use spintop_status, only: status_meanings, status_ok
     use spintop_sweep_notes, only: note_t
     use spintop_sweep_quantities, only: put_azimuth, put_end, put_fast_top, put_free_constants
-    use spintop_sweep_result, only: sweep_result_t, sweep_work_t
+    use spintop_sweep_result, only: kinds_of_work, of_end, of_energy, of_fast_top, of_inherent, of_measured, &
+        of_period, of_range, of_turns, sweep_result_t
     use spintop_sweep_stability, only: put_stability
     implicit none
     private
@@ -38,10 +39,10 @@ contains
         type(job_t), intent(in) :: job !! the job
         type(case_t), intent(in) :: case !! body, start and span
         type(plan_t), intent(in) :: plan !! model, method and settings
-        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
         goes_in_free_block = plan%exact .and. case%body%is_free() .and. .not. case%body%is_lagrange() &
-                             .and. size(job%events) == 0 .and. .not. wanted%measured &
-                             .and. .not. (case%body%given%differ .and. (wanted%turns .or. wanted%range))
+                             .and. size(job%events) == 0 .and. .not. wanted(of_measured) &
+                             .and. .not. (case%body%given%differ .and. (wanted(of_turns) .or. wanted(of_range)))
     end function goes_in_free_block
 
     !> Adds a case, the k-th of its block.
@@ -67,7 +68,7 @@ contains
     subroutine compute(self, cases, wanted, max_steps, values, status, note)
         class(sweep_free_t), intent(inout) :: self
         type(case_t), intent(in) :: cases(:) !! cases of the block
-        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
         integer(int64), intent(in) :: max_steps(:) !! largest number of steps of each case
         type(sweep_result_t), intent(inout) :: values(:) !! the values
         integer, intent(inout) :: status(:) !! statuses of the cases of the block
@@ -76,7 +77,7 @@ contains
 
         if (self%n == 0) return
         self%block%n = self%n
-        call self%block%compute(wanted%end .or. wanted%energy, wanted%turns)
+        call self%block%compute(wanted(of_end) .or. wanted(of_energy), wanted(of_turns))
         do i = 1, self%n
             associate (k => self%place(i))
                 call take(self%block, i, cases(k), wanted, max_steps(k), values(k), status(k), note(k))
@@ -90,7 +91,7 @@ contains
         type(free_block_t), intent(in) :: block
         integer, intent(in) :: i
         type(case_t), intent(in) :: case
-        type(sweep_work_t), intent(in) :: wanted
+        logical, intent(in) :: wanted(kinds_of_work)
         integer(int64), intent(in) :: max_steps
         type(sweep_result_t), intent(out) :: values
         integer, intent(out) :: status
@@ -111,9 +112,9 @@ contains
         free%greatest_rate = block%greatest_rate(i)
         free%axis_angle = block%axis_angle(i, :)
         call put_stability(case, case%t_end, wanted, max_steps, values, note)
-        if (wanted%fast_top) call put_fast_top(case, values, note)
-        if (wanted%period) call put_azimuth(.false., 0.0_dp, values, note)
-        if (wanted%end .or. wanted%energy) then
+        if (wanted(of_fast_top)) call put_fast_top(case, values, note)
+        if (wanted(of_period)) call put_azimuth(.false., 0.0_dp, values, note)
+        if (wanted(of_end) .or. wanted(of_energy)) then
             last%t = case%t_end
             last%omega = block%omega_end(i, :)
             last%quaternion = block%quaternion_end(i, :)
@@ -124,7 +125,7 @@ contains
         end if
         values%evaluations = 0
         values%orientation_error = 0
-        if (wanted%inherent) values%inherent_error = inherent_error(case%body, case%start, case%t_end)
+        if (wanted(of_inherent)) values%inherent_error = inherent_error(case%body, case%start, case%t_end)
         call put_free_constants(case, free, wanted, values, note)
     end subroutine take
 

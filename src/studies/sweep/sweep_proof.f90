@@ -7,6 +7,7 @@ module spintop_sweep_proof
     use spintop_kinds, only: dp
     use spintop_row_proof, only: row_proof_t
     use spintop_scene, only: scene_t
+    use spintop_study_column, only: proof_group
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_notes, only: note_t
     use spintop_sweep_result, only: proof_cells, sweep_result_t
@@ -15,11 +16,9 @@ module spintop_sweep_proof
     private
     public :: sweep_proofs, prove_case
 
-    !> The quantities of sweeps that have bounds, and their columns.
+    !> The quantities of sweeps that have bounds.
     integer, parameter :: quantities(7) = [proof_of_theta, proof_of_phi, proof_of_psi, proof_of_period, proof_of_precession, &
         proof_of_momentum_period, proof_of_momentum_turn]
-    character(*), parameter :: names(7) = [character(23) :: 'theta_end', 'phi_end', 'psi_end', 'nutation_period', &
-        'precession_per_nutation', 'momentum_period', 'momentum_turn']
 
 contains
 
@@ -30,14 +29,9 @@ contains
         logical, intent(in) :: certified !! whether proved numbers replace the computed ones
         logical :: wanted(proof_count)
         integer :: i
-        wanted = .false.
-        do i = 1, size(names)
-            wanted(quantities(i)) = any(columns%name == trim(names(i)) // '_bound')
-        end do
+        wanted = [(any(columns%group == proof_group .and. columns%proof_of == i), i=1, proof_count)]
         if (.not. certified .and. (any(wanted) .or. .not. any(columns%is_proof))) return
-        do i = 1, size(names)
-            wanted(quantities(i)) = wanted(quantities(i)) .or. any(columns%name == names(i))
-        end do
+        wanted = [(any(columns%proof_of == i), i=1, proof_count)]
     end function sweep_proofs
 
     !> Bounds of the wanted numbers of a case, which has ended well. What the case does not have needs no proof.

@@ -16,7 +16,8 @@ module spintop_sweep_quantities
     use spintop_sweep_notes, only: note_t, note_no_period, note_no_turns, note_no_nutation, note_no_class, &
         note_no_fast_top, note_no_details, note_no_azimuth, note_no_exact_motion, note_no_momentum_period, &
         note_no_precession_period, note_not_free, note_not_stuck
-    use spintop_sweep_result, only: sweep_result_t, sweep_work_t
+    use spintop_sweep_result, only: kinds_of_work, of_class, of_fastest, of_free, of_range, of_whole, &
+        sweep_result_t
     use spintop_vectors, only: cross
     implicit none
     private
@@ -136,7 +137,7 @@ contains
     subroutine put_measured(case, watch, wanted, values, note)
         type(case_t), intent(in) :: case !! body, start and span
         type(nutation_watch_t), intent(in) :: watch !! the measured nutation
-        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
         type(note_t), intent(inout) :: note !! notes on the case
         type(nutation_t) :: nutation
@@ -156,13 +157,13 @@ contains
     !> A measured nutation: extremes over the span, and what needs a whole nutation.
     subroutine put_measured_nutation(case, wanted, nutation, is_whole, is_noisy, values, note)
         type(case_t), intent(in) :: case !! body, start and span
-        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
         type(nutation_t), intent(in) :: nutation !! quantities of the nutation, and of theta in the span
         logical, intent(in) :: is_whole, is_noisy !! whether there was a whole nutation; whether one was within the noise
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
         type(note_t), intent(inout) :: note !! notes on the case
         call put_extremes(nutation, values)
-        if (.not. wanted%whole) return
+        if (.not. wanted(of_whole)) return
         if (.not. is_whole) then
             if (is_noisy) then
                 call note%add(note_no_nutation, 'its turning points are within the error of the method')
@@ -174,7 +175,7 @@ contains
         call put_means(case, nutation, values, note)
         values%spin_per_nutation = nutation%spin
         values%motion_class = nutation%class
-        if (wanted%fastest .and. nutation%class == no_class) then
+        if ((wanted(of_fastest) .or. wanted(of_class)) .and. nutation%class == no_class) then
             call note%add(note_no_class, 'it changes from nutation to nutation')
         end if
     end subroutine put_measured_nutation
@@ -316,17 +317,17 @@ contains
     !> The constants of a free body from its exact solution; of a body that is not symmetric about body z also the range of theta.
     subroutine find_free_constants(case, wanted, values, note)
         type(case_t), intent(in) :: case !! body, start and span
-        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
         type(note_t), intent(inout) :: note !! notes on the case
         type(free_motion_t) :: free
         integer :: status
 
         if (.not. case%body%is_free()) then
-            if (wanted%free) call note%add(note_not_free)
+            if (wanted(of_free)) call note%add(note_not_free)
             return
         end if
-        if (.not. (wanted%free .or. (wanted%range .and. .not. case%body%has_closed_nutation()))) return
+        if (.not. (wanted(of_free) .or. (wanted(of_range) .and. .not. case%body%has_closed_nutation()))) return
         if (case%turn%to_principal_axes) then
             call prepare_free_motion(case%body, case%start, free, status)
         else
@@ -343,12 +344,12 @@ contains
     subroutine put_free_constants(case, free, wanted, values, note)
         type(case_t), intent(in) :: case !! body, start and span
         type(free_motion_t), intent(in) :: free !! the exact motion
-        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
         type(note_t), intent(inout) :: note !! notes on the case
         real(dp) :: momentum(3), gamma(3), range(2)
 
-        if (wanted%free) then
+        if (wanted(of_free)) then
             values%omega_max = free%greatest_rate
             if (free%about > 0) values%momentum_axis = free%about
             if (free%about == 0) then
@@ -361,7 +362,7 @@ contains
             end if
         end if
         ! The range of an axis that is not a principal axis was measured.
-        if (.not. wanted%range .or. case%body%has_closed_nutation() .or. case%turn%to_principal_axes) return
+        if (.not. wanted(of_range) .or. case%body%has_closed_nutation() .or. case%turn%to_principal_axes) return
         momentum = case%given_body%inertia * case%given_start%omega
         range = case%given_start%angle(2)
         if (any(abs(momentum) > 0)) then

@@ -2,48 +2,51 @@
 !> does not exist or was not asked for.
 module spintop_sweep_result
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_certificate, only: proof_count, proof_words
+    use spintop_certificate, only: proof_count, proof_of_momentum_period, proof_of_momentum_turn, proof_of_period, &
+        proof_of_phi, proof_of_precession, proof_of_psi, proof_of_theta, proof_words
     use spintop_kinds, only: dp, nan => no_number
     use spintop_nutation_watch, only: no_class
     implicit none
     private
-    public :: sweep_result_t, sweep_work_t, proof_cells
+    public :: sweep_result_t, value_count, proof_cells, kinds_of_work, set_of, of_nutation, of_range, of_whole, &
+        of_measured, of_fastest, of_lowest, of_details, of_class, of_nutation_rate, of_force, of_vertical_force, &
+        of_fast_top, of_period, of_end, of_turns, of_energy, of_oracle, of_inherent, of_cost, of_growth, of_lyapunov, &
+        of_singular, of_multiplier, of_free, of_proof
 
     !> Whether the bounds of a case are proved: `none` without a result.
     character(*), parameter :: proof_cells(0:2) = [character(8) :: 'none', proof_words]
 
-    !> What is to be computed: the groups, and the extremes of the nutation that take a search of their own where
-    !> it is measured along the motion.
-    type :: sweep_work_t
-        logical :: nutation = .false. !! the whole nutation
-        logical :: fast_top = .false. !! the paper's formulas
-        logical :: period = .false. !! the azimuth after a period
-        logical :: end = .false. !! the end of the span
-        logical :: energy = .false. !! the largest energy error
-        logical :: oracle = .false. !! the comparison with the exact motion
-        logical :: inherent = .false. !! the accuracy that the data allow
-        logical :: cost = .false. !! the cost
-        logical :: details = .false. !! more of the whole nutation, and extremes of rates and forces
-        logical :: whole = .false. !! what needs a whole nutation
-        logical :: turning = .false. !! what follows from turning points
-        logical :: growth = .false. !! the stability of the start
-        logical :: lyapunov = .false. !! the Lyapunov exponent
-        logical :: singular = .false. !! the largest singular value
-        logical :: multiplier = .false. !! the Floquet multipliers over a period of the vibration
-        logical :: fastest = .false. !! the largest precession rate
-        logical :: for_class = .false. !! that rate for the class alone
-        logical :: lowest = .false. !! the minimum height of the centre of mass
-        logical :: nutation_rate = .false. !! the largest nutation rate
-        logical :: vertical_force = .false. !! the extremes of the vertical force
-        logical :: force = .false. !! the largest force
-        logical :: free = .false. !! the constants of a free motion
-        logical :: range = .false. !! the range of theta
-        logical :: measured = .false. !! more of the nutation, which is measured unless the body is symmetric
-        logical :: turns = .false. !! phi and psi with all their turns
-        logical :: proof = .false. !! bounds of the errors
-    contains
-        procedure :: stability => wants_stability
-    end type sweep_work_t
+    !> What is to be computed, as indices of what is wanted: groups of quantities, and those that take a search of their own
+    !> where they are measured along the motion. Those of the stability of the motion are side by side.
+    integer, parameter :: of_nutation = 1           !! extremes and means of the nutation
+    integer, parameter :: of_range = 2              !! the range of theta
+    integer, parameter :: of_whole = 3              !! what needs a whole nutation
+    integer, parameter :: of_measured = 4           !! more of the nutation, which is measured unless the body is symmetric
+    integer, parameter :: of_fastest = 5            !! the largest precession rate
+    integer, parameter :: of_lowest = 6             !! the minimum height of the centre of mass
+    integer, parameter :: of_details = 7            !! more of the whole nutation, and extremes of rates and forces
+    integer, parameter :: of_class = 8              !! the class of the motion
+    integer, parameter :: of_nutation_rate = 9      !! the largest nutation rate
+    integer, parameter :: of_force = 10             !! the largest force
+    integer, parameter :: of_vertical_force = 11    !! the extremes of the vertical force
+    integer, parameter :: of_fast_top = 12          !! the paper's formulas
+    integer, parameter :: of_period = 13            !! the azimuth after a period
+    integer, parameter :: of_end = 14               !! the end of the span
+    integer, parameter :: of_turns = 15             !! phi and psi with all their turns
+    integer, parameter :: of_energy = 16            !! the largest energy error
+    integer, parameter :: of_oracle = 17            !! the comparison with the exact motion
+    integer, parameter :: of_inherent = 18          !! the accuracy that the data allow
+    integer, parameter :: of_cost = 19              !! the cost
+    integer, parameter :: of_growth = 20            !! the stability of the start
+    integer, parameter :: of_lyapunov = 21          !! the Lyapunov exponent
+    integer, parameter :: of_singular = 22          !! the largest singular value
+    integer, parameter :: of_multiplier = 23        !! the Floquet multipliers over a period of the vibration
+    integer, parameter :: of_free = 24              !! the constants of a free motion
+    integer, parameter :: of_proof = 25             !! bounds of the errors
+    integer, parameter :: kinds_of_work = of_proof
+
+    !> Number of values in the list of a result, as many as there are columns.
+    integer, parameter :: value_count = 50
 
     !> The quantities of a case; their units and meanings are those of the columns.
     type :: sweep_result_t
@@ -79,14 +82,37 @@ module spintop_sweep_result
         !> which the growth of perturbations and the inherent error are wanted, and the largest number of steps for each.
         real(dp) :: growth_until = 0, inherent_until = 0
         integer(int64) :: most_steps = 0
+    contains
+        procedure :: list
     end type sweep_result_t
 
 contains
 
-    !> Whether any quantity of the stability of the motion is wanted.
-    pure logical function wants_stability(self)
-        class(sweep_work_t), intent(in) :: self
-        wants_stability = self%growth .or. self%lyapunov .or. self%singular .or. self%multiplier
-    end function wants_stability
+    !> What is wanted, as flags.
+    pure function set_of(members) result(wanted)
+        integer, intent(in) :: members(:) !! indices
+        logical :: wanted(kinds_of_work)
+        integer :: i
+        wanted = [(any(members == i), i=1, kinds_of_work)]
+    end function set_of
+
+    !> All values, in the order of the columns (spintop_sweep_columns).
+    pure function list(self) result(values)
+        class(sweep_result_t), intent(in) :: self
+        real(dp) :: values(value_count)
+        values = [self%theta_min, self%theta_max, self%delta_u, self%delta_u_fast_top, self%nutation_period, &
+                  self%nutation_rate, self%nutation_rate_fast_top, self%precession_per_nutation, self%precession_rate, &
+                  self%precession_rate_fast_top, self%nutations_per_turn, self%nutations_per_turn_fast_top, &
+                  self%precession_period, self%azimuth_after_period_deg, self%nutations_in_period, self%phi_rate_max, &
+                  self%fast_top_ratio, self%com_z_min, self%theta_end, self%phi_end, self%psi_end, self%theta_rate_end, &
+                  self%energy_error_max, self%orientation_error, self%inherent_error, self%evaluations, &
+                  real(self%motion_class, dp), self%spin_per_nutation, self%theta_rate_max, self%force_max, &
+                  self%force_z_min, self%force_z_max, self%t_end, self%t_stuck, self%growth_rate, &
+                  self%lyapunov_exponent, self%largest_singular_value, self%upright_multiplier, &
+                  self%momentum_period, self%momentum_turn, self%momentum_axis, self%omega_max, &
+                  self%bounds(proof_of_theta), self%bounds(proof_of_phi), self%bounds(proof_of_psi), &
+                  self%bounds(proof_of_period), self%bounds(proof_of_precession), &
+                  self%bounds(proof_of_momentum_period), self%bounds(proof_of_momentum_turn), real(self%proof, dp)]
+    end function list
 
 end module spintop_sweep_result

@@ -15,7 +15,8 @@ module spintop_sweep_stability
         status_unsuitable
     use spintop_sweep_notes, only: note_t, note_no_growth, note_no_inherent, note_no_lyapunov, note_no_multiplier, &
         note_no_singular, only_without_effects
-    use spintop_sweep_result, only: sweep_result_t, sweep_work_t
+    use spintop_sweep_result, only: kinds_of_work, of_growth, of_inherent, of_lyapunov, of_multiplier, of_singular, &
+        sweep_result_t
     implicit none
     private
     public :: put_stability, put_perturbations
@@ -29,14 +30,14 @@ contains
     subroutine put_stability(case, t_end, wanted, max_steps, values, note)
         type(case_t), intent(in) :: case !! body, start and span
         real(dp), intent(in) :: t_end !! end of the motion, s
-        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
         integer(int64), intent(in) :: max_steps !! largest number of steps
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
         type(note_t), intent(inout) :: note !! notes on the case
         complex(dp) :: eigenvalues(6)
         integer :: how
 
-        if (wanted%growth) then
+        if (wanted(of_growth)) then
             call find_equilibrium_eigenvalues(case%body, case%start, eigenvalues, how)
             if (how == status_ok) then
                 values%growth_rate = maxval(real(eigenvalues, dp))
@@ -47,13 +48,13 @@ contains
             end if
         end if
         if (allocated(case%body%effects)) then
-            if (wanted%lyapunov) call note%add(note_no_lyapunov, only_without_effects)
-            if (wanted%singular) call note%add(note_no_singular, only_without_effects)
-        else if (wanted%lyapunov .or. wanted%singular) then
+            if (wanted(of_lyapunov)) call note%add(note_no_lyapunov, only_without_effects)
+            if (wanted(of_singular)) call note%add(note_no_singular, only_without_effects)
+        else if (wanted(of_lyapunov) .or. wanted(of_singular)) then
             values%growth_until = t_end
             values%most_steps = max(max_steps, 1_int64)
         end if
-        if (wanted%multiplier) call put_multiplier(case, values, note)
+        if (wanted(of_multiplier)) call put_multiplier(case, values, note)
     end subroutine put_stability
 
     !> The largest multiplier of the upright body, over a period of the vibration: its centre of mass is above the pivot,
@@ -95,14 +96,14 @@ contains
     !> Finds what is left to be found for the cases of a block. `status` reports work that was not finished, or overflow.
     subroutine put_perturbations(cases, wanted, values, status, note)
         type(case_t), intent(in) :: cases(:) !! body, start and span of each
-        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
         type(sweep_result_t), intent(inout) :: values(:) !! the quantities of the cases
         integer, intent(inout) :: status(:) !! their statuses
         type(note_t), intent(inout) :: note(:) !! notes on the cases
         logical :: waits(size(cases)), is_like(size(cases))
         integer :: first, i
 
-        if (.not. (wanted%lyapunov .or. wanted%singular .or. wanted%inherent)) return
+        if (.not. (wanted(of_lyapunov) .or. wanted(of_singular) .or. wanted(of_inherent))) return
         waits = is_good_end(status) .and. (values%growth_until > 0 .or. values%inherent_until > 0)
         do first = 1, size(cases)
             if (.not. waits(first)) cycle
@@ -143,7 +144,7 @@ contains
     subroutine put_growths(cases, list, wanted, values, status, note)
         type(case_t), intent(in) :: cases(:)
         integer, intent(in) :: list(:)
-        type(sweep_work_t), intent(in) :: wanted
+        logical, intent(in) :: wanted(kinds_of_work)
         type(sweep_result_t), intent(inout) :: values(:)
         integer, intent(inout) :: status(:)
         type(note_t), intent(inout) :: note(:)
@@ -152,13 +153,15 @@ contains
 
         if (size(list) == 0) return
         allocate (growth(size(list)))
-        call find_growth(cases(list)%body, cases(list)%start, values(list)%growth_until, wanted%lyapunov, wanted%singular, &
+        call find_growth(cases(list)%body, cases(list)%start, values(list)%growth_until, &
+                         wanted(of_lyapunov), wanted(of_singular), &
                          values(list(1))%most_steps, growth)
         do i = 1, size(list)
             k = list(i)
             associate (found => growth(i))
-                if (wanted%lyapunov) call take(found%exponent, found%exponent_status, values(k)%lyapunov_exponent, note_no_lyapunov)
-                if (wanted%singular) then
+                if (wanted(of_lyapunov)) call take(found%exponent, found%exponent_status, values(k)%lyapunov_exponent, &
+                                                   note_no_lyapunov)
+                if (wanted(of_singular)) then
                     call take(found%singular, found%singular_status, values(k)%largest_singular_value, note_no_singular)
                 end if
             end associate

@@ -22,7 +22,9 @@ module spintop_sweep_stepping
     use spintop_sweep_notes, only: note_t, note_no_details, note_no_inherent, note_no_stop, only_without_effects
     use spintop_sweep_quantities, only: find_free_constants, put_nutation, put_measured, put_fast_top, put_azimuth, put_end, &
         put_details, precession_period, lowest_height
-    use spintop_sweep_result, only: sweep_result_t, sweep_work_t
+    use spintop_sweep_result, only: kinds_of_work, of_class, of_cost, of_details, of_end, of_energy, of_fast_top, &
+        of_fastest, of_force, of_growth, of_inherent, of_lowest, of_measured, of_multiplier, of_nutation, &
+        of_nutation_rate, of_oracle, of_period, of_range, of_turns, of_vertical_force, of_whole, sweep_result_t
     use spintop_sweep_stability, only: put_stability
     implicit none
     private
@@ -52,7 +54,7 @@ contains
     subroutine compute_stepping(case, plan, wanted, events, n, values, status, note)
         type(case_t), intent(in) :: case !! body, start and span
         type(plan_t), intent(inout) :: plan !! model, method and settings
-        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
         type(column_event_t), intent(in) :: events(:) !! the events
         integer, intent(in) :: n !! number of the event that ends the motion
         type(sweep_result_t), intent(out) :: values !! the quantities of the case
@@ -62,26 +64,26 @@ contains
         type(nutation_t) :: nutation
         type(measures_t) :: which
         type(note_t) :: before
-        logical :: measures
+        logical :: measures, for_class
 
         values = sweep_result_t()
         status = status_ok
         if (case%body%has_closed_nutation()) then
-            if (wanted%nutation) then
+            if (wanted(of_nutation)) then
                 call find_nutation(case%body, case%start, nutation, status)
                 if (status == status_ok) then
                     call put_nutation(case, nutation, values, note)
                     values%com_z_min = lowest_height(case, nutation%theta_max)
                 end if
             end if
-            if (wanted%details) call put_details(case, values, note)
+            if (wanted(of_details)) call put_details(case, values, note)
         end if
-        if (wanted%fast_top) call put_fast_top(case, values, note)
+        if (wanted(of_fast_top)) call put_fast_top(case, values, note)
 
-        measures = (wanted%nutation .or. wanted%details) .and. .not. case%body%has_closed_nutation()
-        if (case%body%is_free()) measures = measures .and. (wanted%measured .or. case%turn%to_principal_axes)
-        if (.not. (measures .or. wanted%period .or. wanted%end .or. wanted%energy .or. wanted%oracle .or. &
-                   wanted%cost .or. wanted%inherent .or. (size(events) > 0 .and. wanted%stability()))) then
+        measures = (wanted(of_nutation) .or. wanted(of_details)) .and. .not. case%body%has_closed_nutation()
+        if (case%body%is_free()) measures = measures .and. (wanted(of_measured) .or. case%turn%to_principal_axes)
+        if (.not. (measures .or. any(wanted([of_period, of_end, of_energy, of_oracle, of_cost, of_inherent])) .or. &
+                   (size(events) > 0 .and. any(wanted(of_growth:of_multiplier))))) then
             call put_stability(case, case%t_end, wanted, plan%max_steps, values, note)
             call find_free_constants(case, wanted, values, note)
             return
@@ -91,7 +93,8 @@ contains
         which = measures_of(wanted, case)
         ! The search for the largest precession rate costs more than the motion. For the class the turning points suffice,
         ! unless there may be a cusp.
-        which%fastest = which%fastest .and. .not. wanted%for_class
+        for_class = wanted(of_class) .and. .not. wanted(of_fastest)
+        which%fastest = which%fastest .and. .not. for_class
         before = note
         do
             if (measures .or. size(events) > 0) then
@@ -103,7 +106,7 @@ contains
             call follow(case, plan, wanted, watch, values, status, note)
             if (.not. is_good_end(status)) return
             if (measures) call watch%take_end()
-            if (.not. (measures .and. wanted%for_class) .or. which%fastest) exit
+            if (.not. (measures .and. for_class) .or. which%fastest) exit
             if (watch%knows_class()) exit
             which%fastest = .true.
             note = before
@@ -118,28 +121,29 @@ contains
 
     !> Whether extremes of the nutation rate or of the support force are wanted.
     pure logical function has_extremes(wanted)
-        type(sweep_work_t), intent(in) :: wanted
-        has_extremes = wanted%nutation_rate .or. wanted%vertical_force .or. wanted%force
+        logical, intent(in) :: wanted(kinds_of_work)
+        has_extremes = wanted(of_nutation_rate) .or. wanted(of_vertical_force) .or. wanted(of_force)
     end function has_extremes
 
     !> What is to be measured of the nutation. The nutation rate and the support force are not, with effects.
     pure type(measures_t) function measures_of(wanted, case) result(measures)
-        type(sweep_work_t), intent(in) :: wanted
+        logical, intent(in) :: wanted(kinds_of_work)
         type(case_t), intent(in) :: case
-        measures = measures_t(wanted%turning, wanted%lowest, wanted%fastest)
+        measures = measures_t(wanted(of_whole) .or. wanted(of_range), wanted(of_lowest), &
+                              wanted(of_fastest) .or. wanted(of_class))
         if (allocated(case%body%effects)) return
-        if (wanted%nutation_rate) measures%turning = measures%turning .or. &
+        if (wanted(of_nutation_rate)) measures%turning = measures%turning .or. &
             swings_over_poles(case%body, case%start, nearly_plane)
-        measures%nutation_rate = wanted%nutation_rate
-        measures%vertical_force = wanted%vertical_force
-        measures%force = wanted%force
+        measures%nutation_rate = wanted(of_nutation_rate)
+        measures%vertical_force = wanted(of_vertical_force)
+        measures%force = wanted(of_force)
     end function measures_of
 
     !> Integrates the motion to the end of its span, or to the event that ends it, within the remaining work.
     subroutine follow(case, plan, wanted, watch, values, status, note)
         type(case_t), intent(in) :: case
         type(plan_t), intent(inout) :: plan
-        type(sweep_work_t), intent(in) :: wanted
+        logical, intent(in) :: wanted(kinds_of_work)
         type(nutation_watch_t), intent(inout), optional :: watch
         type(sweep_result_t), intent(inout) :: values
         integer, intent(out) :: status
@@ -150,11 +154,11 @@ contains
 
         if (.not. plan%exact) call plan%fit_steps(case%t_end)
         call begin_witness(case, witness)
-        witness%counts_turns = wanted%turns
-        witness%sees_steps = wanted%energy
-        witness%wants_work = wanted%energy .and. allocated(case%body%effects)
+        witness%counts_turns = wanted(of_turns)
+        witness%sees_steps = wanted(of_energy)
+        witness%wants_work = wanted(of_energy) .and. allocated(case%body%effects)
         times = [case%t_end]
-        if (wanted%period) times = with_time(times, witness%period)
+        if (wanted(of_period)) times = with_time(times, witness%period)
         if (plan%exact) then
             call walk(case, plan%max_steps, times, witness, outcome%status, watch)
         else
@@ -167,7 +171,7 @@ contains
         end if
         status = outcome%status
         values%evaluations = real(outcome%counts%evaluations, dp)
-        if (wanted%period) then
+        if (wanted(of_period)) then
             call put_azimuth(witness%saw_period, witness%azimuth_at_period, values, note)
         end if
         if (.not. is_good_end(status)) then
@@ -178,7 +182,7 @@ contains
         call put_end(case, witness%last, witness%energy_error, values)
         if (case%body%has_closed_form()) then
             call compare_with_exact(case, wanted, witness%last, values)
-        else if (wanted%inherent) then
+        else if (wanted(of_inherent)) then
             if (allocated(case%body%effects)) then
                 call note%add(note_no_inherent, only_without_effects)
             else
@@ -232,18 +236,18 @@ contains
     !> The error at the end with respect to the exact solution, and the inherent error.
     subroutine compare_with_exact(case, wanted, last, values)
         type(case_t), intent(in) :: case
-        type(sweep_work_t), intent(in) :: wanted
+        logical, intent(in) :: wanted(kinds_of_work)
         type(motion_t), intent(in) :: last
         type(sweep_result_t), intent(inout) :: values
         type(exact_motion_t) :: exact
         integer :: status
-        if (wanted%oracle) then
+        if (wanted(of_oracle)) then
             call prepare_exact_motion(case%body, case%start, exact, status)
             if (status == status_ok) then
                 values%orientation_error = rotation_angle(exact%quaternion_at(last%t), last%quaternion)
             end if
         end if
-        if (wanted%inherent) then
+        if (wanted(of_inherent)) then
             values%inherent_error = inherent_error(case%body, case%start, last%t)
         end if
     end subroutine compare_with_exact

@@ -25,8 +25,10 @@ module spintop_sweep_study
     use spintop_study_column, only: listed_column_t
     use spintop_summary, only: rounded, summary_t
     use spintop_sweep_column, only: sweep_column_t
-    use spintop_sweep_columns, only: sweep_columns, sweep_work_t, work_for
+    use spintop_sweep_columns, only: sweep_columns, work_for
     use spintop_sweep_forecast, only: forecast_sweep
+    use spintop_sweep_result, only: kinds_of_work, of_cost, of_details, of_end, of_energy, of_growth, of_inherent, &
+        of_multiplier, of_oracle, of_period
     use spintop_sweep_table, only: describe_table, start_table
     use spintop_sweep_team, only: sweep_team_t
     use spintop_text, only: join, to_text
@@ -275,7 +277,7 @@ contains
         type(job_t), intent(in) :: job !! the job
         character(:), allocatable :: text
         type(sweep_column_t), allocatable :: known(:)
-        type(sweep_work_t) :: work
+        logical :: work(kinds_of_work)
         associate (unused => self)
         end associate
         text = ''
@@ -283,8 +285,8 @@ contains
         allocate (known, source=sweep_columns())
         work = work_for(known(job%columns))
         ! Beside the formulas of a fast top.
-        if (any([work%period, work%end, work%energy, work%oracle, work%cost, work%inherent, work%details, &
-                 work%stability()])) return
+        if (any(work([of_period, of_end, of_energy, of_oracle, of_cost, of_inherent, of_details])) .or. &
+            any(work(of_growth:of_multiplier))) return
         text = ' The selected columns need only the closed form of the nutation: no case is integrated.'
     end function remark
 

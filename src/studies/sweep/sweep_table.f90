@@ -26,7 +26,7 @@ module spintop_sweep_table
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_columns, only: sweep_columns
     use spintop_sweep_notes, only: note_names, note_t
-    use spintop_sweep_result, only: proof_cells, sweep_result_t
+    use spintop_sweep_result, only: proof_cells, sweep_result_t, value_count
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words, status_column, table_column_t
     use spintop_table_head, only: comment_lines, table_head
     use spintop_text, only: string_t
@@ -237,28 +237,24 @@ contains
         type(case_t), intent(in) :: cases(:) !! cases of the block
         type(note_t), intent(inout) :: note(:) !! notes on the cases of the block
         type(row_block_t), intent(inout) :: rows !! the rows of the block
-        logical :: is_whole(size(results))
-        integer :: i, k, axes, told
+        real(dp) :: listed(value_count)
+        integer :: place(size(columns)), k, axes, told
 
         axes = size(parameters, 1)
-        is_whole = .true.
+        place = columns%place
         associate (cells => rows%cells(:, rows%rows + 1:rows%rows + size(results)))
-            do i = 1, size(columns)
-                call columns(i)%fill(results, cells(axes + 2 + i, :))
-                is_whole = is_whole .and. abs(cells(axes + 2 + i, :)) <= huge(cells)
-            end do
-            do i = 1, axes
-                cells(1 + i, :) = parameters(i, :)
-            end do
             do k = 1, size(results)
+                listed = results(k)%list()
                 told = status(k)
-                if (.not. is_whole(k)) then
-                    if (is_good_end(told)) then
-                        call explain_missing(columns, cells(axes + 3:axes + 2 + size(columns), k), cases(k), note(k))
-                        if (overflowed(columns, cells(axes + 3:axes + 2 + size(columns), k))) told = status_non_finite
+                associate (values => cells(axes + 3:axes + 2 + size(columns), k))
+                    values = listed(place)
+                    if (is_good_end(told) .and. .not. all(abs(values) <= huge(values))) then
+                        call explain_missing(columns, values, cases(k), note(k))
+                        if (overflowed(columns, values)) told = status_non_finite
                     end if
-                end if
+                end associate
                 cells(1, k) = real(first + k - 1, dp)
+                cells(2:axes + 1, k) = parameters(:, k)
                 cells(axes + 2, k) = told
                 cells(size(cells, 1), k) = note(k)%flags
                 rows%rows = rows%rows + 1

@@ -18,7 +18,9 @@ module spintop_sweep_tops
     use spintop_sweep_exact, only: kernel_runs, unload_lane
     use spintop_sweep_notes, only: note_t
     use spintop_sweep_quantities, only: precession_period
-    use spintop_sweep_result, only: sweep_result_t, sweep_work_t
+    use spintop_sweep_result, only: kinds_of_work, of_details, of_end, of_energy, of_free, of_growth, of_inherent, &
+        of_multiplier, of_period, of_proof, sweep_result_t, &
+        value_count
     implicit none
     private
     public :: sweep_tops_t
@@ -57,9 +59,8 @@ module spintop_sweep_tops
         real(dp), private :: precessions = 0
         !> Whether the values of the axes may be outside the ranges of their parameters.
         logical, private :: checks_ranges = .false.
-        !> The numbers of the first case, and of those of a block; cells of a column.
+        !> The numbers of the first case, and of those of a block.
         real(dp), private :: constant(phi:inertia3) = 0, numbers(block_size, phi:inertia3) = 0
-        real(dp), private :: cells(block_size) = 0
     contains
         procedure :: prepare
         procedure :: compute
@@ -74,7 +75,7 @@ contains
     subroutine prepare(self, job, wanted)
         class(sweep_tops_t), intent(inout) :: self
         type(job_t), intent(in) :: job !! the job
-        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
         integer :: i
 
         self%applies = .false.
@@ -99,7 +100,7 @@ contains
         end do
         self%many_bodies = any(self%place >= mass)
         if (self%many_bodies .and. .not. numbers_are_those_of_body(job%scene)) return
-        if (is_set(job%scene%nutations) .and. (wanted%end .or. wanted%energy)) return
+        if (is_set(job%scene%nutations) .and. (wanted(of_end) .or. wanted(of_energy))) return
         if (is_set(job%scene%precessions)) self%precessions = job%scene%precessions
         self%checks_ranges = any(job%axes%axis%law /= law_uniform)
         self%applies = .true.
@@ -129,9 +130,9 @@ contains
 
     !> Whether all quantities come from the kernel, or from the inclination and the spin.
     pure logical function come_from_kernel(wanted)
-        type(sweep_work_t), intent(in) :: wanted
+        logical, intent(in) :: wanted(kinds_of_work)
         come_from_kernel = kernel_runs(wanted) .and. &
-            .not. (wanted%details .or. wanted%inherent .or. wanted%stability() .or. wanted%free .or. wanted%proof)
+            .not. (any(wanted([of_details, of_inherent, of_free, of_proof])) .or. any(wanted(of_growth:of_multiplier)))
     end function come_from_kernel
 
     !> Computes the cases of a block. A case is done if its row is complete and without notes.
@@ -139,17 +140,19 @@ contains
         class(sweep_tops_t), intent(inout) :: self
         type(axes_t), intent(in) :: axes !! the axes of the job
         type(sweep_column_t), intent(in) :: columns(:) !! the columns of the table
-        type(sweep_work_t), intent(in) :: wanted !! selected groups of quantities
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
         real(dp), intent(in) :: parameters(:, :) !! of each case: a value for each axis
         type(exact_block_t), intent(inout) :: block !! memory for the lanes
         type(sweep_result_t), intent(inout) :: values(:) !! the quantities of the cases that are done
         logical, intent(out) :: is_done(:) !! for each case
         type(note_t) :: note
         integer(int64) :: no_steps
-        integer :: i, k, n, status
+        real(dp) :: listed(value_count)
+        integer :: place(size(columns)), k, n, status
 
         n = size(is_done)
         no_steps = 0
+        place = columns%place
         block%n = n
         call self%load(parameters, wanted, block)
         call self%find_ordinary(axes, parameters, block, is_done)
@@ -157,7 +160,7 @@ contains
             block%inertia3(:n) = self%constant(inertia3)
             block%mgl(:n) = self%constant(mass) * self%constant(gravity) * self%constant(arm)
         end where
-        call block%compute(wanted%end .or. wanted%energy, wanted%period)
+        call block%compute(wanted(of_end) .or. wanted(of_energy), wanted(of_period))
         do k = 1, n
             if (.not. is_done(k)) cycle
             if (self%many_bodies) call self%take_body(k)
@@ -165,13 +168,13 @@ contains
             self%case%start%omega(3) = block%omega3(k)
             self%case%t_end = block%t_end(k)
             call unload_lane(self%case, block, k, wanted, no_steps, values(k), status, note)
-            if (status == status_ok .and. note%flags == 0) cycle
-            is_done(k) = .false.
-            call note%clear()
-        end do
-        do i = 1, size(columns)
-            call columns(i)%fill(values(:n), self%cells(:n))
-            is_done = is_done .and. abs(self%cells(:n)) <= huge(self%cells)
+            if (status == status_ok .and. note%flags == 0) then
+                listed = values(k)%list()
+                is_done(k) = all(abs(listed(place)) <= huge(listed))
+            else
+                is_done(k) = .false.
+                call note%clear()
+            end if
         end do
     end subroutine compute
 
@@ -179,7 +182,7 @@ contains
     subroutine load(self, parameters, wanted, block)
         class(sweep_tops_t), intent(inout) :: self
         real(dp), intent(in) :: parameters(:, :)
-        type(sweep_work_t), intent(in) :: wanted
+        logical, intent(in) :: wanted(kinds_of_work)
         type(exact_block_t), intent(inout) :: block
         real(dp) :: omega(3)
         integer :: i, k
@@ -215,7 +218,7 @@ contains
             if (self%precessions > 0) then
                 block%t_end(:n) = span_of_precessions(self%precessions, block%inertia3(:n) * block%omega3(:n), self%mgl(:n))
             end if
-            if (.not. wanted%period) return
+            if (.not. wanted(of_period)) return
             do k = 1, n
                 if (self%many_bodies) call self%take_body(k)
                 start%omega(3) = block%omega3(k)

@@ -22,7 +22,9 @@ module spintop_sweep_watches
     use spintop_stop_lanes, only: stop_lanes_t
     use spintop_sweep_notes, only: note_no_inherent, note_no_lyapunov, note_no_singular, note_no_stop, note_t
     use spintop_sweep_quantities, only: put_azimuth, put_measured_nutation
-    use spintop_sweep_result, only: sweep_result_t, sweep_work_t
+    use spintop_sweep_result, only: kinds_of_work, of_class, of_energy, of_fastest, of_force, of_inherent, &
+        of_lowest, of_lyapunov, of_nutation_rate, of_period, of_range, of_singular, of_vertical_force, of_whole, &
+        sweep_result_t
     use spintop_turning_lanes, only: turning_lanes_t
     use spintop_turning_record, only: count_end, turning_points_t, upper, lower
     implicit none
@@ -110,7 +112,7 @@ contains
     !> Creates the watches for the work and for the events.
     subroutine create(self, wanted, controls, events, stop_after)
         class(sweep_watches_t), intent(inout) :: self
-        type(sweep_work_t), intent(in) :: wanted !! what is to be computed
+        logical, intent(in) :: wanted(kinds_of_work) !! what is to be computed
         type(controls_t), intent(in) :: controls !! settings of the method
         type(column_event_t), intent(in) :: events(:) !! the events that end the motion, `ends_in_lanes`
         integer, intent(in) :: stop_after !! number of events after which the motion ends
@@ -129,19 +131,19 @@ contains
             call create_stop(events, stop_after, stop_watch)
             call append(stop_watch)
         end if
-        if (wanted%period) call append(azimuth_lanes_t())
-        if (wanted%turning) call append(turning)
-        if (wanted%fastest) call append(precession_lanes_t())
-        if (wanted%lowest) call append(height_lanes_t())
-        if (wanted%nutation_rate) call append(nutation_rate)
-        if (wanted%vertical_force) call append(vertical_force)
-        if (wanted%force) call append(force)
-        if (wanted%energy) call append(energy)
-        if (wanted%lyapunov .or. wanted%singular) then
-            call growth%set(controls, is_singular=wanted%singular, with_exponent=wanted%lyapunov)
+        if (wanted(of_period)) call append(azimuth_lanes_t())
+        if (wanted(of_whole) .or. wanted(of_range)) call append(turning)
+        if (wanted(of_fastest) .or. wanted(of_class)) call append(precession_lanes_t())
+        if (wanted(of_lowest)) call append(height_lanes_t())
+        if (wanted(of_nutation_rate)) call append(nutation_rate)
+        if (wanted(of_vertical_force)) call append(vertical_force)
+        if (wanted(of_force)) call append(force)
+        if (wanted(of_energy)) call append(energy)
+        if (wanted(of_lyapunov) .or. wanted(of_singular)) then
+            call growth%set(controls, is_singular=wanted(of_singular), with_exponent=wanted(of_lyapunov))
             call append(growth)
         end if
-        if (wanted%inherent) then
+        if (wanted(of_inherent)) then
             call inherent%set(controls%max_steps)
             call append(inherent)
         end if
@@ -168,7 +170,7 @@ contains
     subroutine put(self, case, wanted, i, last, values, status, note)
         class(sweep_watches_t), intent(in) :: self
         type(case_t), intent(in) :: case !! body, start and span
-        type(sweep_work_t), intent(in) :: wanted !! what is to be computed
+        logical, intent(in) :: wanted(kinds_of_work) !! what is to be computed
         integer, intent(in) :: i !! number of the case in the run
         type(motion_t), intent(in) :: last !! the motion at the end
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
@@ -216,9 +218,11 @@ contains
                 turns = watch%turns(:, i)
             end select
         end do
-        if (wanted%turning) call count_end(turns, case%start, last, angular_acceleration(case%body, last))
+        if (wanted(of_whole) .or. wanted(of_range)) then
+            call count_end(turns, case%start, last, angular_acceleration(case%body, last))
+        end if
         ends = [case%start%angle(2), last%angle(2)]
-        if (wanted%fastest) then
+        if (wanted(of_fastest) .or. wanted(of_class)) then
             call nutation_of(turns, ends, nutation, is_whole, rate)
         else
             call nutation_of(turns, ends, nutation, is_whole)

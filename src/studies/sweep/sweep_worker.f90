@@ -23,7 +23,8 @@ module spintop_sweep_worker
     use spintop_sweep_free, only: goes_in_free_block, sweep_free_t
     use spintop_sweep_notes, only: note_t, note_no_stop
     use spintop_sweep_proof, only: prove_case, sweep_proofs
-    use spintop_sweep_result, only: sweep_result_t, sweep_work_t
+    use spintop_sweep_result, only: kinds_of_work, of_details, of_end, of_energy, of_nutation, of_period, &
+        sweep_result_t
     use spintop_sweep_stability, only: put_perturbations
     use spintop_sweep_stepping, only: compute_stepping
     use spintop_sweep_table, only: cells_of_row, put_rows
@@ -58,7 +59,7 @@ module spintop_sweep_worker
         !> Whether the body, the attitude at the start, or the plans are the same in all cases.
         logical, private :: same_body = .false., same_attitude = .false., same_plans = .false.
         !> Selected groups of quantities.
-        type(sweep_work_t), private :: wanted
+        logical, private :: wanted(kinds_of_work) = .false.
         !> Which quantities are to be proved.
         logical, private :: proofs(proof_count) = .false.
         !> The columns of the table.
@@ -225,7 +226,7 @@ contains
             plan => worker%plans(worker%kind(k))%plan
             worker%max_steps(k) = plan%max_steps
             in_lanes = plan%exact .and. worker%kind(k) == symmetric_top .and. suits_lanes(case%start) .and. &
-                (case%body%has_closed_nutation() .or. .not. (worker%wanted%nutation .or. worker%wanted%details))
+                (case%body%has_closed_nutation() .or. .not. (worker%wanted(of_nutation) .or. worker%wanted(of_details)))
             if (in_lanes .and. status == status_ok .and. size(job%events) > 0) then
                 call stop_exactly(case, job%events, job%stop_after, worker%max_steps(k), status, worker%came(k))
                 if (status /= status_ok) call note%explain(trim(status_meanings(status)))
@@ -267,7 +268,7 @@ contains
 
         associate (wanted => worker%wanted)
             if (any(worker%lane(:n) > 0) .and. kernel_runs(wanted)) then
-                call worker%block%compute(wanted%end .or. wanted%energy, wanted%period)
+                call worker%block%compute(wanted(of_end) .or. wanted(of_energy), wanted(of_period))
             end if
             call worker%free%compute(worker%cases, wanted, worker%max_steps, worker%values, worker%status, worker%note)
             if (worker%batch%n > 0) then

@@ -1,18 +1,19 @@
-!> A column of a sweep table: its description, and the procedures that fill and explain its cells.
+!> A column of a sweep table: its description, what it needs, and the procedure that explains its cells.
 module spintop_sweep_column
     use spintop_case, only: case_t
-    use spintop_kinds, only: dp
     use spintop_study_column, only: study_column_t
     use spintop_sweep_notes, only: note_t
-    use spintop_sweep_result, only: sweep_result_t
+    use spintop_sweep_result, only: kinds_of_work
     implicit none
     private
     public :: sweep_column_t
 
-    !> A column of a sweep. Columns of a group are computed together, when one of them is asked for.
+    !> A column of a sweep.
     type, extends(study_column_t) :: sweep_column_t
-        !> Fills the cells of the column.
-        procedure(fill_i), pointer, nopass :: fill => null()
+        !> What is to be computed for it (spintop_sweep_result).
+        logical :: needs(kinds_of_work) = .false.
+        !> Its place in the list of all columns, and of its value in that of a result.
+        integer :: place = 0
         !> It is in the table when the input names no columns: it costs no more than the rest.
         logical :: is_default = .false.
         !> Every case has it that ends well.
@@ -21,19 +22,13 @@ module spintop_sweep_column
         logical :: is_class = .false.
         !> It is a word that tells whether the bounds are proved.
         logical :: is_proof = .false.
+        !> The quantity (spintop_certificate) that it contains, or whose bound it is; 0 if there is none.
+        integer :: proof_of = 0
         !> Notes why a case lacks it, where nothing else that comes with it does.
         procedure(explain_i), pointer, nopass :: explain => null()
     end type sweep_column_t
 
     abstract interface
-        !> The cells of a column, one per case.
-        pure subroutine fill_i(results, cells)
-            import :: dp, sweep_result_t
-            implicit none
-            type(sweep_result_t), intent(in) :: results(:)
-            real(dp), intent(out) :: cells(:)
-        end subroutine fill_i
-
         !> Adds a note if there is something to add.
         subroutine explain_i(case, note)
             import :: case_t, note_t

@@ -3,11 +3,10 @@ module spintop_sweep_proof_columns
     use spintop_case, only: case_t
     use spintop_certificate, only: proof_of_momentum_period, proof_of_momentum_turn, proof_of_period, proof_of_phi, &
         proof_of_precession, proof_of_psi, proof_of_theta
-    use spintop_kinds, only: dp
     use spintop_study_column, only: proof_group
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_notes, only: note_nothing_to_bound, note_t
-    use spintop_sweep_result, only: sweep_result_t
+    use spintop_sweep_result, only: of_nutation, of_whole, of_end, of_proof, set_of
     implicit none
     private
     public :: sweep_proof_columns
@@ -19,21 +18,26 @@ contains
         type(sweep_column_t), allocatable :: columns(:)
         columns = [ &
             sweep_column_t('theta_end_bound', 'rad', 'upper bound of the error of theta_end, proved', &
-                           proof_group, fill_theta_end_bound, explain=explain_no_number), &
+                           proof_group, set_of([of_proof, of_end]), explain=explain_no_number, proof_of=proof_of_theta), &
             sweep_column_t('phi_end_bound', 'rad', 'upper bound of the error of phi_end, proved', &
-                           proof_group, fill_phi_end_bound, explain=explain_no_number), &
+                           proof_group, set_of([of_proof, of_end]), explain=explain_no_number, proof_of=proof_of_phi), &
             sweep_column_t('psi_end_bound', 'rad', 'upper bound of the error of psi_end, proved', &
-                           proof_group, fill_psi_end_bound, explain=explain_no_number), &
+                           proof_group, set_of([of_proof, of_end]), explain=explain_no_number, proof_of=proof_of_psi), &
             sweep_column_t('nutation_period_bound', 's', 'upper bound of the error of nutation_period, proved', &
-                           proof_group, fill_nutation_period_bound, explain=explain_no_number), &
-            sweep_column_t('precession_per_nutation_bound', 'rad', 'upper bound of the error of precession_per_nutation, proved', &
-                           proof_group, fill_precession_per_nutation_bound, explain=explain_no_number), &
+                           proof_group, set_of([of_proof, of_nutation, of_whole]), explain=explain_no_number, &
+                           proof_of=proof_of_period), &
+            sweep_column_t('precession_per_nutation_bound', 'rad', &
+                           'upper bound of the error of precession_per_nutation, proved', &
+                           proof_group, set_of([of_proof, of_nutation, of_whole]), explain=explain_no_number, &
+                           proof_of=proof_of_precession), &
             sweep_column_t('momentum_period_bound', 's', 'upper bound of the error of momentum_period, proved', &
-                           proof_group, fill_momentum_period_bound, explain=explain_no_number), &
+                           proof_group, set_of([of_proof, of_nutation, of_whole]), explain=explain_no_number, &
+                           proof_of=proof_of_momentum_period), &
             sweep_column_t('momentum_turn_bound', 'rad', 'upper bound of the error of momentum_turn, proved', &
-                           proof_group, fill_momentum_turn_bound, explain=explain_no_number), &
+                           proof_group, set_of([of_proof, of_nutation, of_whole]), explain=explain_no_number, &
+                           proof_of=proof_of_momentum_turn), &
             sweep_column_t('proof', '', 'proved, or unproved if a bound is infinite (categorical)', &
-                           proof_group, fill_proof, is_proof=.true.)]
+                           proof_group, set_of([of_proof, of_nutation, of_whole]), is_proof=.true.)]
     end function sweep_proof_columns
 
     !> Notes that there is nothing to bound.
@@ -44,53 +48,5 @@ contains
         end associate
         if (note%flags == 0) call note%add(note_nothing_to_bound)
     end subroutine explain_no_number
-
-    pure subroutine fill_theta_end_bound(results, cells)
-        type(sweep_result_t), intent(in) :: results(:)
-        real(dp), intent(out) :: cells(:)
-        cells = results%bounds(proof_of_theta)
-    end subroutine fill_theta_end_bound
-
-    pure subroutine fill_phi_end_bound(results, cells)
-        type(sweep_result_t), intent(in) :: results(:)
-        real(dp), intent(out) :: cells(:)
-        cells = results%bounds(proof_of_phi)
-    end subroutine fill_phi_end_bound
-
-    pure subroutine fill_psi_end_bound(results, cells)
-        type(sweep_result_t), intent(in) :: results(:)
-        real(dp), intent(out) :: cells(:)
-        cells = results%bounds(proof_of_psi)
-    end subroutine fill_psi_end_bound
-
-    pure subroutine fill_nutation_period_bound(results, cells)
-        type(sweep_result_t), intent(in) :: results(:)
-        real(dp), intent(out) :: cells(:)
-        cells = results%bounds(proof_of_period)
-    end subroutine fill_nutation_period_bound
-
-    pure subroutine fill_precession_per_nutation_bound(results, cells)
-        type(sweep_result_t), intent(in) :: results(:)
-        real(dp), intent(out) :: cells(:)
-        cells = results%bounds(proof_of_precession)
-    end subroutine fill_precession_per_nutation_bound
-
-    pure subroutine fill_momentum_period_bound(results, cells)
-        type(sweep_result_t), intent(in) :: results(:)
-        real(dp), intent(out) :: cells(:)
-        cells = results%bounds(proof_of_momentum_period)
-    end subroutine fill_momentum_period_bound
-
-    pure subroutine fill_momentum_turn_bound(results, cells)
-        type(sweep_result_t), intent(in) :: results(:)
-        real(dp), intent(out) :: cells(:)
-        cells = results%bounds(proof_of_momentum_turn)
-    end subroutine fill_momentum_turn_bound
-
-    pure subroutine fill_proof(results, cells)
-        type(sweep_result_t), intent(in) :: results(:)
-        real(dp), intent(out) :: cells(:)
-        cells = results%proof
-    end subroutine fill_proof
 
 end module spintop_sweep_proof_columns

@@ -26,7 +26,7 @@ module spintop_fixed_step
 
     !> A method with one step formula. It keeps the polynomial of the last step after dense output was needed.
     type, extends(grid_stepper_t), abstract :: fixed_step_t
-        type(dense_output_t) :: dense
+        type(dense_output_t) :: dense = dense_output_t()
         !> End of the step to which the polynomial belongs, s.
         real(dp) :: t_fitted = -huge(1.0_dp)
     contains

@@ -104,11 +104,11 @@ module spintop_stepper
         !> Number of steps on the grid of a fixed-step method; -1 after it has left the grid.
         integer :: grid = 0
         !> Weights of step errors, set at the beginning of a run of an adaptive method.
-        type(error_weight_t) :: weight
+        type(error_weight_t) :: weight = error_weight_t()
         !> Projection of each new state.
-        type(projection_t) :: projection
+        type(projection_t) :: projection = projection_t()
         !> Cost of the run so far.
-        type(counts_t) :: counts
+        type(counts_t) :: counts = counts_t()
     contains
         procedure :: evaluate
         procedure :: settle

@@ -23,6 +23,8 @@ module spintop_loaded_table
         type(string_t), allocatable :: cells(:, :)
         !> Whether it has the last line of a complete table.
         logical :: has_end = .false.
+        !> How it differs from what was written, where that is no error; '' if it does not.
+        character(:), allocatable :: damage
         !> The file, and the line of each row, for messages.
         character(:), allocatable, private :: path
         integer, allocatable, private :: lines(:)
@@ -37,19 +39,19 @@ contains
 
     !> Reads a CSV table, such as the program writes. What is not valid is an error with its line and column:
     !> another format, an empty file, a name that is missing or repeated, a row with another number of cells.
-    subroutine read_table(path, table, error, damage)
+    subroutine read_table(path, table, error, takes_damaged)
         character(*), intent(in) :: path !! path of the file
         type(table_t), intent(out) :: table !! the table; without columns if there is an error
         type(error_t), allocatable, intent(out) :: error !! it cannot be read, or is not a table
-        character(:), allocatable, intent(out), optional :: damage
-            !! how the table differs from what was written, '' if it does not; without it this is an error
+        logical, intent(in), optional :: takes_damaged !! whether a table that differs from what was written is no error
         type(table_walk_t) :: walk
         type(diagnostics_t) :: diagnostics
         logical :: has_lines
 
-        call walk%open('', path, diagnostics, has_lines, error, damage)
+        call walk%open('', path, diagnostics, has_lines, error, takes_damaged)
         if (allocated(error)) return
         table%has_end = walk%has_end
+        table%damage = walk%damage
         table%path = path
         if (has_lines) call read_names(walk, table%names, diagnostics)
         if (.not. diagnostics%has_errors()) call read_rows(walk, table, diagnostics)

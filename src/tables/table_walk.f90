@@ -42,6 +42,8 @@ module spintop_table_walk
         integer :: source = 0
         !> Whether it has the last line of a complete table. Then it is as it was written.
         logical :: has_end = .false.
+        !> How it differs from what was written, where that is no error; '' if it does not.
+        character(:), allocatable :: damage
     contains
         procedure :: open
         procedure :: next_line
@@ -56,15 +58,14 @@ contains
 
     !> Opens a table whose path is relative to the folder of an input, and moves to its first line. A file
     !> that cannot be read is an error; errors of its text are added to the diagnostics.
-    subroutine open(self, input, path, diagnostics, has_lines, error, damage)
+    subroutine open(self, input, path, diagnostics, has_lines, error, takes_damaged)
         class(table_walk_t), intent(out) :: self
         character(*), intent(in) :: input !! path of the input
         character(*), intent(in) :: path !! path of the table, relative to the folder of `input`
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         logical, intent(out) :: has_lines !! whether there is a line with cells
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        character(:), allocatable, intent(out), optional :: damage
-            !! how the table differs from what was written, '' if it does not; without it this is an error
+        logical, intent(in), optional :: takes_damaged !! whether a table that differs from what was written is no error
         character(:), allocatable :: problem
 
         has_lines = .false.
@@ -78,9 +79,11 @@ contains
             return
         end if
         call check_table_text(self%text, self%has_end, problem)
-        if (present(damage)) then
-            damage = problem
-        else if (problem /= '') then
+        self%damage = problem
+        if (present(takes_damaged)) then
+            if (takes_damaged) problem = ''
+        end if
+        if (problem /= '') then
             call self%refuse(diagnostics, 'the table ' // problem, 'if this is intended, remove its last line')
             return
         end if

@@ -169,7 +169,8 @@ contains
     !> Whether a part of the quaternion, the point whose argument is a half angle, stays clear of zero on its way
     !> between two places. With a constant angular velocity the way is less than a quarter of an ellipse about zero,
     !> on the far side of the chord. Accelerations bend it: those across body z by `bend(1)`/16 of the other part,
-    !> those about it by `bend(2)`/16 of this part; twice that is admitted. A part that stays zero has no argument.
+    !> those about it by `bend(2)`/16 of this part; twice that is admitted. A part that is zero in the
+    !> first place has no argument there.
     pure logical function keeps_off(from, to, other, bend)
         real(dp), intent(in) :: from(2), to(2), other(2), bend(2)
         real(dp), parameter :: admitted = 0.125_dp
@@ -183,7 +184,7 @@ contains
         else
             keeps_off = sqrt(minval(squares)) > bent
         end if
-        keeps_off = keeps_off .or. all(is_zero(squares))
+        keeps_off = keeps_off .or. is_zero(squares(1))
     end function keeps_off
 
     !> Unit quaternion of the rotation about a vector by the norm of the vector, rad.

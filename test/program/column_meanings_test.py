@@ -34,7 +34,7 @@ class EnergyErrorTest(ProgramCase):
                         "&output columns = 'energy_error' /\n"
                     )
                 ).column("energy_error")
-                self.assertAlmostEqual(error, abs(moved[-1]), delta=2.5e-16, msg=f"{name} {span}")
+                self.assertAlmostEqual(error, abs(moved[-1]), delta=1e-15, msg=f"{name} {span}")
 
     def test_steps_of_fixed_size(self) -> None:
         """The largest over the rows of a trajectory, which are the steps."""

@@ -58,14 +58,13 @@ contains
         integer, intent(out) :: code !! exit code
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(verification_t) :: found
-        character(:), allocatable :: damage
 
         code = exit_ok
         if (.not. has_balls()) then
             error = input_error(escaped(job%input) // ': ' // balls_missing // '; ' // balls_hint)
             return
         end if
-        call read_table(job%input, found%table, error, damage)
+        call read_table(job%input, found%table, error, takes_damaged=.true.)
         if (.not. allocated(error)) call take_numbers(job, found, error)
         if (allocated(error)) return
         call check_proof_cells(found%table, job%scene%certified, found%wrong)
@@ -76,7 +75,7 @@ contains
         end if
         if (allocated(error)) return
         ! What was found is what the checksum says, or part of it.
-        if (damage /= '' .and. found%wrong%count == 0) call found%wrong%add('the table ' // damage)
+        if (found%table%damage /= '' .and. found%wrong%count == 0) call found%wrong%add('the table ' // found%table%damage)
         if (found%wrong%count > 0 .or. (strict .and. found%unproved > 0)) code = exit_failed
         call report(job, found, lines)
     end subroutine verify_table

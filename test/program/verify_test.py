@@ -65,20 +65,26 @@ class VerifyTest(ProgramCase):
         whole = self.verify("scene")
         self.assertIn(f"{sum(map(int, counted))} numbers proved, 0 unproved, 0 wrong", whole)
 
+    def lines_of_table(self) -> list[str]:
+        """The lines of the table, without the last one: an edited table has another checksum."""
+        text = (self.folder / "output/scene.csv").read_text()
+        lines = text.splitlines(keepends=True)
+        self.assertTrue(lines[-1].startswith("# end: "))
+        return lines[:-1]
+
     def test_free_body(self) -> None:
         """The quaternion is proved with its sign; phi and psi are with their turns."""
         scene = self.write(FREE)
         self.compute(scene)
         self.assertIn("25 numbers proved, 0 unproved, 0 wrong", self.verify("scene"))
-        text = (self.folder / "output/scene.csv").read_text()
-        lines = text.splitlines(keepends=True)
+        lines = self.lines_of_table()
         cells = lines[-2].split(",")
         lines[-2] = ",".join([*cells[:2], str(-float(cells[2])), *cells[3:]])
         self.put("turned", "".join(lines))
         self.assertIn("first wrong  row 5, q0 = ", self.verify("turned", code=3))
         self.compute(scene, "output.columns=t,theta,phi,psi")
         self.assertIn("15 numbers proved, 0 unproved, 0 wrong", self.verify("scene"))
-        lines = (self.folder / "output/scene.csv").read_text().splitlines(keepends=True)
+        lines = self.lines_of_table()
         cells = lines[-2].split(",")
         lines[-2] = ",".join([*cells[:2], str(float(cells[2]) + 2 * math.pi), *cells[3:]])
         self.put("turned", "".join(lines))
@@ -139,8 +145,7 @@ class VerifyTest(ProgramCase):
         """Wrong: no number, bound, proof, parameter, or rows that are not those of the input."""
         scene = self.write(SWEEP)
         self.compute(scene)
-        text = (self.folder / "output/scene.csv").read_text()
-        lines = text.splitlines(keepends=True)
+        lines = self.lines_of_table()
         first = next(i for i, line in enumerate(lines) if not line.startswith("#"))
         names = lines[first].strip().split(",")
         rows = lines[first + 1 :]
@@ -176,8 +181,7 @@ class VerifyTest(ProgramCase):
     def test_edited_trajectories(self) -> None:
         """Rows are at their times, all of them, and an attitude is a number."""
         self.compute(self.write(FREE))
-        text = (self.folder / "output/scene.csv").read_text()
-        lines = text.splitlines(keepends=True)
+        lines = self.lines_of_table()
         first = next(i for i, line in enumerate(lines) if not line.startswith("#"))
         head, rows, status = lines[: first + 1], lines[first + 1 : -1], lines[-1:]
         for name, changed, words in (

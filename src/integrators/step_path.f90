@@ -62,8 +62,7 @@ contains
         type(follower_t) :: follower
         follower = self%seen(max(1, count(self%seen%t <= t)))
         self%stepper%counts%looks = self%stepper%counts%looks + 1
-        call follower%walk_to(self%formulation, self%stepper, t, &
-                              self%stepper%interpolate(self%formulation, t))
+        call follower%walk_to(self%formulation, self%stepper, t, self%stepper%interpolate(self%formulation, t))
         motion = follower%motion(self%formulation)
         if (t > self%seen(3)%t) self%seen(2:3) = [self%seen(3), follower]
     end subroutine motion_in_step
@@ -170,8 +169,7 @@ contains
         else
             middle = self%t + (t - self%t) / 2
             stepper%counts%looks = stepper%counts%looks + 1
-            call self%walk_to(formulation, stepper, middle, &
-                              stepper%interpolate(formulation, middle))
+            call self%walk_to(formulation, stepper, middle, stepper%interpolate(formulation, middle))
             call self%walk_to(formulation, stepper, t, y)
         end if
     end subroutine walk_to

@@ -1,6 +1,6 @@
 // The git revision this program was built from. scripts/setup writes it into revision.h, beside this
-//    file; a bare `fpm build` without that header gives "unknown". Fortran sees it as
-//    function spintop_revision() bind(C), a type(c_ptr) to a text that ends with a null character.
+// file; a bare `fpm build` without that header gives "unknown". Fortran sees it as
+// function spintop_revision() bind(C), a type(c_ptr) to a text that ends with a null character.
 #ifdef __has_include
 #if __has_include("revision.h")
 #include "revision.h"

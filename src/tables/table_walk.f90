@@ -69,6 +69,7 @@ contains
         character(:), allocatable :: problem
 
         has_lines = .false.
+        self%damage = ''
         self%path = path_from(input, path)
         call read_file(self%path, largest_table, self%text, error, may_wait=.true.)
         if (.not. allocated(error)) call check_format(self%path, self%text, error)

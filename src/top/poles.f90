@@ -50,8 +50,8 @@ contains
             abs(dot_product(gamma, omega)) <= min(near_miss, sine / 10) * across))
     end function precession_is_lost
 
-    !> The horizontal principal axis about which a body turns in a plane motion, in body axes, if it does. Effects that may
-    !> turn it out of the plane are taken to do so.
+    !> The horizontal principal axis about which a body turns in a plane motion, in body axes, if it does, as far as its weight
+    !> and damping tell.
     pure subroutine find_swing_axis(body, start, nearly, axis, swings)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! the start
@@ -59,15 +59,7 @@ contains
         real(dp), intent(out) :: axis(3) !! unit vector
         logical, intent(out) :: swings !! whether there is such an axis
         real(dp) :: gamma(3), rate(6), change(3)
-        axis = 0
         swings = .false.
-        if (allocated(body%effects)) then
-            associate (effects => body%effects)
-                if (allocated(effects%table) .or. .not. all(is_zero([effects%frame_rate, effects%rotor_momentum, &
-                    effects%rotor_torque, effects%torque_body, effects%torque_space, &
-                    effects%vibration_amplitude(:2)]))) return
-            end associate
-        end if
         gamma = vertical_from_quaternion(start%quaternion)
         rate = euler_poisson_rate(body, [gamma, body%inertia * start%omega])
         change = rate(4:6) / body%inertia
@@ -92,13 +84,20 @@ contains
     end function swings_over_poles
 
     !> The distance from a pole, rad, up to which a motion passes through it: in the axes of the computation and in those in
-    !> which the body was given.
+    !> which the body was given. Effects that may turn a plane motion out of its plane are taken to do so.
     pure function reach_of(body, start) result(reach)
         type(body_t), intent(in) :: body !! mass properties of the body, with its effects
         type(motion_t), intent(in) :: start !! the motion at the start
         real(dp) :: reach(2), axis(3)
         logical :: swings
         reach = through_pole
+        if (allocated(body%effects)) then
+            associate (effects => body%effects)
+                if (allocated(effects%table) .or. .not. all(is_zero([effects%frame_rate, effects%rotor_momentum, &
+                    effects%rotor_torque, effects%torque_body, effects%torque_space, &
+                    effects%vibration_amplitude(:2)]))) return
+            end associate
+        end if
         call find_swing_axis(body, start, exactly_plane, axis, swings)
         if (.not. swings) return
         if (abs(axis(3)) <= exactly_plane) reach(1) = reach_in_plane

@@ -1,6 +1,7 @@
 """phi and psi at poles: a turn of the start about the vertical shifts phi, and nothing else."""
 
 import csv
+import functools
 import json
 import math
 import os
@@ -27,6 +28,7 @@ COLUMNS = (
 ACCURACY = 1e-5
 
 
+@functools.cache
 def methods() -> dict[str, str]:
     """Every method that integrates a rigid body, with its numbers of steps or tolerances."""
     command = [EXE, "list", "methods", "--json"]
@@ -68,12 +70,12 @@ def sweep(
     return [{name: float(row[name]) for name in ("initial.phi", *COLUMNS)} for row in rows]
 
 
-def check_turns(rows: list[dict[str, float]], accuracy: float = ACCURACY) -> None:
+def check_turns(rows: list[dict[str, float]]) -> None:
     """All rows are the first one, turned."""
     for row in rows:
         for name in COLUMNS:
             wanted = rows[0][name] + (row["initial.phi"] if name == "phi_end" else 0)
-            assert row[name] == pytest.approx(wanted, abs=accuracy, nan_ok=True), (
+            assert row[name] == pytest.approx(wanted, abs=ACCURACY, nan_ok=True), (
                 name,
                 row,
                 rows[0],

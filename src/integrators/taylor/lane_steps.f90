@@ -214,15 +214,16 @@ contains
         most = 0
         !$omp simd private(nearest) reduction(max: most)
         do i = 1, lanes
-            nearest = sqrt(min(c(i, 4, 0)**2 + c(i, 5, 0)**2, state(i, 4)**2 + state(i, 5)**2))
+            nearest = min(c(i, 4, 0)**2 + c(i, 5, 0)**2, state(i, 4)**2 + state(i, 5)**2)
             rate(i) = max(c(i, 1, 0)**2 + c(i, 2, 0)**2 + c(i, 3, 0)**2, &
                           state(i, 1)**2 + state(i, 2)**2 + state(i, 3)**2, circling(i))
             doubt(i) = merge(no_reason, changes_side, side(i) * state(i, 6) >= border)
             doubt(i) = merge(doubt(i), turns_far, duration(i)**2 * rate(i) <= largest_turn**2 &
                              .and. abs(change(i)) <= sharp)
             ! Positive where the path may pass zero on another side than its chord.
-            bend(i) = merge(duration(i)**2 * bend(i) - (straight - change(i)**2) * nearest, 0.0_dp, abs(change(i)) <= sharp)
-            bend(i) = merge(1.0_dp, bend(i), nearest**2 <= in_pole2(i))
+            bend(i) = merge(duration(i)**2 * bend(i) - (straight - change(i)**2) * sqrt(nearest), 0.0_dp, &
+                            abs(change(i)) <= sharp)
+            bend(i) = merge(1.0_dp, bend(i), nearest <= in_pole2(i))
             most = max(most, doubt(i))
         end do
         if (most >= turns_far) then

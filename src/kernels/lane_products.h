@@ -1,5 +1,5 @@
 // Products of power series, one pair in each lane of a vector, see lane_products.f90; and the slope of the squared support
-// force, which is made of them, see force_lanes.f90.
+// force, which is made of them, see extreme_lanes.f90.
 //
 // Two terms are computed at once, which have most operands in common.
 

@@ -1,15 +1,12 @@
 !> The quantities of a sweep that watches measure along the motions in lanes.
 module spintop_sweep_watches
-    use spintop_angle_stop_lanes, only: angle_stop_lanes_t, of_phi, of_psi
     use spintop_azimuth_lanes, only: azimuth_lanes_t
     use spintop_compare, only: is_equal, is_zero
     use spintop_event_text, only: column_event_t
     use spintop_kinds, only: dp, pi
     use spintop_case, only: case_t
     use spintop_energy_lanes, only: energy_lanes_t
-    use spintop_extreme_lanes, only: height_lanes_t, nutation_rate_lanes_t, precession_lanes_t
-    use spintop_force_lanes, only: force_lanes_t, vertical_force_lanes_t
-    use spintop_form_stop_lanes, only: form_columns, form_stop_lanes_t
+    use spintop_extreme_lanes, only: centre_height, extreme_lanes_t, nutation_rate, precession_rate, total_force, vertical_force
     use spintop_growth_lanes, only: growth_lanes_t
     use spintop_inherent_lanes, only: inherent_lanes_t
     use spintop_lane_watch, only: lane_watch_t, watch_slot_t
@@ -19,12 +16,11 @@ module spintop_sweep_watches
     use spintop_quantities, only: angular_acceleration
     use spintop_status, only: status_meanings, status_non_finite, status_ok, status_step_limit
     use spintop_stepper, only: controls_t
-    use spintop_stop_lanes, only: stop_lanes_t
+    use spintop_stop_lanes, only: of_nothing, of_spin_momentum, of_theta, of_turning, stop_lanes_t
     use spintop_sweep_notes, only: note_no_inherent, note_no_lyapunov, note_no_singular, note_no_stop, note_t
     use spintop_sweep_quantities, only: put_azimuth, put_measured_nutation
-    use spintop_sweep_result, only: kinds_of_work, of_class, of_energy, of_fastest, of_force, of_inherent, &
-        of_lowest, of_lyapunov, of_nutation_rate, of_period, of_range, of_singular, of_vertical_force, of_whole, &
-        sweep_result_t
+    use spintop_sweep_result, only: kinds_of_work, of_class, of_energy, of_fastest, of_force, of_inherent, of_lowest, &
+        of_lyapunov, of_nutation_rate, of_period, of_range, of_singular, of_vertical_force, of_whole, sweep_result_t
     use spintop_turning_lanes, only: turning_lanes_t
     use spintop_turning_record, only: count_end, turning_points_t, upper, lower
     implicit none
@@ -33,9 +29,6 @@ module spintop_sweep_watches
 
     !> Least sine of an inclination whose passages are found by its cosine.
     real(dp), parameter :: least_sine = 1.0e-3_dp
-
-    !> Columns that depend on the frame and the rotor of a body with effects.
-    character(*), parameter :: plain_columns(*) = [character(9) :: 'l3', 'lz', 'potential', 'energy']
 
     !> Watches for the work of a sweep; `slots` is passed to `integrate_many`.
     type :: sweep_watches_t
@@ -61,53 +54,32 @@ contains
                 if (event%every_turn .neqv. events(1)%event%every_turn) return
                 if (event%turn_by_turn .neqv. events(1)%event%turn_by_turn) return
                 if (.not. is_equal(event%level, events(1)%event%level)) return
-                select case (events(i)%column%name)
-                case ('theta')
+                select case (events(i)%column%passing)
+                case (of_nothing)
+                    return
+                case (of_theta)
                     ! Near a pole cos(theta) does not determine theta.
                     if (.not. (event%level > 0 .and. event%level < pi .and. sin(event%level) > least_sine)) return
-                case ('axis_z_rate')
+                case (of_turning)
                     if (.not. is_zero(event%level)) return
-                case ('phi', 'psi')
-                    ! Either angle passes any value.
-                case default
-                    if (all(form_columns /= events(i)%column%name)) return
-                    ! Their forms are those of a body without effects.
-                    if (allocated(case%body%effects) .and. any(plain_columns == events(i)%column%name)) return
+                case (of_spin_momentum:)
+                    if (allocated(case%body%effects)) return
                 end select
             end associate
         end do
         ends_in_lanes = .true.
     end function ends_in_lanes
 
-    !> Creates the watch for events that end the motions at the n-th of them.
-    subroutine create_stop(events, n, watch)
+    !> The watch for events that end the motions at the n-th of them.
+    pure type(stop_lanes_t) function stop_watch(events, n)
         type(column_event_t), intent(in) :: events(:)
         integer, intent(in) :: n
-        class(lane_watch_t), allocatable, intent(out) :: watch
-        type(stop_lanes_t) :: of_inclination
-        type(angle_stop_lanes_t) :: of_angle
-        type(form_stop_lanes_t) :: of_form
-        logical :: rises, falls
-        rises = any(events%event%direction > 0)
-        falls = any(events%event%direction < 0)
-        associate (event => events(1)%event)
-            select case (events(1)%column%name)
-            case ('theta')
-                call of_inclination%set_level(event%level, rises, falls, n)
-                allocate (watch, source=of_inclination)
-            case ('axis_z_rate')
-                call of_inclination%set_turning(upper=falls, lower=rises, n=n)
-                allocate (watch, source=of_inclination)
-            case ('phi', 'psi')
-                call of_angle%set_angle(merge(of_phi, of_psi, events(1)%column%name == 'phi'), event%level, &
-                                        event%every_turn, event%turn_by_turn, rises, falls, n)
-                allocate (watch, source=of_angle)
-            case default
-                call of_form%set_form(events(1)%column%name, event%level, rises, falls, n)
-                allocate (watch, source=of_form)
-            end select
+        associate (event => events(1)%event, column => events(1)%column)
+            stop_watch = stop_lanes_t(passing=column%passing, component=column%component, level=event%level, wanted=n, &
+                                      rising=any(events%event%direction > 0), falling=any(events%event%direction < 0), &
+                                      every_turn=event%every_turn, turn_by_turn=event%turn_by_turn)
         end associate
-    end subroutine create_stop
+    end function stop_watch
 
     !> Creates the watches for the work and for the events.
     subroutine create(self, wanted, controls, events, stop_after)
@@ -119,25 +91,18 @@ contains
         type(growth_lanes_t) :: growth
         type(inherent_lanes_t) :: inherent
         type(turning_lanes_t) :: turning
-        type(nutation_rate_lanes_t) :: nutation_rate
-        type(vertical_force_lanes_t) :: vertical_force
-        type(force_lanes_t) :: force
         type(energy_lanes_t) :: energy
-        class(lane_watch_t), allocatable :: stop_watch
         if (allocated(self%slots)) deallocate (self%slots)
         allocate (self%slots(0))
         ! First, so that the others see the motion up to its end.
-        if (size(events) > 0) then
-            call create_stop(events, stop_after, stop_watch)
-            call append(stop_watch)
-        end if
+        if (size(events) > 0) call append(stop_watch(events, stop_after))
         if (wanted(of_period)) call append(azimuth_lanes_t())
         if (wanted(of_whole) .or. wanted(of_range)) call append(turning)
-        if (wanted(of_fastest) .or. wanted(of_class)) call append(precession_lanes_t())
-        if (wanted(of_lowest)) call append(height_lanes_t())
-        if (wanted(of_nutation_rate)) call append(nutation_rate)
-        if (wanted(of_vertical_force)) call append(vertical_force)
-        if (wanted(of_force)) call append(force)
+        if (wanted(of_fastest) .or. wanted(of_class)) call append(extreme_lanes_t(quantity=precession_rate))
+        if (wanted(of_lowest)) call append(extreme_lanes_t(quantity=centre_height))
+        if (wanted(of_nutation_rate)) call append(extreme_lanes_t(quantity=nutation_rate))
+        if (wanted(of_vertical_force)) call append(extreme_lanes_t(quantity=vertical_force))
+        if (wanted(of_force)) call append(extreme_lanes_t(quantity=total_force))
         if (wanted(of_energy)) call append(energy)
         if (wanted(of_lyapunov) .or. wanted(of_singular)) then
             call growth%set(controls, is_singular=wanted(of_singular), with_exponent=wanted(of_lyapunov))
@@ -185,23 +150,26 @@ contains
         rate = 0
         do k = size(self%slots), 1, -1 ! the order of the notes
             select type (watch => self%slots(k)%watch)
-            class is (stop_lanes_t)
+            type is (stop_lanes_t)
                 if (.not. watch%came(i)) call note%add(note_no_stop)
             type is (azimuth_lanes_t)
                 call put_azimuth(watch%seen(i), watch%azimuth(i), values, note)
             type is (energy_lanes_t)
                 values%energy_error_max = watch%error_max(i)
-            type is (height_lanes_t)
-                values%com_z_min = watch%extreme(i)
-            type is (precession_lanes_t)
-                rate = watch%extreme(i)
-            type is (nutation_rate_lanes_t)
-                values%theta_rate_max = watch%extreme(i)
-            type is (vertical_force_lanes_t)
-                values%force_z_min = watch%force_min(i)
-                values%force_z_max = watch%force_max(i)
-            type is (force_lanes_t)
-                values%force_max = watch%force_max(i)
+            type is (extreme_lanes_t)
+                select case (watch%quantity)
+                case (precession_rate)
+                    rate = watch%largest(i)
+                case (nutation_rate)
+                    values%theta_rate_max = watch%largest(i)
+                case (centre_height)
+                    values%com_z_min = watch%least(i)
+                case (vertical_force)
+                    values%force_z_min = watch%least(i)
+                    values%force_z_max = watch%largest(i)
+                case (total_force)
+                    values%force_max = watch%largest(i)
+                end select
             type is (growth_lanes_t)
                 if (watch%is_singular) then
                     call take(values%largest_singular_value, watch%value(i), watch%status(i), note_no_singular)

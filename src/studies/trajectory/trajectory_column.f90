@@ -4,6 +4,7 @@ module spintop_trajectory_column
     use spintop_kinds, only: dp
     use spintop_loads, only: works
     use spintop_motion_view, only: motion_view_t
+    use spintop_stop_lanes, only: of_nothing
     use spintop_study_column, only: study_column_t
     implicit none
     private
@@ -22,6 +23,8 @@ module spintop_trajectory_column
         !> Gives a vector, and the component of it that is the value of the column.
         procedure(put_i), pointer, nopass :: put_vector => null()
         integer :: component = 1
+        !> What passes a value of the column in a polynomial of each step, if anything does (spintop_stop_lanes).
+        integer :: passing = of_nothing
         !> It is in the table when the input names no columns.
         logical :: is_default = .false.
         !> It compares with the exact motion.

@@ -9,6 +9,8 @@ module spintop_trajectory_columns
     use spintop_quantities, only: axial_momentum, axis_height_rate, axis_tip, goryachev_integral, kovalevskaya_integral, &
         vertical_momentum
     use spintop_proof_columns, only: proof_columns
+    use spintop_stop_lanes, only: of_centre_height, of_energy, of_kinetic_energy, of_omega, of_phi, of_potential_energy, of_psi, &
+        of_spin_momentum, of_theta, of_turning, of_vertical, of_vertical_momentum
     use spintop_study_column, only: place_of, proof_group
     use spintop_trajectory_column, only: angle_group, longest, trajectory_column_t
     use spintop_work_columns, only: work_columns
@@ -24,11 +26,11 @@ contains
         columns = [ &
             trajectory_column_t('t', 's', 'time', angle_group, put_time, 1, &
                                 is_default=.true., varies_near_poles=.true.), &
-            trajectory_column_t('phi', 'rad', 'precession angle, continuous', angle_group, put_angles, 1, &
+            trajectory_column_t('phi', 'rad', 'precession angle, continuous', angle_group, put_angles, 1, of_phi, &
                                 is_default=.true., varies_near_poles=.true.), &
-            trajectory_column_t('theta', 'rad', 'inclination of body z to the vertical', angle_group, put_angles, 2, &
+            trajectory_column_t('theta', 'rad', 'inclination of body z to the vertical', angle_group, put_angles, 2, of_theta, &
                                 is_default=.true., varies_near_poles=.true.), &
-            trajectory_column_t('psi', 'rad', 'spin angle, continuous', angle_group, put_angles, 3, &
+            trajectory_column_t('psi', 'rad', 'spin angle, continuous', angle_group, put_angles, 3, of_psi, &
                                 is_default=.true., varies_near_poles=.true.), &
             trajectory_column_t('phi_rate', 'rad/s', 'precession rate', angle_group, put_rates, 1, &
                                 is_default=.true., varies_near_poles=.true., ends_at_poles=.true.), &
@@ -36,35 +38,37 @@ contains
                                 is_default=.true., varies_near_poles=.true.), &
             trajectory_column_t('psi_rate', 'rad/s', 'spin rate', angle_group, put_rates, 3, &
                                 is_default=.true., varies_near_poles=.true., ends_at_poles=.true.), &
-            trajectory_column_t('omega1', 'rad/s', 'angular velocity about body x', 'rates', put_omega, 1), &
-            trajectory_column_t('omega2', 'rad/s', 'angular velocity about body y', 'rates', put_omega, 2), &
-            trajectory_column_t('omega3', 'rad/s', 'angular velocity about body z', 'rates', put_omega, 3), &
+            trajectory_column_t('omega1', 'rad/s', 'angular velocity about body x', 'rates', put_omega, 1, of_omega), &
+            trajectory_column_t('omega2', 'rad/s', 'angular velocity about body y', 'rates', put_omega, 2, of_omega), &
+            trajectory_column_t('omega3', 'rad/s', 'angular velocity about body z', 'rates', put_omega, 3, of_omega), &
             trajectory_column_t('q0', '', 'attitude quaternion, scalar part', 'attitude', put_quaternion, 1), &
             trajectory_column_t('q1', '', 'attitude quaternion, x', 'attitude', put_quaternion, 2), &
             trajectory_column_t('q2', '', 'attitude quaternion, y', 'attitude', put_quaternion, 3), &
             trajectory_column_t('q3', '', 'attitude quaternion, z', 'attitude', put_quaternion, 4), &
-            trajectory_column_t('gamma1', '', 'upward vertical in body axes, x', 'attitude', put_vertical, 1), &
-            trajectory_column_t('gamma2', '', 'upward vertical in body axes, y', 'attitude', put_vertical, 2), &
-            trajectory_column_t('gamma3', '', 'upward vertical in body axes, z', 'attitude', put_vertical, 3), &
+            trajectory_column_t('gamma1', '', 'upward vertical in body axes, x', 'attitude', put_vertical, 1, of_vertical), &
+            trajectory_column_t('gamma2', '', 'upward vertical in body axes, y', 'attitude', put_vertical, 2, of_vertical), &
+            trajectory_column_t('gamma3', '', 'upward vertical in body axes, z', 'attitude', put_vertical, 3, of_vertical), &
             trajectory_column_t('axis_x', '', 'body z in space axes, x', 'attitude', put_axis, 1), &
             trajectory_column_t('axis_y', '', 'body z in space axes, y', 'attitude', put_axis, 2), &
-            trajectory_column_t('axis_z', '', 'body z in space axes, z', 'attitude', put_axis, 3), &
+            trajectory_column_t('axis_z', '', 'body z in space axes, z', 'attitude', put_axis, 3, of_vertical), &
             trajectory_column_t('com_x', 'm', 'centre of mass in space axes, x', 'attitude', put_centre, 1, &
                                 is_default=.true.), &
             trajectory_column_t('com_y', 'm', 'centre of mass in space axes, y', 'attitude', put_centre, 2, &
                                 is_default=.true.), &
             trajectory_column_t('com_z', 'm', 'centre of mass in space axes, z (height above the pivot)', &
-                                'attitude', put_centre, 3, is_default=.true.), &
-            trajectory_column_t('kinetic', 'J', 'kinetic energy', 'energy', put_energies, 1, is_default=.true.), &
+                                'attitude', put_centre, 3, of_centre_height, is_default=.true.), &
+            trajectory_column_t('kinetic', 'J', 'kinetic energy', &
+                                'energy', put_energies, 1, of_kinetic_energy, is_default=.true.), &
             trajectory_column_t('potential', 'J', 'potential energy above the height of the pivot, with -O.IO/2 - O.h &
                                 &where the Earth turns (O its rate, h of a rotor)', &
-                                'energy', put_energies, 2, is_default=.true.), &
-            trajectory_column_t('energy', 'J', 'total energy', 'energy', put_energies, 3, is_default=.true.), &
+                                'energy', put_energies, 2, of_potential_energy, is_default=.true.), &
+            trajectory_column_t('energy', 'J', 'total energy', 'energy', put_energies, 3, of_energy, is_default=.true.), &
             trajectory_column_t('energy_error', '', &
                                 'change of energy since the start over (kinetic at start + m g |r|)', &
                                 'energy', put_energy_error, 1, needs_work=.true.), &
-            trajectory_column_t('lz', 'J s', 'angular momentum about the vertical', 'momenta', put_momenta, 1), &
-            trajectory_column_t('l3', 'J s', 'angular momentum about body z', 'momenta', put_momenta, 2), &
+            trajectory_column_t('lz', 'J s', 'angular momentum about the vertical', &
+                                'momenta', put_momenta, 1, of_vertical_momentum), &
+            trajectory_column_t('l3', 'J s', 'angular momentum about body z', 'momenta', put_momenta, 2, of_spin_momentum), &
             trajectory_column_t('R1', 'N m', "residual of Euler's first equation (Eq 51)", &
                                 'residuals', put_residuals, 1, is_default=.true.), &
             trajectory_column_t('R2', 'N m', "residual of Euler's second equation (Eq 51)", &
@@ -92,7 +96,7 @@ contains
             trajectory_column_t('norm_error', '', 'norm error abs(q) - 1 of the computed quaternion', &
                                 'errors', put_norm_error, 1), &
             trajectory_column_t('axis_z_rate', '1/s', 'rate of axis_z, zero at the turning points of theta', &
-                                'attitude', put_axis_z_rate, 1), &
+                                'attitude', put_axis_z_rate, 1, of_turning), &
             trajectory_column_t('kovalevskaya', '1/s^4', 'Kovalevskaya integral; constant for I1 = I2 = 2 I3 and ' // &
                                 'centre of mass in body x y', 'momenta', put_kovalevskaya, 1), &
             trajectory_column_t('goryachev', '1/s^3', 'integral of Goryachev and Chaplygin; constant for I1 = I2 = 4 I3, ' // &

@@ -13,7 +13,7 @@
 module spintop_lane_series
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use, intrinsic :: iso_fortran_env, only: sp => real32
-    use spintop_kernel_types, only: lanes, rows
+    use spintop_kernel_types, only: lane_body_t, lanes, rows
     use spintop_kinds, only: dp, qp
     use spintop_formulation, only: max_series_order
     implicit none
@@ -33,12 +33,11 @@ module spintop_lane_series
                                              divisor=1, max_series_order)]
 
     interface
-        pure subroutine c_expand(order, coupling, decay, pull, swing, side, state, share, share_rest, c) &
-            bind(C, name='spintop_expand_lanes')
-            import :: c_double, c_int
+        pure subroutine c_expand(order, body, side, state, share, share_rest, c) bind(C, name='spintop_expand_lanes')
+            import :: c_double, c_int, lane_body_t
             integer(c_int), value :: order
-            real(c_double), dimension(*), intent(in) :: coupling, decay, pull, swing, side, state, &
-                share, share_rest
+            type(lane_body_t), intent(in) :: body
+            real(c_double), dimension(*), intent(in) :: side, state, share, share_rest
             real(c_double), intent(out) :: c(*)
         end subroutine c_expand
     end interface
@@ -48,15 +47,12 @@ contains
     !> Taylor coefficients of the motions at their states. Those of the quotient obey
     !> Q_k (1 + s Gamma3_0)/s = n_k - sum over j = 1..k of Gamma3_j Q_(k-j), with n = omega1 Gamma1 + omega2 Gamma2;
     !> they and n are known up to order - 1, and the next are zero.
-    pure subroutine expand(order, coupling, decay, pull, swing, side, state, c)
+    pure subroutine expand(order, body, side, state, c)
         integer, intent(in) :: order !! 1 to `max_series_order`
-        real(dp), dimension(lanes, 3), intent(in) :: coupling !! (I2 - I3)/I1 and cyclic
-        real(dp), dimension(lanes, 3), intent(in) :: decay !! damping/I, 1/s
-        real(dp), dimension(lanes, 3), intent(in) :: pull, swing
-            !! m g (r3/I1, r1/I2, r2/I3) and m g (r2/I1, r3/I2, r1/I3), 1/s^2
+        type(lane_body_t), intent(in) :: body !! the bodies
         real(dp), intent(in) :: side(lanes), state(lanes, parts) !! s; (omega, Gamma, xi)
         real(dp), intent(out) :: c(lanes, rows, 0:order) !! Taylor coefficients (lane, row, term)
-        call c_expand(order, coupling, decay, pull, swing, side, state, share, share_rest, c)
+        call c_expand(order, body, side, state, share, share_rest, c)
     end subroutine expand
 
 end module spintop_lane_series

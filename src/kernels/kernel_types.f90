@@ -7,7 +7,7 @@ module spintop_kernel_types
     private
     public :: numbers, half, set_aside, highest_order, lanes, rows, more_rows, most_drags
     public :: body_products_t, stage_factors_t, drag_t, series_effects_t, stage_effects_t
-    public :: body_change_t, lane_kinds_t, lane_drag_t, lane_constants_t, lane_arm_t, lane_work_t
+    public :: lane_body_t, lane_kinds_t, lane_drag_t, lane_constants_t, lane_arm_t, lane_work_t
 
     !> Numbers in a state and in a term of a series, room of a vector of three components, what a stage sets aside, and the
     !> highest order of a series.
@@ -53,10 +53,11 @@ module spintop_kernel_types
         integer(c_int) :: has_sides = 0, has_rotor = 0, has_drag = 0, vibrates = 0, turns = 0
     end type stage_effects_t
 
-    !> Changes of the bodies in lanes that force a perturbation: of the numbers by which their motions are expanded.
-    type, bind(C) :: body_change_t
+    !> Bodies in lanes, or changes of them: the numbers by which their motions are expanded. (I2 - I3)/I1 and cyclic;
+    !> damping/I, 1/s; m g (r3/I1, r1/I2, r2/I3) and m g (r2/I1, r3/I2, r1/I3), 1/s^2.
+    type, bind(C) :: lane_body_t
         real(c_double), dimension(lanes, 3) :: coupling = 0, decay = 0, pull = 0, swing = 0
-    end type body_change_t
+    end type lane_body_t
 
     !> Which effects the bodies of all lanes have.
     type, bind(C) :: lane_kinds_t

@@ -58,17 +58,15 @@ double spintop_sum_stages(int since, int stages, const double *weight, const dou
                              growth);
 }
 
-void spintop_expand_lanes(int order, const double *coupling, const double *decay, const double *pull, const double *swing,
-                          const double *side, const double *state, const double *share, const double *share_rest, double *c) {
-    chosen.expand_lanes(order, coupling, decay, pull, swing, side, state, share, share_rest, c);
+void spintop_expand_lanes(int order, const struct lane_body *b, const double *side, const double *state, const double *share,
+                          const double *share_rest, double *c) {
+    chosen.expand_lanes(order, b, side, state, share, share_rest, c);
 }
 
-void spintop_carry_tangents(int order, const double *coupling, const double *decay, const double *pull, const double *swing,
-                            const double *c, const double *duration, const double *pace, int number, const int *which, int free,
-                            const struct body_change *change, const double *before, double *after, double *whole,
-                            double *last) {
-    chosen.carry_tangents(order, coupling, decay, pull, swing, c, duration, pace, number, which, free, change, before, after,
-                          whole, last);
+void spintop_carry_tangents(int order, const struct lane_body *b, const double *c, const double *duration, const double *pace,
+                            int number, const int *which, int free, const struct lane_body *change, const double *before,
+                            double *after, double *whole, double *last) {
+    chosen.carry_tangents(order, b, c, duration, pace, number, which, free, change, before, after, whole, last);
 }
 
 void spintop_expand_affected_lanes(int order, const struct lane_kinds *has, const struct lane_constants *e, const double *t,
@@ -139,14 +137,12 @@ int spintop_find_stages_at(int level, int from, int to, const struct stage_facto
     return at != 0;
 }
 
-int spintop_expand_lanes_at(int level, int order, const double *coupling, const double *decay, const double *pull,
-                            const double *swing, const double *side, const double *state, const double *share,
-                            const double *share_rest, double *c);
-int spintop_expand_lanes_at(int level, int order, const double *coupling, const double *decay, const double *pull,
-                            const double *swing, const double *side, const double *state, const double *share,
-                            const double *share_rest, double *c) {
+int spintop_expand_lanes_at(int level, int order, const struct lane_body *b, const double *side, const double *state,
+                            const double *share, const double *share_rest, double *c);
+int spintop_expand_lanes_at(int level, int order, const struct lane_body *b, const double *side, const double *state,
+                            const double *share, const double *share_rest, double *c) {
     const struct kernels *const at = builds_at(level);
-    if (at) at->expand_lanes(order, coupling, decay, pull, swing, side, state, share, share_rest, c);
+    if (at) at->expand_lanes(order, b, side, state, share, share_rest, c);
     return at != 0;
 }
 

@@ -46,8 +46,8 @@ struct stage_effects {
     int has_sides, has_rotor, has_drag, vibrates, turns;
 };
 
-// Changes of the bodies in lanes: of the numbers by which their motions are expanded.
-struct body_change {
+// Bodies in lanes, or changes of them: the numbers by which their motions are expanded.
+struct lane_body {
     double coupling[3][lanes], decay[3][lanes], pull[3][lanes], swing[3][lanes];
 };
 
@@ -122,11 +122,11 @@ double spintop_sum_stages(int since, int stages, const double *weight, const dou
                           double *change, double *y_new, double *growth);
 
 // lane_series.h: terms of the series of motions in lanes, and of their perturbations.
-void spintop_expand_lanes(int order, const double *coupling, const double *decay, const double *pull, const double *swing,
-                          const double *side, const double *state, const double *share, const double *share_rest, double *c);
-void spintop_carry_tangents(int order, const double *coupling, const double *decay, const double *pull, const double *swing,
-                            const double *c, const double *duration, const double *pace, int number, const int *which, int free,
-                            const struct body_change *change, const double *before, double *after, double *whole, double *last);
+void spintop_expand_lanes(int order, const struct lane_body *b, const double *side, const double *state, const double *share,
+                          const double *share_rest, double *c);
+void spintop_carry_tangents(int order, const struct lane_body *b, const double *c, const double *duration, const double *pace,
+                            int number, const int *which, int free, const struct lane_body *change, const double *before,
+                            double *after, double *whole, double *last);
 
 // lane_effects.h, lane_work.h: the same with effects, and their work.
 void spintop_expand_affected_lanes(int order, const struct lane_kinds *has, const struct lane_constants *e, const double *t,

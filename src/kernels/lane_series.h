@@ -10,26 +10,22 @@ enum { components = 6, in_turn = 2 };
 // The rows of a term of a perturbation: of omega, and the rotation.
 enum { d1, d2, d3, r1, r2, r3 };
 
-struct lane_body { // a row of lanes for each number
-    const double *coupling, *decay, *pull, *swing;
-};
-
 // Passes over the pairs of terms: in one there is room for all sums of products and their operands where the processor has
 // 32 registers, as it has with the widest vectors.
 enum { passes = (int)width == (int)lanes ? 1 : 2 };
 
 // A term of the angular acceleration about axis m, from those of the product of the angular velocities about the other axes, of
 // the vertical along the next axis and the one before, and of its own angular velocity.
-inlined vector rate_of(struct lane_body b, int lane, int m, vector product, vector next, vector before, vector own) {
-    return get(b.coupling + lane, m) * product
-           + (next * get(b.pull + lane, m) - before * get(b.swing + lane, m) - own * get(b.decay + lane, m));
+inlined vector rate_of(const struct lane_body *b, int lane, int m, vector product, vector next, vector before, vector own) {
+    return get(*b->coupling + lane, m) * product
+           + (next * get(*b->pull + lane, m) - before * get(*b->swing + lane, m) - own * get(*b->decay + lane, m));
 }
 
 // Finds the term behind `now`, the k-th from `c` on, and the quotient of `now`. The sums of products start with
 // the term in the middle, if there is one, and go on to pairs of an older and a newer one; the newest
 // pair comes last, as its numbers have just been found. A quotient that is not known yet is zero. Of two passes the first has
 // the products along the same axis and those of angular velocities, the last one those along two axes.
-inlined void append_term(int k, int lane, struct lane_body b, vector inverse, struct share s, double *c) {
+inlined void append_term(int k, int lane, const struct lane_body *b, vector inverse, struct share s, double *c) {
     double *now = c + term * k, *next = now + term;
     const double *middle = c + term * (k / 2), *older, *newer;
     vector w12 = {0}, w23 = w12, w31 = w12, n1 = w12, n2 = w12, g3q = w12;
@@ -90,10 +86,9 @@ inlined void append_term(int k, int lane, struct lane_body b, vector inverse, st
     put(next, angle, scaled(v3 + q, s));
 }
 
-static void expand_lanes(int order, const double *coupling, const double *decay, const double *pull, const double *swing,
-                         const double *side, const double *state, const double *share, const double *share_rest, double *c) {
+static void expand_lanes(int order, const struct lane_body *b, const double *side, const double *state, const double *share,
+                         const double *share_rest, double *c) {
     const int few = order < exact_shares ? order : exact_shares;
-    const struct lane_body b = {coupling, decay, pull, swing};
     const vector none = {0};
     double inverse[lanes];
 
@@ -132,7 +127,7 @@ static void multiply_rates(int terms, const double *c, double *products) {
 
 // Finds the term behind the k-th of a perturbation, which a change of the body may force. The products are those of two
 // series of different kind, so that no pair is found twice.
-inlined void append_tangent(int k, int lane, struct lane_body b, const double *c, const struct body_change *change,
+inlined void append_tangent(int k, int lane, const struct lane_body *b, const double *c, const struct lane_body *change,
                             const double *products, double *z) {
     vector p1 = {0}, p2 = p1, p3 = p1, e1 = p1, e2 = p1, e3 = p1, t1 = p1, t2 = p1, t3 = p1;
     const double *base = c + term * k, *now = z;
@@ -165,12 +160,11 @@ inlined void append_tangent(int k, int lane, struct lane_body b, const double *c
     p2 = rate_of(b, lane, 1, p2, t3, t1, x2);
     p3 = rate_of(b, lane, 2, p3, t1, t2, x3);
     if (change) {
-        const struct lane_body by = {*change->coupling, *change->decay, *change->pull, *change->swing};
         const double *product = products + lanes * 3 * k + lane;
         base = c + term * k;
-        p1 += rate_of(by, lane, 0, get(product, 0), get(base, g2), get(base, g3), get(base, w1));
-        p2 += rate_of(by, lane, 1, get(product, 1), get(base, g3), get(base, g1), get(base, w2));
-        p3 += rate_of(by, lane, 2, get(product, 2), get(base, g1), get(base, g2), get(base, w3));
+        p1 += rate_of(change, lane, 0, get(product, 0), get(base, g2), get(base, g3), get(base, w1));
+        p2 += rate_of(change, lane, 1, get(product, 1), get(base, g3), get(base, g1), get(base, w2));
+        p3 += rate_of(change, lane, 2, get(product, 2), get(base, g1), get(base, g2), get(base, w3));
     }
     put(next, d1, share * p1);
     put(next, d2, share * p2);
@@ -202,11 +196,10 @@ inlined void add_tangent(int order, int lane, const double *z, vector h, vector 
     put(last + lane, 0, get(last + lane, 0) + power * (size_of(newest - step, unit) + h * size_of(newest, unit)));
 }
 
-static void carry_tangents(int order, const double *coupling, const double *decay, const double *pull, const double *swing,
-                           const double *c, const double *duration, const double *pace, int number, const int *which, int free,
-                           const struct body_change *change, const double *before, double *after, double *whole, double *last) {
+static void carry_tangents(int order, const struct lane_body *b, const double *c, const double *duration, const double *pace,
+                           int number, const int *which, int free, const struct lane_body *change, const double *before,
+                           double *after, double *whole, double *last) {
     enum { step = lanes * components };
-    const struct lane_body b = {coupling, decay, pull, swing};
     double z[in_turn][step * most_terms] __attribute__((aligned(64)));
     double products[lanes * 3 * highest_order] __attribute__((aligned(64)));
 
@@ -220,7 +213,7 @@ static void carry_tangents(int order, const double *coupling, const double *deca
         for (int v = 0; v < many; ++v) memcpy(z[v], before + step * (one[v] - 1), step * sizeof **z);
         for (int k = 0; k < order; ++k) {
             for (int v = 0; v < many; ++v) {
-                const struct body_change *own = one[v] > free ? change + (one[v] - free - 1) : 0;
+                const struct lane_body *own = one[v] > free ? change + (one[v] - free - 1) : 0;
                 for (int lane = 0; lane < lanes; lane += width) {
                     append_tangent(k, lane, b, c + lane, own, products, z[v] + lane);
                 }

@@ -10,7 +10,6 @@ module spintop_inherent_lanes
     use spintop_body, only: body_t
     use spintop_conditioning, only: half_unit
     use spintop_integration, only: outcome_t
-    use spintop_kernel_types, only: body_change_t
     use spintop_kinds, only: dp, epsilon_dp, pi, no_number
     use spintop_lane_watch, only: lane_watch_t, watch_slot_t
     use spintop_many_bodies, only: integrate_many
@@ -96,17 +95,17 @@ contains
                 by_torque%pull(lane, :) = cshift(torque(:, i), -1) / inertia
                 by_torque%swing(lane, :) = cshift(torque(:, i), 1) / inertia
                 ! Of (I2 - I3)/I1 and cyclic, by I_i; and of what is divided by I_i.
-                by_inertia%coupling(lane, i) = -now%coupling(lane, i)
+                by_inertia%coupling(lane, i) = -now%body%coupling(lane, i)
                 by_inertia%coupling(lane, k) = -inertia(i) / inertia(k)
                 by_inertia%coupling(lane, 6 - i - k) = inertia(i) / inertia(6 - i - k)
-                by_inertia%pull(lane, i) = -now%pull(lane, i)
-                by_inertia%swing(lane, i) = -now%swing(lane, i)
-                by_inertia%decay(lane, i) = -now%decay(lane, i)
+                by_inertia%pull(lane, i) = -now%body%pull(lane, i)
+                by_inertia%swing(lane, i) = -now%body%swing(lane, i)
+                by_inertia%decay(lane, i) = -now%body%decay(lane, i)
                 by_inertia%coupling(lane, :) = share_of(inertia(i)) * by_inertia%coupling(lane, :)
                 by_inertia%pull(lane, i) = share_of(inertia(i)) * by_inertia%pull(lane, i)
                 by_inertia%swing(lane, i) = share_of(inertia(i)) * by_inertia%swing(lane, i)
                 by_inertia%decay(lane, i) = share_of(inertia(i)) * by_inertia%decay(lane, i)
-                by_damping%decay(lane, i) = share_of(body%damping(i)) * now%decay(lane, i)
+                by_damping%decay(lane, i) = share_of(body%damping(i)) * now%body%decay(lane, i)
             end associate
         end do
     end subroutine begin

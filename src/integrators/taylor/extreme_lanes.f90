@@ -320,16 +320,16 @@ contains
         real(dp), intent(out) :: f(lanes, 3)
         real(dp) :: b1, b2, b3, along, rate2
         integer :: i
-        associate (now => run%now, r => self%centre, g => self%arm%gravity)
+        associate (of => run%now%body, r => self%centre, g => self%arm%gravity)
             !$omp simd private(b1, b2, b3, along, rate2)
             do i = 1, lanes
                 ! The angular acceleration by Euler's equations, see `expand`.
-                b1 = now%coupling(i, 1) * x(i, 2) * x(i, 3) - now%decay(i, 1) * x(i, 1) &
-                    + (now%pull(i, 1) * x(i, 5) - now%swing(i, 1) * x(i, 6))
-                b2 = now%coupling(i, 2) * x(i, 3) * x(i, 1) - now%decay(i, 2) * x(i, 2) &
-                    + (now%pull(i, 2) * x(i, 6) - now%swing(i, 2) * x(i, 4))
-                b3 = now%coupling(i, 3) * x(i, 1) * x(i, 2) - now%decay(i, 3) * x(i, 3) &
-                    + (now%pull(i, 3) * x(i, 4) - now%swing(i, 3) * x(i, 5))
+                b1 = of%coupling(i, 1) * x(i, 2) * x(i, 3) - of%decay(i, 1) * x(i, 1) &
+                    + (of%pull(i, 1) * x(i, 5) - of%swing(i, 1) * x(i, 6))
+                b2 = of%coupling(i, 2) * x(i, 3) * x(i, 1) - of%decay(i, 2) * x(i, 2) &
+                    + (of%pull(i, 2) * x(i, 6) - of%swing(i, 2) * x(i, 4))
+                b3 = of%coupling(i, 3) * x(i, 1) * x(i, 2) - of%decay(i, 3) * x(i, 3) &
+                    + (of%pull(i, 3) * x(i, 4) - of%swing(i, 3) * x(i, 5))
                 along = x(i, 1) * r(i, 1) + x(i, 2) * r(i, 2) + x(i, 3) * r(i, 3)
                 rate2 = x(i, 1)**2 + x(i, 2)**2 + x(i, 3)**2
                 f(i, 1) = b2 * r(i, 3) - b3 * r(i, 2) + x(i, 1) * along - r(i, 1) * rate2 + g(i) * x(i, 4)

@@ -5,7 +5,7 @@
 !> motion are developed anew about the beginning of each part: the motion itself stays as it is.
 module spintop_tangent_lanes
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_kernel_types, only: body_change_t
+    use spintop_kernel_types, only: lane_body_t
     use spintop_kinds, only: dp
     use spintop_lane_series, only: rows
     use spintop_lane_tangents, only: carry_tangents, components
@@ -30,7 +30,7 @@ module spintop_tangent_lanes
         !> `status_ok`, or why the perturbations of a lane ended.
         integer :: status(lanes) = status_ok
         !> Changes of the body that force the last of the perturbations.
-        type(body_change_t), allocatable :: change(:)
+        type(lane_body_t), allocatable :: change(:)
         real(dp), private :: tolerance = 0
         integer, private :: most_order = 0
         integer(int64), private :: max_parts = 0, parts(lanes) = 0
@@ -119,8 +119,8 @@ contains
             which(n) = v
         end do
         associate (now => run%now)
-            call carry_tangents(min(self%most_order, run%order), now%coupling, now%decay, now%pull, now%swing, c, duration, &
-                                now%scale, which(:n), free, self%change, self%z, after, whole, last)
+            call carry_tangents(min(self%most_order, run%order), now%body, c, duration, now%scale, which(:n), free, self%change, &
+                                self%z, after, whole, last)
         end associate
         excess = merge(last / (self%tolerance * whole), 0.0_dp, last > self%tolerance * whole)
         ! What is not finite exceeds as well.
@@ -132,7 +132,7 @@ contains
     pure logical function is_idle(z, forced, change)
         real(dp), intent(in) :: z(:, :)
         integer, intent(in) :: forced
-        type(body_change_t), intent(in) :: change(:)
+        type(lane_body_t), intent(in) :: change(:)
         is_idle = .not. any(abs(z) > 0)
         if (.not. is_idle .or. forced < 1) return
         associate (by => change(forced))

@@ -12,7 +12,7 @@ module spintop_taylor_lanes
     use spintop_body, only: body_t
     use spintop_constancy, only: noise_of_tolerance, rounding_distance
     use spintop_formulation, only: max_series_order
-    use spintop_kernel_types, only: lane_kinds_t, more_rows
+    use spintop_kernel_types, only: lane_body_t, lane_kinds_t, more_rows
     use spintop_lane_azimuth, only: lane_step_t
     use spintop_lane_effects, only: lane_effects_t
     use spintop_lane_reversals, only: end_before_reversals, find_reversals
@@ -50,8 +50,7 @@ module spintop_taylor_lanes
         real(c_double), dimension(lanes) :: rate = 0
         !> (omega, Gamma, xi) at `t`, and its compensation term (Kahan): the state is state + rest.
         real(c_double), dimension(lanes, parts) :: state = 0, rest = 0
-        !> (I2 - I3)/I1 and cyclic; damping/I; gravitational torque/I: see `expand`.
-        real(c_double), dimension(lanes, 3) :: coupling = 0, decay = 0, pull = 0, swing = 0
+        type(lane_body_t) :: body = lane_body_t()
     end type lane_numbers_t
 
     !> The lanes: `set`, `load` some, then `advance` all and examine `now` and `status`.
@@ -172,10 +171,10 @@ contains
             now%other(lane) = half - start%angle(3)
             now%rest(lane, :) = 0
             ! Exactly zero for equal moments, so that a symmetric body keeps its spin to the last digit.
-            now%coupling(lane, :) = (cshift(inertia, 1) - cshift(inertia, 2)) / inertia
-            now%decay(lane, :) = body%damping / inertia
-            now%pull(lane, :) = cshift(moment, -1) / inertia
-            now%swing(lane, :) = cshift(moment, 1) / inertia
+            now%body%coupling(lane, :) = (cshift(inertia, 1) - cshift(inertia, 2)) / inertia
+            now%body%decay(lane, :) = body%damping / inertia
+            now%body%pull(lane, :) = cshift(moment, -1) / inertia
+            now%body%swing(lane, :) = cshift(moment, 1) / inertia
         end associate
         if (allocated(self%effects)) then
             call self%effects%put(lane, body)
@@ -204,7 +203,7 @@ contains
             if (allocated(self%effects)) then
                 call self%effects%expand(self%order, now%t, now%side, now%state, c, self%more)
             else
-                call expand(self%order, now%coupling, now%decay, now%pull, now%swing, now%side, now%state, c)
+                call expand(self%order, now%body, now%side, now%state, c)
             end if
             call choose_durations(self%order, self%controls, c, now%scale, now%t, now%t_end, self%steps, &
                                   now%h, now%duration, trouble, worst)

@@ -12,25 +12,15 @@
 !> twenty.
 module spintop_lane_series
     use, intrinsic :: iso_c_binding, only: c_double, c_int
-    use, intrinsic :: iso_fortran_env, only: sp => real32
     use spintop_kernel_types, only: lane_body_t, lanes, rows
-    use spintop_kinds, only: dp, qp
-    use spintop_formulation, only: max_series_order
+    use spintop_kinds, only: dp
+    use spintop_series_shares, only: share_rest, short_share
     implicit none
     private
-    public :: expand, lanes, parts, quotient, numerator, rows, share, share_rest
+    public :: expand, lanes, parts, quotient, numerator, rows
 
     !> Components of a state: omega, Gamma, xi; they are followed by the quotient Q and omega1 Gamma1 + omega2 Gamma2.
     integer, parameter :: parts = 7, quotient = 8, numerator = 9
-
-    !> Index in the tables below.
-    integer :: divisor
-    !> 1/k as a number in single precision and a remainder. A factor that is rounded in the same way in every
-    !> step would make energy and momentum drift. A remainder of a double would be smaller than the rounding
-    !> error of the product, and therefore lost where products and sums are not fused.
-    real(dp), parameter :: share(*) = [(real(1 / real(divisor, sp), dp), divisor=1, max_series_order)]
-    real(dp), parameter :: share_rest(*) = [(real(1 / real(divisor, qp) - 1 / real(divisor, sp), dp), &
-                                             divisor=1, max_series_order)]
 
     interface
         pure subroutine c_expand(order, body, side, state, share, share_rest, c) bind(C, name='spintop_expand_lanes')
@@ -52,7 +42,7 @@ contains
         type(lane_body_t), intent(in) :: body !! the bodies
         real(dp), intent(in) :: side(lanes), state(lanes, parts) !! s; (omega, Gamma, xi)
         real(dp), intent(out) :: c(lanes, rows, 0:order) !! Taylor coefficients (lane, row, term)
-        call c_expand(order, body, side, state, share, share_rest, c)
+        call c_expand(order, body, side, state, short_share, share_rest, c)
     end subroutine expand
 
 end module spintop_lane_series

@@ -14,13 +14,10 @@ module spintop_rigid_body_series
     use spintop_body, only: body_t
     use spintop_kernel_types, only: body_products_t
     use spintop_formulation, only: max_series_order, max_states
+    use spintop_series_shares, only: of_rate
     implicit none
     private
-    public :: find_series, find_quadruple_series, share
-
-    !> 1/(k + 1), by which coefficient k of a rate becomes the next one of the state.
-    integer :: term
-    real(dp), parameter :: share(0:max_series_order) = [(1.0_dp / (term + 1), term=0, max_series_order)]
+    public :: find_series, find_quadruple_series
 
     interface
         pure subroutine c_expand(order, body, state, share, c) bind(C, name='spintop_expand_body')
@@ -40,7 +37,7 @@ contains
         real(dp), intent(in) :: y(max_states) !! state
         integer, intent(in) :: order !! order of the highest coefficient
         real(dp), intent(out) :: coefficient(max_states, 0:max_series_order) !! column k is the coefficient of h^k
-        call c_expand(order, products, y, share, coefficient)
+        call c_expand(order, products, y, of_rate, coefficient)
     end subroutine find_series
 
     !> Taylor coefficients of the motion in quadruple precision.

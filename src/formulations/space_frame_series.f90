@@ -7,6 +7,7 @@ module spintop_space_frame_series
     use spintop_kinds, only: dp, qp
     use spintop_motion, only: motion_t
     use spintop_motions, only: instants
+    use spintop_series_shares, only: of_acceleration
     use spintop_small_turn, only: half_turn
     implicit none
     private
@@ -35,10 +36,6 @@ module spintop_space_frame_series
         procedure :: set => set_quadruple
         procedure :: expand => expand_quadruple
     end type space_frame_quadruple_t
-
-    !> 1/((k + 1) (k + 2)), by which coefficient k of a second derivative becomes the next but one of the state.
-    integer :: term
-    real(dp), parameter :: share(0:max_series_order) = [(1.0_dp / ((term + 1) * (term + 2)), term=0, max_series_order)]
 
     interface
         pure subroutine c_expand(order, linear, weight, share, state, rate, fall, c) &
@@ -105,7 +102,7 @@ contains
                   m * inverse * [-lower, upper, upper, -lower] - square / 4, 4 * m * axis(3) - square, 0.0_dp]
         fall = w(3) * (w(1) * axis(1) + w(2) * axis(2)) - axis(3) * (w(1)**2 + w(2)**2) &
             - m * (axis(1)**2 + axis(2)**2)
-        call c_expand(order, linear, self%weight, share, y, rate, fall, coefficient)
+        call c_expand(order, linear, self%weight, of_acceleration, y, rate, fall, coefficient)
     end subroutine expand
 
     !> Rotates L back to axes at rest.

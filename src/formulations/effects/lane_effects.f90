@@ -16,7 +16,8 @@ module spintop_lane_effects
     use spintop_effects, only: effects_t
     use spintop_kernel_types, only: lane_constants_t, lane_kinds_t, lanes, more_rows, rows
     use spintop_kinds, only: dp
-    use spintop_lane_series, only: parts, share, share_rest
+    use spintop_lane_series, only: parts
+    use spintop_series_shares, only: share_rest, short_share
     implicit none
     private
     public :: lane_effects_t, kinds_of, has_drag_force, has_drag_moment
@@ -135,7 +136,7 @@ contains
         real(dp), intent(in) :: t(lanes), side(lanes), state(lanes, parts) !! times, s; sides; (omega, Gamma, xi)
         real(dp), intent(inout) :: c(lanes, rows, 0:order), more(lanes, more_rows, 0:order)
             !! Taylor coefficients, and the further rows (lane, row, term)
-        call c_expand(order, self%kinds, self%of, t, side, state, share, share_rest, c, more)
+        call c_expand(order, self%kinds, self%of, t, side, state, short_share, share_rest, c, more)
     end subroutine expand
 
 end module spintop_lane_effects

@@ -18,7 +18,7 @@ module spintop_smooth_effects_series
     use spintop_euler_poisson, only: momentum_coupling
     use spintop_kernel_types, only: body_products_t, half, series_effects_t
     use spintop_kinds, only: dp
-    use spintop_rigid_body_series, only: share
+    use spintop_series_shares, only: of_rate
     use spintop_vectors, only: cross
     implicit none
     private
@@ -167,7 +167,7 @@ contains
         pivot(:, 0) = 0
         if (self%of%vibrates > 0) call self%expand_pivot(t, order, pivot)
         if (abs(self%of%circle) > 0) call put_pivot(self, t, state, pivot(:, 0))
-        call c_expand(order, self%of, state, pivot, share, coefficient, has_series)
+        call c_expand(order, self%of, state, pivot, of_rate, coefficient, has_series)
         exists = has_series > 0
         if (.not. exists) return
         coefficient(:, 0) = y

@@ -8,6 +8,7 @@ module spintop_lane_polynomials
     use spintop_formulation, only: max_series_order
     use spintop_kinds, only: dp
     use spintop_lane_series, only: lanes
+    use spintop_series_shares, only: per_binomial
     implicit none
     private
     public :: find_changes, refine_root, find_roots, most_roots, rounding
@@ -21,13 +22,6 @@ module spintop_lane_polynomials
     real(c_double), parameter :: still = 1.0e-6_dp
     !> A root is bisected so often at most.
     integer, parameter :: most_halvings = 50
-
-    !> Indices in the table below.
-    integer :: i, n
-    !> 1 over the binomial coefficient n over i.
-    real(dp), parameter :: share(0:max_series_order, 0:max_series_order) = reshape( &
-        [((gamma(real(i + 1, dp)) * gamma(real(max(n - i, 0) + 1, dp)) / gamma(real(n + 1, dp)), &
-           i=0, max_series_order), n=0, max_series_order)], [max_series_order + 1, max_series_order + 1])
 
     ! In lane_roots.h.
     interface
@@ -60,7 +54,7 @@ contains
         real(dp), intent(inout) :: sign_before(lanes) !! sign before the interval, replaced by the sign at its end
         real(dp), intent(out) :: changes(lanes), near(lanes)
             !! numbers of changes of sign; fractions of the interval at which a single one is
-        call c_find_changes(int(n, c_int), share(:, n), rounding, a, noise, sign_before, changes, near)
+        call c_find_changes(int(n, c_int), per_binomial(:, n), rounding, a, noise, sign_before, changes, near)
     end subroutine find_changes
 
     !> Refines roots by Newton's method.
@@ -84,7 +78,7 @@ contains
         integer :: n, j, k
 
         n = size(a) - 1
-        b(:n) = share(:n, n) * a
+        b(:n) = per_binomial(:n, n) * a
         do k = 1, n
             do j = n, k, -1
                 b(j) = b(j) + b(j - 1)

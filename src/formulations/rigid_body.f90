@@ -3,13 +3,12 @@
 !> No attitude is singular. The equations take the quaternion for the attitude that it points to,
 !> whatever its length: they keep the length constant, and integrators nearly so.
 module spintop_rigid_body
-    use spintop_kinds, only: dp, qp
+    use spintop_kinds, only: dp
     use spintop_attitude, only: follow_angles, may_meet_pole, quaternion_product, rotation_minus_one, &
         vertical_from_quaternion
     use spintop_body, only: body_t
-    use spintop_body_products, only: products_of
-    use spintop_kernel_types, only: body_products_t
-    use spintop_capabilities, only: group_action_t, max_series_order, max_states, quadruple_series_t, series_t
+    use spintop_capabilities, only: group_action_t, max_states
+    use spintop_effects_series_quadruple, only: body_quadruple_t
     use spintop_euler_poisson, only: momentum_coupling
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants
     use spintop_motion, only: motion_t, motion_from_quaternion
@@ -17,7 +16,7 @@ module spintop_rigid_body
     use spintop_motions, only: instants, motions_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales
     use spintop_rigid_body_flows, only: rigid_body_flows_t
-    use spintop_rigid_body_series, only: find_quadruple_series, find_series
+    use spintop_rigid_body_series, only: rigid_body_series_t
     use spintop_rigid_body_stages, only: rigid_body_stages_t
     use spintop_status, only: status_ok
     use spintop_vectors, only: cross
@@ -59,24 +58,6 @@ module spintop_rigid_body
         procedure, nopass :: move
     end type body_turns_t
 
-    !> The Taylor series of the motion.
-    type, extends(series_t) :: rigid_body_series_t
-        private
-        type(body_products_t) :: products = body_products_t()
-    contains
-        procedure :: set => set_series
-        procedure :: expand
-    end type rigid_body_series_t
-
-    !> The same in quadruple precision.
-    type, extends(quadruple_series_t) :: rigid_body_quadruple_t
-        private
-        type(body_t) :: body = body_t()
-    contains
-        procedure :: set => set_quadruple
-        procedure :: expand => expand_quadruple
-    end type rigid_body_quadruple_t
-
 contains
 
     !> The formulation with all that it offers.
@@ -86,7 +67,7 @@ contains
         allocate (rigid_body_stages_t :: new%stages)
         allocate (body_turns_t :: new%group)
         allocate (rigid_body_series_t :: new%series)
-        allocate (rigid_body_quadruple_t :: new%quadruple_series)
+        allocate (body_quadruple_t :: new%quadruple_series)
     end function new_rigid_body
 
     !> Name and properties.
@@ -257,49 +238,6 @@ contains
         values(3) = dot_product(y(5:7), gamma)
         if (self%body%is_lagrange()) values(4) = y(7)
     end subroutine invariants
-
-    !> Constants of the series.
-    pure subroutine set_series(self, body, start)
-        class(rigid_body_series_t), intent(inout) :: self
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
-        associate (unused => start)
-        end associate
-        self%products = products_of(body)
-    end subroutine set_series
-
-    !> Taylor coefficients of the motion.
-    pure subroutine expand(self, t, y, order, coefficient)
-        class(rigid_body_series_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states)
-        integer, intent(in) :: order
-        real(dp), intent(out) :: coefficient(max_states, 0:max_series_order)
-        associate (unused => t)
-        end associate
-        call find_series(self%products, y, order, coefficient)
-    end subroutine expand
-
-    !> Constants of the series in quadruple precision.
-    pure subroutine set_quadruple(self, body, start)
-        class(rigid_body_quadruple_t), intent(inout) :: self
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
-        associate (unused => start)
-        end associate
-        self%body = body
-    end subroutine set_quadruple
-
-    !> Taylor coefficients of the motion in quadruple precision.
-    pure subroutine expand_quadruple(self, t, y, order, coefficient)
-        class(rigid_body_quadruple_t), intent(in) :: self
-        real(dp), intent(in) :: t
-        real(qp), intent(in) :: y(max_states)
-        integer, intent(in) :: order
-        real(qp), intent(out) :: coefficient(max_states, 0:max_series_order)
-        associate (unused => t)
-        end associate
-        call find_quadruple_series(self%body, y, order, coefficient)
-    end subroutine expand_quadruple
 
     !> Constants of the group action.
     pure subroutine set_turns(self, body, start)

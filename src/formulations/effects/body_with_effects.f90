@@ -5,20 +5,19 @@
 module spintop_body_with_effects
     use spintop_attitude, only: follow_angles, may_meet_pole, quaternion_product
     use spintop_body, only: body_t
-    use spintop_capabilities, only: max_series_order, max_states, quadruple_series_t, series_t
+    use spintop_capabilities, only: max_states
     use spintop_effects, only: effects_t
     use spintop_effects_action, only: effects_action_t
-    use spintop_effects_series, only: expand_series => find_series
-    use spintop_effects_series_quadruple, only: expand_in_quadruple => find_series
+    use spintop_effects_series, only: effects_series_t
+    use spintop_effects_series_quadruple, only: body_quadruple_t
     use spintop_effects_stages, only: effects_stages_t
     use spintop_formulation, only: find_motions_singly, formulation_info_t, max_invariants
-    use spintop_kinds, only: dp, qp
+    use spintop_kinds, only: dp
     use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, total_momentum
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_motion_scales, only: motion_scales_t, motion_scales
     use spintop_motions, only: instants, motions_t
     use spintop_rigid_body, only: rigid_body_t
-    use spintop_smooth_effects_series, only: smooth_series_t
     use spintop_status, only: status_ok
     use spintop_turns_in_frame, only: turns_in_frame_t
     implicit none
@@ -45,27 +44,6 @@ module spintop_body_with_effects
         module procedure new_body
     end interface body_with_effects_t
 
-    !> The Taylor series of the motion.
-    type, extends(series_t) :: effects_series_t
-        private
-        type(smooth_series_t) :: smooth
-        type(body_t) :: body
-        type(effects_t) :: effects
-    contains
-        procedure :: set => set_series
-        procedure :: expand
-    end type effects_series_t
-
-    !> The same in quadruple precision.
-    type, extends(quadruple_series_t) :: effects_quadruple_t
-        private
-        type(body_t) :: body
-        type(effects_t) :: effects
-    contains
-        procedure :: set => set_quadruple
-        procedure :: expand => expand_quadruple
-    end type effects_quadruple_t
-
 contains
 
     !> The formulation with all that it offers.
@@ -74,7 +52,7 @@ contains
         allocate (effects_stages_t :: new%stages)
         allocate (turns_in_frame_t :: new%group)
         allocate (effects_series_t :: new%series)
-        allocate (effects_quadruple_t :: new%quadruple_series)
+        allocate (body_quadruple_t :: new%quadruple_series)
         allocate (effects_action_t :: new%action)
     end function new_body
 
@@ -212,52 +190,5 @@ contains
         end associate
         values = 0
     end subroutine invariants
-
-    !> Constants of the series.
-    pure subroutine set_series(self, body, start)
-        class(effects_series_t), intent(inout) :: self
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
-        associate (unused => start)
-        end associate
-        self%body = body
-        self%effects = effects_t()
-        if (allocated(body%effects)) self%effects = body%effects
-        call self%smooth%set(body, self%effects)
-    end subroutine set_series
-
-    !> Taylor coefficients of the motion, by the general recurrence where the effects are not analytic.
-    pure subroutine expand(self, t, y, order, coefficient)
-        class(effects_series_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states)
-        integer, intent(in) :: order
-        real(dp), intent(out) :: coefficient(max_states, 0:max_series_order)
-        logical :: exists
-        exists = self%smooth%holds
-        if (exists) call self%smooth%find(t, y, order, coefficient, exists)
-        if (.not. exists) call expand_series(self%body, self%effects, t, y, order, coefficient)
-    end subroutine expand
-
-    !> Constants of the series in quadruple precision.
-    pure subroutine set_quadruple(self, body, start)
-        class(effects_quadruple_t), intent(inout) :: self
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
-        associate (unused => start)
-        end associate
-        self%body = body
-        self%effects = effects_t()
-        if (allocated(body%effects)) self%effects = body%effects
-    end subroutine set_quadruple
-
-    !> Taylor coefficients of the motion in quadruple precision.
-    pure subroutine expand_quadruple(self, t, y, order, coefficient)
-        class(effects_quadruple_t), intent(in) :: self
-        real(dp), intent(in) :: t
-        real(qp), intent(in) :: y(max_states)
-        integer, intent(in) :: order
-        real(qp), intent(out) :: coefficient(max_states, 0:max_series_order)
-        call expand_in_quadruple(self%body, self%effects, t, y, order, coefficient)
-    end subroutine expand_quadruple
 
 end module spintop_body_with_effects

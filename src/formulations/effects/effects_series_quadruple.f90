@@ -1,14 +1,48 @@
-!> Power series of the motion of a body with effects, in quadruple precision: see effects_series.inc.
+!> Power series of the motion of any rigid body with a fixed point, with effects or without, in quadruple precision: see
+!> effects_series.inc.
 module spintop_effects_series_quadruple
     use spintop_body, only: body_t
-    use spintop_capabilities, only: max_series_order, max_states
+    use spintop_capabilities, only: max_series_order, max_states, quadruple_series_t
     use spintop_effects, only: effects_t
     use spintop_kinds, only: dp, no_number, wp => qp
+    use spintop_motion, only: motion_t
     use spintop_torque_table, only: max_degree
     implicit none
     private
-    public :: find_series
+    public :: body_quadruple_t
+
+    !> The Taylor series of the motion.
+    type, extends(quadruple_series_t) :: body_quadruple_t
+        private
+        type(body_t) :: body
+        type(effects_t) :: effects
+    contains
+        procedure :: set
+        procedure :: expand
+    end type body_quadruple_t
 
     include 'effects_series.inc'
+
+    !> Constants of the series.
+    pure subroutine set(self, body, start)
+        class(body_quadruple_t), intent(inout) :: self
+        type(body_t), intent(in) :: body !! mass properties about the fixed point, with its effects
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        associate (unused => start)
+        end associate
+        self%body = body
+        self%effects = effects_t()
+        if (allocated(body%effects)) self%effects = body%effects
+    end subroutine set
+
+    !> Taylor coefficients of the motion.
+    pure subroutine expand(self, t, y, order, coefficient)
+        class(body_quadruple_t), intent(in) :: self
+        real(dp), intent(in) :: t !! time, s
+        real(wp), intent(in) :: y(max_states) !! state
+        integer, intent(in) :: order !! order of the highest coefficient
+        real(wp), intent(out) :: coefficient(max_states, 0:max_series_order) !! column k is the coefficient of h^k
+        call find_series(self%body, self%effects, t, y, order, coefficient)
+    end subroutine expand
 
 end module spintop_effects_series_quadruple

@@ -6,7 +6,7 @@ module spintop_step_path
     use spintop_loads, only: works
     use spintop_motion, only: motion_t, passages_t
     use spintop_motions, only: instants, motions_t
-    use spintop_pole_passages, only: pass_pole, through_pole
+    use spintop_pole_passages, only: is_at_pole, settle_angles
     use spintop_stepper, only: stepper_t
     use spintop_work_account, only: work_account_t
     implicit none
@@ -181,8 +181,7 @@ contains
         real(dp), intent(in) :: t, y(max_states)
         type(follower_t), intent(out) :: there
         logical, intent(out) :: sure  !! whether the turns are certain
-        real(dp) :: angle(3)
-        logical :: beside, is_decided
+        logical :: beside
         there%angle = self%angle
         there%given_angle = self%given_angle
         there%passed = self%passed
@@ -192,12 +191,10 @@ contains
         sure = .true.
         if (self%is_idle) return
         call formulation%follow(self%t, self%y, t, y, there%angle, sure, beside)
-        if (beside .or. self%passed%arrived .or. self%reach(1) > through_pole .or. .not. sure) then
-            angle = self%angle
-            call pass_pole(formulation%motion_without_angles(self%t, self%y, self%angle), &
-                           formulation%motion_without_angles(t, y, self%angle), self%reach(1), there%passed, angle, is_decided)
-            if (is_decided) there%angle = angle
-            sure = is_decided .or. (sure .and. .not. self%passed%arrived)
+        if (is_at_pole(sure, beside, self%passed, self%reach(1))) then
+            call settle_angles(formulation%motion_without_angles(self%t, self%y, self%angle), &
+                               formulation%motion_without_angles(t, y, self%angle), self%angle, self%reach(1), there%passed, &
+                               there%angle, sure)
         end if
         if (formulation%body%given%differ) call self%try_given(formulation, there, sure)
     end subroutine try

@@ -89,7 +89,7 @@ contains
         logical, intent(out) :: sure, beside !! whether the turns are certain; whether body z is beside a pole at the end
         real(dp), intent(in), optional :: omega_rate(3, 2)
             !! rates of the angular velocity at the beginning and the end, rad/s^2; needed where the axis may
-            !! meet a pole
+            !! meet a pole (`may_meet_pole`), and not used elsewhere
         !> Largest rotation angle for which half angles are compared directly, rad: they change by less than
         !> half a turn even if the axis passes a pole.
         real(dp), parameter :: largest_turn = pi / 2
@@ -98,6 +98,7 @@ contains
         !> A larger rotation is not followed: a step of this size does not resolve the turns.
         real(dp), parameter :: endless_turn = 1.0e4_dp
         real(dp) :: turn, half(2), change(2), here(4), there(4), bend(2)
+        logical :: is_bent
         integer :: pieces, i
 
         sure = .true.
@@ -110,7 +111,9 @@ contains
         half = [angle(1) + angle(3), angle(1) - angle(3)] / 2
         pieces = max(1, ceiling(turn / largest_turn))
         here = q_last
-        if (present(omega_rate)) then
+        is_bent = .false.
+        if (present(omega_rate)) is_bent = may_meet_pole(q_last, omega_last, q, omega, h)
+        if (is_bent) then
             bend(1) = h * sqrt(max(sum((omega(1:2) - omega_last(1:2))**2), &
                                 h**2 * maxval(sum(omega_rate(1:2, :)**2, 1))))
             bend(2) = h * max(abs(omega(3) - omega_last(3)), h * maxval(abs(omega_rate(3, :))))
@@ -128,7 +131,7 @@ contains
             change = half_angle_change(here, there)
             half = half + change
             sure = sure .and. all(abs(change) < sharp)
-            if (sure .and. present(omega_rate)) then
+            if (sure .and. is_bent) then
                 sure = keeps_off(here(1:4:3), there(1:4:3), here(2:3), bend) &
                        .and. keeps_off(here(2:3), there(2:3), here(1:4:3), bend)
             end if

@@ -1,15 +1,17 @@
-!> The angle that the states of lanes leave out, (s phi - psi)/2, followed along a step of one lane in paces short enough to
-!> resolve its turns, on the side on which the axis passes a pole, or through it.
+!> The angle that the states of lanes leave out, (s phi - psi)/2: followed over a step in all lanes where its change is certain,
+!> and along a step of one lane in paces short enough to resolve its turns, on the side on which the axis passes a pole, or
+!> through it. See "At a pole" in doc/theory.md.
 module spintop_lane_azimuth
-    use spintop_kinds, only: dp
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_kinds, only: dp, pi
     use spintop_attitude, only: nearest_turn
-    use spintop_lane_series, only: parts, rows
-    use spintop_lane_steps, only: closest_to_pole, largest_turn, pole_bend, sharp, straight
+    use spintop_lane_series, only: lanes, parts, rows
+    use spintop_lane_steps, only: terms_at
     use spintop_motion, only: passages_t
     use spintop_pole_passages, only: settle_passage, way_t
     implicit none
     private
-    public :: lane_step_t
+    public :: lane_step_t, follow, changes_to, turns_far, border, largest_turn, sharp
 
     !> A step of one lane. Its procedures take the Taylor coefficients of the lane.
     type :: lane_step_t
@@ -17,22 +19,177 @@ module spintop_lane_azimuth
         integer :: order = 0
         !> Times at its ends, s; the side; the largest angular velocity, rad/s.
         real(dp) :: t_last = 0, t = 0, side = 1, rate = 0
-        !> How far off a pole is passed through, rad; the square of the distance at which a place is in a pole.
-        real(dp) :: reach = 0, in_pole2 = 0
+        !> How far off a pole is passed through, rad; the square of the distance at which a place is in a pole; and `bend` of
+        !> `find_circling`, rad/s^2.
+        real(dp) :: reach = 0, in_pole2 = 0, bend = 0
     contains
-        procedure :: follow
+        procedure :: follow => follow_step
         procedure, private :: walk
         procedure, private :: pass
         procedure, private :: way
     end type lane_step_t
+
+    !> s Gamma3 at which a lane changes its side: beyond the middle, so that a body near it does not change in
+    !> every step, and far from the singularity of xi.
+    real(dp), parameter :: border = -0.2_dp
+    !> Rotation of the body over which the other angle changes by less than half a turn, rad.
+    real(dp), parameter :: largest_turn = pi / 2
+    !> A larger change of the other angle indicates a pole, rad.
+    real(dp), parameter :: sharp = 2
+    !> A chord between two points z whose arguments differ by x, up to `sharp`, stays away from zero by cos(x/2) times the
+    !> smaller of both magnitudes, and the path over a time h leaves it by |z''| h^2/8 at most. So it passes zero on the
+    !> side of its chord while |z''| h^2 is at most this less x^2, times that magnitude.
+    real(dp), parameter :: straight = 8
+
+    !> Reasons to examine a lane after a step: it changes its side; it rotated too far to be followed.
+    integer(int64), parameter :: changes_side = 1, turns_far = 2
+    !> No reason. As wide as the numbers beside which they are found, so that both are in one vector.
+    integer(int64), parameter :: no_reason = 0
 
     !> A pole that is passed within this fraction of a step is passed on an arbitrary side.
     real(dp), parameter :: shortest_pace = 1.0e-12_dp
 
 contains
 
+    !> Follows the other angle over the steps, where that is certain; `doubt` says where not,
+    !> and where the side is to be changed, `most` its largest value. Where a whole step is too long, it
+    !> is looked at in two parts. `rate` is the square of the angular velocity, the larger of both ends, or
+    !> of what stands for it where the axis circles about a pole, rad^2/s^2.
+    pure subroutine follow(order, c, duration, side, in_pole2, state, other, rate, bend, doubt, most)
+        integer, intent(in) :: order !! order of the series
+        real(dp), intent(in) :: c(lanes, rows, 0:order), duration(lanes), side(lanes), in_pole2(lanes), state(lanes, parts)
+            !! Taylor coefficients; durations, s; sides; squares of the distances from a pole within which a place is in it;
+            !! states at the end of the step
+        real(dp), intent(inout) :: other(lanes) !! the other angles, rad
+        real(dp), intent(out) :: rate(lanes), bend(lanes) !! squares of the angular velocity, rad^2/s^2; as in `find_circling`
+        integer(int64), intent(out) :: doubt(lanes), most
+            !! `changes_side`, `turns_far` or 0, and the largest of these
+        real(dp), dimension(lanes) :: change, part, first, second, between, circling, strays
+        real(dp) :: middle(lanes, parts), longest, nearest
+        integer :: i
+
+        call changes_to(state, other, change)
+        call find_circling(order, c, duration, change, circling, bend, strays)
+        most = 0
+        !$omp simd private(nearest) reduction(max: most)
+        do i = 1, lanes
+            nearest = min(c(i, 4, 0)**2 + c(i, 5, 0)**2, state(i, 4)**2 + state(i, 5)**2)
+            rate(i) = max(c(i, 1, 0)**2 + c(i, 2, 0)**2 + c(i, 3, 0)**2, &
+                          state(i, 1)**2 + state(i, 2)**2 + state(i, 3)**2, circling(i))
+            doubt(i) = merge(no_reason, changes_side, side(i) * state(i, 6) >= border)
+            doubt(i) = merge(doubt(i), turns_far, duration(i)**2 * rate(i) <= largest_turn**2 &
+                             .and. abs(change(i)) <= sharp)
+            ! Positive where the path may pass zero on another side than its chord.
+            strays(i) = merge(duration(i)**2 * strays(i) - (straight - change(i)**2) * sqrt(nearest), 0.0_dp, &
+                            abs(change(i)) <= sharp)
+            strays(i) = merge(1.0_dp, strays(i), nearest <= in_pole2(i))
+            most = max(most, doubt(i))
+        end do
+        if (most >= turns_far) then
+            !$omp simd
+            do i = 1, lanes
+                part(i) = merge(0.5_dp, closest_to_pole(c(i, 4:5, 0), state(i, 4:5)), abs(change(i)) <= sharp)
+            end do
+            call terms_at(order, c, part * duration, middle)
+            middle = middle * spread(part * duration, 2, parts) + c(:, :parts, 0)
+            call changes_to(middle, other, first)
+            between = other + first
+            call changes_to(state, between, second)
+            !$omp simd private(longest)
+            do i = 1, lanes
+                longest = max(part(i), 1 - part(i)) * duration(i)
+                ! Where the whole step will do, both ways give the same.
+                change(i) = first(i) + second(i)
+                doubt(i) = merge(doubt(i), merge(no_reason, changes_side, side(i) * state(i, 6) >= border), &
+                                 longest**2 * rate(i) > largest_turn**2 &
+                                 .or. max(abs(first(i)), abs(second(i))) > sharp &
+                                 .or. middle(i, 4)**2 + middle(i, 5)**2 <= in_pole2(i))
+            end do
+        end if
+        most = 0
+        !$omp simd reduction(max: most)
+        do i = 1, lanes
+            doubt(i) = merge(doubt(i), turns_far, strays(i) <= 0)
+            most = max(most, doubt(i))
+            other(i) = other(i) + merge(0.0_dp, change(i), doubt(i) >= turns_far)
+        end do
+    end subroutine follow
+
+    !> Next to a pole the axis may circle about it while the body hardly turns. With the derivatives z1, z2, z3 of
+    !> z = (Gamma2 + i Gamma1) exp(-i xi/2), which turns as the other angle does, its way over the step h is about
+    !> straight as long as (|z2| + h |z3|) h^2 is at most |z| + h |z1|. `circling` is the square of the angular velocity
+    !> that would limit the step alike, and `bend` is the larger of |z2| and |z2 + h z3|, `strays` the same where it matters.
+    pure subroutine find_circling(order, c, h, change, circling, bend, strays)
+        integer, intent(in) :: order
+        real(dp), intent(in) :: c(lanes, rows, 0:order), h(lanes), change(lanes)
+        real(dp), intent(out) :: circling(lanes), bend(lanes), strays(lanes)
+        !> A step is divided into so many at most.
+        real(dp), parameter :: share = largest_turn**2, most_parts = 16
+        real(dp) :: k, x0, y0, x1, y1, x2, y2, x3, y3
+        integer :: i
+        !$omp simd private(k, x0, y0, x1, y1, x2, y2, x3, y3)
+        do i = 1, lanes
+            k = c(i, 7, 1) / 2
+            x0 = c(i, 5, 0)
+            y0 = c(i, 4, 0)
+            x1 = c(i, 5, 1) + k * y0
+            y1 = c(i, 4, 1) - k * x0
+            x2 = 2 * c(i, 5, 2) + 2 * k * c(i, 4, 1) - k**2 * x0
+            y2 = 2 * c(i, 4, 2) - 2 * k * c(i, 5, 1) - k**2 * y0
+            x3 = 6 * c(i, 5, 3) + 6 * k * c(i, 4, 2) - 3 * k**2 * c(i, 5, 1) - k**3 * y0
+            y3 = 6 * c(i, 4, 3) - 6 * k * c(i, 5, 2) - 3 * k**2 * c(i, 4, 1) + k**3 * x0
+            bend(i) = sqrt(max(x2**2 + y2**2, (x2 + h(i) * x3)**2 + (y2 + h(i) * y3)**2))
+            ! A path that leaves zero, or that begins to turn the way that its ends suggest (z turns against the other
+            ! angle), has not turned round zero the other way.
+            strays(i) = merge(bend(i), 0.0_dp, x0 * x1 + y0 * y1 < 0 .and. change(i) * (x0 * y1 - y0 * x1) > 0)
+            circling(i) = share * ((abs(x2) + abs(y2)) + h(i) * (abs(x3) + abs(y3))) &
+                / max((abs(x0) + abs(y0)) + h(i) * (abs(x1) + abs(y1)), tiny(k))
+            circling(i) = min(circling(i), (most_parts * largest_turn / max(h(i), sqrt(tiny(k))))**2)
+        end do
+    end subroutine find_circling
+
+    !> Where a straight way from one (Gamma1, Gamma2) to another comes closest to the pole, as a share of the way,
+    !> but not at an end.
+    pure real(dp) function closest_to_pole(from, to) result(part)
+        real(dp), intent(in) :: from(2), to(2) !! the two points (Gamma1, Gamma2)
+        real(dp), parameter :: least = 1.0_dp / 16
+        real(dp) :: way(2)
+        way = to - from
+        part = -(from(1) * way(1) + from(2) * way(2)) / max(way(1)**2 + way(2)**2, tiny(part))
+        part = min(max(part, least), 1 - least)
+    end function closest_to_pole
+
+    !> Changes of the other angle from `other` to that of a state, to 2e-5, at most half a turn.
+    pure subroutine changes_to(state, other, change)
+        real(dp), intent(in) :: state(lanes, parts), other(lanes) !! states, and the other angles before, rad
+        real(dp), intent(out) :: change(lanes) !! changes of the other angle, rad
+        real(dp), parameter :: turn = 2 * pi
+        real(dp) :: apart
+        integer :: i
+        !$omp simd private(apart)
+        do i = 1, lanes
+            apart = state(i, 7) / 2 - rough_angle(state(i, 4), state(i, 5)) - other(i)
+            apart = apart - turn * anint(apart * (1 / turn))
+            ! At a pole there is no such angle, and it stays as it was.
+            change(i) = merge(apart, 0.0_dp, abs(state(i, 4)) + abs(state(i, 5)) > 0)
+        end do
+    end subroutine changes_to
+
+    !> atan2(y, x) to 2e-5, made of vector instructions (Abramowitz and Stegun, 4.4.49).
+    elemental real(dp) function rough_angle(y, x) result(angle)
+        real(dp), intent(in) :: y, x
+        real(dp) :: slope, square
+        slope = min(abs(x), abs(y)) / max(abs(x), abs(y), tiny(x))
+        square = slope**2
+        angle = slope * (0.9998660_dp + square * (-0.3302995_dp + square * (0.1801410_dp &
+            + square * (-0.0851330_dp + square * 0.0208351_dp))))
+        angle = merge(pi / 2 - angle, angle, abs(y) > abs(x))
+        angle = merge(pi - angle, angle, x < 0)
+        angle = sign(angle, y)
+    end function rough_angle
+
     !> Follows the other angle, and the passages through poles, from the beginning of the step to a time within it.
-    pure subroutine follow(self, c, goal, other, passed)
+    pure subroutine follow_step(self, c, goal, other, passed)
         class(lane_step_t), intent(in) :: self
         real(dp), intent(in) :: c(rows, 0:self%order) !! Taylor coefficients of the lane
         real(dp), intent(in) :: goal !! time within the step, s
@@ -42,7 +199,7 @@ contains
         t = self%t_last
         gamma = c(4:5, 0)
         call self%walk(c, goal, t, gamma, other, passed)
-    end subroutine follow
+    end subroutine follow_step
 
     !> Follows the other angle from `t` and `gamma` = (Gamma1, Gamma2) on to a time within the last step, in paces
     !> short enough to resolve the turns of the body, and on which side its axis passes a pole, or that it passes through it.
@@ -51,7 +208,7 @@ contains
         real(dp), intent(in) :: c(rows, 0:self%order), goal
         real(dp), intent(inout) :: t, gamma(2), other
         type(passages_t), intent(inout) :: passed
-        real(dp) :: now(4), new, pace, part, middle, bend
+        real(dp) :: now(4), new, pace, part, middle
         logical :: is_sure
         integer :: k
 
@@ -64,9 +221,8 @@ contains
             end do
             new = other
             if (any(abs(now(1:2)) > 0)) new = nearest_turn(now(4) / 2 - atan2(now(1), now(2)), other)
-            bend = pole_bend(c(:, :3), self%t - t_last)
             is_sure = pace * rate <= largest_turn .and. abs(new - other) <= sharp &
-                      .and. pace**2 * bend <= (straight - (new - other)**2) * sqrt(min(sum(gamma**2), sum(now(1:2)**2)))
+                      .and. pace**2 * self%bend <= (straight - (new - other)**2) * sqrt(min(sum(gamma**2), sum(now(1:2)**2)))
             if (pace * rate <= largest_turn .and. (passed%arrived .or. .not. is_sure &
                                                    .or. sum(now(1:2)**2) <= self%in_pole2)) then
                 call self%pass(c, t, goal, other, passed, new, is_sure)

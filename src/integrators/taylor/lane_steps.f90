@@ -1,34 +1,18 @@
-!> The steps of many bodies in lanes, from the Taylor coefficients of their motions: how long they are, where
-!> they end, and how the angle is followed that the states leave out. Each lane for itself, without
-!> branches.
+!> The steps of many bodies in lanes, from the Taylor coefficients of their motions: how long they are, and where they end.
+!> Each lane for itself, without branches.
 module spintop_lane_steps
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_kinds, only: dp, pi
+    use spintop_kinds, only: dp
     use spintop_lane_series, only: lanes, parts, rows
     use spintop_stepper, only: controls_t
     use spintop_taylor, only: safety, largest_growth, smallest_spacings, stretch
     implicit none
     private
-    public :: choose_durations, add_terms, follow, terms_at, closest_to_pole, changes_to, pole_bend
-    public :: step_underflow, non_finite, changes_side, turns_far, border
-
-    !> s Gamma3 at which a lane changes its side: beyond the middle, so that a body near it does not change in
-    !> every step, and far from the singularity of xi.
-    real(dp), parameter :: border = -0.2_dp
-    !> Rotation of the body over which the other angle changes by less than half a turn, rad.
-    real(dp), parameter, public :: largest_turn = pi / 2
-    !> A larger change of the other angle indicates a pole, rad.
-    real(dp), parameter, public :: sharp = 2
-    !> A chord between two points z whose arguments differ by x, up to `sharp`, stays away from zero by cos(x/2) times the
-    !> smaller of both magnitudes, and the path over a time h leaves it by |z''| h^2/8 at most. So it passes zero on the
-    !> side of its chord while |z''| h^2 is at most this less x^2, times that magnitude.
-    real(dp), parameter, public :: straight = 8
+    public :: choose_durations, add_terms, terms_at, step_underflow, non_finite
 
     !> Reasons for which a lane takes no step: its size underflows or no more steps are allowed; a number is
     !> not finite.
     integer(int64), parameter :: step_underflow = 1, non_finite = 2
-    !> Reasons to examine a lane after a step: it changes its side; it rotated too far to be followed.
-    integer(int64), parameter :: changes_side = 1, turns_far = 2
     !> No reason. As wide as the numbers beside which they are found, so that both are in one vector.
     integer(int64), parameter :: no_reason = 0
 
@@ -191,156 +175,5 @@ contains
             change(i, 7) = x7
         end do
     end subroutine terms_at
-
-    !> Follows the other angle over the steps, where that is certain; `doubt` says where not,
-    !> and where the side is to be changed, `most` its largest value. Where a whole step is too long, it
-    !> is looked at in two parts. `rate` is the square of the angular velocity, the larger of both ends, or
-    !> of what stands for it where the axis circles about a pole, rad^2/s^2.
-    pure subroutine follow(order, c, duration, side, in_pole2, state, other, rate, doubt, most)
-        integer, intent(in) :: order !! order of the series
-        real(dp), intent(in) :: c(lanes, rows, 0:order), duration(lanes), side(lanes), in_pole2(lanes), state(lanes, parts)
-            !! Taylor coefficients; durations, s; sides; squares of the distances from a pole within which a place is in it;
-            !! states at the end of the step
-        real(dp), intent(inout) :: other(lanes) !! the other angles, rad
-        real(dp), intent(out) :: rate(lanes) !! squares of the angular velocity, rad^2/s^2
-        integer(int64), intent(out) :: doubt(lanes), most
-            !! `changes_side`, `turns_far` or 0, and the largest of these
-        real(dp), dimension(lanes) :: change, part, first, second, between, circling, bend
-        real(dp) :: middle(lanes, parts), longest, nearest
-        integer :: i
-
-        call changes_to(state, other, change)
-        call find_circling(order, c, duration, change, circling, bend)
-        most = 0
-        !$omp simd private(nearest) reduction(max: most)
-        do i = 1, lanes
-            nearest = min(c(i, 4, 0)**2 + c(i, 5, 0)**2, state(i, 4)**2 + state(i, 5)**2)
-            rate(i) = max(c(i, 1, 0)**2 + c(i, 2, 0)**2 + c(i, 3, 0)**2, &
-                          state(i, 1)**2 + state(i, 2)**2 + state(i, 3)**2, circling(i))
-            doubt(i) = merge(no_reason, changes_side, side(i) * state(i, 6) >= border)
-            doubt(i) = merge(doubt(i), turns_far, duration(i)**2 * rate(i) <= largest_turn**2 &
-                             .and. abs(change(i)) <= sharp)
-            ! Positive where the path may pass zero on another side than its chord.
-            bend(i) = merge(duration(i)**2 * bend(i) - (straight - change(i)**2) * sqrt(nearest), 0.0_dp, &
-                            abs(change(i)) <= sharp)
-            bend(i) = merge(1.0_dp, bend(i), nearest <= in_pole2(i))
-            most = max(most, doubt(i))
-        end do
-        if (most >= turns_far) then
-            !$omp simd
-            do i = 1, lanes
-                part(i) = merge(0.5_dp, closest_to_pole(c(i, 4:5, 0), state(i, 4:5)), abs(change(i)) <= sharp)
-            end do
-            call terms_at(order, c, part * duration, middle)
-            middle = middle * spread(part * duration, 2, parts) + c(:, :parts, 0)
-            call changes_to(middle, other, first)
-            between = other + first
-            call changes_to(state, between, second)
-            !$omp simd private(longest)
-            do i = 1, lanes
-                longest = max(part(i), 1 - part(i)) * duration(i)
-                ! Where the whole step will do, both ways give the same.
-                change(i) = first(i) + second(i)
-                doubt(i) = merge(doubt(i), merge(no_reason, changes_side, side(i) * state(i, 6) >= border), &
-                                 longest**2 * rate(i) > largest_turn**2 &
-                                 .or. max(abs(first(i)), abs(second(i))) > sharp &
-                                 .or. middle(i, 4)**2 + middle(i, 5)**2 <= in_pole2(i))
-            end do
-        end if
-        most = 0
-        !$omp simd reduction(max: most)
-        do i = 1, lanes
-            doubt(i) = merge(doubt(i), turns_far, bend(i) <= 0)
-            most = max(most, doubt(i))
-            other(i) = other(i) + merge(0.0_dp, change(i), doubt(i) >= turns_far)
-        end do
-    end subroutine follow
-
-    !> Next to a pole the axis may circle about it while the body hardly turns. With the derivatives z1, z2, z3 of
-    !> z = (Gamma2 + i Gamma1) exp(-i xi/2), which turns as the other angle does, its way over the step h is about
-    !> straight as long as (|z2| + h |z3|) h^2 is at most |z| + h |z1|. `circling` is the square of the angular velocity
-    !> that would limit the step alike, and `bend` is the larger of |z2| and |z2 + h z3| where it matters.
-    pure subroutine find_circling(order, c, h, change, circling, bend)
-        integer, intent(in) :: order
-        real(dp), intent(in) :: c(lanes, rows, 0:order), h(lanes), change(lanes)
-        real(dp), intent(out) :: circling(lanes), bend(lanes)
-        !> A step is divided into so many at most.
-        real(dp), parameter :: share = largest_turn**2, most_parts = 16
-        real(dp) :: k, x0, y0, x1, y1, x2, y2, x3, y3
-        integer :: i
-        !$omp simd private(k, x0, y0, x1, y1, x2, y2, x3, y3)
-        do i = 1, lanes
-            k = c(i, 7, 1) / 2
-            x0 = c(i, 5, 0)
-            y0 = c(i, 4, 0)
-            x1 = c(i, 5, 1) + k * y0
-            y1 = c(i, 4, 1) - k * x0
-            x2 = 2 * c(i, 5, 2) + 2 * k * c(i, 4, 1) - k**2 * x0
-            y2 = 2 * c(i, 4, 2) - 2 * k * c(i, 5, 1) - k**2 * y0
-            x3 = 6 * c(i, 5, 3) + 6 * k * c(i, 4, 2) - 3 * k**2 * c(i, 5, 1) - k**3 * y0
-            y3 = 6 * c(i, 4, 3) - 6 * k * c(i, 5, 2) - 3 * k**2 * c(i, 4, 1) + k**3 * x0
-            bend(i) = sqrt(max(x2**2 + y2**2, (x2 + h(i) * x3)**2 + (y2 + h(i) * y3)**2))
-            ! A path that leaves zero, or that begins to turn the way that its ends suggest (z turns against the other
-            ! angle), has not turned round zero the other way.
-            bend(i) = merge(bend(i), 0.0_dp, x0 * x1 + y0 * y1 < 0 .and. change(i) * (x0 * y1 - y0 * x1) > 0)
-            circling(i) = share * ((abs(x2) + abs(y2)) + h(i) * (abs(x3) + abs(y3))) &
-                / max((abs(x0) + abs(y0)) + h(i) * (abs(x1) + abs(y1)), tiny(k))
-            circling(i) = min(circling(i), (most_parts * largest_turn / max(h(i), sqrt(tiny(k))))**2)
-        end do
-    end subroutine find_circling
-
-    !> The same bound of |z''| in one lane, over a time h.
-    pure real(dp) function pole_bend(c, h) result(bend)
-        real(dp), intent(in) :: c(rows, 0:3) !! Taylor coefficients of the lane
-        real(dp), intent(in) :: h !! s
-        real(dp) :: k
-        complex(dp) :: z(0:3), spin, second, third
-        k = c(7, 1) / 2
-        z = cmplx(c(5, :), c(4, :), dp)
-        spin = cmplx(0.0_dp, -k, dp)
-        second = 2 * z(2) + 2 * spin * z(1) + spin**2 * z(0)
-        third = 6 * z(3) + 6 * spin * z(2) + 3 * spin**2 * z(1) + spin**3 * z(0)
-        bend = max(abs(second), abs(second + h * third))
-    end function pole_bend
-
-    !> Where a straight way from one (Gamma1, Gamma2) to another comes closest to the pole, as a share of the way,
-    !> but not at an end.
-    pure real(dp) function closest_to_pole(from, to) result(part)
-        real(dp), intent(in) :: from(2), to(2) !! the two points (Gamma1, Gamma2)
-        real(dp), parameter :: least = 1.0_dp / 16
-        real(dp) :: way(2)
-        way = to - from
-        part = -(from(1) * way(1) + from(2) * way(2)) / max(way(1)**2 + way(2)**2, tiny(part))
-        part = min(max(part, least), 1 - least)
-    end function closest_to_pole
-
-    !> Changes of the other angle from `other` to that of a state, to 2e-5, at most half a turn.
-    pure subroutine changes_to(state, other, change)
-        real(dp), intent(in) :: state(lanes, parts), other(lanes) !! states, and the other angles before, rad
-        real(dp), intent(out) :: change(lanes) !! changes of the other angle, rad
-        real(dp), parameter :: turn = 2 * pi
-        real(dp) :: apart
-        integer :: i
-        !$omp simd private(apart)
-        do i = 1, lanes
-            apart = state(i, 7) / 2 - rough_angle(state(i, 4), state(i, 5)) - other(i)
-            apart = apart - turn * anint(apart * (1 / turn))
-            ! At a pole there is no such angle, and it stays as it was.
-            change(i) = merge(apart, 0.0_dp, abs(state(i, 4)) + abs(state(i, 5)) > 0)
-        end do
-    end subroutine changes_to
-
-    !> atan2(y, x) to 2e-5, made of vector instructions (Abramowitz and Stegun, 4.4.49).
-    elemental real(dp) function rough_angle(y, x) result(angle)
-        real(dp), intent(in) :: y, x
-        real(dp) :: slope, square
-        slope = min(abs(x), abs(y)) / max(abs(x), abs(y), tiny(x))
-        square = slope**2
-        angle = slope * (0.9998660_dp + square * (-0.3302995_dp + square * (0.1801410_dp &
-            + square * (-0.0851330_dp + square * 0.0208351_dp))))
-        angle = merge(pi / 2 - angle, angle, abs(y) > abs(x))
-        angle = merge(pi - angle, angle, x < 0)
-        angle = sign(angle, y)
-    end function rough_angle
 
 end module spintop_lane_steps

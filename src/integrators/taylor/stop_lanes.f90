@@ -15,9 +15,9 @@ module spintop_stop_lanes
     private
     public :: stop_lanes_t
 
-    !> What may pass a value: nothing; phi, psi (in the order of `angles_at`); the rate of cos(theta), by zero; theta; components
-    !> of the angular velocity and of the vertical in body axes; the height of the centre of mass; energies and momenta. The
-    !> last ones, from `of_spin_momentum` on, are those of a body without effects.
+    !> What may pass a value: nothing; phi and psi, in the order of `angles_at`; the rate of cos(theta), by zero; theta;
+    !> components of the angular velocity and of the vertical in body axes; the height of the centre of mass; energies and
+    !> momenta. The last ones, from `of_spin_momentum` on, are those of a body without effects.
     integer, parameter, public :: of_nothing = 0, of_phi = 1, of_psi = 2, of_turning = 3, of_theta = 4, of_omega = 5, &
         of_vertical = 6, of_centre_height = 7, of_kinetic_energy = 8, of_spin_momentum = 9, of_vertical_momentum = 10, &
         of_potential_energy = 11, of_energy = 12

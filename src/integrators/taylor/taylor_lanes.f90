@@ -13,11 +13,11 @@ module spintop_taylor_lanes
     use spintop_constancy, only: noise_of_tolerance, rounding_distance
     use spintop_formulation, only: max_series_order
     use spintop_kernel_types, only: lane_body_t, lane_kinds_t, more_rows
-    use spintop_lane_azimuth, only: lane_step_t
+    use spintop_lane_azimuth, only: border, follow, lane_step_t, turns_far
     use spintop_lane_effects, only: lane_effects_t
     use spintop_lane_reversals, only: end_before_reversals, find_reversals
     use spintop_lane_series, only: expand, lanes, parts, rows
-    use spintop_lane_steps, only: add_terms, border, choose_durations, follow, non_finite, turns_far
+    use spintop_lane_steps, only: add_terms, choose_durations, non_finite
     use spintop_motion, only: motion_t, motion_from_quaternion, passages_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales
     use spintop_pole_passages, only: in_pole
@@ -48,6 +48,8 @@ module spintop_taylor_lanes
         real(c_double), dimension(lanes) :: side_last = 1, other_last = 0, other_then = 0
         !> Square of the angular velocity, the larger of both ends of the step, rad^2/s^2.
         real(c_double), dimension(lanes) :: rate = 0
+        !> A bound of what bends the way of the other angle about a pole (`find_circling`), 1/s^2.
+        real(c_double), dimension(lanes) :: bend = 0
         !> (omega, Gamma, xi) at `t`, and its compensation term (Kahan): the state is state + rest.
         real(c_double), dimension(lanes, parts) :: state = 0, rest = 0
         type(lane_body_t) :: body = lane_body_t()
@@ -221,7 +223,8 @@ contains
             now%side_last = now%side
             now%other_last = now%other
             self%passed_last = self%passed
-            call follow(self%order, c, now%duration, now%side, self%in_pole2, now%state, now%other, now%rate, doubt, worst)
+            call follow(self%order, c, now%duration, now%side, self%in_pole2, now%state, now%other, now%rate, now%bend, &
+                        doubt, worst)
             now%other_then = now%other
             if (worst == 0) return
             do lane = 1, lanes
@@ -296,7 +299,7 @@ contains
         integer, intent(in) :: lane !! index of the lane
         associate (now => self%now)
             step = lane_step_t(self%order, now%t_last(lane), now%t(lane), now%side_last(lane), sqrt(now%rate(lane)), &
-                               self%reach(lane), self%in_pole2(lane))
+                               self%reach(lane), self%in_pole2(lane), now%bend(lane))
         end associate
     end function step_of
 

@@ -7,8 +7,8 @@ module spintop_turning_lanes
     use spintop_constancy, only: driven_rate
     use spintop_formulation, only: max_series_order
     use spintop_instants, only: greatest_fall_rate
+    use spintop_lane_azimuth, only: changes_to, largest_turn, sharp
     use spintop_lane_series, only: parts
-    use spintop_lane_steps, only: changes_to, largest_turn, sharp
     use spintop_motion, only: motion_t, passages_t
     use spintop_pole_passages, only: half_turns
     use spintop_quantities, only: angular_acceleration, axis_height_rate

@@ -10,8 +10,7 @@
 !> and stays the same for all times. `f` is the angular acceleration due to changes of the body, 1/s^2.
 module spintop_lane_tangents
     use, intrinsic :: iso_c_binding, only: c_double, c_int
-    use spintop_kernel_types, only: lane_body_t, lanes, rows
-    use spintop_kinds, only: dp
+    use spintop_kernel_types, only: lane_body_t, lanes
     implicit none
     private
     public :: carry_tangents, components
@@ -20,34 +19,22 @@ module spintop_lane_tangents
     integer, parameter :: components = 6
 
     interface
-        pure subroutine c_carry_tangents(order, body, c, duration, pace, number, which, free, change, &
-                                         before, after, whole, last) bind(C, name='spintop_carry_tangents')
-            import :: lane_body_t, c_double, c_int
-            integer(c_int), value :: order, number, free
-            integer(c_int), intent(in) :: which(*)
-            type(lane_body_t), intent(in) :: body, change(*)
-            real(c_double), dimension(*), intent(in) :: c, duration, pace, before
-            real(c_double), intent(inout) :: after(*)
-            real(c_double), intent(out) :: whole(*), last(*)
-        end subroutine c_carry_tangents
+        !> Carries some perturbations along the motions. `whole` is the sum of the magnitudes of their components, those of
+        !> delta in units of `pace`, and `last` the same of the last two terms of their series.
+        pure subroutine carry_tangents(order, body, c, duration, pace, number, which, free, change, before, after, whole, last) &
+            bind(C, name='spintop_carry_tangents')
+            import :: c_double, c_int, lane_body_t, lanes
+            integer(c_int), value :: order !! order of the series, up to that of the motions
+            type(lane_body_t), intent(in) :: body !! the bodies
+            real(c_double), intent(in) :: c(*) !! Taylor coefficients of the motions (lane, row, term)
+            real(c_double), intent(in) :: duration(lanes), pace(lanes) !! s; rad/s
+            integer(c_int), value :: number, free !! how many to carry; those beyond `free` are forced
+            integer(c_int), intent(in) :: which(*) !! which of the perturbations to carry, in rising order
+            type(lane_body_t), intent(in) :: change(*) !! changes of the body that force these
+            real(c_double), intent(in) :: before(*) !! the perturbations (lane, component, number): delta, epsilon
+            real(c_double), intent(inout) :: after(*) !! those that are carried, after the duration
+            real(c_double), intent(out) :: whole(lanes), last(lanes) !! their size before it, and that of the last two terms
+        end subroutine carry_tangents
     end interface
-
-contains
-
-    !> Carries some perturbations along the motions. `whole` is the sum of the magnitudes of their components, those of
-    !> delta in units of `pace`, and `last` the same of the last two terms of their series.
-    pure subroutine carry_tangents(order, body, c, duration, pace, which, free, change, before, after, whole, last)
-        integer, intent(in) :: order !! order of the series, up to that of the motions
-        type(lane_body_t), intent(in) :: body !! the bodies
-        real(dp), intent(in) :: c(lanes, rows, 0:order) !! Taylor coefficients of the motions
-        real(dp), intent(in) :: duration(lanes), pace(lanes) !! s; rad/s
-        integer, intent(in) :: which(:), free !! which perturbations to carry, in rising order; those beyond `free` are forced
-        type(lane_body_t), contiguous, intent(in) :: change(:) !! changes of the body that force these
-        real(dp), contiguous, intent(in) :: before(:, :, :) !! the perturbations (lane, component, number): delta, epsilon
-        real(dp), contiguous, intent(inout) :: after(:, :, :) !! those that are carried, after the duration
-        real(dp), intent(out) :: whole(lanes), last(lanes) !! their size before it, and the size of the last two terms
-        call c_carry_tangents(int(order, c_int), body, c, duration, pace, size(which, kind=c_int), int(which, c_int), &
-                              int(free, c_int), change, before, after, whole, last)
-    end subroutine carry_tangents
 
 end module spintop_lane_tangents

@@ -119,7 +119,7 @@ contains
             which(n) = v
         end do
         associate (now => run%now)
-            call carry_tangents(min(self%most_order, run%order), now%body, c, duration, now%scale, which(:n), free, &
+            call carry_tangents(min(self%most_order, run%order), now%body, c, duration, now%scale, n, which, free, &
                                 self%change, self%z, after, whole, last)
         end associate
         excess = merge(last / (self%tolerance * whole), 0.0_dp, last > self%tolerance * whole)

@@ -193,7 +193,6 @@ contains
         integer :: k, n
 
         bound = 0
-        is_known = .false.
         is_known = .true.
         h = self%t - self%t_last
         do k = self%degree, 1, -1

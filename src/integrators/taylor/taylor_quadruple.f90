@@ -123,7 +123,6 @@ contains
         real(dp) :: y(max_states)
         associate (unused => formulation)
         end associate
-        y = self%y
         y = real(self%coefficient(:, 0) + sum_of_terms(self, t - real(self%t_last, qp)), dp)
     end function state_within
 

@@ -12,7 +12,7 @@ module spintop_formulation
     use spintop_motions, only: instants, motions_t
     implicit none
     private
-    public :: formulation_t, find_motions_singly, formulation_info_t, max_states, max_series_order, max_invariants
+    public :: formulation_t, formulation_info_t, max_states, max_series_order, max_invariants
     public :: structure_none, structure_split, structure_group, structure_series, &
         structure_quadruple, structure_names
 

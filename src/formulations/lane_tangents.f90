@@ -21,8 +21,8 @@ module spintop_lane_tangents
     interface
         !> Carries some perturbations along the motions. `whole` is the sum of the magnitudes of their components, those of
         !> delta in units of `pace`, and `last` the same of the last two terms of their series.
-        pure subroutine carry_tangents(order, body, c, duration, pace, number, which, free, change, before, after, whole, last) &
-            bind(C, name='spintop_carry_tangents')
+        pure subroutine carry_tangents(order, body, c, duration, pace, number, which, free, change, before, after, &
+                                       whole, last) bind(C, name='spintop_carry_tangents')
             import :: c_double, c_int, lane_body_t, lanes
             integer(c_int), value :: order !! order of the series, up to that of the motions
             type(lane_body_t), intent(in) :: body !! the bodies

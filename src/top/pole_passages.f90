@@ -137,8 +137,8 @@ contains
         angle = near
     end subroutine pass_pole
 
-    !> Whether angles that were followed to an instant are to be settled as if body z passed through a pole: they are not certain,
-    !> it was in one or is beside one, or passes through it at a distance.
+    !> Whether angles that were followed to an instant are to be settled as if body z passed through a pole: they are not
+    !> certain, it was in one or is beside one, or passes through it at a distance.
     pure logical function is_at_pole(sure, beside, passed, reach)
         logical, intent(in) :: sure, beside !! whether the turns are certain; whether body z is beside a pole at the instant
         type(passages_t), intent(in) :: passed !! the passages before
@@ -150,7 +150,8 @@ contains
     !> if there is one.
     pure subroutine settle_angles(last, next, start, reach, passed, angle, sure)
         type(motion_t), intent(in) :: last, next !! the instants
-        real(dp), intent(in) :: start(3), reach !! phi, theta, psi at the first; the distance up to which a pole is passed through, rad
+        real(dp), intent(in) :: start(3) !! phi, theta, psi at the first, rad
+        real(dp), intent(in) :: reach !! the distance up to which the pole is passed through, rad
         type(passages_t), intent(inout) :: passed !! the passages before the first on entry, before the second on return
         real(dp), intent(inout) :: angle(3) !! those at the second, rad
         logical, intent(inout) :: sure !! whether the turns are certain

@@ -1,9 +1,9 @@
 !> Any rigid body with a fixed point under effects: the equations of `rigid_body` with the momentum P = I w_a + h, which
 !> contains that of the frame and of the rotor, and all moments of `spintop_loads`.
 !>
-!> A type of its own, so that a body without effects pays nothing for them: by these equations a run of ode45, dop853 or Taylor
-!> takes two to three times as long without effects as by those of `rigid_body`. It has no invariants, as effects do work and turn
-!> the momentum, and no bound of its angular velocity, which is not that of the momentum.
+!> A type of its own, so that a body without effects pays nothing for them: by these equations a run of ode45, dop853 or
+!> Taylor takes two to three times as long without effects as by those of `rigid_body`. It has no invariants, as effects do
+!> work and turn the momentum, and no bound of its angular velocity, which is not that of the momentum.
 module spintop_body_with_effects
     use spintop_attitude, only: follow_angles, may_meet_pole, quaternion_product
     use spintop_body, only: body_t

@@ -9,8 +9,8 @@ module spintop_trajectory_columns
     use spintop_quantities, only: axial_momentum, axis_height_rate, axis_tip, goryachev_integral, kovalevskaya_integral, &
         vertical_momentum
     use spintop_proof_columns, only: proof_columns
-    use spintop_stop_lanes, only: of_centre_height, of_energy, of_kinetic_energy, of_omega, of_phi, of_potential_energy, of_psi, &
-        of_spin_momentum, of_theta, of_turning, of_vertical, of_vertical_momentum
+    use spintop_stop_lanes, only: of_centre_height, of_energy, of_kinetic_energy, of_omega, of_phi, of_potential_energy, &
+        of_psi, of_spin_momentum, of_theta, of_turning, of_vertical, of_vertical_momentum
     use spintop_study_column, only: place_of, proof_group
     use spintop_trajectory_column, only: angle_group, longest, trajectory_column_t
     use spintop_work_columns, only: work_columns

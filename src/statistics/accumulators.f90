@@ -4,11 +4,13 @@
 !> They do not depend on the order in which cases are added, nor on how cases are divided among accumulators that
 !> are merged: counts are integers, extremes exact, sums as in spintop_exact_sum.
 module spintop_accumulators
+    use, intrinsic :: iso_c_binding, only: c_loc
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_bins, only: bins_t
     use spintop_case_groups, only: case_groups_t
     use spintop_exact_sum, only: add_powers, exact_sum_t
     use spintop_kinds, only: dp, no_number, qp
+    use spintop_state_stream, only: state_stream_t
     use spintop_value_counts, only: value_counts_t
     implicit none
     private
@@ -59,6 +61,7 @@ module spintop_accumulators
         procedure :: fetch
         procedure :: add
         procedure :: merge_with
+        procedure :: carry
         procedure :: over_all
         procedure :: quantiles
         procedure :: counts_over_all
@@ -179,6 +182,22 @@ contains
         end do
         if (self%groups%factors > 0) call self%groups%merge_with(other%groups)
     end subroutine merge_with
+
+    !> Carries all that was gathered.
+    subroutine carry(self, stream)
+        class(accumulators_t), target, intent(inout) :: self !! started alike if it is read
+        type(state_stream_t), intent(inout) :: stream !! a file
+        integer :: i
+        call stream%carry_numbers(size(self%cases), self%cases)
+        call stream%carry_numbers(size(self%failed), self%failed)
+        call stream%carry_numbers(size(self%words), self%words)
+        if (size(self%moments) > 0) call stream%carry_memory(c_loc(self%moments(1, 1)), size(self%moments) * &
+                                                             (storage_size(self%moments) / 8_int64))
+        do i = 1, size(self%sizes)
+            call self%sizes(i)%carry(stream)
+        end do
+        if (self%groups%factors > 0) call self%groups%carry(stream)
+    end subroutine carry
 
     !> The moments of a column over all cases, those in no bin, too.
     pure type(moments_t) function over_all(self, column) result(all)

@@ -6,10 +6,12 @@
 !>     call groups%add(numbers, is_ok, values)
 !>     call groups%indices(column)%estimate(factor, index)
 module spintop_case_groups
+    use, intrinsic :: iso_c_binding, only: c_loc
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp, no_number
     use spintop_sample_design, only: place_in_saltelli, saltelli_place_t
     use spintop_sobol_indices, only: sobol_indices_t
+    use spintop_state_stream, only: state_stream_t
     implicit none
     private
     public :: case_groups_t
@@ -30,8 +32,7 @@ module spintop_case_groups
         procedure :: start
         procedure :: add
         procedure :: merge_with
-        procedure :: pack_groups
-        procedure :: unpack_groups
+        procedure :: carry
         procedure, private :: find_group
         procedure, private :: make_room
         procedure, private :: end_group
@@ -150,66 +151,37 @@ contains
         self%values(:, :, group) = self%values(:, :, last)
     end subroutine end_group
 
-    !> All sums and unfinished groups as a list of numbers, to be stored.
-    subroutine pack_groups(self, numbers)
-        class(case_groups_t), intent(in) :: self
-        integer(int64), allocatable, intent(out) :: numbers(:) !! sums of each column, then the unfinished groups
-        integer(int64), allocatable :: of_column(:)
-        integer :: i, first, roles, columns
+    !> Carries all: how many numbers follow, the sums of each column, then the unfinished groups.
+    subroutine carry(self, stream)
+        class(case_groups_t), target, intent(inout) :: self !! started alike if they are read; what is there is replaced
+        type(state_stream_t), intent(inout) :: stream !! a file
+        integer(int64) :: numbers(1), of_sums, of_group, k
+        integer(int64) :: there(1 + self%factors + 2) !! the base point, and which of its cases are there
+        integer :: i, group
 
-        roles = self%factors + 2
-        columns = size(self%indices)
-        allocate (of_column(self%indices(1)%packed_size()))
-        allocate (numbers(columns * size(of_column) + self%unfinished * (1 + roles + roles * columns)))
-        first = 1
-        do i = 1, columns
-            call self%indices(i)%pack_sums(of_column)
-            call put(of_column)
+        of_sums = size(self%indices) * int(self%indices(1)%packed_size(), int64)
+        of_group = size(there) + size(self%values, 1) * size(self%values, 2)
+        numbers = of_sums + self%unfinished * of_group
+        there = 0
+        call stream%carry_numbers(1, numbers)
+        if (numbers(1) < of_sums .or. mod(numbers(1) - of_sums, of_group) /= 0) call stream%refuse()
+        do i = 1, size(self%indices)
+            call self%indices(i)%carry(stream)
         end do
-        do i = 1, self%unfinished
-            call put([self%bases(i)])
-            call put(merge(1_int64, 0_int64, self%is_there(:, i)))
-            call put(transfer(self%values(:, :, i), numbers, roles * columns))
+        if (stream%is_read) self%unfinished = 0
+        do k = 1, (numbers(1) - of_sums) / of_group
+            group = int(k)
+            if (.not. stream%is_read) there = [self%bases(group), merge(1_int64, 0_int64, self%is_there(:, group))]
+            call stream%carry_numbers(size(there), there)
+            if (there(1) < 1 .or. all(there(2:) == 1)) call stream%refuse()
+            if (allocated(stream%error)) return
+            if (stream%is_read) then
+                call self%find_group(there(1), group)
+                self%is_there(:, group) = there(2:) == 1
+            end if
+            call stream%carry_memory(c_loc(self%values(1, 1, group)), &
+                                     (of_group - size(there)) * (storage_size(self%values) / 8))
         end do
-
-    contains
-
-        subroutine put(some)
-            integer(int64), intent(in) :: some(:)
-            numbers(first:first + size(some) - 1) = some
-            first = first + size(some)
-        end subroutine put
-
-    end subroutine pack_groups
-
-    !> Takes a stored list in place of what is there.
-    subroutine unpack_groups(self, numbers, is_valid)
-        class(case_groups_t), intent(inout) :: self
-        integer(int64), intent(in) :: numbers(:) !! as `pack_groups` makes them
-        logical, intent(out) :: is_valid !! the list is one that pack_groups could have made
-        integer :: i, first, roles, columns, of_column, of_group
-
-        roles = self%factors + 2
-        columns = size(self%indices)
-        of_column = self%indices(1)%packed_size()
-        of_group = 1 + roles + roles * columns
-        is_valid = size(numbers) >= columns * of_column
-        if (is_valid) is_valid = mod(size(numbers) - columns * of_column, of_group) == 0
-        if (.not. is_valid) return
-        do i = 1, columns
-            call self%indices(i)%unpack_sums(numbers((i - 1) * of_column + 1:i * of_column))
-        end do
-        self%unfinished = 0
-        call self%make_room(max(usual_room, (size(numbers) - columns * of_column) / of_group))
-        do first = columns * of_column + 1, size(numbers), of_group
-            i = self%unfinished + 1
-            self%unfinished = i
-            self%bases(i) = numbers(first)
-            self%is_there(:, i) = numbers(first + 1:first + roles) == 1
-            self%values(:, :, i) = reshape(transfer(numbers(first + roles + 1:first + of_group - 1), [real(dp) ::], &
-                                                    roles * columns), [roles, columns])
-            is_valid = is_valid .and. self%bases(i) >= 1 .and. .not. all(self%is_there(:, i))
-        end do
-    end subroutine unpack_groups
+    end subroutine carry
 
 end module spintop_case_groups

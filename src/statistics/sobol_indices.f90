@@ -10,9 +10,11 @@
 !>     call indices%add(base, values)             ! A, B, and A with factor 1, 2, 3 from B
 !>     call indices%estimate(factor=1, index)
 module spintop_sobol_indices
+    use, intrinsic :: iso_c_binding, only: c_loc
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_exact_sum, only: exact_sum_t
     use spintop_kinds, only: dp, no_number, qp
+    use spintop_state_stream, only: state_stream_t
     implicit none
     private
     public :: sobol_indices_t, sobol_index_t
@@ -38,8 +40,7 @@ module spintop_sobol_indices
         procedure :: merge_with
         procedure :: estimate
         procedure :: packed_size
-        procedure :: pack_sums
-        procedure :: unpack_sums
+        procedure :: carry
     end type sobol_indices_t
 
     !> The indices of a factor, and half the width of their confidence intervals of 95 %; NaN where the quantity does not
@@ -131,36 +132,25 @@ contains
         index = sobol_index_t(all_parts(1), all_parts(2), errors(1), errors(2))
     end subroutine estimate
 
-    !> How many numbers store the sums.
+    !> How many numbers of 64 bits the sums are.
     pure integer function packed_size(self)
         class(sobol_indices_t), intent(in) :: self
         packed_size = parts + 1 + (2 + 2 * self%factors) * parts * (storage_size(self%values) / storage_size(0_int64))
     end function packed_size
 
-    !> All sums as a list of numbers, to be stored.
-    pure subroutine pack_sums(self, numbers)
-        class(sobol_indices_t), intent(in) :: self
-        integer(int64), intent(out) :: numbers(:) !! as many as `packed_size` says
-        numbers = [self%added, self%left_out, transfer([self%values, self%squares, pack(self%first, .true.), &
-                                                        pack(self%total, .true.)], numbers)]
-    end subroutine pack_sums
-
-    !> Takes stored sums in place of those that are there.
-    pure subroutine unpack_sums(self, numbers)
-        class(sobol_indices_t), intent(inout) :: self !! started as the stored ones were
-        integer(int64), intent(in) :: numbers(:) !! as `pack_sums` makes them
-        type(exact_sum_t) :: sums((2 + 2 * self%factors) * parts)
-        integer :: of_factors
-
-        of_factors = self%factors * parts
-        self%added = numbers(:parts)
-        self%left_out = numbers(parts + 1)
-        sums = transfer(numbers(parts + 2:), sums)
-        self%values = sums(:parts)
-        self%squares = sums(parts + 1:2 * parts)
-        self%first = reshape(sums(2 * parts + 1:2 * parts + of_factors), shape(self%first))
-        self%total = reshape(sums(2 * parts + of_factors + 1:), shape(self%total))
-    end subroutine unpack_sums
+    !> Carries all sums.
+    subroutine carry(self, stream)
+        class(sobol_indices_t), target, intent(inout) :: self !! started alike if they are read
+        type(state_stream_t), intent(inout) :: stream !! a file
+        integer(int64) :: bytes
+        bytes = storage_size(self%values) / 8
+        call stream%carry_numbers(parts, self%added)
+        call stream%carry_memory(c_loc(self%left_out), storage_size(self%left_out) / 8_int64)
+        call stream%carry_memory(c_loc(self%values(1)), bytes * parts)
+        call stream%carry_memory(c_loc(self%squares(1)), bytes * parts)
+        call stream%carry_memory(c_loc(self%first(1, 1)), bytes * size(self%first))
+        call stream%carry_memory(c_loc(self%total(1, 1)), bytes * size(self%total))
+    end subroutine carry
 
     !> The first-order and the total index from some of the parts.
     pure function indices_of(self, factor, taken) result(indices)

@@ -11,11 +11,11 @@
 module spintop_statistics_file
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_accumulators, only: accumulators_t
-    use spintop_accumulators_state, only: read_state, write_state
-    use spintop_checksum, only: add_to_checksum, checksum_t, checksum_text, checksum_width
-    use spintop_errors, only: error_t, input_error
-    use spintop_files, only: file_size, input_file_t, output_file_t
+    use spintop_checksum, only: checksum_text, checksum_width
+    use spintop_errors, only: error_t
+    use spintop_files, only: file_size, input_file_t
     use spintop_packed_plan, only: pack_plan, unpack_plan
+    use spintop_state_stream, only: state_stream_t
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_table_head, only: read_head
     implicit none
@@ -35,16 +35,14 @@ contains
         character(*), intent(in) :: path !! path of the file
         character(*), intent(in) :: head !! header of the result
         type(statistics_plan_t), intent(in) :: plan !! what is gathered
-        type(accumulators_t), intent(in) :: accumulators !! the statistics
+        type(accumulators_t), intent(inout) :: accumulators !! the statistics, which do not change
         character(checksum_width), intent(out) :: checksum !! of all after the header
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        type(output_file_t) :: file
+        type(state_stream_t) :: stream
         type(error_t), allocatable :: problem
-
-        checksum = ''
-        call file%create(path, error)
-        if (.not. allocated(error)) call write_all(file, head, plan, accumulators, checksum, error)
-        call file%close(problem)
+        call write_all(path, head, plan, accumulators, stream, checksum)
+        call stream%output%close(problem)
+        call move_alloc(stream%error, error)
         if (.not. allocated(error)) call move_alloc(problem, error)
     end subroutine write_snapshot
 
@@ -53,37 +51,34 @@ contains
         character(*), intent(in) :: path !! path of the file
         character(*), intent(in) :: head !! header of the result
         type(statistics_plan_t), intent(in) :: plan !! what is gathered
-        type(accumulators_t), intent(in) :: accumulators !! the statistics
+        type(accumulators_t), intent(inout) :: accumulators !! the statistics, which do not change
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(state_stream_t) :: stream
         character(checksum_width) :: checksum
-        type(output_file_t) :: file
-
-        call file%create(path // '.new', error)
-        if (.not. allocated(error)) call write_all(file, head, plan, accumulators, checksum, error)
-        if (.not. allocated(error)) call file%finish_as(path, -1_int64, error)
-        call file%discard()
+        call write_all(path // '.new', head, plan, accumulators, stream, checksum)
+        call move_alloc(stream%error, error)
+        if (.not. allocated(error)) call stream%output%finish_as(path, -1_int64, error)
+        call stream%output%discard()
     end subroutine write_part
 
-    subroutine write_all(file, head, plan, accumulators, checksum, error)
-        type(output_file_t), intent(in) :: file
-        character(*), intent(in) :: head
+    subroutine write_all(path, head, plan, accumulators, stream, checksum)
+        character(*), intent(in) :: path, head
         type(statistics_plan_t), intent(in) :: plan
-        type(accumulators_t), intent(in) :: accumulators
+        type(accumulators_t), intent(inout) :: accumulators
+        type(state_stream_t), intent(inout) :: stream
         character(checksum_width), intent(out) :: checksum
-        type(error_t), allocatable, intent(out) :: error
-        type(checksum_t) :: sum
         character(:), allocatable :: packed
         character(length_of_line) :: line
 
-        checksum = ''
         packed = pack_plan(plan)
         write (line, line_format) first_words, len(packed), nl
-        call add_to_checksum(sum, line // packed)
-        call file%write(head // line // packed, error)
-        if (.not. allocated(error)) call write_state(accumulators, file, sum, error)
-        if (allocated(error)) return
-        checksum = checksum_text(sum)
-        call file%write(checksum // nl, error)
+        call stream%output%create(path, stream%error)
+        if (.not. allocated(stream%error)) call stream%output%write(head, stream%error)
+        call stream%carry_text(line)
+        call stream%carry_text(packed)
+        call accumulators%carry(stream)
+        checksum = checksum_text(stream%checksum)
+        if (.not. allocated(stream%error)) call stream%output%write(checksum // nl, stream%error)
     end subroutine write_all
 
     !> Whether a file is one of these; false as well if it cannot be read.
@@ -112,8 +107,7 @@ contains
         type(accumulators_t), intent(out) :: accumulators !! the statistics
         character(checksum_width), intent(out) :: checksum !! of all after the header
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        type(input_file_t) :: file
-        type(checksum_t) :: sum
+        type(state_stream_t) :: stream
         character(:), allocatable :: head, packed
         character(length_of_line) :: line, again
         character(checksum_width + len(nl)) :: last
@@ -124,46 +118,36 @@ contains
         checksum = ''
         call read_head(path, head, error)
         if (allocated(error)) return
-        call file%open(path, error)
-        if (.not. allocated(error)) call file%read(head, length, error)
-        if (.not. allocated(error)) call file%read(line, length, error)
-        if (.not. allocated(error)) then
+        stream%is_read = .true.
+        call stream%input%open(path, stream%error)
+        if (.not. allocated(stream%error)) call stream%input%read(head, length, stream%error)
+        call stream%carry_text(line)
+        if (.not. allocated(stream%error)) then
             read (line(len(first_words) + 1:len(first_words) + 10), '(i10)', iostat=status) size_of_plan
-            is_valid = status == 0 .and. length == len(line)
+            is_valid = status == 0
             if (is_valid) then
                 write (again, line_format) first_words, size_of_plan, nl
                 is_valid = line == again .and. size_of_plan >= 0 .and. size_of_plan <= largest_plan
             end if
-            if (.not. is_valid) error = damaged()
+            if (.not. is_valid) call stream%refuse()
         end if
-        if (.not. allocated(error)) then
+        if (.not. allocated(stream%error)) then
             allocate (character(size_of_plan) :: packed)
-            call file%read(packed, length, error)
-        end if
-        if (.not. allocated(error)) then
-            call add_to_checksum(sum, line // packed)
-            is_valid = length == len(packed)
-            if (is_valid) call unpack_plan(packed, plan, is_valid)
+            call stream%carry_text(packed)
+            call unpack_plan(packed, plan, is_valid)
             ! A damaged number of bins must not ask for memory without end.
             if (is_valid) is_valid = plan%bytes_of_bins() <= file_size(path)
-            if (.not. is_valid) error = damaged()
+            if (.not. is_valid) call stream%refuse()
         end if
-        if (.not. allocated(error)) then
+        if (.not. allocated(stream%error)) then
             call plan%start(accumulators)
-            call read_state(accumulators, file, sum, error)
+            call accumulators%carry(stream)
+            checksum = checksum_text(stream%checksum)
+            call stream%carry_text(last)
+            if (last /= checksum // nl) call stream%refuse()
         end if
-        if (.not. allocated(error)) call file%read(last, length, error)
-        call file%close()
-        if (allocated(error)) return
-        checksum = checksum_text(sum)
-        if (length < len(last) .or. last /= checksum // nl) error = damaged()
-
-    contains
-
-        type(error_t) function damaged()
-            damaged = input_error(path // ' is damaged, or shorter than it should be')
-        end function damaged
-
+        call stream%input%close()
+        call move_alloc(stream%error, error)
     end subroutine read_statistics
 
 end module spintop_statistics_file

@@ -8,6 +8,7 @@ module spintop_value_counts
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp, no_number
     use spintop_random, only: mix
+    use spintop_state_stream, only: state_stream_t
     implicit none
     private
     public :: value_counts_t
@@ -45,8 +46,7 @@ module spintop_value_counts
         procedure :: list_cells
         procedure :: quantiles
         procedure :: resolution
-        procedure :: pack_counts
-        procedure :: unpack_counts
+        procedure :: carry
         procedure, private :: find_page
         procedure, private :: sort
         procedure, private :: key
@@ -71,39 +71,28 @@ contains
         resolution = 2.0_dp**(-self%bits - 1)
     end function resolution
 
-    !> All counts as a list of numbers, to be stored.
-    subroutine pack_counts(self, numbers)
-        class(value_counts_t), intent(in) :: self
-        integer(int64), allocatable, intent(out) :: numbers(:) !! pages one after the other: bin, exponent, counts
-        integer :: k, length
-        length = 2 + 2**self%bits
-        allocate (numbers(int(length, int64) * self%pages))
-        do k = 1, self%pages
-            numbers((k - 1_int64) * length + 1:k * int(length, int64)) = &
-                [self%bin_of(k), int(self%exponent_of(k), int64), self%counts(:, k)]
-        end do
-    end subroutine pack_counts
-
-    !> Takes stored counts, beside those that are there.
-    subroutine unpack_counts(self, numbers, is_valid)
-        class(value_counts_t), intent(inout) :: self
-        integer(int64), intent(in) :: numbers(:) !! as `pack_counts` makes them
-        logical, intent(out) :: is_valid !! the list is one that pack_counts could have made
+    !> Carries all counts: how many numbers follow, then pages one after the other: bin, exponent, counts.
+    subroutine carry(self, stream)
+        class(value_counts_t), intent(inout) :: self !! empty if they are read
+        type(state_stream_t), intent(inout) :: stream !! a file
+        integer(int64) :: numbers(1), place(2), k
         integer :: length, page
-        integer(int64) :: i
 
         length = 2 + 2**self%bits
-        is_valid = mod(size(numbers, kind=int64), int(length, int64)) == 0
-        i = 0
-        do while (is_valid .and. i < size(numbers, kind=int64))
-            is_valid = numbers(i + 1) >= 1 .and. numbers(i + 2) >= 0 .and. numbers(i + 2) < exponents &
-                       .and. all(numbers(i + 3:i + length) >= 0)
-            if (.not. is_valid) exit
-            call self%find_page(numbers(i + 1), int(numbers(i + 2)), page)
-            self%counts(:, page) = self%counts(:, page) + numbers(i + 3:i + length)
-            i = i + length
+        numbers = int(length, int64) * self%pages
+        place = 0
+        call stream%carry_numbers(1, numbers)
+        if (mod(numbers(1), int(length, int64)) /= 0) call stream%refuse()
+        do k = 1, numbers(1) / length
+            page = int(k)
+            if (.not. stream%is_read) place = [self%bin_of(page), int(self%exponent_of(page), int64)]
+            call stream%carry_numbers(size(place), place)
+            if (place(1) < 1 .or. place(2) < 0 .or. place(2) >= exponents) call stream%refuse()
+            if (allocated(stream%error)) return
+            if (stream%is_read) call self%find_page(place(1), int(place(2)), page)
+            call stream%carry_numbers(size(self%counts, 1), self%counts(:, page))
         end do
-    end subroutine unpack_counts
+    end subroutine carry
 
     !> Counts finite values.
     subroutine add(self, bin, values)

@@ -6,7 +6,7 @@ submodule(spintop_statistics_netcdf) statistics_netcdf_written
         nf90_ebaddim, nf90_enddef, nf90_enotatt, nf90_get_att, nf90_get_var, nf90_global, nf90_inq_dimid, nf90_inq_varid, &
         nf90_inquire_attribute, nf90_inquire_dimension, nf90_noerr, nf90_nowrite, nf90_open, nf90_put_att, nf90_put_var, &
         nf90_strerror
-    use spintop_checksum, only: add_reals_to_checksum, add_to_checksum, checksum_t
+    use spintop_checksum, only: add_reals_to_checksum, add_to_checksum, checksum_t, checksum_text
     use spintop_errors, only: output_error
     use spintop_files, only: output_file_t
     use spintop_histogram, only: histogram_t, make_histogram
@@ -74,7 +74,9 @@ contains
             end if
             found%status = nf90_close(found%id)
         end if
-        if (.not. allocated(error)) call confirm_netcdf(output%path, file%checksum, found%checksum, error)
+        if (.not. allocated(error)) then
+            call confirm_netcdf(output%path, checksum_text(file%checksum) == checksum_text(found%checksum), error)
+        end if
         if (.not. allocated(error)) call output%finish_as(path, -1_int64, error)
         call output%discard()
 

@@ -7,22 +7,21 @@ module spintop_growing_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_clock, only: seconds
     use spintop_errors, only: error_t, input_error
-    use spintop_files, only: file_exists, input_file_t, remove_file
+    use spintop_files, only: file_exists, remove_file
     use spintop_interrupted_run, only: refuse_to_discard
     use spintop_journal, only: journal_entry_t, journal_of, read_journal, remove_journal, write_journal
     use spintop_kinds, only: dp
     use spintop_process, only: keep_rows
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
-    use spintop_status_counts, only: count_statuses
     use spintop_table_column, only: status_column
     use spintop_table_end, only: check_table
     use spintop_table_file, only: part_of, table_file_t
-    use spintop_table_head, only: compare_heads
+    use spintop_table_head, only: compare_heads, read_head
     use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: growing_table_t, difference_from, refusal, remove_leftovers
+    public :: growing_table_t, refusal, remove_leftovers
 
     !> Seconds between two entries of the journal, or, if the disk is slow, this multiple of the duration of
     !> the last entry: entries take less than a twentieth of the time of one thread.
@@ -70,9 +69,9 @@ module spintop_growing_table
         procedure :: flush_part
         procedure :: check_part
         procedure :: finish_part
-        procedure :: count_complete
-        procedure, nopass :: compare_head
-        procedure, nopass :: check_complete => check_table
+        procedure, nopass :: read_head
+        procedure :: check_complete
+        procedure, private :: difference_from
         procedure, private :: start_anew
         procedure, private :: resume
     end type growing_table_t
@@ -97,7 +96,7 @@ contains
             call self%table%reserve(path, error)
             if (.not. allocated(error)) call self%resume(head, error)
         else if (resume .and. self%has_head .and. file_exists(path)) then
-            call self%compare_head(path, head, problem)
+            problem = self%difference_from(path, head)
             if (problem == '' .and. self%keeps_rows) call self%check_complete(path, problem)
             if (problem /= '') then
                 error = refusal(path, problem)
@@ -106,7 +105,6 @@ contains
             self%is_complete = .true.
             self%remark = 'nothing was computed: the table is already complete'
             call remove_leftovers(path, self%is_alone)
-            if (self%keeps_rows) call self%count_complete(path, len(head), error)
         else
             call self%table%reserve(path, error)
             if (had_part .and. .not. (allocated(error) .or. restart)) then
@@ -175,7 +173,7 @@ contains
         character(:), allocatable :: problem
 
         associate (path => self%table%path)
-            call self%compare_head(part_of(path), head, problem)
+            problem = self%difference_from(part_of(path), head)
             if (problem == '') call read_journal(path, entry, problem)
             if (problem == '') call self%check_part(entry, problem, error)
             if (problem /= '') error = refusal(path, problem)
@@ -345,48 +343,30 @@ contains
         call self%table%finish(self%trailer, error)
     end subroutine finish_part
 
-    !> Counts the rows of a complete table by their status, or its motion.
-    subroutine count_complete(self, path, head_length, error)
+    !> Checks a complete table, and counts its rows by their status, or its motion.
+    subroutine check_complete(self, path, problem)
         class(growing_table_t), intent(inout) :: self
         character(*), intent(in) :: path !! path of the table
-        integer, intent(in) :: head_length !! bytes of its header
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        character(:), allocatable, intent(out) :: problem !! why it is not as it was written; '' if it is
         integer :: column
         column = 0
         if (allocated(self%columns)) column = findloc(self%columns%name == status_column, .true., dim=1)
-        call count_statuses(path, head_length, column, self%counts, error)
-    end subroutine count_complete
+        call check_table(path, problem, column, self%counts)
+    end subroutine check_complete
 
-    !> Whether a file has a header; `problem` describes the difference, and is empty if there is none.
-    subroutine compare_head(path, head, problem)
-        character(*), intent(in) :: path !! path of the file
-        character(*), intent(in) :: head !! the header
-        character(:), allocatable, intent(out) :: problem !! '' if it is the same
-        type(input_file_t) :: file
+    !> How the header of a file differs from another one; '' if it does not.
+    function difference_from(self, path, head) result(problem)
+        class(growing_table_t), intent(in) :: self
+        character(*), intent(in) :: path, head
+        character(:), allocatable :: problem, found
         type(error_t), allocatable :: error
-        character(:), allocatable :: found
-        integer :: length
-
-        length = 0
-        allocate (character(len(head)) :: found)
-        call file%open(path, error)
-        if (.not. allocated(error)) call file%read(found, length, error)
-        call file%close()
+        call self%read_head(path, found, error)
         if (allocated(error)) then
             problem = error%message
         else
-            problem = difference_from(path, found(:length), head)
+            problem = compare_heads(found, 'there', head, 'here')
+            if (problem /= '') problem = path // ' was made by another program, build or input' // problem
         end if
-    end subroutine compare_head
-
-    !> How the header of a file differs from another one; '' if it does not.
-    function difference_from(path, found, head) result(problem)
-        character(*), intent(in) :: path !! path of the file
-        character(*), intent(in) :: found !! its header
-        character(*), intent(in) :: head !! the other header
-        character(:), allocatable :: problem
-        problem = compare_heads(found, 'there', head, 'here')
-        if (problem /= '') problem = path // ' was made by another program, build or input' // problem
     end function difference_from
 
     !> The error of a run that cannot be resumed.

@@ -4,17 +4,17 @@ module spintop_merge
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: input_file_t
     use spintop_interrupted_run, only: refuse_to_discard_idle
-    use spintop_netcdf_file, only: is_netcdf, netcdf_file_t
-    use spintop_netcdf_table, only: end_problem, head_of_netcdf, netcdf_table_t
+    use spintop_netcdf_file, only: head_of_table, is_netcdf, netcdf_file_t
+    use spintop_netcdf_table, only: end_problem, netcdf_table_t
     use spintop_row_block, only: row_block_t
     use spintop_shard, only: read_shard_line, shard_t
     use spintop_table_end, only: check_table, table_check_t, table_end_t
     use spintop_table_file, only: table_file_t
-    use spintop_table_head, only: check_format, compare_heads, first_line_of, is_dated, read_head
+    use spintop_table_head, only: check_format, compare_heads, first_line_of, is_dated
     use spintop_text, only: append, string_t, to_text
     implicit none
     private
-    public :: merge_tables, order_parts, head_of_table
+    public :: merge_tables, order_parts
 
     !> Bytes of text, or rows of NetCDF, that are copied at once.
     integer, parameter :: block_size = 1024 * 1024, rows_at_once = 4096
@@ -105,18 +105,6 @@ contains
         if (.not. allocated(error)) call table%finish(error)
         if (allocated(error)) call table%discard()
     end subroutine merge_netcdf
-
-    !> The header of a table in either format, as text.
-    subroutine head_of_table(path, head, error)
-        character(*), intent(in) :: path !! path of the table
-        character(:), allocatable, intent(out) :: head !! the header
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        if (is_netcdf(path)) then
-            call head_of_netcdf(path, head, error)
-        else
-            call read_head(path, head, error)
-        end if
-    end subroutine head_of_table
 
     !> Identifies the parts. `head` is the header of the whole table: the header of the parts without the
     !> first line, which names the part.

@@ -15,6 +15,8 @@ module spintop_table_end
     use spintop_files, only: input_file_t, read_file
     use spintop_kinds, only: dp
     use spintop_literals, only: is_number_cell
+    use spintop_status, only: last_status
+    use spintop_status_counts, only: count_statuses
     use spintop_text, only: abbreviate, to_text
     implicit none
     private
@@ -161,10 +163,12 @@ contains
         if (index(self%last, nl) > 0 .and. index(self%last, '#') /= 1) rows = rows + 1
     end function rows_so_far
 
-    !> Checks a table in a file, which must have its last line.
-    subroutine check_table(path, problem)
+    !> Checks a table in a file, which must have its last line, and counts its rows by their status.
+    subroutine check_table(path, problem, column, counts)
         character(*), intent(in) :: path !! path of the table
         character(:), allocatable, intent(out) :: problem !! why it is not complete, or not as it was written; '' if it is
+        integer, intent(in), optional :: column !! number of the column of the statuses, after numbers; 0 if there is none
+        integer(int64), intent(inout), optional :: counts(0:last_status) !! increased by the number of rows with each status
         type(input_file_t) :: file
         type(error_t), allocatable :: error
         type(table_check_t) :: check
@@ -179,6 +183,7 @@ contains
             call file%read(block, length, error)
             if (allocated(error) .or. length == 0) exit
             call check%pass(block(:length), passed)
+            if (present(counts)) call count_statuses(passed, column, counts)
         end do
         call file%close()
         if (.not. allocated(error)) then

@@ -9,14 +9,15 @@
 !> instead, and no file can be created or opened.
 module spintop_netcdf_file
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_checksum, only: checksum_t, checksum_text
     use spintop_errors, only: error_t, output_error
     use spintop_files, only: input_file_t
     use spintop_kinds, only: dp
     use spintop_netcdf_description, only: netcdf_description_t
+    use spintop_table_head, only: read_head
     implicit none
     private
     public :: netcdf_file_t, has_netcdf, has_compression, is_netcdf, close_netcdf, confirm_netcdf
+    public :: head_of_table, head_of_netcdf
 
     !> Name of the attribute that says how many rows there are, and their checksum.
     character(*), parameter :: end_key = 'end'
@@ -120,13 +121,38 @@ contains
 
     !> Has a closed file confirmed before it gets its name: what is read from it is what was written. The library does not
     !> tell of all failures: a short read gives zeros, and a write that fails when a file is closed is no error.
-    subroutine confirm_netcdf(path, written, found, error)
+    subroutine confirm_netcdf(path, is_same, error)
         character(*), intent(in) :: path !! path of the file
-        type(checksum_t), intent(in) :: written, found !! checksums of what was written, and of what is read
+        logical, intent(in) :: is_same !! whether what is read is what was written
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        if (checksum_text(written) == checksum_text(found)) return
+        if (is_same) return
         error = output_error('cannot write ' // path // ': what is read from it is not what was written')
     end subroutine confirm_netcdf
+
+    !> The header of a table in either format, as text.
+    subroutine head_of_table(path, head, error)
+        character(*), intent(in) :: path !! path of the table
+        character(:), allocatable, intent(out) :: head !! the header
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        if (is_netcdf(path)) then
+            call head_of_netcdf(path, head, error)
+        else
+            call read_head(path, head, error)
+        end if
+    end subroutine head_of_table
+
+    !> The header of a NetCDF file, as a table of text has it.
+    subroutine head_of_netcdf(path, head, error)
+        character(*), intent(in) :: path !! path of the file
+        character(:), allocatable, intent(out) :: head !! the header
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(netcdf_file_t) :: file
+        type(error_t), allocatable :: ignored
+        head = ''
+        call file%open(path, .false., error)
+        if (.not. allocated(error)) head = file%description%head()
+        call file%close(ignored)
+    end subroutine head_of_netcdf
 
     !> Whether a file begins as one in a format of NetCDF; false as well if it cannot be read.
     logical function is_netcdf(path)

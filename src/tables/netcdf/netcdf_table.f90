@@ -6,14 +6,13 @@
 !>     call table%start(path, description%head(), resume, restart, error)   ! then as in spintop_row_table
 module spintop_netcdf_table
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_checksum, only: add_reals_to_checksum, checksum_t, checksum_text
     use spintop_errors, only: error_t, exit_output
     use spintop_files, only: output_file_t
-    use spintop_growing_table, only: difference_from, growing_table_t
+    use spintop_growing_table, only: growing_table_t
     use spintop_journal, only: journal_entry_t
     use spintop_kinds, only: dp
     use spintop_netcdf_description, only: netcdf_description_t
-    use spintop_netcdf_file, only: confirm_netcdf, netcdf_file_t
+    use spintop_netcdf_file, only: confirm_netcdf, head_of_netcdf, netcdf_file_t
     use spintop_row_block, only: row_block_t
     use spintop_status, only: last_status
     use spintop_status_counts, only: status_of_ending
@@ -22,7 +21,7 @@ module spintop_netcdf_table
     use spintop_table_file, only: changed_after, part_of
     implicit none
     private
-    public :: netcdf_table_t, head_of_netcdf, end_problem
+    public :: netcdf_table_t, end_problem
 
     !> Rows that are read at once.
     integer, parameter :: rows_at_once = 4096
@@ -34,8 +33,7 @@ module spintop_netcdf_table
         type(netcdf_file_t), private :: file
         !> Whether the part is that of an earlier run: the library leaves bytes without a meaning at its end.
         logical, private :: is_continued = .false.
-        !> Checksum of the rows, and what the file says of them.
-        type(checksum_t), private :: checksum
+        !> What the file says of its rows.
         type(table_end_t), private :: ending
     contains
         procedure :: format => leave_cells
@@ -44,9 +42,8 @@ module spintop_netcdf_table
         procedure :: flush_part
         procedure :: check_part
         procedure :: finish_part
-        procedure :: count_complete
-        procedure, nopass :: compare_head
-        procedure, nopass :: check_complete
+        procedure, nopass :: read_head => head_of_netcdf
+        procedure :: check_complete
         procedure :: abandon
         procedure :: discard
         procedure, private :: is_as_wanted, confirm, convert
@@ -72,7 +69,6 @@ contains
         end associate
         of_part = self%description
         of_part%compression = -1
-        self%checksum = checksum_t()
         self%ending = table_end_t()
         call self%file%create(part_of(self%table%path), of_part, error)
     end subroutine begin_part
@@ -82,7 +78,6 @@ contains
         class(netcdf_table_t), intent(inout) :: self
         type(row_block_t), intent(in) :: block !! rows in their order
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call add_reals_to_checksum(self%checksum, block%cells(:, :block%rows))
         call self%ending%add_cells(block%cells(:, :block%rows))
         call self%file%put(block%cells(:, :block%rows), error)
     end subroutine put_to_part
@@ -94,7 +89,7 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call self%file%flush(error)
         entry%bytes = self%file%rows * size(self%description%columns) * (storage_size(0.0_dp) / 8)
-        entry%checksum = checksum_text(self%checksum)
+        entry%checksum = self%ending%checksum()
     end subroutine flush_part
 
     !> Checks that the part has the rows of an entry: writing continues behind them.
@@ -106,12 +101,11 @@ contains
 
         problem = ''
         call self%file%open(part_of(self%table%path), .true., error)
-        if (.not. allocated(error)) call walk_rows(self%file, sum(entry%counts), self%checksum, &
-                                                      self%ending, error)
+        if (.not. allocated(error)) call walk_rows(self%file, sum(entry%counts), self%ending, error)
         if (allocated(error)) return
         self%file%rows = sum(entry%counts)
         self%is_continued = .true.
-        if (checksum_text(self%checksum) /= entry%checksum) problem = changed_after(part_of(self%table%path))
+        if (self%ending%checksum() /= entry%checksum) problem = changed_after(part_of(self%table%path))
     end subroutine check_part
 
     !> Renames the part to the table, when it is confirmed; or makes the table of it in another format.
@@ -137,22 +131,18 @@ contains
         character(*), intent(in) :: path
         type(error_t), allocatable, intent(out) :: error
         type(netcdf_file_t) :: file
-        type(checksum_t) :: found
         type(table_end_t) :: ending
         type(error_t), allocatable :: ignored
 
         call file%open(path, .false., error)
-        if (.not. allocated(error)) call walk_rows(file, self%file%rows, found, ending, error)
-        if (.not. allocated(error)) then
-            if (file%description%head() /= self%description%head()) found = checksum_t()
-            if (file%description%ending /= self%ending%summary()) found = checksum_t()
-        end if
-        call file%close(ignored)
+        if (.not. allocated(error)) call walk_rows(file, self%file%rows, ending, error)
         if (allocated(error)) then
             error%code = exit_output
         else
-            call confirm_netcdf(path, self%checksum, found, error)
+            call confirm_netcdf(path, file%description%head() == self%description%head() .and. file%description%ending == &
+                                self%ending%summary() .and. ending%summary() == self%ending%summary(), error)
         end if
+        call file%close(ignored)
     end subroutine confirm
 
     !> Whether the part is what the table is to be.
@@ -168,13 +158,12 @@ contains
         type(error_t), allocatable, intent(out) :: error
         type(netcdf_file_t) :: to
         type(output_file_t) :: output
-        type(checksum_t) :: checksum
         type(table_end_t) :: ending
         type(error_t), allocatable :: problem
 
         call output%create(self%table%path // '.new', error)
         if (.not. allocated(error)) call to%create(output%path, self%description, error)
-        if (.not. allocated(error)) call walk_rows(self%file, self%file%rows, checksum, ending, error, to)
+        if (.not. allocated(error)) call walk_rows(self%file, self%file%rows, ending, error, to)
         if (.not. allocated(error)) call to%seal(ending%summary(), error)
         call to%close(problem)
         if (.not. allocated(error)) call move_alloc(problem, error)
@@ -184,92 +173,55 @@ contains
         call output%discard()
     end subroutine convert
 
-    !> Reads the first rows of a file: their checksums; and puts them to another file, if there is one.
-    subroutine walk_rows(from, rows, checksum, ending, error, to)
+    !> Reads the first rows of a file: what its end says of them; puts them to another file, if there is one, or counts them
+    !> by their status.
+    subroutine walk_rows(from, rows, ending, error, to, counts)
         type(netcdf_file_t), intent(in) :: from
         integer(int64), intent(in) :: rows
-        type(checksum_t), intent(out) :: checksum
         type(table_end_t), intent(out) :: ending
         type(error_t), allocatable, intent(out) :: error
         type(netcdf_file_t), intent(inout), optional :: to
+        integer(int64), intent(inout), optional :: counts(0:last_status)
         real(dp), allocatable :: cells(:, :)
         integer(int64) :: first
+        integer :: column, status
 
+        column = findloc(from%description%columns%name == status_column, .true., dim=1)
         do first = 1, rows, rows_at_once
             allocate (cells(size(from%description%columns), min(int(rows_at_once, int64), rows - first + 1)))
             call from%get(first, cells, error)
             if (present(to) .and. .not. allocated(error)) call to%put(cells, error)
             if (allocated(error)) return
-            call add_reals_to_checksum(checksum, cells)
             call ending%add_cells(cells)
+            if (present(counts) .and. column > 0) then
+                counts = counts + [(count(nint(cells(column, :)) == status, kind=int64), status=0, last_status)]
+            end if
             deallocate (cells)
         end do
     end subroutine walk_rows
 
-    !> Counts the rows of a complete table by their status, or its motion: that is an attribute.
-    subroutine count_complete(self, path, head_length, error)
+    !> Checks that a file has all its rows, and that they are as they were written; and counts them by their status, or the
+    !> motion by the attribute that tells how it ended.
+    subroutine check_complete(self, path, problem)
         class(netcdf_table_t), intent(inout) :: self
-        character(*), intent(in) :: path !! path of the table
-        integer, intent(in) :: head_length !! not used
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        type(netcdf_file_t) :: file
-        type(error_t), allocatable :: ignored
-        real(dp), allocatable :: cells(:, :)
-        integer(int64) :: first
-        integer :: column, status, i
-        associate (unused => head_length)
-        end associate
-        call file%open(path, .false., error)
-        if (allocated(error)) return
-        column = findloc(file%description%columns%name == status_column, .true., dim=1)
-        do first = 1, merge(file%room, 0_int64, column > 0), rows_at_once
-            allocate (cells(size(file%description%columns), min(int(rows_at_once, int64), file%room - first + 1)))
-            call file%get(first, cells, error)
-            if (allocated(error)) exit
-            do status = 0, last_status
-                self%counts(status) = self%counts(status) + count(nint(cells(column, :)) == status)
-            end do
-            deallocate (cells)
-        end do
-        do i = 1, size(file%description%facts)
-            if (file%description%facts(i)%key /= status_column) cycle
-            status = status_of_ending(file%description%facts(i)%value)
-            if (status >= 0) self%counts(status) = self%counts(status) + 1
-        end do
-        call file%close(ignored)
-    end subroutine count_complete
-
-    !> Whether a file has a header; `problem` describes the difference, and is empty if there is none.
-    subroutine compare_head(path, head, problem)
-        character(*), intent(in) :: path !! path of the file
-        character(*), intent(in) :: head !! the header
-        character(:), allocatable, intent(out) :: problem !! '' if it is the same
-        type(error_t), allocatable :: error
-        character(:), allocatable :: found
-
-        call head_of_netcdf(path, found, error)
-        if (allocated(error)) then
-            problem = error%message
-        else
-            problem = difference_from(path, found, head)
-        end if
-    end subroutine compare_head
-
-    !> Checks that a file has all its rows, and that they are as they were written.
-    subroutine check_complete(path, problem)
         character(*), intent(in) :: path !! path of the file
         character(:), allocatable, intent(out) :: problem !! what is wrong; '' if nothing is
         type(netcdf_file_t) :: file
-        type(checksum_t) :: checksum
         type(table_end_t) :: ending
         type(error_t), allocatable :: error, ignored
+        integer :: i, status
 
         call file%open(path, .false., error)
-        if (.not. allocated(error)) call walk_rows(file, file%room, checksum, ending, error)
+        if (.not. allocated(error)) call walk_rows(file, file%room, ending, error, counts=self%counts)
         if (allocated(error)) then
             problem = error%message
         else
             problem = end_problem(path, file, ending)
+            do i = 1, size(file%description%facts)
+                if (file%description%facts(i)%key /= status_column) cycle
+                status = status_of_ending(file%description%facts(i)%value)
+                if (status >= 0) self%counts(status) = self%counts(status) + 1
+            end do
         end if
         call file%close(ignored)
     end subroutine check_complete
@@ -287,19 +239,6 @@ contains
         if (file%description%ending == '') problem = path // ' is not known to be complete: it has no attribute end, as files &
                                                      &of earlier versions'
     end function end_problem
-
-    !> The header of a file, as a table of text has it.
-    subroutine head_of_netcdf(path, head, error)
-        character(*), intent(in) :: path !! path of the file
-        character(:), allocatable, intent(out) :: head !! the header
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        type(netcdf_file_t) :: file
-        type(error_t), allocatable :: ignored
-        head = ''
-        call file%open(path, .false., error)
-        if (.not. allocated(error)) head = file%description%head()
-        call file%close(ignored)
-    end subroutine head_of_netcdf
 
     !> Keeps part and journal for a later run, and adds that to the message of the error.
     subroutine abandon(self, error)

@@ -7,9 +7,9 @@ module spintop_statistics_table
     use spintop_accumulators, only: accumulators_t
     use spintop_checksum, only: checksum_width
     use spintop_errors, only: error_t, input_error
-    use spintop_files, only: file_exists, input_file_t, remove_file, sync_file
+    use spintop_files, only: input_file_t, sync_file
     use spintop_growing_table, only: growing_table_t, refusal
-    use spintop_journal, only: journal_entry_t
+    use spintop_journal, only: journal_entry_t, state_of
     use spintop_kinds, only: dp
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
@@ -19,7 +19,6 @@ module spintop_statistics_table
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_statistics_result, only: columns_before
     use spintop_status, only: is_good_end, status_bad_input, status_ok
-    use spintop_text, only: to_text
     implicit none
     private
     public :: statistics_table_t, write_statistics
@@ -33,12 +32,10 @@ module spintop_statistics_table
     !> Rows, and what is gathered of them.
     type, extends(row_table_t) :: statistics_table_t
         !> The table of the rows, which may keep none.
-        class(row_table_t), allocatable :: rows_table
+        class(growing_table_t), allocatable :: rows_table
         type(statistics_plan_t) :: plan
         !> Path of the result, and its header.
         character(:), allocatable :: path, head
-        !> Path of the table of the rows, beside which the snapshots are.
-        character(:), allocatable :: path_of_rows
         !> Whether this is a part of a sweep.
         logical :: is_part = .false.
         type(accumulators_t), private :: accumulators
@@ -60,14 +57,10 @@ module spintop_statistics_table
         procedure :: take_entry
         procedure :: keep_entry
         procedure :: end_entry
-        procedure :: is_keeping
         procedure :: finish
         procedure :: abandon
-        procedure, private :: state_path
         procedure, private :: resume
         procedure, private :: recall_counts
-        procedure, private :: remove_states
-        procedure, private :: take_over
         procedure, private :: convert
     end type statistics_table_t
 
@@ -89,7 +82,8 @@ contains
         class(statistics_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         character(:), allocatable :: problem
-        call self%take_over()
+        self%counts = self%rows_table%counts
+        self%taken_over = self%rows_table%taken_over
         self%is_resumable = self%rows_table%is_resumable
         self%is_complete = self%rows_table%is_complete
         self%remark = self%rows_table%remark
@@ -99,53 +93,37 @@ contains
                 if (problem /= '') error = refusal(self%path, problem)
             end if
             if (sum(self%counts) == 0 .and. .not. allocated(error)) call self%recall_counts(error)
-            select type (rows => self%rows_table)
-            class is (growing_table_t)
-                if (rows%is_alone .and. .not. allocated(error)) call self%remove_states(error)
-            end select
             return
         end if
         call self%plan%start(self%accumulators)
-        if (self%rows() > 0) then
-            call self%resume(error)
-            if (allocated(error)) then
-                call self%rows_table%abandon(error)
-                return
-            end if
+        if (self%rows() > 0) call self%resume(error)
+        if (allocated(error)) then
+            call self%rows_table%abandon(error)
         else
-            call self%remove_states(error)
+            call self%rows_table%set_pause(max(least_pause, times_pause * self%plan%bytes_of_bins() / slowest_disk))
         end if
-        select type (rows => self%rows_table)
-        class is (growing_table_t)
-            call rows%set_pause(max(least_pause, times_pause * self%plan%bytes_of_bins() / slowest_disk))
-        end select
     end subroutine begin
 
     !> Takes what was gathered of the rows that are kept.
     subroutine resume(self, error)
         class(statistics_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error
-        type(journal_entry_t) :: entry
         type(statistics_plan_t) :: plan
         character(checksum_width) :: checksum
+        character(:), allocatable :: state
 
-        select type (rows => self%rows_table)
-        class is (growing_table_t)
-            entry = rows%resumed
-        end select
-        if (entry%state == 0) then
-            error = input_error('the journal names no statistics of the kept rows')
-        else
-            call read_statistics(self%state_path(entry%state), plan, self%accumulators, checksum, error)
-            if (.not. allocated(error) .and. checksum /= entry%state_checksum) then
-                error = input_error(self%state_path(entry%state) // ' was changed after it was written')
+        associate (entry => self%rows_table%resumed)
+            if (entry%state == 0) then
+                error = input_error('the journal names no statistics of the kept rows')
+            else
+                state = state_of(self%rows_table%table%path, entry%state)
+                call read_statistics(state, plan, self%accumulators, checksum, error)
+                if (.not. allocated(error) .and. checksum /= entry%state_checksum) then
+                    error = input_error(state // ' was changed after it was written')
+                end if
             end if
-        end if
-        if (allocated(error)) then
-            error = refusal(self%path, error%message)
-            return
-        end if
-        self%last_state = entry%state
+        end associate
+        if (allocated(error)) error = refusal(self%path, error%message)
     end subroutine resume
 
     !> Takes the number of cases that failed from a complete result. Their reasons are not in it: they count as bad input.
@@ -180,33 +158,6 @@ contains
             self%counts(status_ok) = nint(last(1) - last(2), int64)
         end associate
     end subroutine recall_counts
-
-    !> The path of a snapshot.
-    pure function state_path(self, number) result(path)
-        class(statistics_table_t), intent(in) :: self
-        integer, intent(in) :: number
-        character(:), allocatable :: path
-        path = self%path_of_rows // '.state' // to_text(number)
-    end function state_path
-
-    !> Removes the snapshots.
-    subroutine remove_states(self, error)
-        class(statistics_table_t), intent(in) :: self
-        type(error_t), allocatable, intent(out) :: error
-        integer :: i
-        do i = 1, 2
-            if (.not. file_exists(self%state_path(i))) cycle
-            call remove_file(self%state_path(i), error)
-            if (allocated(error)) return
-        end do
-    end subroutine remove_states
-
-    !> Takes the numbers of rows of the table of the rows.
-    subroutine take_over(self)
-        class(statistics_table_t), intent(inout) :: self
-        self%counts = self%rows_table%counts
-        self%taken_over = self%rows_table%taken_over
-    end subroutine take_over
 
     !> Finds the bins of rows and what is gathered of them, then formats them for the table of the rows.
     subroutine digest_block(self, block)
@@ -277,25 +228,19 @@ contains
         ! A snapshot that no entry names yet is older than these rows.
         self%is_new = .false.
         call self%rows_table%put(block, error)
-        call self%take_over()
+        self%counts = self%rows_table%counts
         if (allocated(error)) return
-        select type (rows => self%rows_table)
-        class is (growing_table_t)
-            if (rows%is_due()) call take_snapshot(self, error)
-        end select
+        if (self%rows_table%is_due()) call take_snapshot(self, error)
     end subroutine put
 
     !> Writes a snapshot to the file that the last entry of the journal does not name.
     subroutine take_snapshot(self, error)
         type(statistics_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error
-        select type (rows => self%rows_table)
-        class is (growing_table_t)
-            call rows%begin_entry()
-        end select
-        self%last_state = 3 - max(self%last_state, 1)
-        call write_snapshot(self%state_path(self%last_state), self%head, self%plan, self%accumulators, &
-                            self%checksum, error)
+        character(:), allocatable :: path
+        call self%rows_table%begin_entry()
+        call self%rows_table%begin_state(self%last_state, path)
+        call write_snapshot(path, self%head, self%plan, self%accumulators, self%checksum, error)
         self%is_new = .not. allocated(error)
     end subroutine take_snapshot
 
@@ -322,12 +267,13 @@ contains
         logical, intent(out) :: due !! whether an entry is due
         type(error_t), allocatable, intent(inout) :: error !! not changed if it is allocated on entry
         due = .false.
-        if (allocated(error) .or. self%is_keeping()) return
+        if (allocated(error) .or. self%in_entry) return
         if (self%entry_wanted .and. .not. self%is_new) call take_snapshot(self, error)
         if (.not. self%is_new) return
         self%is_new = .false.
         self%rows_table%entry_wanted = self%entry_wanted
         call self%rows_table%take_entry(entry, due, error)
+        self%in_entry = due
         entry%state = self%last_state
         entry%state_checksum = self%checksum
     end subroutine take_entry
@@ -337,7 +283,7 @@ contains
         class(statistics_table_t), intent(in) :: self
         type(journal_entry_t), intent(in) :: entry !! entry of the journal
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call sync_file(self%state_path(entry%state), error)
+        call sync_file(state_of(self%rows_table%table%path, entry%state), error)
         if (.not. allocated(error)) call self%rows_table%keep_entry(entry, error)
     end subroutine keep_entry
 
@@ -345,13 +291,8 @@ contains
     subroutine end_entry(self)
         class(statistics_table_t), intent(inout) :: self
         call self%rows_table%end_entry()
+        self%in_entry = .false.
     end subroutine end_entry
-
-    !> Whether an entry is being written.
-    pure logical function is_keeping(self)
-        class(statistics_table_t), intent(in) :: self
-        is_keeping = self%rows_table%is_keeping()
-    end function is_keeping
 
     !> Writes the result, and finishes the table of the rows.
     subroutine finish(self, error)
@@ -359,7 +300,6 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call write_statistics(self%path, self%head, self%is_part, self%plan, self%accumulators, error)
         if (.not. allocated(error)) call self%rows_table%finish(error)
-        if (.not. allocated(error)) call self%remove_states(error)
     end subroutine finish
 
     !> Writes a result: that of a part, or a table.

@@ -4,7 +4,6 @@ module spintop_preparation
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t, input_error
     use spintop_event_choice, only: choose_events
-    use spintop_interrupted_run, only: refuse_to_discard_idle
     use spintop_job, only: job_t
     use spintop_job_files, only: name_job, name_outputs, refuse_overwriting
     use spintop_namelist, only: read_namelist
@@ -17,6 +16,7 @@ module spintop_preparation
     use spintop_scene, only: describe_scene
     use spintop_studies, only: create_study
     use spintop_study, only: study_info_t, study_t
+    use spintop_table_file, only: refuse_to_discard_idle
     use spintop_terminal, only: message_width
     use spintop_text, only: string_t, to_text
     use spintop_torques_of_scene, only: read_torques

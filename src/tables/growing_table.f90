@@ -8,15 +8,14 @@ module spintop_growing_table
     use spintop_clock, only: seconds
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: file_exists, remove_file
-    use spintop_interrupted_run, only: refuse_to_discard
-    use spintop_journal, only: journal_entry_t, journal_of, read_journal, remove_journal, write_journal
+    use spintop_journal, only: journal_entry_t, journal_of, read_journal, remove_journal, state_of, write_journal
     use spintop_kinds, only: dp
     use spintop_process, only: keep_rows
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
     use spintop_table_column, only: status_column
     use spintop_table_end, only: check_table
-    use spintop_table_file, only: part_of, table_file_t
+    use spintop_table_file, only: part_of, refuse_to_discard, table_file_t
     use spintop_table_head, only: compare_heads, read_head
     use spintop_text, only: string_t, to_text
     implicit none
@@ -37,19 +36,17 @@ module spintop_growing_table
         !> Whether each entry names a state of the run. Then there is none before the first state, and there may be one
         !> without new rows.
         logical :: has_states = .false.
-        !> Whether no other run is writing a table that is already complete.
-        logical :: is_alone = .true.
         !> Comment lines after the last row.
         type(string_t), allocatable :: trailer(:)
         !> The entry with which the table was resumed.
         type(journal_entry_t) :: resumed
         !> The part.
         type(table_file_t) :: table
-        !> Time at which the next entry is due; when the present one began (0: there is none); whether it is being written.
+        !> Time at which the next entry is due; when the present one began (0: there is none).
         real(dp), private :: due = 0, entry_began = 0
-        logical, private :: in_entry = .false.
-        !> Rows in the last entry.
+        !> Rows in the last entry, and number of the file with the last state.
         integer(int64), private :: kept = 0
+        integer, private :: last_state = 0
     contains
         procedure :: start
         procedure :: is_due
@@ -60,7 +57,7 @@ module spintop_growing_table
         procedure :: take_entry
         procedure :: keep_entry
         procedure :: end_entry
-        procedure :: is_keeping
+        procedure :: begin_state
         procedure :: finish
         procedure :: abandon
         procedure :: discard
@@ -104,7 +101,7 @@ contains
             end if
             self%is_complete = .true.
             self%remark = 'nothing was computed: the table is already complete'
-            call remove_leftovers(path, self%is_alone)
+            call remove_leftovers(path)
         else
             call self%table%reserve(path, error)
             if (had_part .and. .not. (allocated(error) .or. restart)) then
@@ -117,17 +114,15 @@ contains
     end subroutine start
 
     !> Removes what interrupted runs have left beside a complete table, unless another run is writing it.
-    subroutine remove_leftovers(path, is_alone)
+    subroutine remove_leftovers(path)
         character(*), intent(in) :: path !! path of the table
-        logical, intent(out) :: is_alone !! whether no other run is writing it
         type(table_file_t) :: part
         type(error_t), allocatable :: problem
-        is_alone = .true.
+        integer :: i
         if (.not. any([file_exists(part_of(path)), file_exists(journal_of(path)), file_exists(journal_of(path) // '.new'), &
-                       file_exists(path // '.new')])) return
+                       file_exists(path // '.new'), (file_exists(state_of(path, i)), i=1, 2)])) return
         call part%reserve(path, problem)
-        is_alone = .not. allocated(problem)
-        if (.not. is_alone) return
+        if (allocated(problem)) return
         call remove_journal(path, problem, is_over=.true.)
         if (file_exists(path // '.new')) call remove_file(path // '.new', problem)
         call part%discard()
@@ -183,6 +178,7 @@ contains
             end if
         end associate
         self%resumed = entry
+        self%last_state = entry%state
         self%counts = entry%counts
         self%taken_over = entry%counts
         self%kept = self%rows()
@@ -267,11 +263,15 @@ contains
         self%entry_began = 0
     end subroutine end_entry
 
-    !> Whether an entry is being written.
-    pure logical function is_keeping(self)
-        class(growing_table_t), intent(in) :: self
-        is_keeping = self%in_entry
-    end function is_keeping
+    !> The file for a new state of the run: the one that the last entry does not name.
+    subroutine begin_state(self, number, path)
+        class(growing_table_t), intent(inout) :: self
+        integer, intent(out) :: number !! its number, for an entry
+        character(:), allocatable, intent(out) :: path !! its path
+        self%last_state = 3 - max(self%last_state, 1)
+        number = self%last_state
+        path = state_of(self%table%path, number)
+    end subroutine begin_state
 
     !> Renames the part to the table, and removes the journal.
     subroutine finish(self, error)

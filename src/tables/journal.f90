@@ -16,7 +16,7 @@ module spintop_journal
     use spintop_status, only: last_status
     implicit none
     private
-    public :: journal_entry_t, journal_of, write_journal, read_journal, remove_journal
+    public :: journal_entry_t, journal_of, write_journal, read_journal, remove_journal, state_of
 
     !> The format is the number in the first line. It increases when a status is added, for the rows are counted
     !> by status, and when the checksum is another one.
@@ -98,17 +98,33 @@ contains
 
     end subroutine read_journal
 
-    !> Removes the journal of a table, if there is one.
+    !> The path of a state: there are two, which are written in turn.
+    pure function state_of(path, number) result(state)
+        character(*), intent(in) :: path !! path of the table
+        integer, intent(in) :: number !! 1 or 2
+        character(:), allocatable :: state
+        state = path // '.state' // merge('1', '2', number == 1)
+    end function state_of
+
+    !> Removes the journal of a table, and then the states, if there are any.
     subroutine remove_journal(path, error, is_over)
         character(*), intent(in) :: path !! of the table
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         logical, intent(in), optional :: is_over !! whether no entry follows: then one that was interrupted goes as well
+        integer :: i
         if (present(is_over)) then
             if (is_over .and. file_exists(journal_of(path) // '.new')) call remove_file(journal_of(path) // '.new', error)
         end if
-        if (allocated(error) .or. .not. file_exists(journal_of(path))) return
-        call remove_file(journal_of(path), error)
-        if (.not. allocated(error)) call sync_folder_of(path, error)
+        if (file_exists(journal_of(path)) .and. .not. allocated(error)) then
+            call remove_file(journal_of(path), error)
+            if (.not. allocated(error)) call sync_folder_of(path, error)
+        end if
+        do i = 1, 2
+            if (file_exists(state_of(path, i)) .and. .not. allocated(error)) call remove_file(state_of(path, i), error)
+            if (file_exists(state_of(path, i) // '.new') .and. .not. allocated(error)) then
+                call remove_file(state_of(path, i) // '.new', error)
+            end if
+        end do
     end subroutine remove_journal
 
     !> The text of an entry.

@@ -3,13 +3,12 @@ module spintop_merge
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: input_file_t
-    use spintop_interrupted_run, only: refuse_to_discard_idle
     use spintop_netcdf_file, only: head_of_table, is_netcdf, netcdf_file_t
     use spintop_netcdf_table, only: end_problem, netcdf_table_t
     use spintop_row_block, only: row_block_t
     use spintop_shard, only: read_shard_line, shard_t
     use spintop_table_end, only: check_table, table_check_t, table_end_t
-    use spintop_table_file, only: table_file_t
+    use spintop_table_file, only: refuse_to_discard_idle, table_file_t
     use spintop_table_head, only: check_format, compare_heads, first_line_of, is_dated
     use spintop_text, only: append, string_t, to_text
     implicit none

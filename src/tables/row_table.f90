@@ -26,8 +26,8 @@ module spintop_row_table
         logical :: is_resumable = .false.
         !> Whether the table already exists and is complete.
         logical :: is_complete = .false.
-        !> Whether an entry of the journal is wanted at once, however old the last one is.
-        logical :: entry_wanted = .false.
+        !> Whether an entry of the journal is wanted at once, however old the last one is; whether one is being written.
+        logical :: entry_wanted = .false., in_entry = .false.
         !> A remark on earlier runs, ready to print; may be empty.
         character(:), allocatable :: remark
     contains
@@ -37,7 +37,6 @@ module spintop_row_table
         procedure :: take_entry => take_no_entry
         procedure :: keep_entry => keep_no_entry
         procedure :: end_entry => end_no_entry
-        procedure :: is_keeping => keeps_nothing
         procedure(finish), deferred :: finish
         procedure(abandon), deferred :: abandon
     end type row_table_t
@@ -112,13 +111,5 @@ contains
         associate (unused => self)
         end associate
     end subroutine end_no_entry
-
-    !> Whether an entry is being written.
-    pure logical function keeps_nothing(self)
-        class(row_table_t), intent(in) :: self
-        associate (unused => self)
-        end associate
-        keeps_nothing = .false.
-    end function keeps_nothing
 
 end module spintop_row_table

@@ -9,17 +9,17 @@
 !> After an error call `discard`, or `abandon` if the part is to be kept.
 module spintop_table_file
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_errors, only: error_t
-    use spintop_files, only: check_target, input_file_t, output_file_t
-    use spintop_journal, only: journal_entry_t, remove_journal
+    use spintop_errors, only: error_t, input_error
+    use spintop_files, only: check_target, file_exists, input_file_t, output_file_t
+    use spintop_journal, only: journal_entry_t, journal_of, read_journal, remove_journal
     use spintop_kinds, only: dp
     use spintop_table_end, only: table_end_t
     use spintop_table_head, only: comment_lines
-    use spintop_text, only: string_t
+    use spintop_text, only: string_t, to_text
     use spintop_text_buffer, only: text_buffer_t
     implicit none
     private
-    public :: table_file_t, part_of, changed_after
+    public :: table_file_t, part_of, changed_after, refuse_to_discard, refuse_to_discard_idle
 
     !> Bytes that are collected before they are written, and that are read at once.
     integer, parameter :: block_size = 1024 * 1024
@@ -243,5 +243,35 @@ contains
         character(:), allocatable :: problem
         problem = part // ' was changed after it was written: its checksum differs from that in its journal'
     end function changed_after
+
+    !> Returns an error if an interrupted run has left rows of a table, or a journal that cannot be read.
+    subroutine refuse_to_discard(path, error)
+        character(*), intent(in) :: path !! of the table
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(journal_entry_t) :: entry
+        character(:), allocatable :: problem, rows
+
+        if (.not. (file_exists(part_of(path)) .and. file_exists(journal_of(path)))) return
+        call read_journal(path, entry, problem)
+        if (problem == '' .and. sum(entry%counts) == 0 .and. entry%state == 0) return
+        rows = to_text(sum(entry%counts)) // ' rows are kept'
+        if (problem /= '') rows = problem
+        error = input_error('an interrupted run of ' // path // ' is there: ' // rows // new_line('a') // &
+                            '--resume resumes it; --restart discards it and computes all from the beginning')
+    end subroutine refuse_to_discard
+
+    !> The same, except if a run is writing the table: its rows are not in danger, and it cannot be resumed.
+    subroutine refuse_to_discard_idle(path, error)
+        character(*), intent(in) :: path !! of the table
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(error_t), allocatable :: in_use
+        type(table_file_t) :: table
+
+        call refuse_to_discard(path, error)
+        if (.not. allocated(error)) return
+        call table%reserve(path, in_use)
+        call table%abandon()
+        if (allocated(in_use)) deallocate (error)
+    end subroutine refuse_to_discard_idle
 
 end module spintop_table_file

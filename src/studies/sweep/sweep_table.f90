@@ -46,22 +46,23 @@ contains
         type(shard_t), intent(in) :: shard !! the part
         class(row_table_t), allocatable, intent(out) :: table !! not yet started
         character(:), allocatable, intent(out) :: head !! the header
-        type(table_column_t), allocatable :: columns(:)
+        class(growing_table_t), allocatable :: rows
         type(statistics_table_t), allocatable :: with_statistics
 
         if (job%scene%format == 'netcdf' .and. job%keeps_rows()) then
-            call describe_netcdf(job, shard, table)
+            call describe_netcdf(job, shard, rows)
         else
-            allocate (growing_table_t :: table)
-            call describe_columns(job, table%columns)
+            allocate (growing_table_t :: rows)
+            call describe_columns(job, rows%columns)
         end if
-        columns = table%columns
-        call make_head(job, shard, columns, head)
-        if (.not. job%statistics%is_wanted) return
+        call make_head(job, shard, rows%columns, head)
+        if (.not. job%statistics%is_wanted) then
+            call move_alloc(rows, table)
+            return
+        end if
         allocate (with_statistics)
-        call describe_statistics(job, shard, table, with_statistics)
+        call describe_statistics(job, shard, rows, with_statistics)
         if (.not. job%keeps_rows()) head = with_statistics%head
-        with_statistics%columns = columns
         call move_alloc(with_statistics, table)
     end subroutine describe_table
 
@@ -69,7 +70,7 @@ contains
     subroutine describe_netcdf(job, shard, table)
         type(job_t), intent(in) :: job
         type(shard_t), intent(in) :: shard
-        class(row_table_t), allocatable, intent(out) :: table
+        class(growing_table_t), allocatable, intent(out) :: table
         type(netcdf_table_t), allocatable :: file
         type(fact_t) :: facts(fact_count)
 
@@ -106,18 +107,15 @@ contains
     subroutine describe_statistics(job, shard, rows, table)
         type(job_t), intent(in) :: job
         type(shard_t), intent(in) :: shard
-        class(row_table_t), allocatable, intent(inout) :: rows
+        class(growing_table_t), allocatable, intent(inout) :: rows
         type(statistics_table_t), intent(inout) :: table
 
-        select type (rows)
-        type is (growing_table_t)
-            rows%keeps_rows = job%keeps_rows()
-            rows%has_head = job%keeps_rows() .or. shard%is_part() .or. .not. job%statistics%is_netcdf
-        end select
+        rows%keeps_rows = job%keeps_rows()
+        rows%has_head = job%keeps_rows() .or. shard%is_part() .or. .not. job%statistics%is_netcdf
+        table%columns = rows%columns
         call move_alloc(rows, table%rows_table)
         table%plan = job%statistics
         table%is_part = shard%is_part()
-        table%path_of_rows = job%output
         table%path = job%output
         if (job%keeps_rows()) table%path = job%statistics_output
         call make_head(job, shard, result_columns(table%plan), table%head)
@@ -135,23 +133,11 @@ contains
 
         select type (table)
         type is (statistics_table_t)
-            call start_rows(table%rows_table)
+            call table%rows_table%start(job%output, head, resume, restart, error)
             if (.not. allocated(error)) call table%begin(error)
-        class default
-            call start_rows(table)
+        class is (growing_table_t)
+            call table%start(job%output, head, resume, restart, error)
         end select
-
-    contains
-
-        !> Starts the table of the rows.
-        subroutine start_rows(rows)
-            class(row_table_t), intent(inout) :: rows
-            select type (rows)
-            class is (growing_table_t)
-                call rows%start(job%output, head, resume, restart, error)
-            end select
-        end subroutine start_rows
-
     end subroutine start_table
 
     !> Provenance of the table, and the resolved input.

@@ -262,7 +262,7 @@ contains
                 end do
                 !$omp critical (queue)
                 table%entry_wanted = .true.
-                is_busy = self%queue%is_writing() .or. table%is_keeping()
+                is_busy = self%queue%is_writing() .or. table%in_entry
                 !$omp end critical (queue)
                 call self%keep_entry_if_due(table)
                 if (.not. is_busy) exit

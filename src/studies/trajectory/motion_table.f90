@@ -5,10 +5,10 @@ module spintop_motion_table
     use spintop_certificate, only: proof_words
     use spintop_checksum, only: add_to_checksum, checksum_t, checksum_text
     use spintop_errors, only: error_t
-    use spintop_files, only: file_exists, read_file, remove_file, replace_file
+    use spintop_files, only: file_exists, read_file, replace_file
     use spintop_growing_table, only: growing_table_t, refusal
     use spintop_job, only: job_t
-    use spintop_journal, only: journal_entry_t, journal_of
+    use spintop_journal, only: journal_entry_t, journal_of, state_of
     use spintop_kinds, only: dp
     use spintop_netcdf_description, only: netcdf_description_t
     use spintop_netcdf_grid, only: netcdf_axis_t
@@ -18,7 +18,7 @@ module spintop_motion_table
     use spintop_status, only: status_ok
     use spintop_study_head, only: study_facts, study_head
     use spintop_table_column, only: column_of_words, status_column, table_column_t
-    use spintop_text, only: append, string_t, to_text
+    use spintop_text, only: append
     use spintop_trajectory_column, only: trajectory_column_t
     implicit none
     private
@@ -44,8 +44,6 @@ module spintop_motion_table
         class(growing_table_t), allocatable :: rows_table
         character(:), allocatable, private :: path, head
         type(row_block_t), private :: block
-        !> The file of the last state.
-        integer, private :: last_state = 0
     contains
         procedure :: describe
         procedure :: create
@@ -58,8 +56,6 @@ module spintop_motion_table
         procedure :: discard
         procedure :: abandon
         procedure, private :: put_block
-        procedure, private :: state_path
-        procedure, private :: remove_states
     end type motion_table_t
 
 contains
@@ -130,13 +126,7 @@ contains
         call self%block%reserve(size(self%rows_table%columns), rows_at_once)
         call self%rows_table%start(self%path, self%head, resume, restart, error)
         if (allocated(error)) return
-        if (self%rows_table%is_complete) then
-            if (self%rows_table%is_alone) call self%remove_states()
-            return
-        end if
-        call self%rows_table%set_pause(first_pause)
-        self%last_state = self%rows_table%resumed%state
-        if (self%last_state == 0) call self%remove_states()
+        if (.not. self%rows_table%is_complete) call self%rows_table%set_pause(first_pause)
     end subroutine create
 
     !> Adds a row.
@@ -172,17 +162,17 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(journal_entry_t) :: entry
         type(checksum_t) :: checksum
+        character(:), allocatable :: path
         logical :: due
 
         call self%put_block(error)
         call self%rows_table%take_entry(entry, due, error)
         if (.not. due) return
-        self%last_state = 3 - max(self%last_state, 1)
+        call self%rows_table%begin_state(entry%state, path)
         associate (bytes => archive%bytes(:archive%length))
-            call replace_file(self%state_path(self%last_state), bytes, error)
+            call replace_file(path, bytes, error)
             call add_to_checksum(checksum, bytes)
         end associate
-        entry%state = self%last_state
         entry%state_checksum = checksum_text(checksum)
         if (.not. allocated(error)) call self%rows_table%keep_entry(entry, error)
         call self%rows_table%end_entry()
@@ -202,14 +192,14 @@ contains
                 error = refusal(self%path, 'its journal names no state of the motion')
                 return
             end if
-            call read_file(self%state_path(entry%state), most_bytes, text, error)
+            call read_file(state_of(self%path, entry%state), most_bytes, text, error)
             if (allocated(error)) then
                 error = refusal(self%path, error%message)
                 return
             end if
             call add_to_checksum(checksum, text)
             if (checksum_text(checksum) /= entry%state_checksum) then
-                error = refusal(self%path, self%state_path(entry%state) // ' was changed after it was written')
+                error = refusal(self%path, state_of(self%path, entry%state) // ' was changed after it was written')
                 return
             end if
         end associate
@@ -223,26 +213,6 @@ contains
         class(motion_table_t), intent(in) :: self
         ended_with = findloc(self%rows_table%counts > 0, .true., dim=1) - 1
     end function ended_with
-
-    !> The path of a state.
-    pure function state_path(self, number) result(path)
-        class(motion_table_t), intent(in) :: self
-        integer, intent(in) :: number
-        character(:), allocatable :: path
-        path = self%path // '.state' // to_text(number)
-    end function state_path
-
-    !> Removes the states.
-    subroutine remove_states(self)
-        class(motion_table_t), intent(inout) :: self
-        type(error_t), allocatable :: ignored
-        integer :: i
-        do i = 1, 2
-            if (file_exists(self%state_path(i))) call remove_file(self%state_path(i), ignored)
-            if (file_exists(self%state_path(i) // '.new')) call remove_file(self%state_path(i) // '.new', ignored)
-        end do
-        self%last_state = 0
-    end subroutine remove_states
 
     !> Finishes the table, with how the motion ended.
     subroutine finish(self, status, error)
@@ -260,14 +230,12 @@ contains
             table%description%axes(1)%length = int(table%rows())
         end select
         call self%rows_table%finish(error)
-        if (.not. allocated(error)) call self%remove_states()
     end subroutine finish
 
     !> Discards the table: nothing of it is left.
     subroutine discard(self)
         class(motion_table_t), intent(inout) :: self
         call self%rows_table%discard()
-        call self%remove_states()
     end subroutine discard
 
     !> Keeps what a later run can resume, and adds that to the message of the error; if there is nothing, nothing is left.

@@ -206,10 +206,9 @@ contains
         character(*), intent(in) :: path
         type(error_t), allocatable, intent(out) :: error
         character(:), allocatable :: problem
-        logical :: is_alone
         call check_table(path, problem)
         if (problem == '') then
-            call remove_leftovers(path, is_alone)
+            call remove_leftovers(path)
         else
             error = refusal(path, problem)
         end if

@@ -1,28 +1,36 @@
 !> The clock: elapsed time, processor time and the date.
 module spintop_clock
-    use spintop_kinds, only: dp
-    use spintop_posix, only: c_pause, c_processor_seconds, c_seconds, c_utc, up_to_null
+    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int
+    use spintop_posix, only: up_to_null
     implicit none
     private
     public :: seconds, processor_seconds, pause_for, utc_now
 
+    interface
+        !> Time of a monotonic clock, s.
+        real(c_double) function seconds() bind(C, name='spintop_seconds')
+            import :: c_double
+        end function seconds
+
+        !> Processor time of the calling thread, s: what it computes, without the time that other programs take.
+        real(c_double) function processor_seconds() bind(C, name='spintop_processor_seconds')
+            import :: c_double
+        end function processor_seconds
+
+        !> Suspends the calling thread, so that others can use the processor.
+        subroutine pause_for(seconds) bind(C, name='spintop_pause')
+            import :: c_double
+            real(c_double), value :: seconds !! s
+        end subroutine pause_for
+
+        subroutine c_utc(text, room) bind(C, name='spintop_utc')
+            import :: c_char, c_int
+            character(c_char), intent(inout) :: text(*)
+            integer(c_int), value :: room
+        end subroutine c_utc
+    end interface
+
 contains
-
-    !> Time of a monotonic clock, s.
-    real(dp) function seconds()
-        seconds = c_seconds()
-    end function seconds
-
-    !> Processor time of the calling thread, s: what it computes, without the time that other programs take.
-    real(dp) function processor_seconds()
-        processor_seconds = c_processor_seconds()
-    end function processor_seconds
-
-    !> Suspends the calling thread, so that others can use the processor.
-    subroutine pause_for(seconds)
-        real(dp), intent(in) :: seconds !! s
-        call c_pause(seconds)
-    end subroutine pause_for
 
     !> Date and time in UTC: `2024-05-31T12:34:56Z`.
     function utc_now() result(text)

@@ -3,7 +3,7 @@ module spintop_files
     use, intrinsic :: iso_c_binding, only: c_int, c_long_long, c_null_char
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, input_error, output_error
-    use spintop_posix, only: c_open, c_open_regular, c_open_own, c_open_locked, c_remove_lock_file, c_check_target, &
+    use spintop_posix, only: c_open, c_open_own, c_open_locked, c_remove_lock_file, c_check_target, &
         c_check_written, c_write, c_read, c_sync, c_sync_folder, c_truncate, c_close, c_rename, &
         c_remove, c_remove_folder, c_make_folder, c_make_private_folder, c_inspect, c_is_same_file, check_call
     implicit none
@@ -251,16 +251,14 @@ contains
         character(*), intent(in) :: path !! path of the file
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         logical, intent(in), optional :: may_wait !! whether it may be a FIFO or a device; false by default
-        logical :: only_regular
-        only_regular = .true.
-        if (present(may_wait)) only_regular = .not. may_wait
+        integer(c_int) :: only_regular
+        only_regular = 1
+        if (present(may_wait)) only_regular = merge(0, 1, may_wait)
         self%path = path
         if (is_folder(path)) then
             error = input_error('cannot read ' // path // ': it is a folder')
-        else if (only_regular) then
-            call check_call(c_open_regular(path // c_null_char, self%descriptor), 'read', path, error, reading=.true.)
         else
-            call check_call(c_open(path // c_null_char, self%descriptor), 'read', path, error, reading=.true.)
+            call check_call(c_open(path // c_null_char, only_regular, self%descriptor), 'read', path, error, reading=.true.)
         end if
     end subroutine open_input
 

@@ -27,21 +27,14 @@ void spintop_host(char *text, int room);
 int spintop_write(int file, const char *bytes, long long count);
 void spintop_remove_lock_file(const char *path);
 
-int spintop_open(const char *path, int *file) {
-    do {
-        *file = open(path, O_RDONLY | O_CLOEXEC);
-    } while (*file < 0 && errno == EINTR);
-    return *file < 0 ? errno : 0;
-}
-
-// Opens a regular file for reading. A FIFO or a device, which may never answer, is refused.
-int spintop_open_regular(const char *path, int *file) {
+// Opens a file for reading. A FIFO or a device, which may never answer, is refused where only a regular file is wanted.
+int spintop_open(const char *path, int only_regular, int *file) {
     struct stat info;
     do {
-        *file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+        *file = open(path, O_RDONLY | O_CLOEXEC | (only_regular ? O_NONBLOCK | O_NOCTTY : 0));
     } while (*file < 0 && errno == EINTR);
-    if (*file < 0) return errno == ENXIO ? is_special : errno;
-    if (fstat(*file, &info) == 0 && S_ISREG(info.st_mode)) return 0;
+    if (*file < 0) return only_regular && errno == ENXIO ? is_special : errno;
+    if (!only_regular || (fstat(*file, &info) == 0 && S_ISREG(info.st_mode))) return 0;
     close(*file);
     *file = -1;
     return is_special;
@@ -94,7 +87,7 @@ static int is_stale(const char *name, const char *host) {
     char text[512] = "", there[256];
     long process = 0;
     int file, is_over;
-    if (spintop_open_regular(name, &file) != 0) return 0;
+    if (spintop_open(name, 1, &file) != 0) return 0;
     is_over = read(file, text, sizeof text - 1) > 0 && sscanf(text, "%255s %ld", there, &process) == 2
               && strcmp(there, host) == 0 && process > 0 && kill((pid_t)process, 0) < 0 && errno == ESRCH;
     close(file);
@@ -223,7 +216,7 @@ int spintop_sync(int file) {
 // Returns when the names in a folder are on the disk. One that may not be read cannot be synchronised.
 int spintop_sync_folder(const char *path) {
     int file;
-    int status = spintop_open(path, &file);
+    int status = spintop_open(path, 0, &file);
     if (status != 0) return status == EACCES ? 0 : status;
     status = spintop_sync(file);
     close(file);

@@ -1,29 +1,23 @@
 !> Interfaces of the functions of posix.c. Those that can fail return 0, or a number from which `check_call`
 !> makes an error.
 module spintop_posix
-    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_long_long, c_null_char
+    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long_long, c_null_char
     use spintop_errors, only: error_t, exit_input, output_error
     implicit none
     private
-    public :: c_open, c_open_regular, c_open_own, c_open_locked, c_remove_lock_file, c_check_target, c_check_written, &
+    public :: c_open, c_open_own, c_open_locked, c_remove_lock_file, c_check_target, c_check_written, &
         c_write, c_read, c_sync, c_sync_folder, c_truncate, c_close, c_rename, &
-        c_remove, c_remove_folder, c_make_folder, c_make_private_folder, c_inspect, c_is_same_file, c_is_terminal, c_seconds, &
-        c_processor_seconds, c_pause, c_utc, c_host, c_peak_memory, c_physical_memory, check_call, up_to_null
+        c_remove, c_remove_folder, c_make_folder, c_make_private_folder, c_inspect, c_is_same_file, c_is_terminal, check_call, &
+        up_to_null
 
     interface
-        !> Opens a file for reading.
-        integer(c_int) function c_open(path, file) bind(C, name='spintop_open')
+        !> Opens a file for reading; with `only_regular` (nonzero) anything but a regular file is an error.
+        integer(c_int) function c_open(path, only_regular, file) bind(C, name='spintop_open')
             import :: c_char, c_int
             character(c_char), intent(in) :: path(*) !! path, terminated by a null character
+            integer(c_int), value :: only_regular !! nonzero: a FIFO or a device, which may never answer, is an error
             integer(c_int), intent(out) :: file !! file descriptor
         end function c_open
-
-        !> Opens a regular file for reading; anything else is an error.
-        integer(c_int) function c_open_regular(path, file) bind(C, name='spintop_open_regular')
-            import :: c_char, c_int
-            character(c_char), intent(in) :: path(*) !! path, terminated by a null character
-            integer(c_int), intent(out) :: file !! file descriptor
-        end function c_open_regular
 
         !> Opens a file for appending, and creates it if it is missing. Links and special files are errors.
         integer(c_int) function c_open_own(path, file) bind(C, name='spintop_open_own')
@@ -150,46 +144,6 @@ module spintop_posix
             import :: c_int
             integer(c_int), value :: file !! file descriptor
         end function c_is_terminal
-
-        !> A monotonic clock, s.
-        real(c_double) function c_seconds() bind(C, name='spintop_seconds')
-            import :: c_double
-        end function c_seconds
-
-        !> Processor time of the calling thread, s.
-        real(c_double) function c_processor_seconds() bind(C, name='spintop_processor_seconds')
-            import :: c_double
-        end function c_processor_seconds
-
-        !> Suspends the calling thread.
-        subroutine c_pause(seconds) bind(C, name='spintop_pause')
-            import :: c_double
-            real(c_double), value :: seconds !! s
-        end subroutine c_pause
-
-        !> Date and time (UTC), terminated by a null character.
-        subroutine c_utc(text, room) bind(C, name='spintop_utc')
-            import :: c_char, c_int
-            character(c_char), intent(inout) :: text(*) !! the text, terminated by a null character
-            integer(c_int), value :: room !! size of `text`
-        end subroutine c_utc
-
-        !> Name of this machine, terminated by a null character.
-        subroutine c_host(text, room) bind(C, name='spintop_host')
-            import :: c_char, c_int
-            character(c_char), intent(inout) :: text(*) !! the text, terminated by a null character
-            integer(c_int), value :: room !! size of `text`
-        end subroutine c_host
-
-        !> Peak memory of the program, bytes.
-        integer(c_long_long) function c_peak_memory() bind(C, name='spintop_peak_memory')
-            import :: c_long_long
-        end function c_peak_memory
-
-        !> Memory of the machine, bytes.
-        integer(c_long_long) function c_physical_memory() bind(C, name='spintop_physical_memory')
-            import :: c_long_long
-        end function c_physical_memory
 
         !> Message for a number that one of these functions returned, terminated by a null character.
         subroutine c_reason(number, text, room) bind(C, name='spintop_reason')

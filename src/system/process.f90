@@ -3,7 +3,7 @@ module spintop_process
     use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long_long, c_null_char
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, input_error
-    use spintop_posix, only: c_close, c_host, c_peak_memory, c_physical_memory, c_write, check_call, up_to_null
+    use spintop_posix, only: c_close, c_write, check_call, up_to_null
     use spintop_text, only: to_text
     implicit none
     private
@@ -25,10 +25,11 @@ module spintop_process
         subroutine begin_process() bind(C, name='spintop_begin_process')
         end subroutine begin_process
 
-        subroutine c_end_process(code) bind(C, name='spintop_end_process')
+        !> Ends the process with an exit code.
+        subroutine end_process(code) bind(C, name='spintop_end_process')
             import :: c_int
-            integer(c_int), value :: code
-        end subroutine c_end_process
+            integer(c_int), value :: code !! exit code
+        end subroutine end_process
 
         subroutine c_watch(head, tail, rows) bind(C, name='spintop_watch')
             import :: c_char, c_long_long
@@ -36,10 +37,11 @@ module spintop_process
             integer(c_long_long), value :: rows
         end subroutine c_watch
 
-        subroutine c_keep(rows) bind(C, name='spintop_keep')
+        !> Sets the number of kept rows in the message of `watch_signals`. Any thread may call it.
+        subroutine keep_rows(rows) bind(C, name='spintop_keep')
             import :: c_long_long
-            integer(c_long_long), value :: rows
-        end subroutine c_keep
+            integer(c_long_long), value :: rows !! number of kept rows
+        end subroutine keep_rows
 
         subroutine c_set_keeper(there_is_one) bind(C, name='spintop_set_keeper')
             import :: c_int
@@ -67,6 +69,22 @@ module spintop_process
         subroutine watch_no_more() bind(C, name='spintop_watch_no_more')
         end subroutine watch_no_more
 
+        !> Peak memory of the process so far, bytes.
+        integer(c_long_long) function peak_memory() bind(C, name='spintop_peak_memory')
+            import :: c_long_long
+        end function peak_memory
+
+        !> Memory of the machine, bytes.
+        integer(c_long_long) function physical_memory() bind(C, name='spintop_physical_memory')
+            import :: c_long_long
+        end function physical_memory
+
+        subroutine c_host(text, room) bind(C, name='spintop_host')
+            import :: c_char, c_int
+            character(c_char), intent(inout) :: text(*)
+            integer(c_int), value :: room
+        end subroutine c_host
+
         integer(c_long_long) function c_stack_limit() bind(C, name='spintop_stack_limit')
             import :: c_long_long
         end function c_stack_limit
@@ -77,12 +95,6 @@ module spintop_process
     end interface
 
 contains
-
-    !> Ends the process with an exit code.
-    subroutine end_process(code)
-        integer, intent(in) :: code !! exit code
-        call c_end_process(int(code, c_int))
-    end subroutine end_process
 
     !> Checks that the stacks of all threads are large enough.
     subroutine check_stacks(error)
@@ -139,12 +151,6 @@ contains
         call c_watch(head // c_null_char, tail // c_null_char, int(rows, c_long_long))
     end subroutine watch_signals
 
-    !> Sets the number of kept rows in that message. Any thread may call it.
-    subroutine keep_rows(rows)
-        integer(int64), intent(in) :: rows !! number of kept rows
-        call c_keep(int(rows, c_long_long))
-    end subroutine keep_rows
-
     !> Sets whether a thread of this process looks for `end_is_wanted`, keeps what is to be kept, and then calls
     !> `end_by_signal`. After a signal it has nine tenths of a second. Without such a thread, and at a second signal, the
     !> process ends at once.
@@ -172,15 +178,5 @@ contains
         call c_host(room, len(room))
         text = up_to_null(room)
     end function host_name
-
-    !> Peak memory of the process so far, bytes.
-    integer(int64) function peak_memory()
-        peak_memory = c_peak_memory()
-    end function peak_memory
-
-    !> Memory of the machine, bytes.
-    integer(int64) function physical_memory()
-        physical_memory = c_physical_memory()
-    end function physical_memory
 
 end module spintop_process

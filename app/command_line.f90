@@ -3,7 +3,7 @@ module spintop_command_line
     use spintop_errors, only: error_t, exit_codes, input_error
     use spintop_listing, only: topic_names
     use spintop_options, only: most_threads, options_t, shell_word
-    use spintop_line_list, only: line_list_t
+    use spintop_line_list, only: line_list_t, line_width
     use spintop_shard, only: most_shards, read_shard
     use spintop_text, only: string_t, did_you_mean, to_text
     implicit none
@@ -73,7 +73,7 @@ contains
             call text%add(trim(usage(i)))
         end do
         call text%add('')
-        call text%add_paragraph('', 'topics: ' // topic_names(', '))
+        call text%add_wrapped('', 'topics: ' // topic_names(', '), 0, line_width)
         call text%add('')
         call text%add('options')
         do i = 1, size(known_options)

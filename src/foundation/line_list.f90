@@ -16,7 +16,6 @@ module spintop_line_list
     contains
         procedure :: add
         procedure :: add_words
-        procedure :: add_paragraph
         procedure :: add_wrapped
         procedure :: get
     end type line_list_t
@@ -59,22 +58,6 @@ contains
         end do
         call self%add(trim(line))
     end subroutine add_words
-
-    !> Adds a paragraph, broken at blanks; each of its lines begins with `start`.
-    subroutine add_paragraph(self, start, paragraph)
-        class(line_list_t), intent(inout) :: self
-        character(*), intent(in) :: start, paragraph !! beginning of each line, and text
-        character(:), allocatable :: rest
-        integer :: break
-        rest = trim(paragraph)
-        do while (len(start) + len(rest) > line_width)
-            break = index(rest(:line_width - len(start)), ' ', back=.true.)
-            if (break == 0) exit
-            call self%add(start // rest(:break - 1))
-            rest = rest(break + 1:)
-        end do
-        call self%add(start // rest)
-    end subroutine add_paragraph
 
     !> Adds a text that is broken at blanks, so that no line is longer than `width` if possible. All lines begin
     !> with `start`, and the second and further ones have `indent` blanks after it.

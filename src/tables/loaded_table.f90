@@ -133,14 +133,8 @@ contains
         class(table_t), intent(in) :: self
         character(*), intent(in) :: name !! its name
         real(dp), allocatable :: values(:)
-        type(string_t), allocatable :: cells(:)
-        logical :: is_number
-        integer :: i
-        allocate (cells, source=self%words(name))
-        allocate (values(size(cells)))
-        do i = 1, size(cells)
-            call read_cell(cells(i)%text, values(i), is_number)
-        end do
+        type(error_t), allocatable :: ignored
+        call self%read_column(name, values, ignored)
     end function column
 
     !> The cells of a column as text; no elements if there is no such column.

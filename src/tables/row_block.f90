@@ -141,7 +141,8 @@ contains
         call move_alloc(from%cells, to%cells)
         call move_alloc(from%digest, to%digest)
         call move_alloc(from%notes, to%notes)
-        call to%text%swap(from%text)
+        to%text%length = from%text%length
+        call move_alloc(from%text%room, to%text%room)
     end subroutine move
 
 end module spintop_row_block

@@ -26,7 +26,6 @@ module spintop_text_buffer
         procedure :: append
         procedure :: contents
         procedure :: clear
-        procedure :: swap
         procedure, private :: start_cell
         procedure, private :: reserve
     end type text_buffer_t
@@ -122,22 +121,6 @@ contains
         self%length = 0
         self%in_row = .false.
     end subroutine clear
-
-    !> Exchanges the contents with another buffer.
-    subroutine swap(self, other)
-        class(text_buffer_t), intent(inout) :: self
-        type(text_buffer_t), intent(inout) :: other !! the other buffer
-        character(:), allocatable :: room
-        integer :: length
-        call move_alloc(self%room, room)
-        call move_alloc(other%room, self%room)
-        call move_alloc(room, other%room)
-        length = self%length
-        self%length = other%length
-        other%length = length
-        self%in_row = .false.
-        other%in_row = .false.
-    end subroutine swap
 
     subroutine start_cell(self)
         class(text_buffer_t), intent(inout) :: self

@@ -39,8 +39,6 @@ module spintop_accumulators
 
     !> The statistics of columns of numbers and columns of words.
     type :: accumulators_t
-        !> At most two; none: over all cases. The bin of a case counts fastest along the first.
-        type(bins_t), allocatable :: bins(:)
         integer(int64) :: bin_count = 1
         !> Cases of each bin, and those of them that failed. After the last bin come the cases that are in none.
         integer(int64), allocatable :: cases(:), failed(:)
@@ -57,7 +55,6 @@ module spintop_accumulators
         integer(int64), private :: fetched = 0
     contains
         procedure :: start
-        procedure :: bin_of
         procedure :: fetch
         procedure :: add
         procedure :: merge_with
@@ -75,13 +72,12 @@ contains
     !> Starts with no cases.
     subroutine start(self, bins, columns, words, by_bin)
         class(accumulators_t), intent(out) :: self
-        type(bins_t), intent(in) :: bins(:)   !! at most two
+        type(bins_t), intent(in) :: bins(:)   !! at most two; none: over all cases
         integer, intent(in) :: columns        !! columns of numbers
         integer, intent(in) :: words          !! words of all columns of words together
         logical, intent(in) :: by_bin         !! whether quantiles of each bin are wanted
         integer :: i
 
-        allocate (self%bins, source=bins)
         self%bin_count = product([(int(bins(i)%count(), int64), i=1, size(bins))])
         allocate (self%cases(self%bin_count + 1), self%failed(self%bin_count + 1), source=0_int64)
         allocate (self%words(words, self%bin_count + 1), source=0_int64)
@@ -93,26 +89,11 @@ contains
         end do
     end subroutine start
 
-    !> Number of the bin of a case; one more than there are bins if it is in none.
-    pure integer(int64) function bin_of(self, over) result(bin)
-        class(accumulators_t), intent(in) :: self
-        real(dp), intent(in) :: over(:) !! the quantities that are binned, as many as there are bins
-        integer :: i
-
-        bin = 1
-        if (size(over) > 0) bin = self%bins(1)%place(over(1))
-        if (size(over) > 1) then
-            i = self%bins(2)%place(over(2))
-            bin = merge(bin + (i - 1) * int(self%bins(1)%count(), int64), 0_int64, i > 0 .and. bin > 0)
-        end if
-        if (bin == 0) bin = self%bin_count + 1
-    end function bin_of
-
     !> Reads what was gathered in bins to which cases are to be added. Where these lie far apart in memory, reading them
     !> beforehand, none waiting for another, takes a part of the time of one after the other.
     subroutine fetch(self, bins)
         class(accumulators_t), intent(inout) :: self
-        integer(int64), intent(in) :: bins(:) !! as `bin_of` gives them
+        integer(int64), intent(in) :: bins(:) !! as `place_among` gives them
         integer(int64) :: total
         integer :: i, k
         total = 0
@@ -133,7 +114,7 @@ contains
         class(accumulators_t), intent(inout) :: self
         integer(int64), intent(in) :: numbers(:) !! numbers of the cases, increasing
         logical, intent(in) :: is_ok(:)      !! a case that failed has no values
-        integer(int64), intent(in) :: bin    !! as `bin_of` gives it
+        integer(int64), intent(in) :: bin    !! as `place_among` gives it
         real(dp), intent(in) :: values(:, :) !! of each case those of the columns; one that is not finite is none
         integer, intent(in) :: words(:, :)   !! of each case, and column of words, its place among the words of all
         real(dp) :: there(size(numbers))
@@ -239,7 +220,7 @@ contains
         integer, intent(in) :: column !! number of the column
         type(value_counts_t), intent(out) :: counts !! all in bin 1
         call counts%start(merge(bits_by_bin, bits_over_all, self%by_bin))
-        call counts%add_all_of(self%sizes(column))
+        call counts%merge_with(self%sizes(column), bin=1_int64)
     end subroutine counts_over_all
 
     !> Adds finite values.

@@ -1,9 +1,10 @@
 !> Bins of one quantity: neighbouring intervals between edges.
 module spintop_bins
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     implicit none
     private
-    public :: bins_t, even_bins, bins_around
+    public :: bins_t, even_bins, bins_around, place_among
 
     !> Bin i holds the values from edge(i) to below edge(i+1); the last one has its upper edge, too.
     type :: bins_t
@@ -118,5 +119,23 @@ contains
         end do
         place = low
     end function place
+
+    !> Number of the bin of values among the bins of one or two quantities, of which those of the first count fastest; one more
+    !> than there are bins if it is in none.
+    pure integer(int64) function place_among(bins, values) result(bin)
+        type(bins_t), intent(in) :: bins(:) !! of each quantity
+        real(dp), intent(in) :: values(:)   !! a value of each
+        integer(int64) :: count
+        integer :: i, place
+        bin = 1
+        count = 1
+        do i = 1, size(bins)
+            place = bins(i)%place(values(i))
+            if (place == 0) bin = -huge(bin)
+            if (bin > 0) bin = bin + (place - 1) * count
+            count = count * bins(i)%count()
+        end do
+        if (bin < 0) bin = count + 1
+    end function place_among
 
 end module spintop_bins

@@ -16,6 +16,14 @@ module spintop_case_groups
     private
     public :: case_groups_t
 
+    !> A group: its base point, which of its cases are there, and the values of these by case and column. A case without a
+    !> value has a NaN.
+    type :: group_t
+        integer(int64) :: base = 0
+        logical, allocatable :: is_there(:)
+        real(dp), allocatable :: values(:, :)
+    end type group_t
+
     !> What was gathered; without factors nothing is.
     type :: case_groups_t
         integer :: factors = 0
@@ -23,18 +31,13 @@ module spintop_case_groups
         type(sobol_indices_t), allocatable :: indices(:)
         !> Number of unfinished groups: rarely more than two in a part, and none in a whole sweep.
         integer :: unfinished = 0
-        !> Their base points, which of their cases are there, and the values of these by case, column and group. A
-        !> case without a value has a NaN.
-        integer(int64), allocatable, private :: bases(:)
-        logical, allocatable, private :: is_there(:, :)
-        real(dp), allocatable, private :: values(:, :, :)
+        type(group_t), allocatable, private :: group(:)
     contains
         procedure :: start
         procedure :: add
         procedure :: merge_with
         procedure :: carry
         procedure, private :: find_group
-        procedure, private :: make_room
         procedure, private :: end_group
     end type case_groups_t
 
@@ -55,8 +58,7 @@ contains
         do i = 1, columns
             call self%indices(i)%start(factors, groups)
         end do
-        allocate (self%bases(usual_room), self%is_there(factors + 2, usual_room), &
-                  self%values(factors + 2, columns, usual_room))
+        allocate (self%group(usual_room))
     end subroutine start
 
     !> Adds cases, in any order, each once.
@@ -66,15 +68,17 @@ contains
         logical, intent(in) :: is_ok(:) !! a case that failed has no values
         real(dp), intent(in) :: values(:, :) !! of the columns of each case; one that is not finite is none
         type(saltelli_place_t) :: place
-        integer :: k, group
+        integer :: k, i
 
         do k = 1, size(numbers)
             place = place_in_saltelli(numbers(k), self%factors)
-            call self%find_group(place%base, group)
-            self%is_there(place%role, group) = .true.
-            self%values(place%role, :, group) = no_number
-            if (is_ok(k)) self%values(place%role, :, group) = values(:, k)
-            if (all(self%is_there(:, group))) call self%end_group(group)
+            call self%find_group(place%base, i)
+            associate (group => self%group(i))
+                group%is_there(place%role) = .true.
+                group%values(place%role, :) = no_number
+                if (is_ok(k)) group%values(place%role, :) = values(:, k)
+            end associate
+            call self%end_group(i)
         end do
     end subroutine add
 
@@ -82,73 +86,56 @@ contains
     subroutine merge_with(self, other)
         class(case_groups_t), intent(inout) :: self
         type(case_groups_t), intent(in) :: other !! the other object of this type
-        integer :: i, role, group
+        integer :: i, k, role
 
         do i = 1, size(self%indices)
             call self%indices(i)%merge_with(other%indices(i))
         end do
-        do i = 1, other%unfinished
-            call self%find_group(other%bases(i), group)
-            do role = 1, self%factors + 2
-                if (.not. other%is_there(role, i)) cycle
-                self%is_there(role, group) = .true.
-                self%values(role, :, group) = other%values(role, :, i)
-            end do
-            if (all(self%is_there(:, group))) call self%end_group(group)
+        do k = 1, other%unfinished
+            call self%find_group(other%group(k)%base, i)
+            associate (group => self%group(i), more => other%group(k))
+                do role = 1, self%factors + 2
+                    if (more%is_there(role)) group%values(role, :) = more%values(role, :)
+                end do
+                group%is_there = group%is_there .or. more%is_there
+            end associate
+            call self%end_group(i)
         end do
     end subroutine merge_with
 
     !> Finds the unfinished group of a base point, or begins it.
-    subroutine find_group(self, base, group)
+    subroutine find_group(self, base, i)
         class(case_groups_t), intent(inout) :: self
         integer(int64), intent(in) :: base
-        integer, intent(out) :: group
-        do group = self%unfinished, 1, -1
-            if (self%bases(group) == base) return
+        integer, intent(out) :: i !! its place
+        type(group_t), allocatable :: more(:)
+        do i = self%unfinished, 1, -1
+            if (self%group(i)%base == base) return
         end do
-        group = self%unfinished + 1
-        if (group > size(self%bases)) call self%make_room(2 * size(self%bases))
-        self%unfinished = group
-        self%bases(group) = base
-        self%is_there(:, group) = .false.
-        self%values(:, :, group) = no_number
+        i = self%unfinished + 1
+        if (i > size(self%group)) then
+            allocate (more(2 * size(self%group)))
+            more(:size(self%group)) = self%group
+            call move_alloc(more, self%group)
+        end if
+        self%unfinished = i
+        self%group(i)%base = base
+        self%group(i)%is_there = spread(.false., 1, self%factors + 2)
+        self%group(i)%values = spread(spread(no_number, 1, self%factors + 2), 2, size(self%indices))
     end subroutine find_group
 
-    !> Makes room for unfinished groups.
-    subroutine make_room(self, groups)
+    !> Takes a group, if it is complete, into the sums of each column; the last unfinished one takes its place.
+    subroutine end_group(self, place)
         class(case_groups_t), intent(inout) :: self
-        integer, intent(in) :: groups !! at least as many as there are
-        integer(int64), allocatable :: bases(:)
-        logical, allocatable :: is_there(:, :)
-        real(dp), allocatable :: values(:, :, :)
-        integer :: n
+        integer, intent(in) :: place
+        integer :: i
 
-        n = self%unfinished
-        allocate (bases(groups), is_there(size(self%is_there, 1), groups), &
-                  values(size(self%values, 1), size(self%values, 2), groups))
-        bases(:n) = self%bases(:n)
-        is_there(:, :n) = self%is_there(:, :n)
-        values(:, :, :n) = self%values(:, :, :n)
-        call move_alloc(bases, self%bases)
-        call move_alloc(is_there, self%is_there)
-        call move_alloc(values, self%values)
-    end subroutine make_room
-
-    !> Takes a complete group into the sums of each column; the last unfinished one takes its place.
-    subroutine end_group(self, group)
-        class(case_groups_t), intent(inout) :: self
-        integer, intent(in) :: group
-        integer :: i, last
-
+        if (.not. all(self%group(place)%is_there)) return
         do i = 1, size(self%indices)
-            call self%indices(i)%add(self%bases(group), self%values(:, i, group))
+            call self%indices(i)%add(self%group(place)%base, self%group(place)%values(:, i))
         end do
-        last = self%unfinished
-        self%unfinished = last - 1
-        if (group == last) return
-        self%bases(group) = self%bases(last)
-        self%is_there(:, group) = self%is_there(:, last)
-        self%values(:, :, group) = self%values(:, :, last)
+        if (place < self%unfinished) self%group(place) = self%group(self%unfinished)
+        self%unfinished = self%unfinished - 1
     end subroutine end_group
 
     !> Carries all: how many numbers follow, the sums of each column, then the unfinished groups.
@@ -157,10 +144,10 @@ contains
         type(state_stream_t), intent(inout) :: stream !! a file
         integer(int64) :: numbers(1), of_sums, of_group, k
         integer(int64) :: there(1 + self%factors + 2) !! the base point, and which of its cases are there
-        integer :: i, group
+        integer :: i
 
         of_sums = size(self%indices) * int(self%indices(1)%packed_size(), int64)
-        of_group = size(there) + size(self%values, 1) * size(self%values, 2)
+        of_group = size(there) + (self%factors + 2) * size(self%indices)
         numbers = of_sums + self%unfinished * of_group
         there = 0
         call stream%carry_numbers(1, numbers)
@@ -170,17 +157,17 @@ contains
         end do
         if (stream%is_read) self%unfinished = 0
         do k = 1, (numbers(1) - of_sums) / of_group
-            group = int(k)
-            if (.not. stream%is_read) there = [self%bases(group), merge(1_int64, 0_int64, self%is_there(:, group))]
+            i = int(k)
+            if (.not. stream%is_read) there = [self%group(i)%base, merge(1_int64, 0_int64, self%group(i)%is_there)]
             call stream%carry_numbers(size(there), there)
             if (there(1) < 1 .or. all(there(2:) == 1)) call stream%refuse()
             if (allocated(stream%error)) return
             if (stream%is_read) then
-                call self%find_group(there(1), group)
-                self%is_there(:, group) = there(2:) == 1
+                call self%find_group(there(1), i)
+                self%group(i)%is_there = there(2:) == 1
             end if
-            call stream%carry_memory(c_loc(self%values(1, 1, group)), &
-                                     (of_group - size(there)) * (storage_size(self%values) / 8))
+            call stream%carry_memory(c_loc(self%group(i)%values(1, 1)), &
+                                     (of_group - size(there)) * (storage_size(there) / 8))
         end do
     end subroutine carry
 

@@ -49,7 +49,9 @@ contains
             histogram%to(k) = upper(i)
             histogram%counts(k) = histogram%counts(k) + counts(i)
         end do
-        call cut(histogram, k)
+        histogram%from = histogram%from(:k)
+        histogram%to = histogram%to(:k)
+        histogram%counts = histogram%counts(:k)
         if (k == 0) return
         histogram%from(1) = all%minimum
         histogram%to(k) = all%maximum
@@ -66,14 +68,5 @@ contains
         end function interval
 
     end subroutine make_histogram
-
-    !> Keeps the first intervals.
-    subroutine cut(histogram, intervals)
-        type(histogram_t), intent(inout) :: histogram
-        integer, intent(in) :: intervals
-        histogram%from = histogram%from(:intervals)
-        histogram%to = histogram%to(:intervals)
-        histogram%counts = histogram%counts(:intervals)
-    end subroutine cut
 
 end module spintop_histogram

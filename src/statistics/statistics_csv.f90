@@ -4,13 +4,14 @@ module spintop_statistics_csv
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_accumulators, only: accumulators_t
     use spintop_errors, only: error_t
-        use spintop_histogram, only: histogram_t, make_histogram
+    use spintop_histogram, only: histogram_t, make_histogram
     use spintop_row_block, only: row_block_t
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_statistics_result, only: index_cells, index_row, result_columns, result_row
     use spintop_table_column, only: column_of_integers, column_of_words, table_column_t
     use spintop_table_end, only: check_table
     use spintop_table_file, only: table_file_t
+    use spintop_table_head, only: table_head
     use spintop_text, only: string_t
     implicit none
     private
@@ -80,10 +81,12 @@ contains
         type(row_block_t) :: rows
         integer :: i, k
 
-        columns(1)%kind = column_of_words
-        columns(4)%kind = column_of_integers
+        columns = [table_column_t('column', '', 'the column of the sweep', column_of_words), &
+                   table_column_t('from', '', 'lower end of an interval, in the unit of the column'), &
+                   table_column_t('to', '', 'its upper end; intervals without values between two others are left out'), &
+                   table_column_t('cases', '', 'cases with a value in it', column_of_integers)]
         call take_names(plan%numbers, columns(1))
-        call file%create_beside(path, histogram_head(head), error)
+        call file%create_beside(path, head_of(columns, head), error)
         do i = 1, size(plan%numbers)
             if (allocated(error)) exit
             call make_histogram(accumulators, i, histogram)
@@ -109,11 +112,19 @@ contains
         type(row_block_t) :: rows
         integer :: i, k
 
-        columns(1:2)%kind = column_of_words
-        columns(size(columns) - 1:)%kind = column_of_integers
+        columns = [table_column_t('column', '', 'the column of the sweep', column_of_words), &
+                   table_column_t('factor', '', 'the parameter of an axis', column_of_words), &
+                   table_column_t('first_order', '', 'share of the variance that is due to the factor alone'), &
+                   table_column_t('first_order_low', '', 'lower end of its interval of 95 %'), &
+                   table_column_t('first_order_high', '', 'upper end of its interval of 95 %'), &
+                   table_column_t('total', '', 'share that is due to the factor with all its interactions'), &
+                   table_column_t('total_low', '', 'lower end of its interval of 95 %'), &
+                   table_column_t('total_high', '', 'upper end of its interval of 95 %'), &
+                   table_column_t('groups', '', 'groups of cases that have values', column_of_integers), &
+                   table_column_t('left_out', '', 'groups with a case that has no value', column_of_integers)]
         call take_names(plan%numbers, columns(1))
         call take_names(plan%factors, columns(2))
-        call file%create_beside(path, indices_head(head), error)
+        call file%create_beside(path, head_of(columns, head), error)
         do i = 1, size(plan%numbers)
             if (allocated(error)) exit
             call rows%reserve(size(columns), size(plan%factors))
@@ -138,40 +149,19 @@ contains
         end do
     end subroutine take_names
 
-    !> The header of the table of indices, as that of the histograms.
-    function indices_head(head) result(text)
-        character(*), intent(in) :: head
-        character(:), allocatable :: text
-        text = provenance_of(head) // '#     column: the column of the sweep' // nl // &
-               '#     factor: the parameter of an axis' // nl // &
-               '#     first_order: share of the variance that is due to the factor alone' // nl // &
-               '#     first_order_low: lower end of its interval of 95 %' // nl // &
-               '#     first_order_high: upper end of its interval of 95 %' // nl // &
-               '#     total: share that is due to the factor with all its interactions' // nl // &
-               '#     total_low: lower end of its interval of 95 %' // nl // &
-               '#     total_high: upper end of its interval of 95 %' // nl // &
-               '#     groups: groups of cases that have values' // nl // &
-               '#     left_out: groups with a case that has no value' // nl // &
-               'column,factor,first_order,first_order_low,first_order_high,total,total_low,total_high,groups,left_out' // nl
-    end function indices_head
-
-    !> The header of the table of histograms: the provenance of that of the statistics, and its own columns.
-    function histogram_head(head) result(text)
-        character(*), intent(in) :: head
-        character(:), allocatable :: text
-        text = provenance_of(head) // '#     column: the column of the sweep' // nl // &
-               '#     from: lower end of an interval, in the unit of the column' // nl // &
-               '#     to: its upper end; intervals without values between two others are left out' // nl // &
-               '#     cases: cases with a value in it' // nl // 'column,from,to,cases' // nl
-    end function histogram_head
-
-    !> A header up to the columns that it describes.
-    function provenance_of(head) result(text)
+    !> The header of a table beside that of the statistics: its provenance, and other columns.
+    function head_of(columns, head) result(text)
+        type(table_column_t), intent(in) :: columns(:)
         character(*), intent(in) :: head
         character(:), allocatable :: text
         character(*), parameter :: mark = '# columns:' // nl
-        text = head(:index(head, mark) - 1) // mark
-    end function provenance_of
+        type(string_t) :: lines(size(columns))
+        integer :: i
+        do i = 1, size(columns)
+            lines(i)%text = '    ' // trim(columns(i)%name) // ': ' // trim(columns(i)%what)
+        end do
+        text = head(:index(head, mark) - 1) // mark // table_head(lines, columns%name)
+    end function head_of
 
     !> Writes rows, and empties their block.
     subroutine put(file, columns, rows, error)

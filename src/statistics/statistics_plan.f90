@@ -106,13 +106,7 @@ contains
     subroutine start(self, accumulators)
         class(statistics_plan_t), intent(in) :: self
         type(accumulators_t), intent(out) :: accumulators !! ready for cases
-        type(bins_t), allocatable :: bins(:)
-        integer :: i
-        allocate (bins(size(self%over)))
-        do i = 1, size(bins)
-            bins(i) = self%over(i)%bins
-        end do
-        call accumulators%start(bins, size(self%numbers), self%word_count(), self%by_bin)
+        call accumulators%start(self%over%bins, size(self%numbers), self%word_count(), self%by_bin)
         if (self%has_indices()) call accumulators%groups%start(size(self%factors), self%groups, size(self%numbers))
     end subroutine start
 

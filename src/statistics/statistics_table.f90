@@ -5,6 +5,7 @@
 module spintop_statistics_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_accumulators, only: accumulators_t
+    use spintop_bins, only: place_among
     use spintop_checksum, only: checksum_width
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: input_file_t, sync_file
@@ -47,10 +48,7 @@ module spintop_statistics_table
         integer(int64), allocatable, private :: numbers(:)
         logical, allocatable, private :: is_ok(:)
         integer, allocatable, private :: words(:, :)
-        !> Bins to find the place of a row, the same in all ranks.
-        type(accumulators_t), private :: places
     contains
-        procedure :: prepare
         procedure :: begin
         procedure :: format => digest_block
         procedure :: put
@@ -65,17 +63,6 @@ module spintop_statistics_table
     end type statistics_table_t
 
 contains
-
-    !> Makes it ready to find bins, in all ranks.
-    subroutine prepare(self)
-        class(statistics_table_t), intent(inout) :: self
-        integer :: i
-        allocate (self%places%bins(size(self%plan%over)))
-        do i = 1, size(self%plan%over)
-            self%places%bins(i) = self%plan%over(i)%bins
-        end do
-        self%places%bin_count = self%plan%bin_count()
-    end subroutine prepare
 
     !> Begins to gather, after the table of the rows was started; resumes if that did.
     subroutine begin(self, error)
@@ -180,7 +167,7 @@ contains
                         is_same = is_same .and. cells(plan%over(i)%cell, k) >= over(i) .and. cells(plan%over(i)%cell, k) <= over(i)
                         over(i) = cells(plan%over(i)%cell, k)
                     end do
-                    if (.not. is_same) bin = real(self%places%bin_of(over), dp)
+                    if (.not. is_same) bin = real(place_among(plan%over%bins, over), dp)
                     digest(k, bin_cell) = bin
                 end do
                 digest(:, number_cell) = cells(1, :rows)

@@ -42,7 +42,6 @@ module spintop_value_counts
         procedure :: start
         procedure :: add
         procedure :: merge_with
-        procedure :: add_all_of
         procedure :: list_cells
         procedure :: quantiles
         procedure :: resolution
@@ -120,26 +119,19 @@ contains
     end subroutine add
 
     !> Adds the counts of others, of the same resolution.
-    subroutine merge_with(self, other)
+    subroutine merge_with(self, other, bin)
         class(value_counts_t), intent(inout) :: self
         type(value_counts_t), intent(in) :: other !! the other object of this type
+        integer(int64), intent(in), optional :: bin !! where all of them are added; otherwise each is in its own bin
+        integer(int64) :: place
         integer :: k, page
         do k = 1, other%pages
-            call self%find_page(other%bin_of(k), other%exponent_of(k), page)
+            place = other%bin_of(k)
+            if (present(bin)) place = bin
+            call self%find_page(place, other%exponent_of(k), page)
             self%counts(:, page) = self%counts(:, page) + other%counts(:, k)
         end do
     end subroutine merge_with
-
-    !> Adds the counts of all bins of others, of the same resolution, to bin 1.
-    subroutine add_all_of(self, other)
-        class(value_counts_t), intent(inout) :: self
-        type(value_counts_t), intent(in) :: other !! the other object of this type
-        integer :: k, page
-        do k = 1, other%pages
-            call self%find_page(1_int64, other%exponent_of(k), page)
-            self%counts(:, page) = self%counts(:, page) + other%counts(:, k)
-        end do
-    end subroutine add_all_of
 
     !> The cells of bin 1 that have values, in the order of these.
     subroutine list_cells(self, lower, upper, counts)

@@ -119,7 +119,6 @@ contains
         table%path = job%output
         if (job%keeps_rows()) table%path = job%statistics_output
         call make_head(job, shard, result_columns(table%plan), table%head)
-        call table%prepare()
     end subroutine describe_statistics
 
     !> Starts the table, or resumes one (`resume`) with the same header. Rows of an interrupted run are

@@ -184,10 +184,11 @@ contains
     end function strings_of
 
     !> The parts of a text between separators, without surrounding blanks; none if the text is blank.
-    pure subroutine split(text, separator, parts)
+    pure subroutine split(text, separator, parts, keeps_blanks)
         character(*), intent(in) :: text !! the text
         character, intent(in) :: separator !! character between two parts
         type(string_t), allocatable, intent(out) :: parts(:) !! the parts
+        logical, intent(in), optional :: keeps_blanks !! whether blanks around the parts stay; false by default
         integer :: i, part, first
 
         if (len_trim(text) == 0) then
@@ -196,14 +197,15 @@ contains
         end if
         allocate (parts(1 + count([(text(i:i) == separator, i = 1, len(text))])))
         first = 1
-        part = 1
-        do i = 1, len(text)
-            if (text(i:i) /= separator) cycle
-            parts(part)%text = trim(adjustl(text(first:i - 1)))
+        do part = 1, size(parts)
+            i = first + index(text(first:) // separator, separator) - 1
+            parts(part)%text = text(first:i - 1)
             first = i + 1
-            part = part + 1
+            if (present(keeps_blanks)) then
+                if (keeps_blanks) cycle
+            end if
+            parts(part)%text = trim(adjustl(parts(part)%text))
         end do
-        parts(part)%text = trim(adjustl(text(first:)))
     end subroutine split
 
     !> Adds a text to a list. The constructor `[list, string_t(text)]` of gfortran does not free its parts.

@@ -9,7 +9,7 @@ module spintop_statistics_merge
     use spintop_statistics_file, only: is_statistics, read_statistics
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_statistics_table, only: write_statistics
-    use spintop_table_file, only: refuse_to_discard_idle
+    use spintop_table_file, only: refuse_to_discard_idle, stem_of
     use spintop_table_head, only: read_head
     use spintop_text, only: string_t
     implicit none
@@ -17,8 +17,6 @@ module spintop_statistics_merge
     public :: merge_parts, state_beside, statistics_beside
 
     character, parameter :: nl = new_line('a')
-    !> Endings of the names of tables, by format.
-    character(*), parameter :: endings(2) = ['.csv', '.nc ']
 
 contains
 
@@ -33,26 +31,13 @@ contains
     pure function statistics_beside(table) result(path)
         character(*), intent(in) :: table !! path of the table
         character(:), allocatable :: path
-        path = stem_of(table) // '.statistics' // trim(merge(endings(2), endings(1), ends_with(table, trim(endings(2)))))
+        path = stem_of(table)
+        if (table == path // '.nc') then
+            path = path // '.statistics.nc'
+        else
+            path = path // '.statistics.csv'
+        end if
     end function statistics_beside
-
-    !> The path of a table without its ending.
-    pure function stem_of(table) result(stem)
-        character(*), intent(in) :: table
-        character(:), allocatable :: stem
-        integer :: i
-        stem = table
-        do i = 1, size(endings)
-            if (ends_with(table, trim(endings(i)))) stem = table(:len(table) - len_trim(endings(i)))
-        end do
-    end function stem_of
-
-    !> Whether a name has an ending, and more.
-    pure logical function ends_with(name, ending)
-        character(*), intent(in) :: name, ending
-        ends_with = len(name) > len(ending)
-        if (ends_with) ends_with = name(len(name) - len(ending) + 1:) == ending
-    end function ends_with
 
     !> Merges the parts of a sweep, given in any order, into what a single run would have written, byte for byte:
     !> tables with the statistics beside them, if there are any, or the statistics of sweeps without rows.

@@ -6,7 +6,7 @@ submodule(spintop_statistics_netcdf) statistics_netcdf_written
         nf90_ebaddim, nf90_enddef, nf90_enotatt, nf90_get_att, nf90_get_var, nf90_global, nf90_inq_dimid, nf90_inq_varid, &
         nf90_inquire_attribute, nf90_inquire_dimension, nf90_noerr, nf90_nowrite, nf90_open, nf90_put_att, nf90_put_var, &
         nf90_strerror
-    use spintop_checksum, only: add_reals_to_checksum, add_to_checksum, checksum_t, checksum_text
+    use spintop_checksum, only: add_to_checksum, checksum_t, checksum_text
     use spintop_errors, only: output_error
     use spintop_files, only: output_file_t
     use spintop_histogram, only: histogram_t, make_histogram
@@ -313,17 +313,16 @@ contains
         type(netcdf_file_t), intent(inout) :: file
         integer, intent(in) :: variable, start(:), extent(:)
         real(dp), intent(in) :: values(:)
-        real(dp), allocatable :: cells(:, :)
+        real(dp) :: cells(size(values))
 
         if (file%status /= nf90_noerr) return
-        allocate (cells(size(values), 1))
-        cells(:, 1) = values
+        cells = values
         if (file%is_read) then
-            file%status = nf90_get_var(file%id, variable, cells(:, 1), start, extent)
+            file%status = nf90_get_var(file%id, variable, cells, start, extent)
         else
-            file%status = nf90_put_var(file%id, variable, cells(:, 1), start, extent)
+            file%status = nf90_put_var(file%id, variable, cells, start, extent)
         end if
-        call add_reals_to_checksum(file%checksum, cells)
+        call add_to_checksum(file%checksum, transfer(cells, repeat(' ', size(cells) * (storage_size(cells) / 8))))
     end subroutine put
 
     subroutine add_dimension(file, name, length, dimension)

@@ -8,6 +8,7 @@ module spintop_job_files
     use spintop_plain_text, only: escaped
     use spintop_scene_words, only: reference_names
     use spintop_statistics_csv, only: path_beside
+    use spintop_table_file, only: stem_of
     use spintop_text, only: string_t
     implicit none
     private
@@ -37,7 +38,7 @@ contains
         type(options_t), intent(in) :: options !! options of the command line
         type(job_t), intent(inout) :: job !! the job, named after its input
         character(6) :: ending
-        if (job%scene%file /= '') job%name = without_format(trim(job%scene%file))
+        if (job%scene%file /= '') job%name = stem_of(trim(job%scene%file))
         associate (stem => options%output // '/' // job%name // options%shard%suffix())
             ending = merge('.nc ', '.csv', job%scene%format == 'netcdf')
             job%output = stem // trim(ending)
@@ -55,20 +56,6 @@ contains
             if (any(job%events%is_listed)) job%event_output = stem // '.events.csv'
         end associate
     end subroutine name_outputs
-
-    !> The name of a table without the ending of its format, which it may have.
-    pure function without_format(file) result(name)
-        character(*), intent(in) :: file
-        character(:), allocatable :: name
-        character(4), parameter :: endings(2) = ['.csv', '.nc ']
-        integer :: i, length
-        name = file
-        do i = 1, size(endings)
-            length = len(file) - len_trim(endings(i))
-            if (length < 1) cycle
-            if (file(length + 1:) == trim(endings(i))) name = file(:length)
-        end do
-    end function without_format
 
     !> Returns an error if a job would replace a file that another one writes, or either of them one that is read.
     subroutine refuse_overwriting(job, other, is_other, error)

@@ -16,7 +16,6 @@ struct checksum {
 };
 
 void spintop_add_to_checksum(struct checksum *self, const char *bytes, long long count);
-void spintop_add_reals_to_checksum(struct checksum *self, const double *values, long long count);
 int64_t spintop_checksum_value(const struct checksum *self);
 
 static uint64_t mix(uint64_t lane, uint64_t word) {
@@ -44,10 +43,6 @@ void spintop_add_to_checksum(struct checksum *self, const char *bytes, long long
     }
     for (; count >= stripe; count -= stripe, bytes += stripe) add_stripe(self->lane, bytes);
     memcpy(self->tail, bytes, (size_t)count);
-}
-
-void spintop_add_reals_to_checksum(struct checksum *self, const double *values, long long count) {
-    spintop_add_to_checksum(self, (const char *)values, count * (long long)sizeof *values);
 }
 
 int64_t spintop_checksum_value(const struct checksum *self) {

@@ -1,9 +1,9 @@
 !> A checksum of bytes that are given in pieces of any size; see checksum.c.
 module spintop_checksum
-    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int64_t, c_long_long
+    use, intrinsic :: iso_c_binding, only: c_char, c_int64_t, c_long_long
     implicit none
     private
-    public :: checksum_t, add_to_checksum, add_reals_to_checksum, checksum_text, checksum_width
+    public :: checksum_t, add_to_checksum, checksum_text, checksum_width
 
     !> Number of characters of a checksum as text.
     integer, parameter :: checksum_width = 16
@@ -24,13 +24,6 @@ module spintop_checksum
             integer(c_long_long), value :: count
         end subroutine c_add
 
-        subroutine c_add_reals(self, values, count) bind(C, name='spintop_add_reals_to_checksum')
-            import :: c_double, c_long_long, checksum_t
-            type(checksum_t), intent(inout) :: self
-            real(c_double), intent(in) :: values(*)
-            integer(c_long_long), value :: count
-        end subroutine c_add_reals
-
         integer(c_int64_t) function c_value(self) bind(C, name='spintop_checksum_value')
             import :: c_int64_t, checksum_t
             type(checksum_t), intent(in) :: self
@@ -45,13 +38,6 @@ contains
         character(*), intent(in) :: text !! bytes
         call c_add(self, text, len(text, c_long_long))
     end subroutine add_to_checksum
-
-    !> Adds the bytes of numbers to the checksum.
-    subroutine add_reals_to_checksum(self, values)
-        type(checksum_t), intent(inout) :: self !! the checksum
-        real(c_double), intent(in), contiguous :: values(:, :) !! numbers
-        call c_add_reals(self, values, size(values, kind=c_long_long))
-    end subroutine add_reals_to_checksum
 
     !> The checksum of all bytes so far, as hexadecimal digits.
     function checksum_text(self) result(text)

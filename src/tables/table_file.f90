@@ -19,7 +19,7 @@ module spintop_table_file
     use spintop_text_buffer, only: text_buffer_t
     implicit none
     private
-    public :: table_file_t, part_of, changed_after, refuse_to_discard, refuse_to_discard_idle
+    public :: table_file_t, part_of, stem_of, changed_after, refuse_to_discard, refuse_to_discard_idle
 
     !> Bytes that are collected before they are written, and that are read at once.
     integer, parameter :: block_size = 1024 * 1024
@@ -56,6 +56,20 @@ contains
         character(:), allocatable :: part
         part = path // '.part'
     end function part_of
+
+    !> The name of a table without the ending of its format, which it may have.
+    pure function stem_of(file) result(name)
+        character(*), intent(in) :: file !! the name, or a path
+        character(:), allocatable :: name
+        character(4), parameter :: endings(2) = ['.csv', '.nc ']
+        integer :: i, length
+        name = file
+        do i = 1, size(endings)
+            length = len(file) - len_trim(endings(i))
+            if (length < 1) cycle
+            if (file(length + 1:) == trim(endings(i))) name = file(:length)
+        end do
+    end function stem_of
 
     !> Starts a table. An existing table of that name is not changed before `finish`.
     subroutine create(self, path, head, error)

@@ -11,7 +11,7 @@ submodule(spintop_netcdf_file) netcdf_file_read
     use spintop_netcdf_grid, only: find_box, netcdf_axis_t, netcdf_name
     use spintop_provenance, only: fact_t
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_reals, column_of_words, table_column_t
-    use spintop_text, only: string_t
+    use spintop_text, only: split, string_t
     implicit none
 
 contains
@@ -97,9 +97,7 @@ contains
             select case (name)
             case ('Conventions', 'grid_lengths')
             case ('input')
-                if (allocated(description%input)) deallocate (description%input)
-                allocate (description%input(count_parts(text, new_line('a'))))
-                call split(text, new_line('a'), description%input)
+                call split(text, new_line('a'), description%input, keeps_blanks=.true.)
             case (end_key)
                 description%ending = text
             case ('part')
@@ -125,7 +123,6 @@ contains
         integer, allocatable :: lengths(:)
         integer :: i, n
 
-        allocate (words(count_parts(names, ' ')))
         call split(names, ' ', words)
         n = 0
         if (status == nf90_noerr) status = nf90_inquire_attribute(id, nf90_global, 'grid_lengths', len=n)
@@ -158,7 +155,6 @@ contains
         if (kind == nf90_byte) column%kind = column_of_words
         if (text == '') return
         if (column%kind == column_of_integers) column%kind = column_of_notes
-        allocate (column%words(count_parts(text, ' ')))
         call split(text, ' ', column%words)
     end subroutine read_column
 
@@ -274,32 +270,6 @@ contains
         allocate (character(length) :: text)
         status = nf90_get_att(id, variable, name, text)
     end subroutine read_text
-
-    !> Number of parts of a text between separators.
-    pure integer function count_parts(text, separator)
-        character(*), intent(in) :: text
-        character, intent(in) :: separator
-        integer :: i
-        count_parts = 1
-        do i = 1, len(text)
-            if (text(i:i) == separator) count_parts = count_parts + 1
-        end do
-    end function count_parts
-
-    !> The parts of a text between separators.
-    subroutine split(text, separator, parts)
-        character(*), intent(in) :: text
-        character, intent(in) :: separator
-        type(string_t), intent(inout) :: parts(:)
-        integer :: first, last, i
-
-        first = 1
-        do i = 1, size(parts)
-            last = first + index(text(first:) // separator, separator) - 2
-            parts(i)%text = text(first:last)
-            first = last + 2
-        end do
-    end subroutine split
 
 end submodule netcdf_file_read
 #endif

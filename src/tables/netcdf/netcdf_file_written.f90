@@ -10,11 +10,11 @@ submodule(spintop_netcdf_file) netcdf_file_written
 #endif
     use spintop_errors, only: output_error
     use spintop_kinds, only: no_number
-    use spintop_netcdf_grid, only: find_box, netcdf_name, netcdf_unit, netcdf_word, size_of_chunk
+    use spintop_netcdf_grid, only: find_box, netcdf_name, netcdf_unit, size_of_chunk
     use spintop_process, only: expect_crash, leave_libraries
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words, table_column_t
     use spintop_table_end, only: place_of_summary
-    use spintop_text, only: join, to_text
+    use spintop_text, only: join, replace_all, to_text
     implicit none
 
     !> Rows that are collected before they are written: enough for long pieces of each variable, and few
@@ -209,7 +209,7 @@ contains
 
         words = ''
         do k = 1, size(column%words)
-            words = words // ' ' // netcdf_word(column%words(k)%text)
+            words = words // ' ' // replace_all(trim(column%words(k)%text), ' ', '_')
         end do
         call add_text(id, variable, 'flag_meanings', words(2:), status)
         values = [(k, k=0, size(column%words) - 1)]

@@ -3,7 +3,7 @@ module spintop_netcdf_grid
     use, intrinsic :: iso_fortran_env, only: int64
     implicit none
     private
-    public :: netcdf_axis_t, netcdf_name, netcdf_unit, netcdf_word, most_netcdf_rows, find_box, size_of_chunk
+    public :: netcdf_axis_t, netcdf_name, netcdf_unit, most_netcdf_rows, find_box, size_of_chunk
 
     !> Maximum number of rows: in the format with 64-bit offsets a variable is smaller than 4 GiB.
     integer(int64), parameter :: most_netcdf_rows = 2_int64**29 - 1
@@ -37,17 +37,6 @@ contains
         if (unit == '') known = '1'
         if (unit == 'deg') known = 'degree'
     end function netcdf_unit
-
-    !> A phrase as a word of `flag_meanings`, which are separated by blanks.
-    pure function netcdf_word(phrase)
-        character(*), intent(in) :: phrase !! any words
-        character(len_trim(phrase)) :: netcdf_word
-        integer :: i
-        netcdf_word = phrase
-        do i = 1, len(netcdf_word)
-            if (netcdf_word(i:i) == ' ') netcdf_word(i:i) = '_'
-        end do
-    end function netcdf_word
 
     !> The largest box of an array that begins with an element and contains only this and some of the next
     !> `elements - 1`, in order: all of the first dimensions, a part of the next one, one index in the others.

@@ -1,6 +1,6 @@
 !> A list of lines of text.
 module spintop_line_list
-    use spintop_text, only: string_t
+    use spintop_text, only: split, string_t
     use spintop_wrapping, only: characters, wrapped
     implicit none
     private
@@ -65,18 +65,17 @@ contains
         class(line_list_t), intent(inout) :: self
         character(*), intent(in) :: start, text !! beginning of each line, and text
         integer, intent(in) :: indent, width !! blanks, and columns of a line
-        character, parameter :: line_feed = new_line('a')
-        character(:), allocatable :: rest
-        integer :: length
+        character(:), allocatable :: broken
+        type(string_t), allocatable :: lines(:)
+        integer :: i
 
-        rest = text
-        if (characters(text) > width - len(start)) rest = wrapped(text, 0, width - len(start), indent=indent)
-        do
-            length = index(rest // line_feed, line_feed) - 1
-            call self%add(start // rest(:length))
-            if (length >= len(rest)) exit
-            rest = rest(length + 2:)
+        broken = text
+        if (characters(text) > width - len(start)) broken = wrapped(text, 0, width - len(start), indent=indent)
+        call split(broken, new_line('a'), lines, keeps_blanks=.true.)
+        do i = 1, size(lines)
+            call self%add(start // lines(i)%text)
         end do
+        if (size(lines) == 0) call self%add(start // text)
     end subroutine add_wrapped
 
     !> All lines so far.

@@ -1,11 +1,11 @@
 !> Colours of messages on a terminal: the words `error` and `warning`, and the marks below a quoted line.
 module spintop_colour
     use spintop_terminal, only: error_takes_colour
+    use spintop_text, only: join, split, string_t
     implicit none
     private
     public :: coloured, in_colour
 
-    character, parameter :: line_feed = new_line('a')
     character(*), parameter :: escape = achar(27) // '['
     character(*), parameter :: red = escape // '1;31m', magenta = escape // '1;35m', green = escape // '1;32m'
     character(*), parameter :: plain = escape // '0m'
@@ -27,17 +27,13 @@ contains
     pure function coloured(message) result(text)
         character(*), intent(in) :: message !! one or more lines
         character(:), allocatable :: text
-        integer :: first, length
-
-        text = ''
-        first = 1
-        do while (first <= len(message))
-            length = index(message(first:) // line_feed, line_feed) - 1
-            text = text // coloured_line(message(first:first + length - 1))
-            first = first + length
-            if (first <= len(message)) text = text // line_feed
-            first = first + 1
+        type(string_t), allocatable :: lines(:)
+        integer :: i
+        call split(message, new_line('a'), lines, keeps_blanks=.true.)
+        do i = 1, size(lines)
+            lines(i)%text = coloured_line(lines(i)%text)
         end do
+        text = join(lines, new_line('a'))
     end function coloured
 
     pure function coloured_line(line) result(text)

@@ -28,7 +28,7 @@ module spintop_sweep_table
     use spintop_sweep_notes, only: note_names, note_t
     use spintop_sweep_result, only: proof_cells, sweep_result_t, value_count
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words, status_column, table_column_t
-    use spintop_table_head, only: comment_lines, table_head
+    use spintop_table_head, only: table_head
     use spintop_text, only: string_t
     implicit none
     private
@@ -94,13 +94,12 @@ contains
         type(table_column_t), intent(in) :: columns(:)
         character(:), allocatable, intent(out) :: head
         type(fact_t) :: facts(fact_count)
-        type(string_t), allocatable :: input(:), header(:), part(:)
+        type(string_t), allocatable :: input(:), header(:)
 
         call gather(job, facts, input)
         call describe_provenance(facts, input, columns, header)
-        allocate (part(merge(1, 0, shard%is_part())))
-        if (shard%is_part()) part(1)%text = shard%line(job%axes%cases)
-        head = comment_lines(part) // table_head(header, columns%name)
+        head = table_head(header, columns%name)
+        if (shard%is_part()) head = '# ' // shard%line(job%axes%cases) // new_line('a') // head
     end subroutine make_head
 
     !> A table that gathers the rows of another one, which it takes over.

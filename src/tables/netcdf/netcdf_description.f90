@@ -6,7 +6,7 @@ module spintop_netcdf_description
     use spintop_provenance, only: describe_provenance, fact_t
     use spintop_shard, only: read_shard_line, shard_t
     use spintop_table_column, only: table_column_t
-    use spintop_table_head, only: comment_lines, table_head
+    use spintop_table_head, only: table_head
     use spintop_text, only: string_t
     implicit none
     private
@@ -58,11 +58,10 @@ contains
     function head(self) result(text)
         class(netcdf_description_t), intent(in) :: self
         character(:), allocatable :: text
-        type(string_t), allocatable :: lines(:), part(:)
+        type(string_t), allocatable :: lines(:)
         call describe_provenance(self%facts, self%input, self%columns, lines)
-        allocate (part(merge(1, 0, self%is_part())))
-        if (self%is_part()) part(1)%text = self%part
-        text = comment_lines(part) // table_head(lines, self%columns%name)
+        text = table_head(lines, self%columns%name)
+        if (self%is_part()) text = '# ' // self%part // new_line('a') // text
     end function head
 
 end module spintop_netcdf_description

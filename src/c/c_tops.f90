@@ -1,16 +1,17 @@
 !> Many undamped symmetric tops together for C, from arrays to arrays. `include/spintop.h` describes the function.
 module spintop_c_tops
-    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_long_long, c_null_char, c_ptr
+    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_long_long, c_ptr
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_arithmetic, only: default_arithmetic_t
     use spintop_c_error, only: hand_error
-    use spintop_c_text, only: is_any_null
+    use spintop_c_text, only: is_any_null, take_texts
     use spintop_errors, only: error_t, exit_input
     use spintop_exact_block, only: block_size, exact_block_t
     use spintop_exact_cases, only: exact_cases_t
     use spintop_kinds, only: dp, no_number
     use spintop_options, only: most_threads
     use spintop_status, only: status_ok
+    use spintop_text, only: string_t
     !$ use omp_lib, only: omp_get_max_threads
     implicit none
     private
@@ -132,27 +133,19 @@ contains
         character(*), intent(in) :: known(:)
         type(array_t), allocatable, intent(out) :: arrays(:)
         type(error_t), allocatable, intent(inout) :: problem
+        type(string_t), allocatable :: texts(:)
         character(name_length) :: name
-        character(c_char), pointer :: letters(:)
         integer :: i, k
 
         allocate (arrays(max(0, count)))
         if (is_any_null(names, int(count))) problem = error_t(exit_input, 'the name of an array is null')
         if (allocated(problem)) return
+        call take_texts(names, size(arrays), texts)
         do i = 1, count
-            call c_f_pointer(array_at(names, i), letters, [name_length + 1])
-            name = ''
-            do k = 1, name_length
-                if (letters(k) == c_null_char) exit
-                name(k:k) = letters(k)
-            end do
-            if (k > name_length) then
-                if (letters(k) /= c_null_char) name(name_length - 2:) = '...'
-            end if
-            do k = 1, size(known)
-                if (known(k) == name) arrays(i)%place = k
-            end do
+            arrays(i)%place = findloc(known == texts(i)%text, .true., dim=1)
             if (arrays(i)%place > 0) cycle
+            name = texts(i)%text
+            if (len(texts(i)%text) > name_length) name(name_length - 2:) = '...'
             problem = error_t(exit_input, "'" // trim(name) // "' is none of " // trim(known(1)))
             do k = 2, size(known)
                 problem%message = problem%message // ', ' // trim(known(k))

@@ -15,6 +15,7 @@ submodule(spintop_statistics_netcdf) statistics_netcdf_written
     use spintop_netcdf_grid, only: netcdf_name, netcdf_unit
     use spintop_statistics_result, only: columns_before, index_cells, index_row, result_columns, result_row
     use spintop_table_column, only: table_column_t
+    use spintop_text, only: split, string_t
     implicit none
 
     character, parameter :: nl = new_line('a')
@@ -96,24 +97,21 @@ contains
     subroutine add_facts(file, head)
         type(netcdf_file_t), intent(inout) :: file
         character(*), intent(in) :: head
-        character(*), parameter :: begin_input = '# input:' // nl, begin_columns = '# columns:' // nl, mark = '# '
+        type(string_t), allocatable :: lines(:)
         character(:), allocatable :: input
-        integer :: first, last, colon
+        integer :: i, colon
 
         call add_text(file, nf90_global, 'Conventions', 'CF-1.8')
-        first = 1
-        do while (first < index(head, begin_input))
-            last = first + index(head(first:), nl) - 2
-            colon = index(head(first:last), ': ') + first - 1
-            if (colon > first) call add_text(file, nf90_global, head(first + len(mark):colon - 1), head(colon + 2:last))
-            first = last + 2
+        call split(head, nl, lines, keeps_blanks=.true.)
+        do i = 1, size(lines)
+            if (lines(i)%text == '# input:') exit
+            colon = index(lines(i)%text, ': ')
+            if (colon > 0) call add_text(file, nf90_global, lines(i)%text(len('# ') + 1:colon - 1), lines(i)%text(colon + 2:))
         end do
-        first = index(head, begin_input) + len(begin_input)
         input = ''
-        do while (first < index(head, begin_columns))
-            last = first + index(head(first:), nl) - 2
-            input = input // head(min(first + len(mark) + 4, last + 1):last) // nl
-            first = last + 2
+        do i = i + 1, size(lines)
+            if (lines(i)%text == '# columns:') exit
+            input = input // lines(i)%text(min(len('#     '), len(lines(i)%text)) + 1:) // nl
         end do
         if (input /= '') call add_text(file, nf90_global, 'input', input(:len(input) - 1))
     end subroutine add_facts

@@ -1,8 +1,13 @@
 !> A table that grows for a long time and survives an interrupted run: a signal, a full disk, a power failure.
 !> The journal next to the part records how many bytes of the part are on the disk. A later run truncates the
-!> part to that size and resumes there.
+!> part to that size and resumes there. What is there when a table is started, and what comes of it:
 !>
-!> call table%start(path, head, resume, restart, error)   ! then as in spintop_row_table
+!>     part and journal, `resume`     rows go on behind the last entry ----+--> finish: the table, nothing beside it
+!>     anything else, or `restart`    a new part, an entry of no rows -----+--> abandon: part and journal
+!>     the table, `resume`            is_complete: nothing is to be done
+!>     part and journal, neither      an error: the rows would be lost
+!>
+!>     call table%start(path, head, resume, restart, error)   ! then as in spintop_row_table
 module spintop_growing_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_clock, only: seconds

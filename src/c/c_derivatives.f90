@@ -106,11 +106,7 @@ contains
         type(case_t) :: case
         type(plan_t) :: plan
 
-        if (present(accuracy)) then
-            call key%plan_at(job%scene, value, scene, case, plan, exists, job%plan, accuracy)
-        else
-            call key%plan_at(job%scene, value, scene, case, plan, exists)
-        end if
+        call key%plan_at(job%scene, value, scene, case, plan, exists, job%plan, accuracy)
         if (.not. exists) return
         case%t_end = job%case%t_end ! steps of fixed size stay where they are
         call motion%prepare(case, plan, columns)

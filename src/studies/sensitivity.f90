@@ -193,7 +193,7 @@ contains
     end function unit_per
 
     !> Plans the motion of a scene in which the key has another value, if there is such a motion.
-    subroutine plan_at(self, scene, value, varied, case, plan, exists, unlike, number)
+    subroutine plan_at(self, scene, value, varied, case, plan, exists, given, number)
         class(sensitive_key_t), intent(in) :: self
         type(scene_t), target, intent(in) :: scene !! contents of the input, of which the key is a number
         real(dp), intent(in) :: value !! the other value
@@ -201,14 +201,14 @@ contains
         type(case_t), intent(out) :: case !! its body, start and span
         type(plan_t), intent(out) :: plan !! its model and method
         logical, intent(out) :: exists !! whether there is such a motion
-        type(plan_t), intent(in), optional :: unlike !! the plan of the scene, for another accuracy of its method
-        integer, intent(in), optional :: number !! which of the other accuracies
+        type(plan_t), intent(in) :: given !! the plan of the scene
+        integer, intent(in), optional :: number !! of another accuracy of its method
         type(number_slot_t) :: slot
         type(problems_t) :: problems
 
         allocate (varied, source=scene)
         varied%certified = .false.
-        if (present(unlike)) call take_other_accuracy(varied, unlike, number, keeps_rows=.true.)
+        if (present(number)) call take_other_accuracy(varied, given, number, keeps_rows=.true.)
         slot = self%slot%in_copy(c_loc(scene), c_loc(varied), storage_size(scene))
         call slot%put(value)
         call make_case(varied, case, problems)

@@ -3,7 +3,7 @@ module spintop_checksum
     use, intrinsic :: iso_c_binding, only: c_char, c_int64_t, c_long_long
     implicit none
     private
-    public :: checksum_t, add_to_checksum, checksum_text, checksum_width
+    public :: checksum_t, add_to_checksum, checksum_text, checksum_of, checksum_width
 
     !> Number of characters of a checksum as text.
     integer, parameter :: checksum_width = 16
@@ -45,5 +45,14 @@ contains
         character(checksum_width) :: text
         write (text, '(z16.16)') c_value(self)
     end function checksum_text
+
+    !> The checksum of a text.
+    function checksum_of(text)
+        character(*), intent(in) :: text !! all bytes
+        character(checksum_width) :: checksum_of
+        type(checksum_t) :: checksum
+        call add_to_checksum(checksum, text)
+        checksum_of = checksum_text(checksum)
+    end function checksum_of
 
 end module spintop_checksum

@@ -10,7 +10,7 @@
 !>     end: BB67AE8584CAA73B             (checksum of the lines above)
 module spintop_journal
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_checksum, only: add_to_checksum, checksum_t, checksum_text, checksum_width
+    use spintop_checksum, only: checksum_of, checksum_width
     use spintop_errors, only: error_t
     use spintop_files, only: file_exists, read_file, remove_file, replace_file, sync_folder_of
     use spintop_status, only: last_status
@@ -132,7 +132,6 @@ contains
         type(journal_entry_t), intent(in) :: entry
         character(:), allocatable, intent(out) :: text
         character(1024) :: room
-        type(checksum_t) :: checksum
         character, parameter :: nl = new_line('a')
         integer :: i
 
@@ -145,8 +144,7 @@ contains
             write (room, state_format) entry%state, entry%state_checksum
             text = text // state_key // trim(room) // nl
         end if
-        call add_to_checksum(checksum, text)
-        text = text // 'end: ' // checksum_text(checksum) // nl
+        text = text // 'end: ' // checksum_of(text) // nl
     end subroutine compose
 
 end module spintop_journal

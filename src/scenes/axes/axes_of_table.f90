@@ -7,7 +7,7 @@ module spintop_axes_of_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_axis_entry, only: count_axes, find_swept
-    use spintop_checksum, only: checksum_t, checksum_text, add_to_checksum
+    use spintop_checksum, only: checksum_of
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t
     use spintop_parameters, only: parameter_table_t, unset_integer
@@ -33,7 +33,6 @@ contains
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(table_walk_t) :: walk
         type(error_t), allocatable :: error
-        type(checksum_t) :: sum
         logical :: has_lines, refused
 
         call check_scene(scene, problems)
@@ -42,12 +41,11 @@ contains
             call problems%add('sweep.table', error%message, 'its path is relative to the folder of the input')
             return
         end if
-        call add_to_checksum(sum, walk%text)
         if (scene%sweep_table_checksum == '') then
-            scene%sweep_table_checksum = checksum_text(sum)
-        else if (scene%sweep_table_checksum /= checksum_text(sum)) then
+            scene%sweep_table_checksum = checksum_of(walk%text)
+        else if (scene%sweep_table_checksum /= checksum_of(walk%text)) then
             call problems%add('sweep.table_checksum', 'the table has changed: its checksum is ' &
-                              // checksum_text(sum), 'omit the checksum to accept any table')
+                              // checksum_of(walk%text), 'omit the checksum to accept any table')
         end if
         if (.not. has_lines) return
         call read_head(walk, scene, table, axes%axis, diagnostics, refused)

@@ -3,7 +3,7 @@
 module spintop_motion_table
     use spintop_archive, only: archive_t
     use spintop_certificate, only: proof_words
-    use spintop_checksum, only: add_to_checksum, checksum_t, checksum_text
+    use spintop_checksum, only: checksum_of
     use spintop_errors, only: error_t
     use spintop_files, only: file_exists, read_file, replace_file
     use spintop_growing_table, only: growing_table_t, refusal
@@ -161,7 +161,6 @@ contains
         type(archive_t), intent(in) :: archive !! the state
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(journal_entry_t) :: entry
-        type(checksum_t) :: checksum
         character(:), allocatable :: path
         logical :: due
 
@@ -171,9 +170,8 @@ contains
         call self%rows_table%begin_state(entry%state, path)
         associate (bytes => archive%bytes(:archive%length))
             call replace_file(path, bytes, error)
-            call add_to_checksum(checksum, bytes)
+            entry%state_checksum = checksum_of(bytes)
         end associate
-        entry%state_checksum = checksum_text(checksum)
         if (.not. allocated(error)) call self%rows_table%keep_entry(entry, error)
         call self%rows_table%end_entry()
     end subroutine keep_state
@@ -183,7 +181,6 @@ contains
         class(motion_table_t), intent(in) :: self
         type(archive_t), allocatable, intent(out) :: archive !! gives the state back
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        type(checksum_t) :: checksum
         character(:), allocatable :: text
 
         associate (entry => self%rows_table%resumed)
@@ -197,8 +194,7 @@ contains
                 error = refusal(self%path, error%message)
                 return
             end if
-            call add_to_checksum(checksum, text)
-            if (checksum_text(checksum) /= entry%state_checksum) then
+            if (checksum_of(text) /= entry%state_checksum) then
                 error = refusal(self%path, state_of(self%path, entry%state) // ' was changed after it was written')
                 return
             end if

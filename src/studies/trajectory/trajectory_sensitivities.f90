@@ -98,11 +98,7 @@ contains
         logical :: exists
         integer :: i, stride
 
-        if (present(accuracy)) then
-            call key%plan_at(job%scene, value, scene, case, plan, exists, job%plan, accuracy)
-        else
-            call key%plan_at(job%scene, value, scene, case, plan, exists)
-        end if
+        call key%plan_at(job%scene, value, scene, case, plan, exists, job%plan, accuracy)
         if (.not. exists) return
         ! Where each step is a row, smaller steps are more rows.
         stride = max(1, (plan%samples - 1) / (job%plan%samples - 1))

@@ -9,40 +9,38 @@ static void polar(acb_t value, const arb_t size, const arb_t phase, slong bits) 
 }
 
 // The part of M+ or M- that does not vanish identically where it is real or imaginary, with the sign of its turns.
-static void real_part(arb_t part, const top_components *c, int is_plus, int is_dual) {
-    if (is_plus) arb_set(part, is_dual ? acb_imagref(c->plus) : acb_realref(c->plus));
-    else arb_set(part, acb_realref(c->minus));
+static void real_part(arb_t part, const top_components *c, int side, int is_dual) {
+    acb_srcptr value = c->value + side;
+    arb_set(part, side == PLUS && is_dual ? acb_imagref(value) : acb_realref(value));
     if (c->is_odd) arb_neg(part, part);
 }
 
-// One component, q0 + i q3 or q1 + i q2, and its phase. `size` is its modulus at the start, `phase` its phase there.
-static int component(acb_t value, arb_t phase, const top_motion *m, const top_components *now, int is_plus, const arb_t size,
-                     const arb_t time) {
+// One component, q0 + i q3 or q1 + i q2, and its phase, of which `phase` is that at the start.
+static int component(acb_t value, arb_t phase, const top_motion *m, const top_components *now, int side, const arb_t time) {
     const top_components *first = &m->first;
     const slong bits = m->bits;
-    const int starts_here = m->pole == (is_plus ? -1 : 1);
+    const int starts_here = m->pole == (side == PLUS ? -1 : 1);
     int is_known = 1;
+    arb_srcptr size = BALL(m, cosine) + side;
     arb_t factor, other;
     arb_init(factor), arb_init(other);
-    if (!m->is_plane) arb_addmul(phase, is_plus ? BALL(m, kappa_plus) : BALL(m, kappa_minus), time, bits);
-    else if (is_plus) arb_addmul(phase, BALL(m, half), time, bits);
+    if (!m->is_plane) arb_addmul(phase, BALL(m, kappa_plus) + side, time, bits);
+    else if (side == PLUS) arb_addmul(phase, BALL(m, half), time, bits);
     else arb_submul(phase, BALL(m, half), time, bits);
     if (starts_here) {
-        real_part(factor, now, is_plus, m->is_dual);
+        real_part(factor, now, side, m->is_dual);
         arb_div(factor, factor, BALL(m, start_rate), bits), arb_mul(factor, factor, BALL(m, theta_rate), bits);
         arb_mul_2exp_si(factor, factor, -1);
-        if (is_plus) arb_neg(factor, factor);
-    } else if (m->is_plane && (is_plus || m->meets_top)) {
-        real_part(factor, now, is_plus, m->is_dual), real_part(other, first, is_plus, m->is_dual);
+        if (side == PLUS) arb_neg(factor, factor);
+    } else if (m->is_plane && (side == PLUS || m->meets_top)) {
+        real_part(factor, now, side, m->is_dual), real_part(other, first, side, m->is_dual);
         arb_div(factor, factor, other, bits), arb_mul(factor, factor, size, bits);
     } else {
-        acb_abs(factor, is_plus ? now->plus : now->minus, bits);
-        acb_abs(other, is_plus ? first->plus : first->minus, bits);
+        acb_abs(factor, now->value + side, bits), acb_abs(other, first->value + side, bits);
         arb_div(factor, factor, other, bits), arb_mul(factor, factor, size, bits);
         if (!m->is_plane) {
-            is_known = is_plus ? now->knows_plus && first->knows_plus : now->knows_minus && first->knows_minus;
-            arb_add(phase, phase, is_plus ? now->turn_plus : now->turn_minus, bits);
-            arb_sub(phase, phase, is_plus ? first->turn_plus : first->turn_minus, bits);
+            is_known = now->is_known[side] && first->is_known[side];
+            arb_add(phase, phase, now->turn + side, bits), arb_sub(phase, phase, first->turn + side, bits);
         }
     }
     polar(value, factor, phase, bits);
@@ -60,8 +58,8 @@ static int nutating(acb_t upper, acb_t lower, arb_t plus, arb_t minus, const top
     arb_mul(z, BALL(m, zeta), time, bits), arb_add(z, z, BALL(m, z0), bits);
     is_known = ball_components(&now, m, z);
     if (is_known) {
-        is_known = component(upper, plus, m, &now, 1, BALL(m, cosine), time);
-        is_known = component(lower, minus, m, &now, 0, BALL(m, sine), time) && is_known;
+        is_known = component(upper, plus, m, &now, PLUS, time);
+        is_known = component(lower, minus, m, &now, MINUS, time) && is_known;
     }
     ball_components_clear(&now), arb_clear(z);
     return is_known;
@@ -104,8 +102,7 @@ static void angles_of(arb_ptr answer, slong bits) {
     acb_t upper, lower, product;
     arb_t pi;
     acb_init(upper), acb_init(lower), acb_init(product), arb_init(pi);
-    arb_set(acb_realref(upper), answer + Q0), arb_set(acb_imagref(upper), answer + Q3);
-    arb_set(acb_realref(lower), answer + Q1), arb_set(acb_imagref(lower), answer + Q2);
+    acb_set_arb_arb(upper, answer + Q0, answer + Q3), acb_set_arb_arb(lower, answer + Q1, answer + Q2);
     for (i = 0; i < 2; i++, acb_conj(lower, lower)) {
         arb_ptr angle = answer + which[i];
         acb_mul(product, upper, lower, bits);

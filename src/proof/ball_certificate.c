@@ -36,7 +36,7 @@ void spintop_proof_close(top_proof *proof) {
         top_motion *m = proof->motion[level];
         if (!m) continue;
         for (i = 0; i < BALLS; i++) arb_clear(m->ball + i);
-        acb_clear(m->w_plus), acb_clear(m->w_minus);
+        acb_clear(m->w + PLUS), acb_clear(m->w + MINUS);
         ball_components_clear(&m->first);
         free(m);
     }
@@ -63,7 +63,7 @@ static top_motion *motion_at_level(top_proof *proof, int level) {
     m = proof->motion[level] = calloc(1, sizeof *m);
     if (!m) return NULL;
     for (i = 0; i < BALLS; i++) arb_init(m->ball + i);
-    acb_init(m->w_plus), acb_init(m->w_minus);
+    acb_init(m->w + PLUS), acb_init(m->w + MINUS);
     ball_components_init(&m->first);
     m->bits = precisions[level];
     *reason = proof->data.given & FREE_BODY ? ball_free_body(m, &proof->data) : ball_start(m, &proof->data);
@@ -79,7 +79,7 @@ static top_motion *motion_at_level(top_proof *proof, int level) {
 // The rotation from the attitude q to the printed one, which is normalised, as upper bound of its angle.
 static double turn_between(arb_srcptr q, const double printed[], slong bits) {
     arb_ptr t = _arb_vec_init(4), length = t, chord = t + 1, part = t + 2, other = t + 3;
-    double least = INFINITY, size;
+    double least = INFINITY;
     int i, side;
     arf_t bound;
     arf_init(bound);
@@ -95,9 +95,7 @@ static double turn_between(arb_srcptr q, const double printed[], slong bits) {
         arb_get_abs_ubound_arf(bound, chord, bits), arb_set_arf(chord, bound);
         arb_sqrt(chord, chord, bits), arb_mul_2exp_si(chord, chord, -1);
         arb_asin(chord, chord, bits), arb_mul_2exp_si(chord, chord, 2);
-        arb_get_abs_ubound_arf(bound, chord, bits);
-        size = arb_is_finite(chord) ? arf_get_d(bound, ARF_RND_UP) : INFINITY;
-        if (size < least) least = size;
+        if (arb_is_finite(chord)) least = fmin(least, ball_most(chord));
     }
     arf_clear(bound);
     _arb_vec_clear(t, 4);
@@ -152,15 +150,12 @@ static int find_turns(arb_ptr answer, top_proof *proof, const top_motion *m, dou
 static double bound_of(arb_srcptr answer, int which, double printed[], int certified, slong bits) {
     double bound;
     arb_t off;
-    arf_t size;
     if (which == ORIENTATION) return turn_between(answer, printed, bits);
     if (certified) printed[which] = arf_get_d(arb_midref(answer + which), ARF_RND_NEAR);
     if (!isfinite(printed[which])) return INFINITY;
-    arb_init(off), arf_init(size);
-    arb_set_d(off, printed[which]), arb_sub(off, off, answer + which, bits + 64);
-    arb_get_abs_ubound_arf(size, off, bits);
-    bound = arf_get_d(size, ARF_RND_UP);
-    arb_clear(off), arf_clear(size);
+    arb_init(off), arb_set_d(off, printed[which]), arb_sub(off, off, answer + which, bits + 64);
+    bound = ball_most(off);
+    arb_clear(off);
     return bound;
 }
 

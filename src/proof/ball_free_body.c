@@ -300,8 +300,7 @@ void ball_free_attitude(acb_t upper, acb_t lower, const top_motion *m, const arb
         }
         rotate(q, half, time, bits);
     }
-    arb_set(acb_realref(upper), q), arb_set(acb_imagref(upper), q + 3);
-    arb_set(acb_realref(lower), q + 1), arb_set(acb_imagref(lower), q + 2);
+    acb_set_arb_arb(upper, q, q + 3), acb_set_arb_arb(lower, q + 1, q + 2);
     _arb_vec_clear(t, 16);
 }
 #endif

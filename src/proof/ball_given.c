@@ -40,8 +40,7 @@ static void find_scale(arb_t scale, arb_srcptr q, const top_data *data, slong bi
 static void find_tilt(acb_t tilt, arb_srcptr q) {
     acb_t lower;
     acb_init(lower);
-    arb_set(acb_realref(tilt), q), arb_set(acb_imagref(tilt), q + 3);
-    arb_set(acb_realref(lower), q + 1), arb_neg(acb_imagref(lower), q + 2);
+    acb_set_arb_arb(tilt, q, q + 3), acb_set_arb_arb(lower, q + 1, q + 2), acb_conj(lower, lower);
     acb_mul(tilt, tilt, lower, ARF_PREC_EXACT);
     acb_clear(lower);
 }
@@ -121,7 +120,7 @@ static int find_argument(arb_t angle, const arb_t x, const arb_t y, double near,
     int is_near;
     acb_init(turned), acb_init(back);
     arb_set_d(angle, -near), arb_sin_cos(acb_imagref(back), acb_realref(back), angle, bits);
-    arb_set(acb_realref(turned), x), arb_set(acb_imagref(turned), y), acb_mul(turned, turned, back, bits);
+    acb_set_arb_arb(turned, x, y), acb_mul(turned, turned, back, bits);
     is_near = arb_is_positive(acb_realref(turned));
     acb_arg(angle, turned, bits);
     arb_set_d(acb_realref(back), near), arb_add(angle, angle, acb_realref(back), bits);
@@ -143,14 +142,14 @@ static int take_angles(top_motion *m, arb_ptr q, const top_data *data) {
     if (m->pole != -1 && !find_argument(sum, q, q + 3, near[0], bits)) m->is_negated = 1;
     if (m->pole != 1 && !find_argument(difference, q + 1, q + 2, near[1], bits)) m->is_negated = 1;
     if (m->is_negated) {
-        for (i = 0; i < 4; i++) arb_neg(q + i, q + i);
+        _arb_vec_neg(q, q, 4);
         if (m->pole != -1) is_known = find_argument(sum, q, q + 3, near[0], bits);
         if (m->pole != 1) is_known = find_argument(difference, q + 1, q + 2, near[1], bits) && is_known;
     }
     if (m->pole) {
         acb_t omega;
         acb_init(omega);
-        arb_set(acb_realref(omega), BALL(m, omega1)), arb_set(acb_imagref(omega), BALL(m, omega2));
+        acb_set_arb_arb(omega, BALL(m, omega1), BALL(m, omega2));
         acb_arg(psi, omega, bits), arb_neg(psi, psi);
         if (m->pole > 0) arb_sub(difference, sum, psi, bits);
         else arb_add(sum, difference, psi, bits);
@@ -182,7 +181,7 @@ int ball_given_top(top_motion *m, const top_data *data) {
         acb_mul_arb(tilt, tilt, term, bits);
     }
     m->pole = (arb_is_zero(q + 1) && arb_is_zero(q + 2)) - (arb_is_zero(q) && arb_is_zero(q + 3));
-    arb_set(acb_realref(rate), omega), arb_set(acb_imagref(rate), omega + 1);
+    acb_set_arb_arb(rate, omega, omega + 1);
     if (m->pole) acb_abs(BALL(m, theta_rate), rate, bits);
     acb_mul(rate, rate, tilt, ARF_PREC_EXACT), acb_mul_2exp_si(rate, rate, 1);
     arb_sqr(term, scale, bits), acb_mul_arb(rate, rate, term, bits);

@@ -82,22 +82,17 @@ static void find_phases(top_motion *m, arb_ptr t, const arb_t quarter) {
 // What follows from the phases: steps per nutation, and the rates kappa+ and kappa-.
 static void find_rates(top_motion *m, arb_ptr t) {
     const slong bits = m->bits;
-    arb_ptr term = t + TERM, pi = t + OTHER;
-    arb_const_pi(pi, bits);
-    arb_set(BALL(m, jump_plus), pi), arb_set(BALL(m, jump_minus), pi);
-    if (m->is_dual) {
-        arb_mul_2exp_si(term, BALL(m, nu_plus), 1), arb_sub(BALL(m, jump_plus), pi, term, bits);
-        arb_mul_2exp_si(term, BALL(m, nu_minus), 1), arb_sub(BALL(m, jump_minus), pi, term, bits);
-    }
-    arb_mul_si(BALL(m, jump_plus), BALL(m, jump_plus), m->sign_plus, bits);
-    arb_mul_si(BALL(m, jump_minus), BALL(m, jump_minus), m->sign_minus, bits);
+    arb_ptr term = t + TERM;
+    int side;
     ball_theta_start(m);
-    arb_mul(BALL(m, slope_plus), BALL(m, slope_plus), BALL(m, zeta), bits);
-    arb_mul(BALL(m, slope_minus), BALL(m, slope_minus), BALL(m, zeta), bits);
-    arb_div(term, BALL(m, b_plus_a), t + P2, bits), arb_mul_2exp_si(term, term, -1);
-    arb_sub(BALL(m, slope_plus), term, BALL(m, slope_plus), bits);
-    arb_div(term, BALL(m, b_minus_a), t + M1, bits), arb_mul_2exp_si(term, term, -1);
-    arb_sub(BALL(m, slope_minus), term, BALL(m, slope_minus), bits);
+    for (side = PLUS; side < SIDES; side++) {
+        arb_ptr jump = BALL(m, jump_plus) + side, slope = BALL(m, slope_plus) + side;
+        arb_const_pi(jump, bits), arb_mul_2exp_si(term, BALL(m, nu_plus) + side, 1);
+        if (m->is_dual) arb_sub(jump, jump, term, bits);
+        arb_mul_si(jump, jump, m->sense[side], bits), arb_mul(slope, slope, BALL(m, zeta), bits);
+        arb_div(term, BALL(m, b_plus_a) + side, t + (side == PLUS ? P2 : M1), bits), arb_mul_2exp_si(term, term, -1);
+        arb_sub(slope, term, slope, bits);
+    }
     if (m->meets_top) arb_zero(BALL(m, slope_minus));
     if (m->meets_bottom) arb_zero(BALL(m, slope_plus));
     arb_add(BALL(m, kappa_plus), BALL(m, slope_plus), BALL(m, half), bits);
@@ -110,7 +105,7 @@ int ball_phases(top_motion *m) {
     arb_t quarter, dual, c;
     arb_ptr t = _arb_vec_init(DISTANCES);
     arb_init(quarter), arb_init(dual), arb_init(c);
-    m->sign_plus = ball_sign(BALL(m, b_plus_a)), m->sign_minus = ball_sign(BALL(m, b_minus_a));
+    m->sense[PLUS] = ball_sign(BALL(m, b_plus_a)), m->sense[MINUS] = ball_sign(BALL(m, b_minus_a));
     find_distances(t, m);
     m->is_dual = arf_cmp_d(arb_midref(t + K2), 0.5) > 0;
     arb_const_pi(c, bits);
@@ -136,7 +131,7 @@ int ball_phases(top_motion *m) {
     arb_mul(BALL(m, nu_plus), BALL(m, nu_plus), c, bits), arb_mul(BALL(m, nu_minus), BALL(m, nu_minus), c, bits);
     arb_mul(BALL(m, z0), BALL(m, z0), c, bits);
     if (m->meets_bottom) arb_zero(BALL(m, nu_plus));
-    reason = m->sign_plus && m->sign_minus ? PROVED : UNDECIDED_SIGN;
+    reason = m->sense[PLUS] && m->sense[MINUS] ? PROVED : UNDECIDED_SIGN;
     if (!(arb_is_finite(BALL(m, nu_plus)) && arb_is_finite(BALL(m, nu_minus)) && arb_is_finite(BALL(m, z0))))
         reason = UNDECIDED_BRANCH;
     if (reason == PROVED) {

@@ -118,37 +118,41 @@ static void find_nome(top_motion *m) {
     }
 }
 
+// The theta function of a component, and that of the divisor of both.
+static int function_of(const top_motion *m, int side) { return side == PLUS ? 1 : m->is_dual ? 4 : 2; }
+
+static int divisor_of(const top_motion *m) { return m->is_dual ? 2 : 4; }
+
 void ball_theta_start(top_motion *m) {
     const slong bits = m->bits;
     acb_t w;
     arb_t half;
+    int side;
     acb_init(w), arb_init(half);
     find_nome(m);
-    across_axis(m->w_plus, m, BALL(m, nu_plus), m->sign_plus);
-    across_axis(m->w_minus, m, BALL(m, nu_minus), m->sign_minus);
+    for (side = PLUS; side < SIDES; side++) across_axis(m->w + side, m, BALL(m, nu_plus) + side, m->sense[side]);
     if (m->is_dual) {
         arb_mul_2exp_si(half, BALL(m, height), -1);
-        along_axis(w, m, half, m->sign_plus), acb_mul(w, w, m->w_plus, bits);
+        along_axis(w, m, half, m->sense[PLUS]), acb_mul(w, w, m->w + PLUS, bits);
     } else {
-        acb_mul_onei(w, m->w_plus);
+        acb_mul_onei(w, m->w + PLUS);
     }
-    log_slope(BALL(m, slope_plus), m, 1, w, m->sign_plus);
-    log_slope(BALL(m, slope_minus), m, m->is_dual ? 4 : 2, m->w_minus, m->sign_minus);
+    log_slope(BALL(m, slope_plus), m, function_of(m, PLUS), w, m->sense[PLUS]);
+    log_slope(BALL(m, slope_minus), m, function_of(m, MINUS), m->w + MINUS, m->sense[MINUS]);
     acb_clear(w), arb_clear(half);
 }
 
 void ball_pole_rate(arb_t rate, const top_motion *m) {
     const slong bits = m->bits;
-    const int sign = m->pole > 0 ? m->sign_minus : m->sign_plus;
-    const int which = m->pole < 0 ? 1 : m->is_dual ? 4 : 2;
+    const int side = m->pole > 0 ? MINUS : PLUS, sign = m->sense[side];
     acb_t w, value, slope, down;
     acb_init(w), acb_init(value), acb_init(slope), acb_init(down);
-    along_axis(w, m, BALL(m, z0), sign), theta(value, slope, m, which, w, !m->is_dual);
+    along_axis(w, m, BALL(m, z0), sign), theta(value, slope, m, function_of(m, side), w, !m->is_dual);
     if (m->is_dual) acb_mul_onei(slope, slope), acb_mul_si(slope, slope, sign, bits);
-    along_axis(w, m, BALL(m, z0), 1), theta(down, NULL, m, m->is_dual ? 2 : 4, w, !m->is_dual);
+    along_axis(w, m, BALL(m, z0), 1), theta(down, NULL, m, divisor_of(m), w, !m->is_dual);
     acb_div(slope, slope, down, bits);
     // M+ of form b is imaginary there: its real counterpart is its imaginary part, as in ball_attitude.
-    arb_mul(rate, m->is_dual && m->pole < 0 ? acb_imagref(slope) : acb_realref(slope), BALL(m, zeta), bits);
+    arb_mul(rate, m->is_dual && side == PLUS ? acb_imagref(slope) : acb_realref(slope), BALL(m, zeta), bits);
     acb_clear(w), acb_clear(value), acb_clear(slope), acb_clear(down);
 }
 
@@ -173,11 +177,13 @@ static int argument(arb_t turn, const acb_t value, const arb_t line, const fmpz_
 }
 
 void ball_components_init(top_components *c) {
-    acb_init(c->plus), acb_init(c->minus), arb_init(c->turn_plus), arb_init(c->turn_minus);
+    int side;
+    for (side = PLUS; side < SIDES; side++) acb_init(c->value + side), arb_init(c->turn + side);
 }
 
 void ball_components_clear(top_components *c) {
-    acb_clear(c->plus), acb_clear(c->minus), arb_clear(c->turn_plus), arb_clear(c->turn_minus);
+    int side;
+    for (side = PLUS; side < SIDES; side++) acb_clear(c->value + side), arb_clear(c->turn + side);
 }
 
 // z reduced by whole half periods, and their number. 0 if there is none.
@@ -195,29 +201,26 @@ static int reduce(arb_t z, fmpz_t turns, const top_motion *m, const arb_t phase)
 
 int ball_components(top_components *c, const top_motion *m, const arb_t phase) {
     const slong bits = m->bits;
-    int is_finite;
-    arb_ptr t = _arb_vec_init(4);
-    arb_ptr z = t, half = t + 1, line_plus = t + 2, line_minus = t + 3;
+    int is_finite, side;
+    arb_ptr t = _arb_vec_init(3), z = t, half = t + 1, line = t + 2;
     acb_t down, w, with_pole;
     fmpz_t turns;
     acb_init(down), acb_init(w), acb_init(with_pole), fmpz_init(turns);
     is_finite = reduce(z, turns, m, phase);
-    if (is_finite) {
-        along_axis(w, m, z, 1), theta(down, NULL, m, m->is_dual ? 2 : 4, w, !m->is_dual);
-        if (m->is_dual) along_axis(w, m, z, m->sign_plus);
-        acb_mul(with_pole, w, m->w_plus, bits), theta(c->plus, NULL, m, 1, with_pole, 0);
-        if (m->is_dual) along_axis(w, m, z, m->sign_minus);
-        acb_mul(with_pole, w, m->w_minus, bits), theta(c->minus, NULL, m, m->is_dual ? 4 : 2, with_pole, 0);
+    if (is_finite) along_axis(w, m, z, 1), theta(down, NULL, m, divisor_of(m), w, !m->is_dual);
+    for (side = PLUS; side < SIDES && is_finite; side++) {
+        acb_ptr value = c->value + side;
+        if (m->is_dual) along_axis(w, m, z, m->sense[side]);
+        acb_mul(with_pole, w, m->w + side, bits), theta(value, NULL, m, function_of(m, side), with_pole, 0);
+        acb_div(value, value, down, bits);
         if (!m->is_dual) {
-            arb_const_pi(half, bits), arb_mul_2exp_si(half, half, -1), arb_sub(line_plus, z, half, bits);
-            arb_mul_si(line_plus, line_plus, m->sign_plus, bits), arb_mul_si(line_minus, z, m->sign_minus, bits);
+            arb_const_pi(half, bits), arb_mul_2exp_si(half, half, -1);
+            arb_sub(line, z, half, bits), arb_mul_si(line, side == PLUS ? line : z, m->sense[side], bits);
         }
-        acb_div(c->plus, c->plus, down, bits), acb_div(c->minus, c->minus, down, bits);
-        c->knows_plus = argument(c->turn_plus, c->plus, line_plus, turns, BALL(m, jump_plus), bits);
-        c->knows_minus = argument(c->turn_minus, c->minus, line_minus, turns, BALL(m, jump_minus), bits);
+        c->is_known[side] = argument(c->turn + side, value, line, turns, BALL(m, jump_plus) + side, bits);
         c->is_odd = fmpz_is_odd(turns);
     }
-    _arb_vec_clear(t, 4);
+    _arb_vec_clear(t, 3);
     acb_clear(down), acb_clear(w), acb_clear(with_pole), fmpz_clear(turns);
     return is_finite;
 }
@@ -226,10 +229,10 @@ void ball_tumbling_start(top_motion *m, const arb_t nu, int side) {
     acb_t w;
     acb_init(w);
     find_nome(m);
-    across_axis(w, m, nu, -1), log_slope(BALL(m, slope_plus), m, m->is_dual ? 2 : 4, w, 1);
+    across_axis(w, m, nu, -1), log_slope(BALL(m, slope_plus), m, divisor_of(m), w, 1);
     if (m->is_dual) arb_neg(BALL(m, slope_plus), BALL(m, slope_plus));
-    across_axis(m->w_plus, m, nu, side);
-    if (m->is_dual && side < 0) acb_conj(m->w_plus, m->w_plus);
+    across_axis(m->w + PLUS, m, nu, side);
+    if (m->is_dual && side < 0) acb_conj(m->w + PLUS, m->w + PLUS);
     acb_clear(w);
 }
 
@@ -240,8 +243,8 @@ void ball_tumbling(acb_t plus, acb_t minus, fmpz_t turns, const top_motion *m, c
     acb_init(w), arb_init(z);
     fmpz_zero(turns), arb_set(z, phase);
     if (m->is_dual && !arb_is_zero(BALL(m, nome)) && !reduce(z, turns, m, phase)) arb_indeterminate(z);
-    along_axis(w, m, z, 1), acb_mul(w, w, m->w_plus, bits);
-    theta(plus, NULL, m, m->is_dual ? 2 : 4, w, 0), theta(minus, NULL, m, 1, w, 0);
+    along_axis(w, m, z, 1), acb_mul(w, w, m->w + PLUS, bits);
+    theta(plus, NULL, m, divisor_of(m), w, 0), theta(minus, NULL, m, 1, w, 0);
     if (m->is_dual) {
         acb_div_onei(minus, minus);
         if (fmpz_is_odd(turns)) acb_neg(minus, minus);

@@ -11,16 +11,15 @@ enum { MOST_STEPS = 30000 };
 // A component this close to zero, half of the distance through_pole, is on a pole, where phi and psi jump.
 static const double on_pole = 0x1p-36;
 
-// The larger side of a ball, or the smaller of its size, as a double on the safe side.
-static double upper_bound(const arb_t x) {
+double ball_most(const arb_t x) {
     double bound;
     arf_t size;
-    arf_init(size), arb_get_abs_ubound_arf(size, x, 64), bound = arf_get_d(size, ARF_RND_UP);
+    arf_init(size), arb_get_abs_ubound_arf(size, x, ARF_PREC_EXACT), bound = arf_get_d(size, ARF_RND_UP);
     arf_clear(size);
     return bound;
 }
 
-static double lower_bound(const arb_t x) {
+double ball_least(const arb_t x) {
     double bound;
     arf_t size;
     arf_init(size), arb_get_abs_lbound_arf(size, x, 64), bound = arf_get_d(size, ARF_RND_DOWN);
@@ -33,18 +32,18 @@ static double lower_bound(const arb_t x) {
 static double find_speed(const top_motion *m) {
     const slong bits = m->bits;
     const int is_free = m->regime >= ROTATING;
-    double speed, least = lower_bound(BALL(m, i1));
+    double speed, least = ball_least(BALL(m, i1));
     int i;
     arb_ptr t = _arb_vec_init(2), energy = t, term = t + 1;
     for (i = 0; i < 3; i++) {
         arb_srcptr inertia = is_free ? BALL(m, i1) + i : i < 2 ? BALL(m, i1) : BALL(m, i3);
         arb_sqr(term, BALL(m, omega1) + i, bits), arb_addmul(energy, inertia, term, bits);
-        least = fmin(least, lower_bound(inertia));
+        least = fmin(least, ball_least(inertia));
     }
     if (!is_free) arb_abs(term, BALL(m, weight)), arb_mul_2exp_si(term, term, 2), arb_add(energy, energy, term, bits);
     arb_set_d(term, least), arb_div(energy, energy, term, bits);
     arb_sqrt(energy, energy, bits), arb_mul_2exp_si(energy, energy, -1);
-    speed = upper_bound(energy);
+    speed = ball_most(energy);
     _arb_vec_clear(t, 2);
     return isfinite(speed) ? speed : INFINITY;
 }
@@ -59,9 +58,9 @@ static int find_components(ball_turns *there, const top_motion *m, double t) {
     for (i = 0; i < 2 && reason == PROVED; i++) {
         arb_srcptr x = answer + real[i], y = answer + imaginary[i];
         arb_hypot(size, x, y, bits);
-        there->distance[i] = arb_is_finite(size) ? lower_bound(size) : 0;
+        there->distance[i] = arb_is_finite(size) ? ball_least(size) : 0;
         there->angle[i] = atan2(arf_get_d(arb_midref(y), ARF_RND_NEAR), arf_get_d(arb_midref(x), ARF_RND_NEAR));
-        if (arb_is_finite(size) && upper_bound(size) < on_pole) reason = NO_ANGLES;
+        if (arb_is_finite(size) && ball_most(size) < on_pole) reason = NO_ANGLES;
         else if (!(mag_get_d(arb_radref(x)) + mag_get_d(arb_radref(y)) < there->distance[i] / 16)) reason = TOO_WIDE;
     }
     there->time = t;

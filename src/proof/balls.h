@@ -2,7 +2,7 @@
 //
 // u = cos(theta), a = (I3 omega3 + h)/I1, h the momentum of a rotor on the axis, b = Lz/I1, beta = 2 m g l/I1,
 // y = u - u at the start, y1 <= y2 <= y3 the roots of the cubic u'^2. "Plus" is q0 + i q3 and its pole, theta = pi;
-// "minus" is q1 + i q2 and theta = 0.
+// "minus" is q1 + i q2 and theta = 0. What both have are two balls or numbers in this order: BALL(m, nu_plus) + side.
 // In a build without FLINT this header is empty, and balls_absent.c is all there is.
 #ifndef SPINTOP_BALLS_H
 #define SPINTOP_BALLS_H
@@ -49,7 +49,7 @@ typedef struct {
 #define BALL_NAMES(X) \
     X(i1) X(i2) X(i3) X(q0) X(q1) X(q2) X(q3) X(omega1) X(omega2) X(omega3) \
     X(r0) X(r1) X(r2) X(r3) X(weight) X(rotor) X(phi) X(psi) X(phi_rate) X(theta_rate) X(spin) \
-    X(u0) X(sh) X(ch) X(s2) X(sine) X(cosine) X(a) X(beta) X(half) X(swing) X(b_minus_a) X(b_plus_a) \
+    X(u0) X(sh) X(ch) X(s2) X(cosine) X(sine) X(a) X(beta) X(half) X(swing) X(b_plus_a) X(b_minus_a) \
     X(sum) X(difference) X(g0) X(g1) X(g2) X(y1) X(y2) X(y3) X(nu_plus) X(nu_minus) X(zeta) X(z0) X(height) \
     X(jump_plus) X(jump_minus) X(slope_plus) X(slope_minus) X(kappa_plus) X(kappa_minus) X(period) X(omega) X(start_rate) \
     X(tau) X(nome) X(momentum_period) X(momentum_turn)
@@ -62,11 +62,13 @@ enum { BALL_NAMES(AS_INDEX) BALLS };
 // with three different ones.
 enum regime { NUTATING, FREE, STEADY, SLEEPING, ROTATING, CONING, TUMBLING };
 
+enum { PLUS, MINUS, SIDES };
+
 // M+ and M- at a reduced phase, with their continuous arguments.
 typedef struct {
-    acb_t plus, minus;
-    arb_t turn_plus, turn_minus;
-    int knows_plus, knows_minus, is_odd; // whether the arguments are known; (-1)^n of the half periods left out
+    acb_struct value[SIDES];
+    arb_struct turn[SIDES];
+    int is_known[SIDES], is_odd; // whether the arguments are known; (-1)^n of the half periods left out
 } top_components;
 
 // A motion at a precision.
@@ -81,12 +83,12 @@ typedef struct {
     int is_plane;                // a = b = 0 exactly
     int is_dual;                 // form b, by the dual nome
     int meets_pole;              // exactly, or is on it: phi and psi jump there, or do not exist
-    int sign_plus, sign_minus;
-    int body_axis, is_negated; // a top about body x, y, z: 0, 1, 2; computed with the opposite quaternion
-    int axis[3], sign[3];      // of a free body: the axes x, y, z of its momentum, and their signs
+    int sense[SIDES];            // signs of b + a and b - a
+    int body_axis, is_negated;   // a top about body x, y, z: 0, 1, 2; computed with the opposite quaternion
+    int axis[3], sign[3];        // of a free body: the axes x, y, z of its momentum, and their signs
     arb_struct ball[BALLS];
-    acb_t w_plus, w_minus; // the factors e^(i phase) of the poles
-    top_components first;  // at the start
+    acb_struct w[SIDES];  // the factors e^(i phase) of the poles
+    top_components first; // at the start
 } top_motion;
 
 // Whole turns along a motion: where they are counted up to, phi and psi there, and q0 + i q3 and q1 + i q2 by their
@@ -131,7 +133,9 @@ int ball_attitude(arb_ptr answer, const top_motion *m, double t);
 // Whether the closed form gives phi and psi with all their turns; else, whether these can be counted along the motion.
 int ball_knows_turns(const top_motion *m);
 int ball_has_turns(const top_motion *m);
-// ball_turns.c: continues a count of turns to a time. NO_ANGLES if a pole is on the way.
+// ball_turns.c: bounds of the size of a ball; continues a count of turns to a time. NO_ANGLES if a pole is on the way.
+double ball_most(const arb_t x);
+double ball_least(const arb_t x);
 int ball_count_turns(ball_turns *turns, const top_motion *m, const top_data *data, double t);
 // The period of the momentum of a free symmetric body in its axes, and the turn about it, from the moments along and
 // across its axis, omega along it and the size of the momentum.

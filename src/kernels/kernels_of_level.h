@@ -31,24 +31,8 @@
 #include "lane_series.h"
 #include "lane_work.h"
 
+#define PROCEDURE(name, ...) .name = name,
+#define FUNCTION PROCEDURE
 const struct kernels KERNELS = {
-    .expand_body = expand_body,
-    .expand_top = expand_top,
-    .expand_effects = expand_effects,
-    .length_of_step = length_of_step,
-    .add_terms = add_terms,
-    .add_terms_at = add_terms_at,
-    .find_stages = find_stages,
-    .find_effects_stages = find_effects_stages,
-    .sum_stages = sum_stages,
-    .expand_lanes = expand_lanes,
-    .carry_tangents = carry_tangents,
-    .expand_affected_lanes = expand_affected_lanes,
-    .add_lane_work = add_lane_work,
-    .multiply_lanes = multiply_lanes,
-    .multiply_slopes = multiply_slopes,
-    .square_lanes = square_lanes,
-    .find_force_slopes = find_force_slopes,
-    .find_changes = find_changes,
-    .refine_root = refine_root,
+#include "kernel_list.h"
 };

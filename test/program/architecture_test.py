@@ -34,6 +34,7 @@ PLAIN = ("foundation", "system", "input", "tables", "parallel statistics samplin
 MODULE = re.compile(r"^\s*module\s+(?!procedure\b|subroutine\b|function\b)(\w+)\s*$", re.M | re.I)
 USE = re.compile(r"^\s*use\s+(\w+)", re.M | re.I)
 BOUND = re.compile(r"\bbind\(C, name='(\w+)'\)", re.I)
+KERNEL = re.compile(r"^(?:PROCEDURE|FUNCTION)\((\w+),", re.M)
 DEFINED = re.compile(r"^(?!static\b)\w[\w ]*[ *](\w+)\([^;]*?\)\s*\{", re.M)
 PREFIX = r"(?:(?:pure|elemental|impure|recursive|module|integer|logical|\w+\s*\([^)]*\))\s+)*"
 BEGIN = re.compile(rf"^\s*{PREFIX}(?:subroutine|function)\s+(\w+)", re.I)
@@ -89,6 +90,9 @@ class ArchitectureTest(unittest.TestCase):
         for path in [*ROOT.glob("src/**/*.c"), *ROOT.glob("src/**/*.cpp")]:
             text = path.read_text(encoding="utf-8")
             home |= {name.lower(): path for name in DEFINED.findall(text)}
+        kernels = ROOT / "src" / "kernels"
+        listed = KERNEL.findall((kernels / "kernel_list.h").read_text(encoding="utf-8"))
+        home |= {f"spintop_{name}": kernels / "kernels.c" for name in listed}
         return [
             (path, home[name.lower()])
             for path, text in texts.items()

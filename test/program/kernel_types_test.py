@@ -56,8 +56,9 @@ class KernelTypesTest(unittest.TestCase):
     def setUp(self) -> None:
         self.folder = Path(tempfile.mkdtemp())
         self.addCleanup(shutil.rmtree, self.folder)
-        header = (KERNELS / "kernels.h").read_text(encoding="utf-8")
-        self.names = set(re.findall(r"^(?:void|double) (spintop_\w+)\(", header, re.M))
+        kernels = (KERNELS / "kernel_list.h").read_text(encoding="utf-8")
+        names = re.findall(r"^(?:PROCEDURE|FUNCTION)\((\w+),", kernels, re.M)
+        self.names = {f"spintop_{name}" for name in names}
         self.declared: dict[str, str] = {}
         for path in ROOT.glob("src/**/*.f90"):
             for found in DECLARED.finditer(path.read_text(encoding="utf-8")):

@@ -1,0 +1,74 @@
+// All kernels: PROCEDURE(name, (arguments), parameters), or FUNCTION, whose result is a double. Included where they are
+// declared (kernels.h), where a table has the builds for a level (kernels_of_level.h), and where Fortran calls them, by their
+// names with spintop_ before (kernels.c).
+
+// body_series.h, top_series.h: terms of the series of a motion.
+PROCEDURE(expand_body, (order, body, state, share, c), int order, const struct body_products *body, const double *state,
+          const double *share, double *c)
+PROCEDURE(expand_top, (order, linear, weight, share, state, rate, fall, c), int order, const double *linear,
+          const double *weight, const double *share, const double *state, const double *rate, double fall, double *c)
+
+// effects_series.h: the same with effects. `state` has q, U, G, X, Y and the momentum of the rotor.
+PROCEDURE(expand_effects, (order, e, state, pivot, share, c, exists), int order, const struct series_effects *e,
+          const double *state, const double *pivot, const double *share, double *c, int *exists)
+
+// series_terms.h: the time at which the larger of the last two terms reaches the admissible error, not finite if they are not;
+// the change after a time h, the sum of all terms but the first; the changes after several times, of one variable after the
+// other.
+FUNCTION(length_of_step, (order, c, absolute, relative, scale, least, h), int order, const double *c, const double *absolute,
+         const double *relative, const double *scale, double least, double h)
+PROCEDURE(add_terms, (order, c, h, change), int order, const double *c, double h, double *change)
+PROCEDURE(add_terms_at, (order, c, h, change), int order, const double *c, const double *h, double *change)
+
+// body_stages.h: the stages `from` to `to`, counted from zero, of a step of size h from y. Column i of `a`, `stages` apart, has
+// the weights of those before stage i, of which the first and those from number since[i] - 1 on are not zero. Row i of k is the
+// slope of quaternion and momentum. Row i of `aside` is the change of quaternion, angular velocity and vertical at this slope,
+// over the step; the rows before `from` are known, but row 0 is found here.
+PROCEDURE(find_stages, (from, to, body, y, h, stages, a, since, k, aside), int from, int to, const struct stage_factors *body,
+          const double *y, double h, int stages, const double *a, const int *since, double *k, double *aside)
+
+// effects_stages.h: the same with effects, of a step from the time t; c[i] is the time of a stage in the step. The quaternion
+// keeps the norm that it has in y.
+PROCEDURE(find_effects_stages, (from, to, e, t, y, h, a, stride, c, k), int from, int to, const struct stage_effects *e,
+          double t, const double *y, double h, const double *a, int stride, const double *c, double *k)
+
+// stage_sums.h: the change of the state over a step of size h, the state after it, with the rounding error `rest` of that
+// before, and the logarithm to base 2 of its error in units of the tolerance: the root mean square over the states of the
+// errors of the embedded methods, combined to an estimate of order h^8. It is not finite if they are not. `growth` is the
+// factor from this step to the next: `most` and `share` are powers of two, the first if the error is the tolerance, and less by
+// the second times the logarithm of the error. The stages that enter are the first and those from `since` on, counted from one.
+FUNCTION(sum_stages, (since, stages, weight, k, y, rest, h, absolute, relative, states, most, share, change, y_new, growth),
+         int since, int stages, const double *weight, const double *k, const double *y, const double *rest, double h,
+         const double *absolute, const double *relative, int states, double most, double share, double *change, double *y_new,
+         double *growth)
+
+// lane_series.h: terms of the series of motions in lanes, and of their perturbations.
+PROCEDURE(expand_lanes, (order, b, side, state, share, share_rest, c), int order, const struct lane_body *b,
+          const double *side, const double *state, const double *share, const double *share_rest, double *c)
+PROCEDURE(carry_tangents, (order, b, c, duration, pace, number, which, free, change, before, after, whole, last), int order,
+          const struct lane_body *b, const double *c, const double *duration, const double *pace, int number,
+          const int *which, int free, const struct lane_body *change, const double *before, double *after, double *whole,
+          double *last)
+
+// lane_effects.h, lane_work.h: the same with effects, and their work.
+PROCEDURE(expand_affected_lanes, (order, has, e, t, side, state, share, share_rest, c, x), int order,
+          const struct lane_kinds *has, const struct lane_constants *e, const double *t, const double *side,
+          const double *state, const double *share, const double *share_rest, double *c, double *x)
+PROCEDURE(add_lane_work, (order, has, acts, of, duration, c, x, done), int order, const struct lane_kinds *has, const int *acts,
+          const struct lane_work *of, const double *duration, const double *c, const double *x, double *done)
+
+// lane_products.h: products of series in lanes.
+PROCEDURE(multiply_lanes, (degree, x, y, product), int degree, const double *x, const double *y, double *product)
+PROCEDURE(multiply_slopes, (degree, x, y, product), int degree, const double *x, const double *y, double *product)
+PROCEDURE(square_lanes, (degree, x, product), int degree, const double *x, double *product)
+PROCEDURE(find_force_slopes, (degree, arm, power, c, slope, first), int degree, const struct lane_arm *arm, const double *power,
+          const double *c, double *slope, double *first)
+
+// lane_roots.h: where polynomials in lanes pass zero.
+PROCEDURE(find_changes, (n, share, rounding, a, noise, sign, changes, near), int n, const double *share, double rounding,
+          const double *a, double *noise, double *sign, double *changes, double *near)
+PROCEDURE(refine_root, (n, iterations, still, a, u, doubt), int n, int iterations, double still, const double *a, double *u,
+          double *doubt)
+
+#undef PROCEDURE
+#undef FUNCTION

@@ -12,12 +12,17 @@ module spintop_body_of_scene
     use spintop_scene, only: scene_t
     implicit none
     private
-    public :: make_body, is_set
+    public :: make_body, is_set, given, check_axes
 
     !> Tolerance of the triangle inequality in units of rounding, for inertias that satisfy it with equality.
     real(dp), parameter :: triangle_slack = 8 * epsilon(1.0_dp)
     !> Names for messages. They are constants, because threads make bodies: see `status_names`.
     character(*), parameter :: inertia_names(3) = 'top.inertia(' // ['1', '2', '3'] // ')'
+    !> Keys that not every description of a body takes; first the others, then the dimensions of a shape.
+    character(*), parameter :: keys(12) = [character(18) :: 'top.shape', 'top.mass', 'top.inertia', 'top.inertia_tensor', &
+        'top.centre_of_mass', 'top.length', 'top.inertia_about', 'top.density', 'top.radius', 'top.inner_radius', &
+        'top.thickness', 'top.rod_length']
+    integer, parameter :: first_of_numbers = 3, density = 8, first_dimension = 9
 
 contains
 
@@ -26,6 +31,22 @@ contains
         real(dp), intent(in) :: x !! a number
         is_set = x > unset
     end function is_set
+
+    !> A number of a scene that was given, or zero.
+    elemental real(dp) function given(x)
+        real(dp), intent(in) :: x !! a number
+        given = merge(x, 0.0_dp, is_set(x))
+    end function given
+
+    !> Which of the `keys` are given.
+    pure function given_keys(scene) result(are_given)
+        type(scene_t), intent(in) :: scene
+        logical :: are_given(size(keys))
+        are_given = [scene%shape /= shape_by_inertia, is_set(scene%mass), any(is_set(scene%inertia)), &
+                     any(is_set(scene%inertia_tensor)), any(is_set(scene%centre_of_mass)), is_set(scene%length), &
+                     scene%inertia_about /= 'pivot', is_set([scene%density, scene%radius, scene%inner_radius, &
+                                                             scene%thickness, scene%rod_length])]
+    end function given_keys
 
     !> The body of a scene; problems of its description are reported.
     subroutine make_body(scene, body, problems)
@@ -41,7 +62,7 @@ contains
         else
             call take_shape(scene, body, problems)
         end if
-        if (.not. problems%any() .and. body%has_products()) call check_damping(body, problems)
+        if (.not. problems%any()) call check_axes(body, body%damping, 'top.damping', 'the damping differs', problems)
     end subroutine make_body
 
     !> Mass properties that are given as numbers.
@@ -49,12 +70,14 @@ contains
         type(scene_t), intent(in) :: scene
         type(body_t), intent(inout) :: body
         type(problems_t), intent(inout) :: problems
+        integer :: i
 
-        if (is_set(scene%density)) call refuse('top.density', 'is for a shape')
-        if (is_set(scene%radius)) call refuse('top.radius', 'is for a shape')
-        if (is_set(scene%inner_radius)) call refuse('top.inner_radius', 'is for a shape')
-        if (is_set(scene%thickness)) call refuse('top.thickness', 'is for a shape')
-        if (is_set(scene%rod_length)) call refuse('top.rod_length', 'is for a shape')
+        associate (are_given => given_keys(scene))
+            do i = density, size(keys)
+                if (are_given(i)) call problems%add(trim(keys(i)), trim(keys(i)) // ' is for a shape', &
+                                                    "omit it, or name a shape other than 'inertia'")
+            end do
+        end associate
         if (.not. is_set(scene%mass)) call require('top.mass')
         if (any(is_set(scene%inertia_tensor))) then
             call take_tensor(scene, body, problems)
@@ -85,11 +108,6 @@ contains
             call problems%add('top', name // ' is not given', &
                               'it has no default; or name a shape')
         end subroutine require
-
-        subroutine refuse(name, why)
-            character(*), intent(in) :: name, why
-            call problems%add(name, name // ' ' // why, "omit it, or name a shape other than 'inertia'")
-        end subroutine refuse
 
     end subroutine take_inertia
 
@@ -167,43 +185,31 @@ contains
         type(scene_t), intent(in) :: scene
         type(body_t), intent(inout) :: body
         type(problems_t), intent(inout) :: problems
+        integer :: i
 
-        if (scene%shape /= shape_by_inertia) call refuse('top.shape', .true.)
-        call refuse('top.mass', is_set(scene%mass))
-        call refuse('top.inertia', any(is_set(scene%inertia)))
-        call refuse('top.inertia_tensor', any(is_set(scene%inertia_tensor)))
-        call refuse('top.inertia_about', scene%inertia_about /= 'pivot')
-        call refuse('top.centre_of_mass', any(is_set(scene%centre_of_mass)))
-        call refuse('top.length', is_set(scene%length))
-        call refuse('top.density', is_set(scene%density))
-        call refuse('top.radius', is_set(scene%radius))
-        call refuse('top.inner_radius', is_set(scene%inner_radius))
-        call refuse('top.thickness', is_set(scene%thickness))
-        call refuse('top.rod_length', is_set(scene%rod_length))
+        associate (are_given => given_keys(scene))
+            do i = 1, size(keys)
+                if (are_given(i)) call problems%add(trim(keys(i)), trim(keys(i)) // ' is not for a body of parts', &
+                                                    'omit it, or the groups &part')
+            end do
+        end associate
         call sum_parts(scene%parts, body%mass, body%centre_of_mass, body%inertia, body%products, problems)
         if (.not. problems%any()) call clear_rounding(body%inertia, body%products, body%centre_of_mass)
-
-    contains
-
-        subroutine refuse(name, given)
-            character(*), intent(in) :: name
-            logical, intent(in) :: given
-            if (given) call problems%add(name, name // ' is not for a body of parts', 'omit it, or the groups &part')
-        end subroutine refuse
-
     end subroutine take_parts
 
-    !> Damping about axes that are not principal axes must not distinguish them.
-    subroutine check_damping(body, problems)
-        type(body_t), intent(in) :: body
-        type(problems_t), intent(inout) :: problems
+    !> Coefficients about axes that are not principal axes must not distinguish them.
+    subroutine check_axes(body, coefficients, name, what_differs, problems)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        real(dp), intent(in) :: coefficients(3) !! about body x, y, z
+        character(*), intent(in) :: name, what_differs !! the parameter, and what is wrong, such as 'the damping differs'
+        type(problems_t), intent(inout) :: problems !! a problem is added if they differ
         logical :: differ(3)
-        differ = .not. is_equal(cshift(body%damping, 1), cshift(body%damping, 2))
+        differ = .not. is_equal(cshift(coefficients, 1), cshift(coefficients, 2))
         if (any(differ .and. .not. is_zero(body%products))) then
-            call problems%add('top.damping', 'the damping differs about axes that are not principal axes of inertia', &
+            call problems%add(name, what_differs // ' about axes that are not principal axes of inertia', &
                               'give equal coefficients about these axes')
         end if
-    end subroutine check_damping
+    end subroutine check_axes
 
     !> Mass properties of a shape.
     subroutine take_shape(scene, body, problems)
@@ -212,20 +218,21 @@ contains
         type(problems_t), intent(inout) :: problems
         type(solid_t) :: solid
         real(dp) :: shift(3), no_products(3)
+        logical :: are_given(size(keys)), are_needed(size(keys))
         integer :: i
 
+        are_given = given_keys(scene)
+        are_needed = .false.
         do i = 1, size(shape_infos)
-            if (shape_infos(i)%name /= scene%shape) cycle
-            call check('top.radius', scene%radius, .true.)
-            call check('top.inner_radius', scene%inner_radius, shape_infos(i)%needs_inner_radius)
-            call check('top.thickness', scene%thickness, shape_infos(i)%needs_thickness)
-            call check('top.rod_length', scene%rod_length, shape_infos(i)%needs_rod_length)
+            if (shape_infos(i)%name == scene%shape) are_needed(first_dimension:) = [.true., shape_infos(i)%needs_inner_radius, &
+                shape_infos(i)%needs_thickness, shape_infos(i)%needs_rod_length]
         end do
-        if (any(is_set(scene%inertia))) call check('top.inertia', 1.0_dp, .false.)
-        if (any(is_set(scene%inertia_tensor))) call check('top.inertia_tensor', 1.0_dp, .false.)
-        if (any(is_set(scene%centre_of_mass))) call check('top.centre_of_mass', 1.0_dp, .false.)
-        call check('top.length', scene%length, .false.)
-        if (scene%inertia_about /= 'pivot') call check('top.inertia_about', 1.0_dp, .false.)
+        do i = first_dimension, size(keys)
+            call check(i)
+        end do
+        do i = first_of_numbers, density - 1
+            call check(i)
+        end do
         if (is_set(scene%mass) .and. is_set(scene%density)) then
             call problems%add('top.density', 'mass and density are both given', 'give one of them')
         else if (.not. is_set(scene%mass) .and. .not. is_set(scene%density)) then
@@ -251,16 +258,14 @@ contains
 
     contains
 
-        !> Checks that a dimension is given if and only if the shape needs it.
-        subroutine check(name, value, needed)
-            character(*), intent(in) :: name
-            real(dp), intent(in) :: value
-            logical, intent(in) :: needed
-            if (needed .and. .not. is_set(value)) then
-                call problems%add('top', name // ' is not given', &
+        !> Checks that a key is given if and only if the shape needs it.
+        subroutine check(key)
+            integer, intent(in) :: key
+            if (are_needed(key) .and. .not. are_given(key)) then
+                call problems%add('top', trim(keys(key)) // ' is not given', &
                                   'shape ' // trim(scene%shape) // ' needs it')
-            else if (is_set(value) .and. .not. needed) then
-                call problems%add(name, name // ' is not for shape ' // trim(scene%shape), 'omit it')
+            else if (are_given(key) .and. .not. are_needed(key)) then
+                call problems%add(trim(keys(key)), trim(keys(key)) // ' is not for shape ' // trim(scene%shape), 'omit it')
             end if
         end subroutine check
 

@@ -1,16 +1,15 @@
 !> Makes the effects of a scene, and checks them.
 module spintop_effects_of_scene
     use spintop_body, only: body_t
+    use spintop_body_of_scene, only: check_axes, given, is_set
     use spintop_body_turn, only: turn_to_principal_axes
-    use spintop_compare, only: is_equal, is_zero
     use spintop_effects, only: earth_rotation, effects_t
     use spintop_kinds, only: degree, dp
     use spintop_loads, only: friction_jams
-    use spintop_parameters, only: unset
     use spintop_problems, only: problems_t
-    use spintop_scene_effects, only: axes_names, effects_scene_t
+    use spintop_scene_effects, only: axes_names, effects_scene_t, interpolation_of
     use spintop_text, only: to_text
-    use spintop_torque_table, only: interpolation_names, make_torque_table
+    use spintop_torque_table, only: make_torque_table
     implicit none
     private
     public :: make_effects, warn_of_effects
@@ -40,7 +39,7 @@ contains
         principal = body
         if (body%has_products()) then
             call turn_to_principal_axes(body, principal, unused)
-            call check_drag(effects, body, problems)
+            call check_axes(body, effects%drag_moment, 'effects.drag_moment', 'the moment of the air differs', problems)
         end if
         if (friction_jams(principal, effects%friction_arm)) then
             call problems%add('effects.friction_coefficient', 'friction may jam the body: m mu rho |[r]x I^-1| is 1 or more, &
@@ -49,19 +48,6 @@ contains
         end if
         body%effects = effects
     end subroutine make_effects
-
-    !> The moment of the air about axes that are not principal axes must not distinguish them.
-    subroutine check_drag(effects, body, problems)
-        type(effects_t), intent(in) :: effects
-        type(body_t), intent(in) :: body
-        type(problems_t), intent(inout) :: problems
-        logical :: differ(3)
-        differ = .not. is_equal(cshift(effects%drag_moment, 1), cshift(effects%drag_moment, 2))
-        if (any(differ .and. .not. is_zero(body%products))) then
-            call problems%add('effects.drag_moment', 'the moment of the air differs about axes that are not principal axes of &
-                              &inertia', 'give equal coefficients about these axes')
-        end if
-    end subroutine check_drag
 
     !> Warnings of a computation: smoothed friction that makes the equations stiff, and steps of fixed size across the
     !> knots of a table.
@@ -90,18 +76,6 @@ contains
             end if
         end associate
     end subroutine warn_of_effects
-
-    !> Whether a number of the group was given.
-    elemental logical function is_set(x)
-        real(dp), intent(in) :: x
-        is_set = x > unset
-    end function is_set
-
-    !> A number that was given, or zero.
-    elemental real(dp) function given(x)
-        real(dp), intent(in) :: x
-        given = merge(x, 0.0_dp, is_set(x))
-    end function given
 
     !> Dry friction.
     subroutine take_friction(scene, effects, problems)
@@ -215,11 +189,5 @@ contains
         allocate (effects%table)
         call make_torque_table(scene%table_times, scene%table_torques, interpolation_of(scene), effects%table)
     end subroutine take_table
-
-    !> The interpolation of the table.
-    pure integer function interpolation_of(scene) result(interpolation)
-        type(effects_scene_t), intent(in) :: scene
-        interpolation = max(1, findloc(interpolation_names, scene%torque_interpolation, dim=1))
-    end function interpolation_of
 
 end module spintop_effects_of_scene

@@ -59,8 +59,8 @@ contains
     !> Whether there are parts.
     pure logical function has_any(self)
         class(parts_t), intent(in) :: self
-        has_any = any(self%shape /= '') .or. maxval([maxval(self%mass), maxval(self%density), maxval(self%radius), &
-                  maxval(self%inner_radius), maxval(self%thickness), maxval(self%place), maxval(self%axis)]) > unset
+        integer :: i
+        has_any = any([(is_used(self, i), i=1, max_parts)])
     end function has_any
 
     !> Mass, centre of mass and inertia tensor about the pivot of all parts; problems of their description are reported.

@@ -6,7 +6,7 @@ module spintop_scene_effects
     use spintop_torque_table, only: interpolation_names
     implicit none
     private
-    public :: effects_scene_t, describe_effects, axes_names
+    public :: effects_scene_t, describe_effects, interpolation_of, axes_names
 
     !> Axes of a table of torques.
     character(*), parameter :: axes_names(2) = [character(5) :: 'body', 'space']
@@ -85,5 +85,11 @@ contains
         call table%add('effects.torque_interpolation', effects%torque_interpolation, join(interpolation_names, '|'), &
                        'interpolation of the table of torques (linear)')
     end subroutine describe_effects
+
+    !> The interpolation of a table of torques: linear unless the input names another one.
+    pure integer function interpolation_of(scene) result(interpolation)
+        type(effects_scene_t), intent(in) :: scene !! the group
+        interpolation = max(1, findloc(interpolation_names, scene%torque_interpolation, dim=1))
+    end function interpolation_of
 
 end module spintop_scene_effects

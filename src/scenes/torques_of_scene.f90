@@ -6,9 +6,9 @@ module spintop_torques_of_scene
     use spintop_kinds, only: dp
     use spintop_loaded_table, only: read_table, table_t
     use spintop_problems, only: problems_t
-    use spintop_scene_effects, only: effects_scene_t
+    use spintop_scene_effects, only: effects_scene_t, interpolation_of
     use spintop_text, only: to_text
-    use spintop_torque_table, only: fewest_rows, interpolation_names
+    use spintop_torque_table, only: fewest_rows
     implicit none
     private
     public :: read_torques
@@ -57,7 +57,7 @@ contains
         type(problems_t), intent(inout) :: problems
         integer :: i, fewest
 
-        fewest = fewest_rows(max(1, findloc(interpolation_names, scene%torque_interpolation, dim=1)))
+        fewest = fewest_rows(interpolation_of(scene))
         if (size(t) < fewest) then
             call problems%add(key, 'the table has ' // to_text(size(t)) // ' rows, too few for this interpolation', &
                               'it needs ' // to_text(fewest) // ' at least')

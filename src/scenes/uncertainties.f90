@@ -1,6 +1,6 @@
 !> Radii of the data of a scene: proved bounds hold for every top within them.
 module spintop_uncertainties
-    use spintop_body_of_scene, only: is_set
+    use spintop_body_of_scene, only: given, is_set
     use spintop_kinds, only: degree, dp
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
@@ -23,12 +23,6 @@ contains
                  given(scene%uncertainty%mass), given(scene%uncertainty%gravity), given(scene%uncertainty%length), angle, &
                  given(scene%uncertainty%rate(1:2)), max(given(scene%uncertainty%rate(3)), given(scene%uncertainty%omega3))]
     end function data_radii
-
-    !> A radius, or 0 where none is given.
-    elemental real(dp) function given(radius)
-        real(dp), intent(in) :: radius
-        given = merge(radius, 0.0_dp, is_set(radius))
-    end function given
 
     !> Whether the input gives radii.
     pure logical function has_radii(scene)

@@ -7,7 +7,7 @@
 !> Whittaker and Watson, A Course of Modern Analysis, chapter XXI; Klein and Sommerfeld, chapter VI.
 module spintop_circular_form
     use spintop_kinds, only: dp, xp, pi_xp
-    use spintop_theta_functions, only: nome, theta3_constant, quotient, theta_clock_t, theta_values_t
+    use spintop_theta_functions, only: linear_chain, nome, theta3_constant, quotient, theta_clock_t, theta_values_t
     use spintop_scalar_functions, only: find_sine_and_cosine
     use spintop_regular_start, only: regular_start_t
     use spintop_turning_points, only: turning_points_t
@@ -221,12 +221,8 @@ contains
         real(xp), intent(in) :: q, x
         real(xp) :: a(0:last + 1), b(0:last + 1), numerator, denominator
         integer :: n
-        a(0:1) = [1.0_xp, x - q]
-        b(0:1) = [1.0_xp, x + q]
-        do n = 1, last
-            a(n + 1) = x * a(n) - q**2 * a(n - 1)
-            b(n + 1) = x * b(n) - q**2 * b(n - 1)
-        end do
+        a = linear_chain(x, q, 1.0_xp, x - q, last + 1)
+        b = linear_chain(x, q, 1.0_xp, x + q, last + 1)
         numerator = 1
         denominator = 1
         do n = 1, last + 1

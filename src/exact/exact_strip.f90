@@ -8,6 +8,7 @@ module spintop_exact_strip
     use spintop_kinds, only: dp, pi
     use spintop_array_functions, only: find_circular, find_arguments, largest_angle
     use spintop_exact_pole, only: pole_t, lanes, solve_position, divide_thetas, evaluate_pole
+    use spintop_theta_functions, only: nome_coefficients
     implicit none
     private
     public :: strip_t, find_roots, find_roots_of_moving, find_moduli, find_nome
@@ -201,9 +202,6 @@ contains
     !> The nome, and the data for the positions of the poles.
     pure subroutine find_nome(strip)
         type(strip_t), intent(inout) :: strip !! the motions of the strip; results are added
-        !> Coefficients of the series of the nome in the fourth power of its leading term.
-        real(dp), parameter :: c(0:11) = [real(dp) :: 1, 2, 15, 150, 1707, 20910, 268616, 3567400, &
-            48555069, 673458874, 9481557398.0_dp, 135119529972.0_dp]
         real(dp) :: plus_root, leading, t, series, root_bottom, root_top, sum_bottom, sum_top
         real(dp) :: factor, per_all, per_factor, per_sums, per_kc
         integer :: i, n
@@ -230,9 +228,9 @@ contains
 
                 leading = k2 / 2 * per_factor
                 t = leading**4
-                series = c(11)
+                series = nome_coefficients(11)
                 do n = 10, 0, -1
-                    series = c(n) + t * series
+                    series = nome_coefficients(n) + t * series
                 end do
                 strip%q(i) = leading * series
 

@@ -123,14 +123,8 @@ contains
         end if
         if (is_defined(exact%nutation) .and. is_finite(real(exact%upper_phase + exact%lower_phase, dp))) return
         status = status_non_finite
-        call forget(exact)
+        exact = symmetric_motion_t()
     end subroutine prepare_symmetric_motion
-
-    !> Resets a solution that overflowed.
-    pure subroutine forget(exact)
-        type(symmetric_motion_t), intent(out) :: exact
-        exact%passes_pole = .false.
-    end subroutine forget
 
     pure subroutine keep_constants(start, points, exact)
         type(regular_start_t), intent(in) :: start

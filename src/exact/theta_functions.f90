@@ -14,7 +14,7 @@ module spintop_theta_functions
     use spintop_kinds, only: dp, xp
     implicit none
     private
-    public :: theta_clock_t, theta_values_t, nome, theta3_constant, series_b, inverse_sc, quotient
+    public :: theta_clock_t, theta_values_t, nome, nome_coefficients, theta3_constant, series_b, inverse_sc, quotient, linear_chain
 
     !> Growth of argument and phases with time: the quantities that must not lose digits over long spans.
     type :: theta_clock_t
@@ -43,8 +43,8 @@ module spintop_theta_functions
 
     !> Coefficients of the series of the nome in the fourth power of its leading term, sufficient for extended
     !> precision up to k^2 = 0.971; the first `few` are up to k^2 = 1/2.
-    real(xp), parameter :: nome_coefficients(0:11) = [real(xp) :: 1, 2, 15, 150, 1707, 20910, 268616, 3567400, &
-                                                      48555069, 673458874, 9481557398.0_xp, 135119529972.0_xp]
+    real(dp), parameter :: nome_coefficients(0:11) = [real(dp) :: 1, 2, 15, 150, 1707, 20910, 268616, 3567400, &
+                                                      48555069, 673458874, 9481557398.0_dp, 135119529972.0_dp]
     integer, parameter :: few = 5
 
 contains
@@ -62,6 +62,20 @@ contains
         end do
         q = leading * q
     end function nome
+
+    !> x_0 to x_last of x_(n+1) = x x_n - q^2 x_(n-1): sums W^n + V^n and the like, W + V = x and W V = q^2.
+    pure function linear_chain(x, q, first, second, last) result(chain)
+        real(xp), intent(in) :: x, q !! the sum, and the root of the product
+        real(xp), intent(in) :: first, second !! x_0 and x_1
+        integer, intent(in) :: last !! index of the last one
+        real(xp) :: chain(0:last)
+        integer :: n
+        chain(0) = first
+        chain(1) = second
+        do n = 1, last - 1
+            chain(n + 1) = x * chain(n) - q**2 * chain(n - 1)
+        end do
+    end function linear_chain
 
     !> The constant theta_3(q) = 1 + 2 sum q^(n^2).
     elemental real(xp) function theta3_constant(q)

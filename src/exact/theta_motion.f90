@@ -11,7 +11,7 @@ module spintop_theta_motion
         evaluate_hyperbolic_form
     implicit none
     private
-    public :: theta_motion_t, prepare_theta_motion, choose_regime, regime_name
+    public :: theta_motion_t, prepare_theta_motion, choose_regime
     public :: regime_resting, regime_circular, regime_hyperbolic
 
     !> The axis is at rest: upright, hanging, or anywhere without weight and angular velocity.
@@ -52,22 +52,6 @@ contains
             regime = regime_hyperbolic
         end if
     end function choose_regime
-
-    !> Name of a form, for explanations.
-    pure function regime_name(regime) result(name)
-        integer, intent(in) :: regime !! one of the regime constants
-        character(:), allocatable :: name
-        select case (regime)
-        case (regime_resting)
-            name = 'resting axis'
-        case (regime_circular)
-            name = 'theta functions, circular (k^2 <= 1/2)'
-        case (regime_hyperbolic)
-            name = 'theta functions, hyperbolic (k^2 > 1/2)'
-        case default
-            name = 'unknown'
-        end select
-    end function regime_name
 
     !> Selects the form and prepares it.
     pure type(theta_motion_t) function prepare_theta_motion(start, points) result(motion)

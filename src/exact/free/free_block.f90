@@ -16,7 +16,7 @@ module spintop_free_block
     use spintop_compare, only: is_finite
     use spintop_exact_cases, only: block_size
     use spintop_exact_motion, only: exact_motion_t
-    use spintop_free_motion, only: free_motion_t, prepare_free_motion
+    use spintop_free_motion, only: prepare_free_motion
     use spintop_free_strip, only: find_argument, find_axes, find_constants, find_rotation, find_series, find_values, &
         free_strip_t, lanes
     use spintop_free_turns, only: chord_angle, count_turns, find_attitude, free_attitude_t, prepare_attitude
@@ -225,7 +225,12 @@ contains
         allocate (exact%free)
         call prepare_free_motion(body, start, exact%free, self%status(i))
         if (self%status(i) /= status_ok) return
-        call take_constants(self, i, exact%free)
+        self%period(i) = exact%free%period
+        self%turn(i) = exact%free%turn
+        self%least_rate(i) = exact%free%least_rate
+        self%greatest_rate(i) = exact%free%greatest_rate
+        self%about(i) = exact%free%about
+        self%axis_angle(i, :) = exact%free%axis_angle
         if (.not. wants_end) return
         steps = 0
         if (counts_turns) then
@@ -241,18 +246,5 @@ contains
             self%status(i) = merge(status_step_limit, status_non_finite, steps >= self%most_steps(i))
         end if
     end subroutine compute_alone
-
-    !> The quantities without time.
-    subroutine take_constants(self, i, free)
-        class(free_block_t), intent(inout) :: self
-        integer, intent(in) :: i
-        type(free_motion_t), intent(in) :: free
-        self%period(i) = free%period
-        self%turn(i) = free%turn
-        self%least_rate(i) = free%least_rate
-        self%greatest_rate(i) = free%greatest_rate
-        self%about(i) = free%about
-        self%axis_angle(i, :) = free%axis_angle
-    end subroutine take_constants
 
 end module spintop_free_block

@@ -2,7 +2,7 @@
 module spintop_free_circular_series
     use spintop_kinds, only: dp, xp, pi_xp
     use spintop_free_theta, only: free_values_t, last_elliptic, most_iterations, normalize, sum_a, sum_b, unit
-    use spintop_theta_functions, only: nome, theta3_constant
+    use spintop_theta_functions, only: linear_chain, nome, theta3_constant
     implicit none
     private
     public :: circular_series_t, prepare_circular_series, least_complement
@@ -53,16 +53,10 @@ contains
         y = momentum_root(q, r)
         s = sqrt(y**2 + 4 * q)
         x = y**2 + 2 * q
-        even(0:1) = [2.0_xp, x]
-        mixed(0:1) = [0.0_xp, y * s]
-        odd(0:1) = [y, y * (x + q)]
-        other(0:1) = [s, s * (x - q)]
-        do n = 1, last - 1
-            even(n + 1) = x * even(n) - q**2 * even(n - 1)
-            mixed(n + 1) = x * mixed(n) - q**2 * mixed(n - 1)
-            odd(n + 1) = x * odd(n) - q**2 * odd(n - 1)
-            other(n + 1) = x * other(n) - q**2 * other(n - 1)
-        end do
+        even = linear_chain(x, q, 2.0_xp, x, last)
+        mixed = linear_chain(x, q, 0.0_xp, y * s, last)
+        odd = linear_chain(x, q, y, y * (x + q), last)
+        other = linear_chain(x, q, s, s * (x - q), last)
         even(0) = 1
         do n = 0, last
             even(n) = (-1)**n * q**(2 * n**2 - n) * even(n)
@@ -95,12 +89,8 @@ contains
         y = 2 * r * u / (1 + sqrt(1 + 4 * q * r**2 * u))
         do iteration = 1, most_iterations
             x = y**2 + 2 * q
-            e(0:1) = [2.0_xp, x]
-            o(0:1) = [y, y * (x + q)]
-            do n = 1, last - 1
-                e(n + 1) = x * e(n) - q**2 * e(n - 1)
-                o(n + 1) = x * o(n) - q**2 * o(n - 1)
-            end do
+            e = linear_chain(x, q, 2.0_xp, x, last)
+            o = linear_chain(x, q, y, y * (x + q), last)
             left = sum([((-1)**n * q**(2 * n**2 + n) * o(n), n=0, last)])
             right = r * (1 + sum([((-1)**n * q**(2 * n**2 - n) * e(n), n=1, last)]))
             step = (left - right) / (1 - 3 * q**3 * (y**2 + q) + 2 * q * r * y)
@@ -138,10 +128,7 @@ contains
         small = 0
         if (g > 0) small = self%q / g
         x = self%y**2 + 2 * self%q
-        o(0:1) = [self%y, self%y * (x + self%q)]
-        do n = 1, last - 1
-            o(n + 1) = x * o(n) - self%q**2 * o(n - 1)
-        end do
+        o = linear_chain(x, self%q, self%y, self%y * (x + self%q), last)
         above = 0
         below = 0
         do n = 0, last

@@ -109,10 +109,11 @@ contains
         real(xp) :: inertia(3), omega(3), momentum(3), total, excess, part(3), d_xy, d_xz, d_yz, side
         real(xp) :: a, b, c, modulus, complement, rate, ratio, spin
         integer :: axis(3)
-        logical :: is_odd
         type(free_values_t) :: values
 
-        call sort_axes(free%inertia, axis, is_odd)
+        ! The body axes in the order of their inertia.
+        axis([1, 3]) = [minloc(free%inertia, dim=1), maxloc(free%inertia, dim=1, back=.true.)]
+        axis(2) = 6 - axis(1) - axis(3)
         inertia = free%inertia(axis)
         omega = free%omega(axis)
         ! The only difference of products: its sign is the class of the motion, its zero the separatrix.
@@ -122,7 +123,6 @@ contains
         if (excess < 0 .or. (.not. excess > 0 .and. .not. inertia(3) > inertia(2))) then
             side = -1
             axis([1, 3]) = axis([3, 1])
-            is_odd = .not. is_odd
             excess = -excess
             inertia = free%inertia(axis)
             omega = free%omega(axis)
@@ -133,7 +133,7 @@ contains
         total = sqrt(sum(momentum**2))
         free%sign_of(1) = real(side * sign(1.0_xp, momentum(1)), dp)
         free%sign_of(3) = real(sign(1.0_xp, momentum(3)), dp)
-        free%sign_of(2) = free%sign_of(1) * free%sign_of(3) * merge(-1, 1, is_odd)
+        free%sign_of(2) = free%sign_of(1) * free%sign_of(3) * merge(1, -1, modulo(axis(2) - axis(1), 3) == 1)
         part = [abs(momentum(1)), free%sign_of(2) * momentum(2), abs(momentum(3))] / total
 
         d_xy = abs(inertia(1) - inertia(2)) / (inertia(1) * inertia(2))
@@ -194,31 +194,6 @@ contains
         range(2) = pi - max(0.0_dp, axis_angle(1) - (pi - tilt), (pi - tilt) - axis_angle(2))
     end function inclination_range
 
-    !> The numbers of the body axes in the order of their inertia, and whether that permutation is odd.
-    pure subroutine sort_axes(inertia, axis, is_odd)
-        real(dp), intent(in) :: inertia(3)
-        integer, intent(out) :: axis(3)
-        logical, intent(out) :: is_odd
-        axis = [1, 2, 3]
-        is_odd = .false.
-        call order(inertia, axis(1), axis(2), is_odd)
-        call order(inertia, axis(2), axis(3), is_odd)
-        call order(inertia, axis(1), axis(2), is_odd)
-    end subroutine sort_axes
-
-    !> Exchanges two axes if the first has the larger inertia.
-    pure subroutine order(inertia, first, second, is_odd)
-        real(dp), intent(in) :: inertia(3)
-        integer, intent(inout) :: first, second
-        logical, intent(inout) :: is_odd
-        integer :: kept
-        if (.not. inertia(first) > inertia(second)) return
-        kept = first
-        first = second
-        second = kept
-        is_odd = .not. is_odd
-    end subroutine order
-
     !> The theta functions at a time since the start.
     pure subroutine find_values(free, elapsed, values)
         type(free_motion_t), intent(in) :: free
@@ -235,29 +210,30 @@ contains
     pure function quaternion_at(self, t) result(q)
         class(free_motion_t), intent(in) :: self
         real(dp), intent(in) :: t !! time, s
-        real(dp) :: q(4)
-        type(free_values_t) :: values
-        real(xp) :: elapsed
-        elapsed = real(t, xp) - self%time
-        if (self%is_steady) then
-            q = quaternion_product(self%start, steady_turn(self%omega, elapsed))
-        else
-            call find_values(self, elapsed, values)
-            q = attitude(self, values)
-        end if
+        real(dp) :: q(4), omega(3)
+        call find_state(self, t, q, omega)
     end function quaternion_at
 
-    !> The attitude from the theta functions.
-    pure function attitude(self, values) result(q)
+    !> Attitude and angular velocity in body axes, rad/s, at time t, s.
+    pure subroutine find_state(self, t, q, omega)
         type(free_motion_t), intent(in) :: self
-        type(free_values_t), intent(in) :: values
-        real(dp) :: q(4), r(4), turned(4)
+        real(dp), intent(in) :: t
+        real(dp), intent(out) :: q(4), omega(3)
+        type(free_values_t) :: values
+        real(dp) :: r(4), turned(4)
+        omega = self%omega
+        if (self%is_steady) then
+            q = quaternion_product(self%start, steady_turn(self%omega, real(t, xp) - self%time))
+            return
+        end if
+        call find_values(self, real(t, xp) - self%time, values)
         r = quaternion_product(self%unturn, [real(values%upper, dp), real(values%lower, dp), &
                                              aimag(values%lower), aimag(values%upper)])
         turned(1) = r(1)
         turned(1 + self%axis) = self%sign_of * r(2:4)
         q = quaternion_product(self%start, turned)
-    end function attitude
+        omega(self%axis) = self%sign_of * self%greatest * values%elliptic
+    end subroutine find_state
 
     !> The rotation by a constant angular velocity. Its angle is reduced before it is rounded.
     pure function steady_turn(omega, elapsed) result(q)
@@ -276,12 +252,8 @@ contains
     pure function omega_at(self, t) result(omega)
         class(free_motion_t), intent(in) :: self
         real(dp), intent(in) :: t !! time, s
-        real(dp) :: omega(3)
-        type(free_values_t) :: values
-        omega = self%omega
-        if (self%is_steady) return
-        call find_values(self, real(t, xp) - self%time, values)
-        omega(self%axis) = self%sign_of * self%greatest * values%elliptic
+        real(dp) :: omega(3), q(4)
+        call find_state(self, t, q, omega)
     end function omega_at
 
     !> The motion at time t, s. phi and psi are those nearest to the start: how often they turned in between
@@ -290,8 +262,7 @@ contains
         class(free_motion_t), intent(in) :: self
         real(dp), intent(in) :: t !! time, s
         motion%t = t
-        motion%quaternion = self%quaternion_at(t)
-        motion%omega = self%omega_at(t)
+        call find_state(self, t, motion%quaternion, motion%omega)
         motion%omega_rate = cross(self%inertia * motion%omega, motion%omega) / self%inertia
         motion%angle = angles_from_quaternion(motion%quaternion, self%angle)
         motion%rate = rates_from_omega(motion%angle, motion%omega)

@@ -6,6 +6,7 @@ module spintop_free_strip
     use spintop_kinds, only: dp, pi
     use spintop_array_functions, only: find_circular, largest_angle
     use spintop_free_circular_series, only: least_complement
+    use spintop_theta_functions, only: nome_coefficients
     implicit none
     private
     public :: free_strip_t, lanes, find_axes, find_constants, find_series, find_argument, find_rotation, find_values
@@ -159,8 +160,6 @@ contains
     !> The nome, and a first approximation of Y.
     pure subroutine find_nome(strip)
         type(free_strip_t), intent(inout) :: strip
-        real(dp), parameter :: c(0:11) = [real(dp) :: 1, 2, 15, 150, 1707, 20910, 268616, 3567400, &
-            48555069, 673458874, 9481557398.0_dp, 135119529972.0_dp]
         real(dp) :: root_kc, leading, t, series, u
         integer :: k, n
         !$omp simd private(root_kc, leading, t, series, u, n)
@@ -168,9 +167,9 @@ contains
             root_kc = sqrt(strip%complement(k))
             leading = strip%k2(k) / (2 * (1 + strip%complement(k)) * (1 + root_kc)**2)
             t = (leading**2)**2
-            series = c(11)
+            series = nome_coefficients(11)
             do n = 10, 0, -1
-                series = c(n) + t * series
+                series = nome_coefficients(n) + t * series
             end do
             strip%q(k) = leading * series
             strip%factor(k, 3) = root_kc

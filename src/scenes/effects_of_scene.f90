@@ -23,7 +23,6 @@ contains
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(effects_t) :: effects
         type(body_t) :: principal
-        real(dp) :: unused(4)
 
         if (allocated(body%effects)) deallocate (body%effects)
         call take_friction(scene, effects, problems)
@@ -38,7 +37,7 @@ contains
         if (problems%any() .or. .not. effects%is_any()) return
         principal = body
         if (body%has_products()) then
-            call turn_to_principal_axes(body, principal, unused)
+            call turn_to_principal_axes(body, principal)
             call check_axes(body, effects%drag_moment, 'effects.drag_moment', 'the moment of the air differs', problems)
         end if
         if (friction_jams(principal, effects%friction_arm)) then

@@ -4,7 +4,7 @@
 !> first and transforms body axes to space axes. Conventions: Provatidis (2012), Eqs 1-10.
 module spintop_attitude
     use spintop_compare, only: is_zero
-    use spintop_kinds, only: dp, pi, xp
+    use spintop_kinds, only: dp, pi, pi_xp, xp
     use spintop_small_turn, only: half_turn
     implicit none
     private
@@ -13,9 +13,6 @@ module spintop_attitude
     public :: attitude_circular_t, circular_of_attitude, omega_from_circular
     public :: quaternion_product, conjugate_quaternion, to_space, vertical_from_quaternion
     public :: rotation_angle, nearest_turn, follow_angles, may_meet_pole, rotation_minus_one, beside_pole
-
-    !> pi in extended precision.
-    real(xp), parameter :: half_of_turn = acos(-1.0_xp)
 
     !> Body z is beside a pole at smaller distances from it, rad: it may be passing through it (spintop_pole_passages).
     real(dp), parameter :: beside_pole = 1.0e-9_dp
@@ -68,7 +65,7 @@ contains
         if (upper > 0) offset(1) = least_turn(atan2(q(4), q(1)) - plus)
         if (lower > 0) offset(2) = least_turn(atan2(q(3), q(2)) - minus)
         ! q and -q are the same attitude: both half angles, where they exist, may change by pi together.
-        flipped = merge(offset - sign(half_of_turn, offset), 0.0_xp, [upper, lower] > 0)
+        flipped = merge(offset - sign(pi_xp, offset), 0.0_xp, [upper, lower] > 0)
         if (sum(abs(flipped)) < sum(abs(offset))) offset = flipped
         plus = plus + offset(1)
         minus = minus + offset(2)
@@ -216,7 +213,7 @@ contains
     elemental real(xp) function least_turn(angle)
         real(xp), intent(in) :: angle
         least_turn = angle
-        if (.not. abs(angle) < half_of_turn) least_turn = angle - 2 * half_of_turn * anint(angle / (2 * half_of_turn))
+        if (.not. abs(angle) < pi_xp) least_turn = angle - 2 * pi_xp * anint(angle / (2 * pi_xp))
     end function least_turn
 
     !> Angular velocity in body axes from the rates of the angles, rad/s.

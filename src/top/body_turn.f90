@@ -11,10 +11,10 @@
 module spintop_body_turn
     use spintop_kinds, only: dp, pi
     use spintop_attitude, only: quaternion_product, conjugate_quaternion, &
-        angles_from_quaternion, rates_from_omega, to_space, vertical_from_quaternion
+        angles_from_quaternion, rates_from_omega, to_space
     use spintop_body, only: body_t
     use spintop_compare, only: is_zero
-    use spintop_given_axes, only: about_z, components, given_axes_t, unshifted
+    use spintop_given_axes, only: given_axes_t, unshifted
     use spintop_motion, only: motion_t, motion_from_angles, motion_from_quaternion
     use spintop_principal_axes, only: clear_rounding, find_principal_axes
     implicit none
@@ -126,20 +126,19 @@ contains
     pure type(body_t) function turned_body(self, body) result(turned)
         class(body_turn_t), intent(in) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
-        real(dp) :: unused(4)
         turned = body
-        if (self%to_principal_axes) call turn_to_principal_axes(body, turned, unused)
+        if (self%to_principal_axes) call turn_to_principal_axes(body, turned)
         if (self%is_shifted()) deallocate (turned%effects)
         if (self%exchanges_axes() .or. self%is_shifted()) then
             turned%given = given_axes_t(self%exchanges_axes(), self%p, self%phi_shift, self%psi_shift)
         end if
         if (self%axis == 0) return
-        turned%inertia = exchanged(self%axis, turned%inertia)
-        turned%damping = exchanged(self%axis, turned%damping)
+        turned%inertia = cshift(turned%inertia, self%axis)
+        turned%damping = cshift(turned%damping, self%axis)
         turned%centre_of_mass = reordered(self, turned%centre_of_mass)
         if (.not. allocated(turned%effects)) return
         associate (effects => turned%effects)
-            effects%drag_moment = exchanged(self%axis, effects%drag_moment)
+            effects%drag_moment = cshift(effects%drag_moment, self%axis)
             effects%rotor_momentum = reordered(self, effects%rotor_momentum)
             effects%rotor_torque = reordered(self, effects%rotor_torque)
             effects%torque_body = reordered(self, effects%torque_body)
@@ -148,13 +147,15 @@ contains
 
     !> A body in its principal axes, and the rotation to them: the vector v becomes p v conj(p). Its damping, and the moment
     !> of the air, are the same about axes that the rotation mixes.
-    pure subroutine turn_to_principal_axes(body, turned, p)
+    pure subroutine turn_to_principal_axes(body, turned, rotation)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(body_t), intent(out) :: turned !! the same in its principal axes
-        real(dp), intent(out) :: p(4) !! unit quaternion of the rotation
+        real(dp), intent(out), optional :: rotation(4) !! unit quaternion p
+        real(dp) :: p(4)
         integer :: i, k
         turned = body
         call find_principal_axes(body%inertia, body%products, turned%inertia, p)
+        if (present(rotation)) rotation = p
         turned%products = 0
         turned%centre_of_mass = to_space(p, body%centre_of_mass)
         call clear_rounding(turned%inertia, turned%products, turned%centre_of_mass)
@@ -181,20 +182,12 @@ contains
         where (abs(w) <= 16 * epsilon(1.0_dp) * norm2(w)) w = 0
     end function in_principal_axes
 
-    !> Components in the order that brings `axis` to z.
-    pure function exchanged(axis, v) result(w)
-        integer, intent(in) :: axis
-        real(dp), intent(in) :: v(3)
-        real(dp) :: w(3)
-        w = cshift(v, axis)
-    end function exchanged
-
-    !> A vector in principal axes, expressed in rotated axes, without rounding errors.
+    !> A vector in principal axes, expressed in rotated axes, without rounding errors: in the order that brings `axis` to z.
     pure function reordered(self, v) result(w)
         class(body_turn_t), intent(in) :: self
         real(dp), intent(in) :: v(3)
         real(dp) :: w(3)
-        w = exchanged(self%axis, v)
+        w = cshift(v, self%axis)
         if (self%flipped) w(2:3) = -w(2:3)
     end function reordered
 
@@ -230,24 +223,10 @@ contains
             turned%omega = self%vector(motion%omega)
             turned%gives_omega3 = motion%gives_omega3 .or. motion%gives_omega
         end if
-        if (self%is_shifted()) turned = shifted(self, turned)
+        if (.not. self%is_shifted()) return
+        turned = unshifted(-self%phi_shift, -self%psi_shift, turned)
+        turned%omega_rate = 0 ! is not known
     end function turned_motion
-
-    !> A motion with the other rates of phi and psi.
-    pure type(motion_t) function shifted(self, motion) result(other)
-        type(body_turn_t), intent(in) :: self
-        type(motion_t), intent(in) :: motion
-        real(dp) :: phi, psi
-        other = motion
-        phi = self%phi_shift * motion%t
-        psi = self%psi_shift * motion%t
-        other%angle = motion%angle + [phi, 0.0_dp, psi]
-        other%rate = motion%rate + [self%phi_shift, 0.0_dp, self%psi_shift]
-        other%quaternion = quaternion_product(about_z(phi), quaternion_product(motion%quaternion, about_z(psi)))
-        other%omega = motion%omega + self%phi_shift * vertical_from_quaternion(motion%quaternion)
-        other%omega(3) = other%omega(3) + self%psi_shift
-        other%omega = components(other%omega, -psi)
-    end function shifted
 
     !> A motion in rotated axes, expressed in the axes in which the body was given. phi and psi are the values
     !> nearest to those of `near`.

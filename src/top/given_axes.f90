@@ -10,7 +10,7 @@ module spintop_given_axes
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: given_axes_t, about_z, components, unshifted
+    public :: given_axes_t, about_z, unshifted
 
     !> The axes in which a body was given.
     type :: given_axes_t
@@ -90,7 +90,7 @@ contains
 
     !> Components of a vector in axes that are turned back about z by an angle.
     pure function components(v, angle) result(w)
-        real(dp), intent(in) :: v(3), angle !! the vector; the angle, rad
+        real(dp), intent(in) :: v(3), angle
         real(dp) :: w(3)
         w = [v(1) * cos(angle) - v(2) * sin(angle), v(1) * sin(angle) + v(2) * cos(angle), v(3)]
     end function components

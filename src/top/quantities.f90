@@ -47,12 +47,8 @@ contains
     pure real(dp) function vertical_momentum(body, motion)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
-        if (allocated(body%effects)) then
-            vertical_momentum = dot_product(total_momentum(body, motion%t, motion%quaternion, motion%omega), &
-                                            vertical_from_quaternion(motion%quaternion))
-        else
-            vertical_momentum = dot_product(body%momentum(motion%omega), vertical_from_quaternion(motion%quaternion))
-        end if
+        vertical_momentum = dot_product(total_momentum(body, motion%t, motion%quaternion, motion%omega), &
+                                        vertical_from_quaternion(motion%quaternion))
     end function vertical_momentum
 
     !> Angular momentum about body z, kg m^2/s.
@@ -60,9 +56,6 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         real(dp) :: momentum(3)
-        axial_momentum = body%inertia(3) * motion%omega(3)
-        if (body%has_products()) axial_momentum = dot_product(body%momentum(motion%omega), [0, 0, 1])
-        if (.not. allocated(body%effects)) return
         momentum = total_momentum(body, motion%t, motion%quaternion, motion%omega)
         axial_momentum = momentum(3)
     end function axial_momentum
@@ -131,10 +124,7 @@ contains
             force = to_space(motion%quaternion, loads%force)
             return
         end if
-        associate (r => body%centre_of_mass)
-            force = to_space(motion%quaternion, cross(motion%omega_rate, r) &
-                             + cross(motion%omega, cross(motion%omega, r)))
-        end associate
+        force = to_space(motion%quaternion, centre_acceleration(body, motion))
         force = body%mass * (force + [0.0_dp, 0.0_dp, body%gravity])
     end function support_force
 
@@ -149,11 +139,18 @@ contains
             reading = (loads%force + loads%drag) / body%mass
             return
         end if
-        associate (r => body%centre_of_mass)
-            reading = cross(motion%omega_rate, r) + cross(motion%omega, cross(motion%omega, r))
-        end associate
-        reading = reading + body%gravity * vertical_from_quaternion(motion%quaternion)
+        reading = centre_acceleration(body, motion) + body%gravity * vertical_from_quaternion(motion%quaternion)
     end function specific_force
+
+    !> Acceleration of the centre of mass in body axes, m/s^2, where the pivot is at rest.
+    pure function centre_acceleration(body, motion) result(acceleration)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: motion
+        real(dp) :: acceleration(3)
+        associate (r => body%centre_of_mass, w => motion%omega)
+            acceleration = cross(motion%omega_rate, r) + cross(w, cross(w, r))
+        end associate
+    end function centre_acceleration
 
     !> What acts on a body with effects in a motion: of a body that is given in other than principal axes, only the forces
     !> and the rate of the momentum are in its own axes.
@@ -209,8 +206,7 @@ contains
         real(dp) :: angular_acceleration(3), rate(6)
         type(loads_t) :: loads
         if (allocated(body%effects)) then
-            call find_loads(body, body%effects, motion%t, motion%quaternion, &
-                            total_momentum(body, motion%t, motion%quaternion, motion%omega), loads)
+            call loads_of(body, motion, loads)
             angular_acceleration = acceleration(body, loads)
         else
             rate = euler_poisson_rate(body, euler_poisson_state(body, motion))

@@ -68,19 +68,22 @@ contains
     pure logical function loses_energy(body, omega)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         real(dp), intent(in) :: omega(3) !! angular velocity in body axes, rad/s
-        loses_energy = .false.
-        if (any(abs(body%weight_moment()) > 0)) return
-        loses_energy = any(abs(omega) > 0 .and. body%inertia > 0) .and. all(body%inertia * omega**2 < least_product)
+        loses_energy = is_all_rotation(body, omega) .and. all(body%inertia * omega**2 < least_product)
     end function loses_energy
 
     !> Whether a body without gravitational torque rotates so slowly that the square of its momentum underflows.
     pure logical function loses_spin(body, omega)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         real(dp), intent(in) :: omega(3) !! angular velocity in body axes, rad/s
-        loses_spin = .false.
-        if (any(abs(body%weight_moment()) > 0)) return
-        loses_spin = any(abs(omega) > 0 .and. body%inertia > 0) .and. all((body%inertia * omega)**2 < least_product)
+        loses_spin = is_all_rotation(body, omega) .and. all((body%inertia * omega)**2 < least_product)
     end function loses_spin
+
+    !> Whether a body without gravitational torque rotates.
+    pure logical function is_all_rotation(body, omega)
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: omega(3)
+        is_all_rotation = .not. any(abs(body%weight_moment()) > 0) .and. any(abs(omega) > 0 .and. body%inertia > 0)
+    end function is_all_rotation
 
     !> `body_status` where the equations hold for bodies without effects only: `status_unsuitable` for others.
     pure integer function plain_body_status(body) result(status)

@@ -14,7 +14,8 @@ module spintop_theta_functions
     use spintop_kinds, only: dp, xp
     implicit none
     private
-    public :: theta_clock_t, theta_values_t, nome, nome_coefficients, theta3_constant, series_b, inverse_sc, quotient, linear_chain
+    public :: theta_clock_t, theta_values_t, nome, nome_coefficients, theta3_constant, series_b, inverse_sc, quotient
+    public :: linear_chain
 
     !> Growth of argument and phases with time: the quantities that must not lose digits over long spans.
     type :: theta_clock_t

@@ -79,10 +79,7 @@ contains
         integer, intent(in) :: samples !! number of rows
         real(dp), allocatable :: times(:)
         integer :: i
-        allocate (times(samples))
-        do i = 1, samples
-            times(i) = sample_time(t_end, samples, i)
-        end do
+        times = [(sample_time(t_end, samples, i), i=1, samples)]
     end function sample_times
 
 end module spintop_run_plan

@@ -2,7 +2,7 @@
 !>
 !> Every part is a homogeneous solid of revolution. Its row in `part_infos` lists its dimensions; its formula is in
 !> `build_part`. Every shape is one such part about body z, on a massless support. Its row in `shape_infos` lists the
-!> dimensions it needs; `build_shape` says where the part is.
+!> part and the dimensions it needs; `build_shape` says where the part is.
 module spintop_shapes
     use spintop_kinds, only: dp, pi
     implicit none
@@ -34,6 +34,8 @@ module spintop_shapes
     type :: shape_info_t
         character(16) :: name
         character(96) :: what
+        !> Its part.
+        character(16) :: part
         !> Which dimensions it needs besides the radius.
         logical :: needs_inner_radius, needs_thickness, needs_rod_length
     end type shape_info_t
@@ -67,14 +69,14 @@ module spintop_shapes
     !> All shapes with a formula.
     type(shape_info_t), parameter :: shape_infos(*) = [ &
         shape_info_t('spinning_wheel', 'disc at the end of a massless rod (the paper, Example 2)', &
-                     .false., .true., .true.), &
+                     'disc', .false., .true., .true.), &
         shape_info_t('ring', 'flat ring (gyroscope rotor) at the end of a massless rod', &
-                     .true., .true., .true.), &
-        shape_info_t('sphere', 'ball at the end of a massless rod', .false., .false., .true.), &
+                     'disc', .true., .true., .true.), &
+        shape_info_t('sphere', 'ball at the end of a massless rod', 'sphere', .false., .false., .true.), &
         shape_info_t('cylinder', 'cylinder standing on the centre of its base', &
-                     .false., .true., .false.), &
+                     'cylinder', .false., .true., .false.), &
         shape_info_t('cone', 'cone standing on its apex; thickness is its height', &
-                     .false., .true., .false.)]
+                     'cone', .false., .true., .false.)]
 
 contains
 
@@ -82,25 +84,15 @@ contains
     pure type(solid_t) function build_shape(name, size) result(solid)
         character(*), intent(in) :: name !! name of the shape
         type(dimensions_t), intent(in) :: size !! dimensions of the shape
-        type(dimensions_t) :: whole
-        whole = size
-        whole%inner_radius = 0
-        select case (name)
-        case ('spinning_wheel')
-            solid = build_part('disc', whole)
-            solid%length = size%rod_length
-        case ('ring')
-            solid = build_part('disc', size)
-            solid%length = size%rod_length
-        case ('sphere')
-            solid = build_part('sphere', whole)
-            solid%length = size%rod_length
-        case ('cylinder')
-            solid = build_part('cylinder', whole)
-            solid%length = size%thickness / 2
-        case default
-            solid = build_part(name, whole)
-        end select
+        type(dimensions_t) :: taken
+        integer :: i
+        i = findloc(shape_infos%name, name, dim=1)
+        if (i == 0) return
+        taken = size
+        if (.not. shape_infos(i)%needs_inner_radius) taken%inner_radius = 0
+        solid = build_part(trim(shape_infos(i)%part), taken)
+        if (shape_infos(i)%needs_rod_length) solid%length = size%rod_length
+        if (name == 'cylinder') solid%length = size%thickness / 2
     end function build_shape
 
     !> Volume, length and radii of inertia of a part; zeros for an unknown one and for a point mass.

@@ -28,19 +28,22 @@ module spintop_growth_lanes
     !> Tolerance of motions that are integrated for the growth alone.
     real(dp), parameter :: own_tolerance = 1.0e-14_dp
 
+    !> The growth along a motion: the Lyapunov exponent, 1/s, and the largest singular value, each with its status.
+    type :: growth_t
+        real(dp) :: exponent = 0, singular = 0
+        integer :: exponent_status = status_bad_input, singular_status = status_bad_input
+        !> Number of steps of the motion.
+        integer(int64) :: steps = 0
+    end type growth_t
+
     !> Watches perturbations: one that has no special direction, for the exponent; or all that keep the length of the
     !> vertical, for the singular value. `set`, then hand it over.
     type, extends(lane_watch_t) :: growth_lanes_t
-        !> The exponent, 1/s, or the singular value of each case, and whether there is one.
-        real(dp), allocatable :: value(:)
-        integer, allocatable :: status(:)
-        !> Whether it is the singular value, not the exponent.
-        logical :: is_singular = .false.
-        !> Whether the exponent is found beside the singular value: `exponent` of each case, and whether there is one.
-        !> Its perturbation is the sum of those of the singular value times `share`.
-        logical :: has_exponent = .false.
-        real(dp), allocatable :: exponent(:)
-        integer, allocatable :: exponent_status(:)
+        !> What is found for each case.
+        type(growth_t), allocatable :: growth(:)
+        !> Whether the singular value is found; whether the exponent is.
+        logical :: is_singular = .false., has_exponent = .true.
+        !> The perturbation of the exponent is the sum of all times this.
         real(dp), private :: share(5, lanes) = 0
         type(tangent_lanes_t), private :: tangents
         real(dp), private :: inertia(3, lanes) = 1, unit(6, lanes) = 1
@@ -52,14 +55,6 @@ module spintop_growth_lanes
         procedure :: finish
     end type growth_lanes_t
 
-    !> The growth along a motion: the Lyapunov exponent, 1/s, and the largest singular value, each with its status.
-    type :: growth_t
-        real(dp) :: exponent = 0, singular = 0
-        integer :: exponent_status = status_bad_input, singular_status = status_bad_input
-        !> Number of steps of the motion.
-        integer(int64) :: steps = 0
-    end type growth_t
-
 contains
 
     !> What is to be found, and for motions of which tolerance and number of steps.
@@ -69,8 +64,8 @@ contains
         logical, intent(in) :: is_singular !! the largest singular value, not the exponent
         logical, intent(in), optional :: with_exponent !! the exponent beside the singular value
         self%is_singular = is_singular
-        self%has_exponent = .false.
-        if (present(with_exponent)) self%has_exponent = with_exponent .and. is_singular
+        self%has_exponent = .not. is_singular
+        if (present(with_exponent)) self%has_exponent = with_exponent .or. .not. is_singular
         call self%tangents%set(merge(5, 1, is_singular), 0, &
                                slack * max(controls%relative_tolerance, least_tolerance), huge(1), &
                                int(controls%max_steps, int64))
@@ -80,12 +75,8 @@ contains
     subroutine prepare(self, cases)
         class(growth_lanes_t), intent(inout) :: self
         integer, intent(in) :: cases !! number of cases
-        if (allocated(self%value)) deallocate (self%value, self%status)
-        allocate (self%value(cases), source=0.0_dp)
-        allocate (self%status(cases), source=status_bad_input)
-        if (allocated(self%exponent)) deallocate (self%exponent, self%exponent_status)
-        allocate (self%exponent(cases), source=0.0_dp)
-        allocate (self%exponent_status(cases), source=status_bad_input)
+        if (allocated(self%growth)) deallocate (self%growth)
+        allocate (self%growth(cases))
     end subroutine prepare
 
     !> A case begins in a lane.
@@ -109,6 +100,7 @@ contains
             else
                 vectors(:, 1) = even_perturbation(x(1:3), unit)
                 vectors(:, 1) = vectors(:, 1) / norm2(vectors(:, 1) / unit)
+                self%share(1, lane) = 1
             end if
         end associate
         do v = 1, size(z, 2)
@@ -134,38 +126,23 @@ contains
         integer :: v
 
         if (.not. run%now%t(lane) > 0) return
-        self%status(case) = self%tangents%status(lane)
-        self%exponent_status(case) = self%status(case)
-        if (self%status(case) /= status_ok) return
-        do v = 1, size(vectors, 2)
-            z = self%tangents%z(lane, :, v)
-            vectors(:, v) = [cross(run%now%state(lane, 4:6), z(4:6)), self%inertia(:, lane) * z(1:3)] / self%unit(:, lane)
-        end do
-        growth = log(2.0_dp) * self%tangents%doublings(lane)
-        if (self%is_singular) then
-            call scale_up(vectors, growth, self%value(case), self%status(case))
-            if (self%has_exponent) then
-                call take_mean(growth + log(norm2(matmul(vectors, self%share(:, lane)))), self%exponent(case), &
-                               self%exponent_status(case))
-            end if
-        else
-            call take_mean(growth + log(norm2(vectors)), self%value(case), self%status(case))
-        end if
-
-    contains
-
-        !> The mean growth rate, of the logarithm of a growth.
-        subroutine take_mean(growth, rate, status)
-            real(dp), intent(in) :: growth
-            real(dp), intent(inout) :: rate
-            integer, intent(inout) :: status
+        associate (found => self%growth(case))
+            found%exponent_status = self%tangents%status(lane)
+            found%singular_status = found%exponent_status
+            if (found%exponent_status /= status_ok) return
+            do v = 1, size(vectors, 2)
+                z = self%tangents%z(lane, :, v)
+                vectors(:, v) = [cross(run%now%state(lane, 4:6), z(4:6)), self%inertia(:, lane) * z(1:3)] / self%unit(:, lane)
+            end do
+            growth = log(2.0_dp) * self%tangents%doublings(lane)
+            if (self%is_singular) call scale_up(vectors, growth, found%singular, found%singular_status)
+            growth = growth + log(norm2(matmul(vectors, self%share(:size(vectors, 2), lane))))
             if (is_finite(growth)) then
-                rate = growth / run%now%t(lane)
+                found%exponent = growth / run%now%t(lane)
             else
-                status = status_non_finite
+                found%exponent_status = status_non_finite
             end if
-        end subroutine take_mean
-
+        end associate
     end subroutine finish
 
     !> The growth of perturbations of the motions of bodies over spans: the Lyapunov exponents, the largest singular
@@ -182,7 +159,6 @@ contains
         type(motion_t), allocatable :: ends(:)
         type(outcome_t), allocatable :: outcomes(:)
         type(controls_t) :: controls
-        integer :: i
 
         controls%relative_tolerance = own_tolerance
         controls%absolute_tolerance = own_tolerance
@@ -191,19 +167,11 @@ contains
         allocate (watches(1)%watch, source=watch)
         allocate (ends(size(bodies)), outcomes(size(bodies)))
         call integrate_many(controls, bodies, starts, t_end, ends, outcomes, watches)
-        growth%steps = outcomes%counts%steps
         select type (found => watches(1)%watch)
         type is (growth_lanes_t)
-            do i = 1, size(bodies)
-                growth(i)%exponent = found%value(i)
-                growth(i)%exponent_status = found%status(i)
-                if (.not. with_singular) cycle
-                growth(i)%singular = found%value(i)
-                growth(i)%singular_status = found%status(i)
-                growth(i)%exponent = found%exponent(i)
-                growth(i)%exponent_status = found%exponent_status(i)
-            end do
+            growth = found%growth
         end select
+        growth%steps = outcomes%counts%steps
         where (outcomes%status /= status_ok)
             growth%exponent_status = outcomes%status
             growth%singular_status = outcomes%status

@@ -171,15 +171,12 @@ contains
                     values%force_max = watch%largest(i)
                 end select
             type is (growth_lanes_t)
-                if (watch%is_singular) then
-                    call take(values%largest_singular_value, watch%value(i), watch%status(i), note_no_singular)
-                    if (watch%has_exponent) then
-                        call take(values%lyapunov_exponent, watch%exponent(i), watch%exponent_status(i), &
-                                  note_no_lyapunov)
-                    end if
-                else
-                    call take(values%lyapunov_exponent, watch%value(i), watch%status(i), note_no_lyapunov)
-                end if
+                associate (found => watch%growth(i))
+                    if (watch%is_singular) call take(values%largest_singular_value, found%singular, found%singular_status, &
+                                                     note_no_singular)
+                    if (watch%has_exponent) call take(values%lyapunov_exponent, found%exponent, found%exponent_status, &
+                                                      note_no_lyapunov)
+                end associate
             type is (inherent_lanes_t)
                 call take(values%inherent_error, watch%error(i), watch%status(i), note_no_inherent)
             type is (turning_lanes_t)

@@ -13,7 +13,7 @@ module spintop_exact_block
     use spintop_kinds, only: dp, pi
     use spintop_array_functions, only: find_circular, find_inclinations
     use spintop_exact_cases, only: exact_cases_t, compute_alone, block_size
-    use spintop_exact_pole, only: lanes, largest_nome, place_pole
+    use spintop_exact_pole, only: strip_length, largest_nome, place_pole
     use spintop_exact_strip, only: strip_t, find_roots, find_roots_of_moving, find_moduli, &
         find_nome, find_start_phases, find_phases
     use spintop_pole_passages, only: through_pole
@@ -55,8 +55,8 @@ contains
             return
         end if
         call self%fill_last_strip()
-        do first = 1, self%n, lanes
-            last = first + lanes - 1
+        do first = 1, self%n, strip_length
+            last = first + strip_length - 1
             call describe_start(self, first, strip)
             call find_roots(strip)
             moves = count(strip%g0 > 0) > 0 ! unlike any(), a loop that is vectorized
@@ -76,7 +76,7 @@ contains
             end if
             if (wants_period) then
                 is_end = wants_end .and. count(abs(self%t_period(first:last) &
-                                                   - self%t_end(first:last)) <= 0) == lanes
+                                                   - self%t_end(first:last)) <= 0) == strip_length
                 if (.not. is_end) call find_phases(strip, self%t_period(first:last))
                 call describe_period(self, first, strip)
             end if
@@ -97,7 +97,7 @@ contains
         integer :: last, n
         n = self%n
         if (n < 1) return
-        last = (n + lanes - 1) / lanes * lanes
+        last = (n + strip_length - 1) / strip_length * strip_length
         self%inertia1(n + 1:last) = self%inertia1(n)
         self%inertia3(n + 1:last) = self%inertia3(n)
         self%mgl(n + 1:last) = self%mgl(n)
@@ -116,14 +116,14 @@ contains
         class(exact_block_t), intent(in) :: block
         integer, intent(in) :: first
         type(strip_t), intent(inout) :: strip
-        real(dp), dimension(lanes) :: half, sine2, cosine2, sine
+        real(dp), dimension(strip_length) :: half, sine2, cosine2, sine
         real(dp) :: per_inertia, u0, s2
         integer :: i, j
 
-        half = block%theta(first:first + lanes - 1) / 2
-        call find_circular(lanes, half, sine2, cosine2, sine)
+        half = block%theta(first:first + strip_length - 1) / 2
+        call find_circular(strip_length, half, sine2, cosine2, sine)
         !$omp simd private(per_inertia, u0, s2, j)
-        do i = 1, lanes
+        do i = 1, strip_length
             j = first - 1 + i
             associate (inertia1 => block%inertia1(j), inertia3 => block%inertia3(j), &
                        mgl => block%mgl(j), theta => block%theta(j), omega3 => block%omega3(j), &
@@ -168,7 +168,7 @@ contains
         !$omp simd private(q, theta3, theta2, per_all, per_bottom, per_top, per_theta3, per_theta2, &
         !$omp per_passing, upper_speed, lower_speed, per_both, top_turn, bottom_turn, top_rate, &
         !$omp bottom_rate, root_mp, fast, j)
-        do i = 1, lanes
+        do i = 1, strip_length
             j = first - 1 + i
             associate (a => strip%a(i), turn => strip%turn(i), kc => strip%kc(i), y1 => strip%y1(i), &
                        y2 => strip%y2(i), m1 => strip%m1(i), d2 => strip%d2(i), p1 => strip%p1(i), &
@@ -262,23 +262,23 @@ contains
         integer, intent(in) :: first
         type(strip_t), intent(in) :: strip
         logical, intent(in) :: moves  !! whether some start is not at a turning point
-        real(dp), dimension(lanes) :: sine, cosine, angle, other
+        real(dp), dimension(strip_length) :: sine, cosine, angle, other
         integer :: i, j
         !$omp simd private(j)
-        do i = 1, lanes
+        do i = 1, strip_length
             j = first - 1 + i
             other(i) = max(strip%g0(i), -strip%y1(i))
             sine(i) = merge(strip%sine_max(i), strip%sine_min(i), other(i) > 0)
             cosine(i) = merge(block%u_min(j), strip%cosine_min(i), other(i) > 0)
         end do
-        call find_inclinations(lanes, sine, cosine, angle)
-        other = block%theta(first:first + lanes - 1)
+        call find_inclinations(strip_length, sine, cosine, angle)
+        other = block%theta(first:first + strip_length - 1)
         if (moves) then
-            call find_inclinations(lanes, strip%sine_min, strip%cosine_min, sine)
+            call find_inclinations(strip_length, strip%sine_min, strip%cosine_min, sine)
             other = merge(sine, other, strip%g0 > 0)
         end if
         !$omp simd private(j)
-        do i = 1, lanes
+        do i = 1, strip_length
             j = first - 1 + i
             block%theta_min(j) = min(angle(i), other(i))
             block%theta_max(j) = max(angle(i), other(i))
@@ -290,11 +290,11 @@ contains
         class(exact_block_t), intent(inout) :: block
         integer, intent(in) :: first
         type(strip_t), intent(inout) :: strip
-        real(dp), dimension(lanes) :: sine, cosine
+        real(dp), dimension(strip_length) :: sine, cosine
         real(dp) :: plus, minus, root, per_all, q2, q6, v, series, turn, y, theta_rate
         integer :: i, j
         !$omp simd private(plus, minus, root, per_all, q2, q6, v, series, turn, y, theta_rate, j)
-        do i = 1, lanes
+        do i = 1, strip_length
             j = first - 1 + i
             associate (bottom => strip%bottom, top => strip%top, a => strip%a(i), &
                        beta => strip%beta(i), k0 => strip%k0(i), speed => strip%psi_speed(i))
@@ -334,7 +334,7 @@ contains
                         + block%phi_end(j) + block%psi_end(j)) <= huge(y))
             end associate
         end do
-        call find_inclinations(lanes, sine, cosine, block%theta_end(first:first + lanes - 1))
+        call find_inclinations(strip_length, sine, cosine, block%theta_end(first:first + strip_length - 1))
     end subroutine describe_end
 
     !> phi after the other time.
@@ -344,7 +344,7 @@ contains
         type(strip_t), intent(inout) :: strip
         integer :: i, j
         !$omp simd private(j)
-        do i = 1, lanes
+        do i = 1, strip_length
             j = first - 1 + i
             block%phi_at_period(j) = strip%phi_speed(i) * block%t_period(j) &
                 + (strip%phi_now(i) - strip%phi_start(i))

@@ -1,7 +1,7 @@
 !> The theta functions of many motions at once, in vector loops.
 !>
 !> The two poles of the sphere have fixed positions in the complex argument of a motion. Their position, the
-!> expansion about it and the value at an instant are loops over lanes. The formulas are those of
+!> expansion about it and the value at an instant are loops over a strip of them. The formulas are those of
 !> `circular_form`, with terms up to the fifth multiple of the argument, which suffice for nomes up to 0.27
 !> (the next term is q^30).
 !>
@@ -11,11 +11,11 @@ module spintop_exact_pole
     use spintop_kinds, only: dp
     implicit none
     private
-    public :: pole_t, lanes, largest_nome, place_pole, solve_position, divide_thetas, evaluate_pole
+    public :: pole_t, strip_length, largest_nome, place_pole, solve_position, divide_thetas, evaluate_pole
 
     !> Motions in one loop: a multiple of every vector length, and few enough that intermediate results fit
     !> into the first-level cache.
-    integer, parameter :: lanes = 64
+    integer, parameter :: strip_length = 64
     !> Largest nome for which the series are complete, to 1e-15.
     real(dp), parameter :: largest_nome = 0.27_dp
 
@@ -32,28 +32,28 @@ module spintop_exact_pole
     type :: pole_t
         !> The right-hand side for its position ("eps"), the position X = 2 q cosh(2 v), A/B of X, and
         !> sqrt(k') rho.
-        real(dp), dimension(lanes) :: excess, position, ratio, scale
+        real(dp), dimension(strip_length) :: excess, position, ratio, scale
         !> Theta where the axis is farthest ("S") and nearest. Before the expansion the latter is relative to
         !> the former.
-        real(dp), dimension(lanes) :: farthest, nearest
+        real(dp), dimension(strip_length) :: farthest, nearest
         !> Their logarithmic derivatives times their values ("D S", "D' S'").
-        real(dp), dimension(lanes) :: slope_farthest, slope_nearest
-        real(dp), dimension(lanes, 0:4) :: even, odd
+        real(dp), dimension(strip_length) :: slope_farthest, slope_nearest
+        real(dp), dimension(strip_length, 0:4) :: even, odd
         !> Sign of the rotation about the pole.
-        real(dp), dimension(lanes) :: side
+        real(dp), dimension(strip_length) :: side
         !> Factor of |Theta|^2 in 1 + u (1 - u), except for a common factor.
-        real(dp), dimension(lanes) :: weight
+        real(dp), dimension(strip_length) :: weight
         !> Theta at an instant, its imaginary part without the sign, and its argument.
-        real(dp), dimension(lanes) :: re, im, argument
+        real(dp), dimension(strip_length) :: re, im, argument
     end type pole_t
 
 contains
 
     !> Position and expansion of a pole. Excess, scale, side and the relative `nearest` are set by the caller.
     pure subroutine place_pole(q, pole, doubt)
-        real(dp), intent(in) :: q(lanes) !! nomes
+        real(dp), intent(in) :: q(strip_length) !! nomes
         type(pole_t), intent(inout) :: pole !! the pole
-        real(dp), intent(inout) :: doubt(lanes)  !! set where the position may be wrong
+        real(dp), intent(inout) :: doubt(strip_length)  !! set where the position may be wrong
         call solve_position(q, pole%excess, pole%position, doubt)
         call divide_thetas(q, pole%position, pole%ratio)
         call expand_pole(q, pole)
@@ -63,13 +63,13 @@ contains
     !> q^n cosh(2 n v), by two steps of Newton's method. The first step omits terms that only the second one
     !> needs. The second corrects the inverse slope of the first instead of another division.
     pure subroutine solve_position(q, excess, x, doubt)
-        real(dp), intent(in) :: q(lanes), excess(lanes) !! nomes, and right-hand sides
-        real(dp), intent(out) :: x(lanes) !! positions X = 2 q cosh(2 v)
-        real(dp), intent(inout) :: doubt(lanes)  !! set where two steps may not suffice
+        real(dp), intent(in) :: q(strip_length), excess(strip_length) !! nomes, and right-hand sides
+        real(dp), intent(out) :: x(strip_length) !! positions X = 2 q cosh(2 v)
+        real(dp), intent(inout) :: doubt(strip_length)  !! set where two steps may not suffice
         real(dp) :: q2, q4, q6, q12, scale, r, y, y2, odd, even, slope, per_slope, step
         integer :: i
         !$omp simd private(q2, q4, q6, q12, scale, r, y, y2, odd, even, slope, per_slope, step)
-        do i = 1, lanes
+        do i = 1, strip_length
             associate (eps => excess(i))
                 q2 = q(i)**2
                 q4 = q2**2
@@ -102,12 +102,12 @@ contains
     !> A/B of a position X: A = 1 + sum q^(n^2) a_n with a_1 = X - q, B = 1 + sum (-1)^n q^(n^2) b_n
     !> with b_1 = X + q, both by x_(n+1) = X x_n - q^2 x_(n-1), x_0 = 1.
     pure subroutine divide_thetas(q, x, ratio)
-        real(dp), intent(in) :: q(lanes), x(lanes) !! nomes, and positions X = 2 q cosh(2 v)
-        real(dp), intent(out) :: ratio(lanes) !! A/B
+        real(dp), intent(in) :: q(strip_length), x(strip_length) !! nomes, and positions X = 2 q cosh(2 v)
+        real(dp), intent(out) :: ratio(strip_length) !! A/B
         real(dp) :: q2, q4, q9, q16, a1, a2, a3, a4, b1, b2, b3, b4
         integer :: i
         !$omp simd private(q2, q4, q9, q16, a1, a2, a3, a4, b1, b2, b3, b4)
-        do i = 1, lanes
+        do i = 1, strip_length
             q2 = q(i)**2
             q4 = q2**2
             q9 = q4**2 * q(i)
@@ -127,12 +127,12 @@ contains
 
     !> The theta function of a pole from its position.
     pure subroutine expand_pole(q, pole)
-        real(dp), intent(in) :: q(lanes)
+        real(dp), intent(in) :: q(strip_length)
         type(pole_t), intent(inout) :: pole
         real(dp) :: q2, q6, q12, q20, x, e1, e2, e3, e4, e5, o1, o2, o3, o4, o5
         integer :: i
         !$omp simd private(q2, q6, q12, q20, x, e1, e2, e3, e4, e5, o1, o2, o3, o4, o5)
-        do i = 1, lanes
+        do i = 1, strip_length
             q2 = q(i)**2
             q6 = q2**3
             q12 = q6**2
@@ -182,13 +182,13 @@ contains
     !> vanishes where the axis is nearest to the pole.
     pure subroutine evaluate_pole(pole, near, far, sine_of_2z)
         type(pole_t), intent(inout) :: pole !! the pole
-        real(dp), intent(in) :: near(lanes), far(lanes), sine_of_2z(lanes)
+        real(dp), intent(in) :: near(strip_length), far(strip_length), sine_of_2z(strip_length)
             !! sin(z)^2 or cos(z)^2, first the one that vanishes where the axis is nearest to the pole; sin(2
             !! z)
         real(dp) :: c
         integer :: i
         !$omp simd private(c)
-        do i = 1, lanes
+        do i = 1, strip_length
             c = far(i) - near(i)
             pole%re(i) = pole%nearest(i) + 2 * near(i) * (pole%even(i, 0) + c * (pole%even(i, 1) &
                 + c * (pole%even(i, 2) + c * (pole%even(i, 3) + c * pole%even(i, 4)))))

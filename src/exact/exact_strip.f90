@@ -1,13 +1,13 @@
 !> The theta functions of many motions from their starts, in vector loops.
 !>
-!> The stages of `turning_points` and `circular_form` in double precision. Each is a loop over lanes without
+!> The stages of `turning_points` and `circular_form` in double precision. Each is a loop over a strip without
 !> branches and calls and with few divisions and square roots: where several quotients are needed, the product
 !> of all divisors is inverted once. Symbols as there; with u = u0 + y the nutation obeys u'^2 = beta y^3 + g2
 !> y^2 + g1 y + g0.
 module spintop_exact_strip
     use spintop_kinds, only: dp, pi
     use spintop_array_functions, only: find_circular, find_arguments, largest_angle
-    use spintop_exact_pole, only: pole_t, lanes, solve_position, divide_thetas, evaluate_pole
+    use spintop_exact_pole, only: pole_t, strip_length, solve_position, divide_thetas, evaluate_pole
     use spintop_theta_functions, only: nome_coefficients
     implicit none
     private
@@ -23,33 +23,33 @@ module spintop_exact_strip
     !> fast.
     real(dp), parameter :: least_theta = 1.0e-5_dp
 
-    !> The motions of a strip, one per lane.
+    !> The motions of a strip.
     type :: strip_t
         !> Positive where the stages may not reach the specified accuracy.
-        real(dp), dimension(lanes) :: doubt
+        real(dp), dimension(strip_length) :: doubt
         !> a, beta, 1 - u0, 1 + u0, phi0' sin(theta0)^2, K0, b - a, b + a.
-        real(dp), dimension(lanes) :: a, beta, sh, ch, turn, k0, b_minus_a, b_plus_a
+        real(dp), dimension(strip_length) :: a, beta, sh, ch, turn, k0, b_minus_a, b_plus_a
         !> Coefficients of the cubic; its roots y1 and y2, their difference, and beta y3.
-        real(dp), dimension(lanes) :: g0, g1, g2, y1, y2, d, beta_y3
+        real(dp), dimension(strip_length) :: g0, g1, g2, y1, y2, d, beta_y3
         !> 1 - u1, 1 - u2, 1 + u1, 1 + u2, and two inverses.
-        real(dp), dimension(lanes) :: m1, d2, p1, p2, per_m1, per_p2
+        real(dp), dimension(strip_length) :: m1, d2, p1, p2, per_m1, per_p2
         !> beta (u3 - u1), its root and inverse; the root and inverse of beta (1 + u3);
         !> beta (u3 - 1) and its root; sqrt((1 - u1)(1 - u2)).
-        real(dp), dimension(lanes) :: bu, root_bu, per_bu, root_b1, per_b1, bd3, root_bd3, root_md
+        real(dp), dimension(strip_length) :: bu, root_bu, per_bu, root_b1, per_b1, bd3, root_bd3, root_md
         !> k^2, k', sqrt(k'), and the nome.
-        real(dp), dimension(lanes) :: k2, kc, root_kc, q
+        real(dp), dimension(strip_length) :: k2, kc, root_kc, q
         !> The poles theta = pi, below the motion, and theta = 0, above it.
         type(pole_t) :: bottom, top
         !> Argument of the theta functions at the start and its rate, mean rates of phi and psi, and
         !> a factor of theta'.
-        real(dp), dimension(lanes) :: z0, zeta, phi_speed, psi_speed, swing
+        real(dp), dimension(strip_length) :: z0, zeta, phi_speed, psi_speed, swing
         !> Sine and cosine of theta_min, sine of theta_max.
-        real(dp), dimension(lanes) :: sine_min, cosine_min, sine_max
+        real(dp), dimension(strip_length) :: sine_min, cosine_min, sine_max
         !> Sum and difference of the theta functions' arguments, as they turn phi and psi, at the
         !> start and at an instant.
-        real(dp), dimension(lanes) :: phi_start, psi_start, phi_now, psi_now
+        real(dp), dimension(strip_length) :: phi_start, psi_start, phi_now, psi_now
         !> At the instant: the argument z, sin(z)^2, cos(z)^2 and sin 2z.
-        real(dp), dimension(lanes) :: z, sine2, cosine2, sine_of_2z
+        real(dp), dimension(strip_length) :: z, sine2, cosine2, sine_of_2z
     end type strip_t
 
 contains
@@ -62,7 +62,7 @@ contains
         logical :: falls
         integer :: i
         !$omp simd private(half, per_half, other, falls)
-        do i = 1, lanes
+        do i = 1, strip_length
             associate (g1 => strip%g1(i), g2 => strip%g2(i), beta => strip%beta(i))
                 half = (sqrt(max(g2**2 - 4 * beta * g1, 0.0_dp)) + abs(g2)) / 2
                 falls = g2 <= 0
@@ -92,7 +92,7 @@ contains
         !$omp simd private(c0, c1, c3, y, g, slope, curvature, step, per_y, product, total, d, &
         !$omp larger, smaller, per_by, energy, y1, y2, y3, d2, d3, excess, low_g0, per_last, &
         !$omp inflection)
-        do i = 1, lanes
+        do i = 1, strip_length
             associate (g0 => strip%g0(i), g1 => strip%g1(i), g2 => strip%g2(i), &
                        beta => strip%beta(i), sh => strip%sh(i), ch => strip%ch(i))
                 ! Positive where the cubic is at its inflection: the upper two are the closer pair.
@@ -160,7 +160,7 @@ contains
         logical :: u3_farther
         integer :: i
         !$omp simd private(b1, larger, root, other_root, mp, bb, per_all, per_larger, u3_farther)
-        do i = 1, lanes
+        do i = 1, strip_length
             associate (beta => strip%beta(i), y1 => strip%y1(i), beta_y3 => strip%beta_y3(i), &
                        m1 => strip%m1(i), d2 => strip%d2(i), p2 => strip%p2(i), &
                        bu => strip%bu(i), bd3 => strip%bd3(i), per_m1 => strip%per_m1(i), &
@@ -207,7 +207,7 @@ contains
         integer :: i, n
         !$omp simd private(plus_root, leading, t, series, root_bottom, root_top, sum_bottom, &
         !$omp sum_top, factor, per_all, per_factor, per_sums, per_kc)
-        do i = 1, lanes
+        do i = 1, strip_length
             associate (k2 => strip%k2(i), kc => strip%kc(i), root_kc => strip%root_kc(i), &
                        d => strip%d(i), root_bu => strip%root_bu(i), bottom => strip%bottom, &
                        top => strip%top)
@@ -251,9 +251,9 @@ contains
     !> Arguments of the theta functions at the start; zero for a start at a turning point.
     pure subroutine find_start_phases(strip, theta_rate, moves)
         type(strip_t), intent(inout) :: strip !! the motions of the strip; results are added
-        real(dp), intent(in) :: theta_rate(lanes) !! nutation rates at the start, rad/s
+        real(dp), intent(in) :: theta_rate(strip_length) !! nutation rates at the start, rad/s
         logical, intent(in) :: moves  !! whether some start is between turning points
-        real(dp), dimension(lanes) :: start, doubt_before
+        real(dp), dimension(strip_length) :: start, doubt_before
         strip%phi_start = 0
         strip%psi_start = 0
         if (.not. moves) return
@@ -263,7 +263,7 @@ contains
         call find_phases(strip, start)
         strip%phi_start = merge(strip%phi_now, 0.0_dp, strip%g0 > 0)
         strip%psi_start = merge(strip%psi_now, 0.0_dp, strip%g0 > 0)
-        ! The other lanes are not affected, so that no case depends on its neighbours.
+        ! The other motions are not affected, so that no case depends on its neighbours.
         strip%doubt = merge(strip%doubt, doubt_before, strip%g0 > 0)
     end subroutine find_start_phases
 
@@ -271,12 +271,12 @@ contains
     !> position of a pole, with X = 2 q cos 2z.
     pure subroutine find_start_argument(strip, theta_rate)
         type(strip_t), intent(inout) :: strip
-        real(dp), intent(in) :: theta_rate(lanes)
-        real(dp), dimension(lanes) :: excess, position, ratio, sine, cosine, angle
+        real(dp), intent(in) :: theta_rate(strip_length)
+        real(dp), dimension(strip_length) :: excess, position, ratio, sine, cosine, angle
         real(dp) :: sn2, dn, per_plus, per_all
         integer :: i
         !$omp simd private(sn2, dn, per_plus, per_all)
-        do i = 1, lanes
+        do i = 1, strip_length
             associate (kc => strip%kc(i), k2 => strip%k2(i), d => strip%d(i))
                 per_all = 1 / (d * (1 + kc))
                 per_plus = per_all * d
@@ -289,13 +289,13 @@ contains
         call solve_position(strip%q, excess, position, strip%doubt)
         call divide_thetas(strip%q, position, ratio)
         !$omp simd
-        do i = 1, lanes
+        do i = 1, strip_length
             sine(i) = strip%root_kc(i) * sqrt(-strip%y1(i)) * ratio(i)
             cosine(i) = sqrt(strip%y2(i))
         end do
-        call find_arguments(lanes, cosine, sine, angle)
+        call find_arguments(strip_length, cosine, sine, angle)
         !$omp simd
-        do i = 1, lanes
+        do i = 1, strip_length
             strip%z0(i) = merge(sign(angle(i), -theta_rate(i)), strip%z0(i), &
                                 strip%g0(i) > 0)
         end do
@@ -304,16 +304,16 @@ contains
     !> The theta functions of both poles at the given times.
     pure subroutine find_phases(strip, time)
         type(strip_t), intent(inout) :: strip !! the motions of the strip; results are added
-        real(dp), intent(in) :: time(lanes) !! time since the start, s
+        real(dp), intent(in) :: time(strip_length) !! time since the start, s
         integer :: i
         strip%z = strip%z0 + strip%zeta * time
-        call find_circular(lanes, strip%z, strip%sine2, strip%cosine2, strip%sine_of_2z)
+        call find_circular(strip_length, strip%z, strip%sine2, strip%cosine2, strip%sine_of_2z)
         call evaluate_pole(strip%bottom, strip%sine2, strip%cosine2, strip%sine_of_2z)
         call evaluate_pole(strip%top, strip%cosine2, strip%sine2, strip%sine_of_2z)
-        call find_arguments(lanes, strip%bottom%re, strip%bottom%im, strip%bottom%argument)
-        call find_arguments(lanes, strip%top%re, strip%top%im, strip%top%argument)
+        call find_arguments(strip_length, strip%bottom%re, strip%bottom%im, strip%bottom%argument)
+        call find_arguments(strip_length, strip%top%re, strip%top%im, strip%top%argument)
         !$omp simd
-        do i = 1, lanes
+        do i = 1, strip_length
             associate (bottom => strip%bottom, top => strip%top)
                 strip%phi_now(i) = bottom%side(i) * bottom%argument(i) &
                                    - top%side(i) * top%argument(i)

@@ -17,8 +17,9 @@ module spintop_free_block
     use spintop_exact_cases, only: block_size
     use spintop_exact_motion, only: exact_motion_t
     use spintop_free_motion, only: prepare_free_motion
+    use spintop_exact_pole, only: strip_length
     use spintop_free_strip, only: find_argument, find_axes, find_constants, find_rotation, find_series, find_values, &
-        free_strip_t, lanes
+        free_strip_t
     use spintop_free_turns, only: chord_angle, count_turns, find_attitude, free_attitude_t, prepare_attitude
     use spintop_motion, only: motion_from_quaternion, motion_t
     use spintop_status, only: status_bad_input, status_non_finite, status_ok, status_step_limit
@@ -30,7 +31,7 @@ module spintop_free_block
     !> rounding errors.
     real(dp), parameter :: free_block_accuracy = 1.0e-13_dp
 
-    !> More chords are not followed in lanes.
+    !> More chords are not followed in strips.
     real(dp), parameter :: most_chords = 1.0e6_dp
 
     !> Cases to be computed together, one per row of each array, SI units and radians.
@@ -69,7 +70,7 @@ contains
         logical, intent(in) :: counts_turns !! whether phi and psi have all their turns
         type(free_strip_t), allocatable :: strip
         type(free_attitude_t), allocatable :: attitude
-        integer :: place(lanes), first, n, i
+        integer :: place(strip_length), first, n, i
 
         self%fallbacks = 0
         if (self%n < 0 .or. self%n > block_size) then
@@ -77,10 +78,10 @@ contains
             return
         end if
         allocate (strip, attitude)
-        do first = 1, self%n, lanes
+        do first = 1, self%n, strip_length
             ! The last strip is filled with copies of the last case.
-            place = min([(first + i, i=0, lanes - 1)], self%n)
-            n = min(lanes, self%n - first + 1)
+            place = min([(first + i, i=0, strip_length - 1)], self%n)
+            n = min(strip_length, self%n - first + 1)
             strip%inertia = self%inertia(place, :)
             strip%omega = self%omega(place, :)
             call find_axes(strip)
@@ -102,16 +103,16 @@ contains
     !> The quantities without time.
     subroutine describe_motion(block, place, strip)
         type(free_block_t), intent(inout) :: block
-        integer, intent(in) :: place(:)  !! of the cases in the first lanes
+        integer, intent(in) :: place(:)  !! of the cases of the strip
         type(free_strip_t), intent(inout) :: strip
-        real(dp), dimension(lanes) :: period, turn, least, greatest, low, high
-        real(dp), dimension(lanes, 2) :: sine, cosine
+        real(dp), dimension(strip_length) :: period, turn, least, greatest, low, high
+        real(dp), dimension(strip_length, 2) :: sine, cosine
         real(dp) :: q3, q10, q21, g, small, above, dn
-        logical :: x_is_3, z_is_3, against(lanes)
+        logical :: x_is_3, z_is_3, against(strip_length)
         integer :: k
 
         !$omp simd private(q3, q10, q21, g, small, above, dn, x_is_3, z_is_3)
-        do k = 1, lanes
+        do k = 1, strip_length
             associate (q => strip%q(k), a => strip%a(k), b => strip%b(k), c => strip%c(k), inertia => strip%inertia)
                 q3 = q**3
                 q10 = q3**3 * q
@@ -136,8 +137,8 @@ contains
                 strip%doubt(k) = merge(strip%doubt(k), 1.0_dp, abs(period(k) + turn(k) + greatest(k)) <= huge(g))
             end associate
         end do
-        call find_inclinations(lanes, sine(:, 1), cosine(:, 1), low)
-        call find_inclinations(lanes, sine(:, 2), cosine(:, 2), high)
+        call find_inclinations(strip_length, sine(:, 1), cosine(:, 1), low)
+        call find_inclinations(strip_length, sine(:, 2), cosine(:, 2), high)
         against = nint(strip%axis(:, 3)) == 3 .and. strip%signs(:, 3) < 0
         associate (n => size(place))
             block%period(place) = period(:n)
@@ -153,13 +154,13 @@ contains
     !> The motion at the end of the span.
     subroutine describe_end(block, place, n, counts_turns, strip, attitude)
         type(free_block_t), intent(inout) :: block
-        integer, intent(in) :: place(lanes), n  !! of the cases in the lanes, and how many of them are not copies
+        integer, intent(in) :: place(strip_length), n  !! of the cases of the strip, and how many of them are not copies
         logical, intent(in) :: counts_turns
         type(free_strip_t), intent(inout) :: strip
         type(free_attitude_t), intent(inout) :: attitude
-        real(dp), dimension(lanes, 2) :: rotation
-        real(dp), dimension(lanes, 3) :: along, omega
-        real(dp), dimension(lanes) :: duration, chords, sine, cosine, theta, theta_rate
+        real(dp), dimension(strip_length, 2) :: rotation
+        real(dp), dimension(strip_length, 3) :: along, omega
+        real(dp), dimension(strip_length) :: duration, chords, sine, cosine, theta, theta_rate
         real(dp) :: u, w
         integer :: j, k
 
@@ -183,7 +184,7 @@ contains
             omega(:, j) = merge(along(:, 1), merge(along(:, 2), along(:, 3), nint(strip%axis(:, 2)) == j), &
                                 nint(strip%axis(:, 1)) == j)
         end do
-        do k = 1, lanes
+        do k = 1, strip_length
             associate (q => attitude%now)
                 u = sqrt(q(k, 1)**2 + q(k, 4)**2)
                 w = sqrt(q(k, 2)**2 + q(k, 3)**2)
@@ -194,7 +195,7 @@ contains
                                  - omega(k, 2) * (q(k, 4) * q(k, 2) - q(k, 1) * q(k, 3))) / (u * w)
             end associate
         end do
-        call find_inclinations(lanes, sine, cosine, theta)
+        call find_inclinations(strip_length, sine, cosine, theta)
         block%quaternion_end(place(:n), :) = attitude%now(:n, :)
         block%omega_end(place(:n), :) = omega(:n, :)
         block%theta_rate_end(place(:n)) = theta_rate(:n)

@@ -1,18 +1,17 @@
 !> The exact motion of many free bodies, in vector loops.
 !>
 !> The stages of `free_motion` and of its series in circular functions, in double precision. Each is a loop over
-!> lanes without branches and calls. Symbols as there.
+!> a strip without branches and calls. Symbols as there.
 module spintop_free_strip
     use spintop_kinds, only: dp, pi
     use spintop_array_functions, only: find_circular, largest_angle
+    use spintop_exact_pole, only: strip_length
     use spintop_free_circular_series, only: least_complement
     use spintop_theta_functions, only: nome_coefficients
     implicit none
     private
-    public :: free_strip_t, lanes, find_axes, find_constants, find_series, find_argument, find_rotation, find_values
+    public :: free_strip_t, find_axes, find_constants, find_series, find_argument, find_rotation, find_values
 
-    !> Lanes of a strip.
-    integer, parameter :: lanes = 64
     !> Iterations for Y and for the argument at the start; each gains two digits or more. A last step above this is
     !> doubtful.
     integer, parameter :: iterations = 8
@@ -20,24 +19,24 @@ module spintop_free_strip
     !> Smallest k'.
     real(dp), parameter :: least = real(least_complement, dp)
 
-    !> The motions of a strip, one per lane.
+    !> The motions of a strip.
     type :: free_strip_t
         !> Positive where the stages may not reach the specified accuracy.
-        real(dp), dimension(lanes) :: doubt
+        real(dp), dimension(strip_length) :: doubt
         !> Moments of inertia, angular velocity, number and sign of the axes x, y, z; side s and angular momentum.
-        real(dp), dimension(lanes, 3) :: inertia, omega, axis, signs
-        real(dp), dimension(lanes) :: side, momentum
+        real(dp), dimension(strip_length, 3) :: inertia, omega, axis, signs
+        real(dp), dimension(strip_length) :: side, momentum
         !> a, b, c, k', frequency, r = a/(1+c), rho, and a b sn and a b cn at the start.
-        real(dp), dimension(lanes) :: a, b, c, complement, k2, frequency, ratio, spin, across, along
+        real(dp), dimension(strip_length) :: a, b, c, complement, k2, frequency, ratio, spin, across, along
         !> Nome, zeta, kappa; Y, S, the slope of F+ and a sum for the turn; the last step of an iteration.
-        real(dp), dimension(lanes) :: q, rate, phase_rate, y, root, slope, below, step
+        real(dp), dimension(strip_length) :: q, rate, phase_rate, y, root, slope, below, step
         !> Coefficients of F+ and F-, and factors of cn, sn, dn.
-        real(dp), dimension(lanes, 0:3) :: up_even, up_odd, low_odd, low_even
-        real(dp), dimension(lanes, 3) :: factor
+        real(dp), dimension(strip_length, 0:3) :: up_even, up_odd, low_odd, low_even
+        real(dp), dimension(strip_length, 3) :: factor
         !> exp(i z) at the start and now, exp(i chi) now, and F+ and F- now, their squares' sum; cn, sn, dn.
-        real(dp), dimension(lanes, 2) :: start, turn, phase, upper, lower
-        real(dp), dimension(lanes) :: square
-        real(dp), dimension(lanes, 3) :: elliptic
+        real(dp), dimension(strip_length, 2) :: start, turn, phase, upper, lower
+        real(dp), dimension(strip_length) :: square
+        real(dp), dimension(strip_length, 3) :: elliptic
     end type free_strip_t
 
 contains
@@ -49,7 +48,7 @@ contains
         logical :: flips
         integer :: k
         !$omp simd private(i1, i2, i3, w1, w2, w3, n1, n2, n3, parity, excess, flips)
-        do k = 1, lanes
+        do k = 1, strip_length
             i1 = strip%inertia(k, 1)
             i2 = strip%inertia(k, 2)
             i3 = strip%inertia(k, 3)
@@ -107,7 +106,7 @@ contains
         real(dp) :: lx, ly, lz, px, py, pz, total, d_xy, d_xz, d_yz, a, b, c, a2, b2, c2, ix, iy, iz, complement
         integer :: k
         !$omp simd private(lx, ly, lz, px, py, pz, total, d_xy, d_xz, d_yz, a, b, c, a2, b2, c2, ix, iy, iz, complement)
-        do k = 1, lanes
+        do k = 1, strip_length
             ix = strip%inertia(k, 1)
             iy = strip%inertia(k, 2)
             iz = strip%inertia(k, 3)
@@ -163,7 +162,7 @@ contains
         real(dp) :: root_kc, leading, t, series, u
         integer :: k, n
         !$omp simd private(root_kc, leading, t, series, u, n)
-        do k = 1, lanes
+        do k = 1, strip_length
             root_kc = sqrt(strip%complement(k))
             leading = strip%k2(k) / (2 * (1 + strip%complement(k)) * (1 + root_kc)**2)
             t = (leading**2)**2
@@ -184,7 +183,7 @@ contains
         real(dp) :: q, q2, q3, q6, x, y, e2, e3, o1, o2, o3
         integer :: k
         !$omp simd private(q, q2, q3, q6, x, y, e2, e3, o1, o2, o3)
-        do k = 1, lanes
+        do k = 1, strip_length
             q = strip%q(k)
             y = strip%y(k)
             q2 = q * q
@@ -210,7 +209,7 @@ contains
         integer :: k
         !$omp simd private(q, q2, q3, q6, q10, q15, q21, x, y, s, side, e2, e3, m1, m2, m3, p1, p2, p3, o1, o2, o3, &
         !$omp theta3, t2)
-        do k = 1, lanes
+        do k = 1, strip_length
             q = strip%q(k)
             y = strip%y(k)
             side = strip%side(k)
@@ -267,7 +266,7 @@ contains
         real(dp) :: length
         integer :: k, n
         !$omp simd private(length)
-        do k = 1, lanes
+        do k = 1, strip_length
             strip%across(k) = strip%factor(k, 3) * strip%across(k)
             length = 1 / sqrt(strip%across(k)**2 + strip%along(k)**2)
             strip%start(k, 1) = strip%along(k) * length
@@ -285,7 +284,7 @@ contains
         real(dp) :: q2, q6, q12, q20, c, s, f, a1, a2, a3, a4, b1, b2, b3, b4, x, y, d, sine, cosine, length
         integer :: k
         !$omp simd private(q2, q6, q12, q20, c, s, f, a1, a2, a3, a4, b1, b2, b3, b4, x, y, d, sine, cosine, length)
-        do k = 1, lanes
+        do k = 1, strip_length
             c = strip%start(k, 1)
             s = strip%start(k, 2)
             q2 = strip%q(k)**2
@@ -319,12 +318,12 @@ contains
 
     !> exp(i angle) of angles, rad; large angles are doubtful.
     pure subroutine find_rotation(angle, rotation, doubt)
-        real(dp), intent(in) :: angle(lanes) !! rad
-        real(dp), intent(out) :: rotation(lanes, 2) !! cosine and sine
-        real(dp), intent(inout) :: doubt(lanes) !! set to 1 where the angle is too large
-        real(dp), dimension(lanes) :: half, sine2, cosine2, sine
+        real(dp), intent(in) :: angle(strip_length) !! rad
+        real(dp), intent(out) :: rotation(strip_length, 2) !! cosine and sine
+        real(dp), intent(inout) :: doubt(strip_length) !! set to 1 where the angle is too large
+        real(dp), dimension(strip_length) :: half, sine2, cosine2, sine
         half = angle / 2
-        call find_circular(lanes, half, sine2, cosine2, sine)
+        call find_circular(strip_length, half, sine2, cosine2, sine)
         rotation(:, 1) = cosine2 - sine2
         rotation(:, 2) = sine
         doubt = merge(doubt, 1.0_dp, abs(half) <= largest_angle)
@@ -337,7 +336,7 @@ contains
         real(dp) :: c(9), s(9), q, q2, q4, q6, theta3, theta4, sine, cosine
         integer :: k, n
         !$omp simd private(c, s, n)
-        do k = 1, lanes
+        do k = 1, strip_length
             c(1) = strip%turn(k, 1)
             s(1) = strip%turn(k, 2)
             do n = 1, 6
@@ -355,7 +354,7 @@ contains
         end do
         if (.not. wants_rates) return
         !$omp simd private(c, s, q, q2, q4, q6, theta3, theta4, sine, cosine, n)
-        do k = 1, lanes
+        do k = 1, strip_length
             c(1) = strip%turn(k, 1)
             s(1) = strip%turn(k, 2)
             do n = 1, 8

@@ -6,7 +6,8 @@
 module spintop_free_turns
     use spintop_kinds, only: dp, pi
     use spintop_array_functions, only: find_arguments
-    use spintop_free_strip, only: find_rotation, find_values, free_strip_t, lanes
+    use spintop_exact_pole, only: strip_length
+    use spintop_free_strip, only: find_rotation, find_values, free_strip_t
     implicit none
     private
     public :: free_attitude_t, prepare_attitude, find_attitude, count_turns, chord_angle
@@ -22,13 +23,13 @@ module spintop_free_turns
     !> The attitudes of the motions of a strip.
     type :: free_attitude_t
         !> The attitude is this matrix times the quaternion relative to the momentum.
-        real(dp), dimension(lanes, 4, 4) :: matrix
+        real(dp), dimension(strip_length, 4, 4) :: matrix
         !> Attitude at the start, and now.
-        real(dp), dimension(lanes, 4) :: start, now
+        real(dp), dimension(strip_length, 4) :: start, now
         !> (q0 + i q3) and (q1 + i q2) divided by those of the start, but for a factor, at the last chord's end; their
         !> turns so far, and their angles, rad.
-        real(dp), dimension(lanes, 4) :: last
-        real(dp), dimension(lanes, 2) :: turns, angle
+        real(dp), dimension(strip_length, 4) :: last
+        real(dp), dimension(strip_length, 2) :: turns, angle
     end type free_attitude_t
 
 contains
@@ -41,7 +42,7 @@ contains
         integer :: j, k
         do j = 1, 4
             !$omp simd private(u0, u1, u2, u3, r0, r1, r2, r3, x, y, z, per, q0, q1, q2, q3)
-            do k = 1, lanes
+            do k = 1, strip_length
                 per = 1 / sqrt(strip%square(k))
                 u0 = strip%upper(k, 1) * per
                 u1 = -strip%lower(k, 1) * per
@@ -85,7 +86,7 @@ contains
         real(dp) :: per, u0, u1, u2, u3
         integer :: k
         !$omp simd private(per, u0, u1, u2, u3)
-        do k = 1, lanes
+        do k = 1, strip_length
             per = 1 / sqrt(strip%square(k))
             associate (m => attitude%matrix, now => attitude%now, c => strip%phase(k, 1), s => strip%phase(k, 2))
                 u0 = (c * strip%upper(k, 1) - s * strip%upper(k, 2)) * per
@@ -105,12 +106,12 @@ contains
     pure subroutine count_turns(strip, attitude, duration, chords, all_turns)
         type(free_strip_t), intent(inout) :: strip !! doubtful where a path may pass zero
         type(free_attitude_t), intent(inout) :: attitude !! `angle` is set
-        real(dp), intent(in) :: duration(lanes) !! the time, s
-        real(dp), intent(in) :: chords(lanes) !! number of chords, each of at most `chord_angle`
+        real(dp), intent(in) :: duration(strip_length) !! the time, s
+        real(dp), intent(in) :: chords(strip_length) !! number of chords, each of at most `chord_angle`
         logical, intent(in) :: all_turns !! whether to count turns
-        real(dp), dimension(lanes, 4) :: arrival
-        real(dp), dimension(lanes, 2) :: along_z, along_chi
-        real(dp), dimension(lanes) :: active, bend, distance, angle
+        real(dp), dimension(strip_length, 4) :: arrival
+        real(dp), dimension(strip_length, 2) :: along_z, along_chi
+        real(dp), dimension(strip_length) :: active, bend, distance, angle
         integer :: n
 
         arrival = attitude%now
@@ -141,7 +142,7 @@ contains
         end if
         do n = 1, 2
             distance = abs(attitude%last(:, 2 * n - 1))
-            call find_arguments(lanes, distance, attitude%last(:, 2 * n), angle)
+            call find_arguments(strip_length, distance, attitude%last(:, 2 * n), angle)
             where (attitude%last(:, 2 * n - 1) < 0) angle = sign(pi, attitude%last(:, 2 * n)) - angle
             attitude%angle(:, n) = angle + 2 * pi * attitude%turns(:, n)
         end do
@@ -152,7 +153,7 @@ contains
     !> Largest |I_i - I_j|/I_k.
     pure function coupling(strip)
         type(free_strip_t), intent(in) :: strip
-        real(dp) :: coupling(lanes)
+        real(dp) :: coupling(strip_length)
         associate (i => strip%inertia)
             coupling = max(abs(i(:, 2) - i(:, 3)) / i(:, 1), abs(i(:, 3) - i(:, 1)) / i(:, 2), abs(i(:, 1) - i(:, 2)) / i(:, 3))
         end associate
@@ -165,12 +166,12 @@ contains
 
     !> Turns unit numbers by others.
     pure subroutine advance(number, by)
-        real(dp), intent(inout) :: number(lanes, 2)
-        real(dp), intent(in) :: by(lanes, 2)
+        real(dp), intent(inout) :: number(strip_length, 2)
+        real(dp), intent(in) :: by(strip_length, 2)
         real(dp) :: re
         integer :: k
         !$omp simd private(re)
-        do k = 1, lanes
+        do k = 1, strip_length
             re = number(k, 1) * by(k, 1) - number(k, 2) * by(k, 2)
             number(k, 2) = number(k, 2) * by(k, 1) + number(k, 1) * by(k, 2)
             number(k, 1) = re
@@ -180,11 +181,11 @@ contains
     !> Both complex numbers times the conjugates of the start's directions.
     pure subroutine divide_by_start(attitude, numbers)
         type(free_attitude_t), intent(in) :: attitude
-        real(dp), intent(out) :: numbers(lanes, 4)
+        real(dp), intent(out) :: numbers(strip_length, 4)
         real(dp) :: per
         integer :: k
         !$omp simd private(per)
-        do k = 1, lanes
+        do k = 1, strip_length
             associate (q => attitude%now, s => attitude%start)
                 per = 1 / sqrt(s(k, 1)**2 + s(k, 4)**2)
                 numbers(k, 1) = (q(k, 1) * s(k, 1) + q(k, 4) * s(k, 4)) * per
@@ -199,15 +200,15 @@ contains
     !> Counts the passages of the negative axis by a chord.
     pure subroutine take_chord(attitude, bend, active, doubt)
         type(free_attitude_t), intent(inout) :: attitude
-        real(dp), intent(in) :: bend(lanes), active(lanes)
-        real(dp), intent(inout) :: doubt(lanes)
-        real(dp), dimension(lanes, 4) :: there
+        real(dp), intent(in) :: bend(strip_length), active(strip_length)
+        real(dp), intent(inout) :: doubt(strip_length)
+        real(dp), dimension(strip_length, 4) :: there
         real(dp) :: x, y, across, along, square, other, length, distance, count
         integer :: k, n
         call divide_by_start(attitude, there)
         do n = 1, 2
             !$omp simd private(x, y, across, along, square, other, length, distance, count)
-            do k = 1, lanes
+            do k = 1, strip_length
                 x = attitude%last(k, 2 * n - 1)
                 y = attitude%last(k, 2 * n)
                 across = x * there(k, 2 * n) - y * there(k, 2 * n - 1)

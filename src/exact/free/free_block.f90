@@ -7,7 +7,7 @@
 !>
 !>     block%n = 2;  block%inertia(1:2, :) = ...
 !>     call block%compute(wants_end=.true., counts_turns=.false.)
-!>     if (block%status(1) == status_ok) then; ... = block%period(1)
+!>     if (block%status(1) == status_ok) then; ... = block%constants(1)%period
 module spintop_free_block
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp, pi
@@ -16,7 +16,7 @@ module spintop_free_block
     use spintop_compare, only: is_finite
     use spintop_exact_cases, only: block_size
     use spintop_exact_motion, only: exact_motion_t
-    use spintop_free_motion, only: prepare_free_motion
+    use spintop_free_motion, only: free_constants_t, prepare_free_motion
     use spintop_exact_pole, only: strip_length
     use spintop_free_strip, only: find_argument, find_axes, find_constants, find_rotation, find_series, find_values, &
         free_strip_t
@@ -44,10 +44,8 @@ module spintop_free_block
             angle(block_size, 3) = 0, t_end(block_size) = 0
         !> Largest number of steps in which turns are counted.
         integer(int64) :: most_steps(block_size) = huge(1_int64)
-        !> As the components of `free_motion_t`.
-        real(dp), dimension(block_size) :: period, turn, least_rate, greatest_rate
-        integer :: about(block_size) = 0
-        real(dp) :: axis_angle(block_size, 2)
+        !> What does not depend on time.
+        type(free_constants_t) :: constants(block_size)
         !> At `t_end`: attitude, angular velocity in body axes, rad/s, angles, and nutation rate, rad/s.
         real(dp) :: quaternion_end(block_size, 4), omega_end(block_size, 3), angle_end(block_size, 3)
         real(dp) :: theta_rate_end(block_size)
@@ -140,15 +138,11 @@ contains
         call find_inclinations(strip_length, sine(:, 1), cosine(:, 1), low)
         call find_inclinations(strip_length, sine(:, 2), cosine(:, 2), high)
         against = nint(strip%axis(:, 3)) == 3 .and. strip%signs(:, 3) < 0
-        associate (n => size(place))
-            block%period(place) = period(:n)
-            block%turn(place) = turn(:n)
-            block%least_rate(place) = least(:n)
-            block%greatest_rate(place) = greatest(:n)
-            block%about(place) = nint(strip%axis(:n, 3))
-            block%axis_angle(place, 1) = merge(pi - high(:n), low(:n), against(:n))
-            block%axis_angle(place, 2) = merge(pi - low(:n), high(:n), against(:n))
-        end associate
+        do k = 1, size(place)
+            block%constants(place(k)) = free_constants_t(least(k), greatest(k), [low(k), high(k)], period(k), turn(k), &
+                                                         nint(strip%axis(k, 3)))
+            if (against(k)) block%constants(place(k))%axis_angle = pi - [high(k), low(k)]
+        end do
     end subroutine describe_motion
 
     !> The motion at the end of the span.
@@ -199,7 +193,7 @@ contains
         block%quaternion_end(place(:n), :) = attitude%now(:n, :)
         block%omega_end(place(:n), :) = omega(:n, :)
         block%theta_rate_end(place(:n)) = theta_rate(:n)
-        chords = max(1.0_dp, aint(block%greatest_rate(place) * duration / chord_angle) + 1)
+        chords = max(1.0_dp, aint(block%constants(place)%greatest_rate * duration / chord_angle) + 1)
         if (counts_turns) strip%doubt = merge(strip%doubt, 1.0_dp, chords <= min(most_chords, real(block%most_steps(place), dp)))
         call count_turns(strip, attitude, duration, chords, counts_turns)
         along(:, 1) = block%angle(place, 1) + (attitude%angle(:, 1) + attitude%angle(:, 2))
@@ -226,12 +220,7 @@ contains
         allocate (exact%free)
         call prepare_free_motion(body, start, exact%free, self%status(i))
         if (self%status(i) /= status_ok) return
-        self%period(i) = exact%free%period
-        self%turn(i) = exact%free%turn
-        self%least_rate(i) = exact%free%least_rate
-        self%greatest_rate(i) = exact%free%greatest_rate
-        self%about(i) = exact%free%about
-        self%axis_angle(i, :) = exact%free%axis_angle
+        self%constants(i) = exact%free%free_constants_t
         if (.not. wants_end) return
         steps = 0
         if (counts_turns) then

@@ -26,10 +26,23 @@ module spintop_free_motion
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: free_motion_t, prepare_free_motion, inclination_range
+    public :: free_motion_t, free_constants_t, prepare_free_motion, inclination_range
+
+    !> What does not depend on time.
+    type :: free_constants_t
+        !> Smallest and largest angular velocity, rad/s.
+        real(dp) :: least_rate = 0, greatest_rate = 0
+        !> Smallest and largest angle between body z and the momentum, rad.
+        real(dp) :: axis_angle(2) = 0
+        !> Period of the momentum in the body, s (infinite on the separatrix, zero for a steady rotation), and the
+        !> angle by which axis z turns about the momentum in that time, rad.
+        real(dp) :: period = 0, turn = 0
+        !> Number of the body axis about which the momentum circulates; the direction of its motion is that of s.
+        integer :: about = 0
+    end type free_constants_t
 
     !> The exact motion of one start.
-    type :: free_motion_t
+    type, extends(free_constants_t) :: free_motion_t
         private
         !> Time of the start, s, its attitude, and its angles, rad.
         real(dp) :: time = 0, start(4) = 0, angle(3) = 0
@@ -48,15 +61,6 @@ module spintop_free_motion
         real(dp) :: unturn(4) = 0
         !> Angular momentum, kg m^2/s.
         real(dp), public :: momentum = 0
-        !> Smallest and largest angular velocity, rad/s.
-        real(dp), public :: least_rate = 0, greatest_rate = 0
-        !> Smallest and largest angle between body z and the momentum, rad.
-        real(dp), public :: axis_angle(2) = 0
-        !> Period of the momentum in the body, s (infinite on the separatrix, zero for a steady rotation), and the
-        !> angle by which axis z turns about the momentum in that time, rad.
-        real(dp), public :: period = 0, turn = 0
-        !> Number of the body axis about which the momentum circulates; the direction of its motion is that of s.
-        integer, public :: about = 0
     contains
         procedure :: at
         procedure :: quaternion_at

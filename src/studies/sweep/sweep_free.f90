@@ -6,7 +6,6 @@ module spintop_sweep_free
     use spintop_case, only: case_t
     use spintop_conditioning, only: inherent_error
     use spintop_free_block, only: block_size, free_block_t
-    use spintop_free_motion, only: free_motion_t
     use spintop_job, only: job_t
     use spintop_motion, only: motion_t
     use spintop_plan, only: plan_t
@@ -96,7 +95,6 @@ contains
         type(sweep_result_t), intent(out) :: values
         integer, intent(out) :: status
         type(note_t), intent(inout) :: note
-        type(free_motion_t) :: free
         type(motion_t) :: last
         real(dp) :: change
 
@@ -106,11 +104,6 @@ contains
             call note%explain(trim(status_meanings(status)))
             return
         end if
-        free%period = block%period(i)
-        free%turn = block%turn(i)
-        free%about = block%about(i)
-        free%greatest_rate = block%greatest_rate(i)
-        free%axis_angle = block%axis_angle(i, :)
         call put_stability(case, case%t_end, wanted, max_steps, values, note)
         if (wanted(of_fast_top)) call put_fast_top(case, values, note)
         if (wanted(of_period)) call put_azimuth(.false., 0.0_dp, values, note)
@@ -126,7 +119,7 @@ contains
         values%evaluations = 0
         values%orientation_error = 0
         if (wanted(of_inherent)) values%inherent_error = inherent_error(case%body, case%start, case%t_end)
-        call put_free_constants(case, free, wanted, values, note)
+        call put_free_constants(case, block%constants(i), wanted, values, note)
     end subroutine take
 
 end module spintop_sweep_free

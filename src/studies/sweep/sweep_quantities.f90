@@ -8,7 +8,7 @@ module spintop_sweep_quantities
     use spintop_case, only: case_t
     use spintop_fast_top, only: fast_top_t, fast_top
     use spintop_motion, only: motion_t
-    use spintop_free_motion, only: free_motion_t, inclination_range, prepare_free_motion
+    use spintop_free_motion, only: free_constants_t, free_motion_t, inclination_range, prepare_free_motion
     use spintop_force_extremes, only: force_extremes_t, find_force_extremes
     use spintop_nutation, only: nutation_t, find_nutation
     use spintop_nutation_watch, only: nutation_watch_t, no_class
@@ -337,13 +337,13 @@ contains
             call note%add(note_not_free, trim(status_meanings(status)))
             return
         end if
-        call put_free_constants(case, free, wanted, values, note)
+        call put_free_constants(case, free%free_constants_t, wanted, values, note)
     end subroutine find_free_constants
 
     !> The constants of a free body.
     subroutine put_free_constants(case, free, wanted, values, note)
         type(case_t), intent(in) :: case !! body, start and span
-        type(free_motion_t), intent(in) :: free !! the exact motion
+        type(free_constants_t), intent(in) :: free !! what does not depend on time
         logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
         type(note_t), intent(inout) :: note !! notes on the case

@@ -5,10 +5,10 @@ module spintop_column_choice
     use spintop_kinds, only: degree
     use spintop_problems, only: problems_t
     use spintop_sensitivity, only: is_sensitivity, split_name
-    use spintop_studies, only: list_studies, study_entry_t
+    use spintop_studies, only: create_study, listed_studies
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: listed_column_t, place_of, proof_group
-    use spintop_text, only: did_you_mean, to_text
+    use spintop_text, only: append, did_you_mean, join, string_t, to_text
     use spintop_uncertainties, only: check_uncertainties
     implicit none
     private
@@ -187,28 +187,21 @@ contains
     function owners_of(name) result(owners)
         character(*), intent(in) :: name
         character(:), allocatable :: owners
-        type(study_entry_t), allocatable :: known(:)
+        class(study_t), allocatable :: study
         type(study_info_t) :: info
-        logical, allocatable :: has_it(:)
-        integer :: i
+        type(string_t), allocatable :: plurals(:)
+        integer :: i, n
 
-        call list_studies(known)
-        allocate (has_it(size(known)))
-        do i = 1, size(known)
-            has_it(i) = place_of(known(i)%study%columns(), name) > 0
+        allocate (plurals(0))
+        do i = 1, size(listed_studies)
+            call create_study(listed_studies(i), study)
+            info = study%info()
+            if (place_of(study%columns(), name) > 0) call append(plurals, info%plural)
         end do
-        owners = ''
-        do i = 1, size(known)
-            if (.not. has_it(i)) cycle
-            info = known(i)%study%info()
-            if (owners == '') then
-                owners = info%plural
-            else if (any(has_it(i + 1:))) then
-                owners = owners // ', ' // info%plural
-            else
-                owners = owners // ' and ' // info%plural
-            end if
-        end do
+        n = size(plurals)
+        owners = join(plurals(:n - 1), ', ')
+        if (n > 1) owners = owners // ' and '
+        if (n > 0) owners = owners // plurals(n)%text
     end function owners_of
 
 end module spintop_column_choice

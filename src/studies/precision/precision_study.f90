@@ -1,20 +1,40 @@
-!> The work-precision study as a kind of study.
+!> The work-precision study: the cost of each method for each accuracy, on a given problem and machine.
+!>
+!> Every method runs with each of its settings. The motion is compared with a reference at equally spaced
+!> times; a run to the end of the span without comparisons is timed. Rows are sorted by time. Swept parameters
+!> make several problems of one input.
 module spintop_precision_study
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_case, only: case_t, make_case
+    use spintop_clock, only: seconds
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t, exit_failed, exit_ok
+    use spintop_formulation, only: structure_quadruple
     use spintop_job, only: job_t
+    use spintop_kinds, only: dp
     use spintop_options, only: options_t
-    use spintop_precision_columns, only: precision_columns
-    use spintop_precision_plan, only: make_precision_plan, precision_plan_t, read_reference
+    use spintop_plain_text, only: escaped
+    use spintop_plan, only: plan_t, make_plan
+    use spintop_precision_columns, only: precision_columns, precision_view_t, put_row
+    use spintop_precision_plan, only: make_precision_plan, precision_plan_t, read_reference, set_setting
+    use spintop_precision_summary, only: auto_tally_t, summarize_problem
+    use spintop_precision_table, only: mark_front, precision_row_t, sort_rows
     use spintop_problems, only: problems_t
+    use spintop_progress, only: progress_t
+    use spintop_reference_motion, only: check_reference, find_reference, reference_t
     use spintop_scene, only: scene_t
     use spintop_scene_words, only: kind_precision, study_kinds
+    use spintop_status, only: status_meaning, status_ok
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: listed_column_t
-    use spintop_summary, only: summary_t
-    use spintop_text, only: to_text
-    use spintop_work_precision, only: problems_of, run_work_precision
+    use spintop_study_head, only: study_head
+    use spintop_summary, only: summary_t, rounded
+    use spintop_sweep_axes, only: swept_scene_t
+    use spintop_table_file, only: table_file_t
+    use spintop_text, only: string_t, to_text
+    use spintop_text_buffer, only: text_buffer_t
+    use spintop_trial, only: run_trial
+    use spintop_trial_time, only: time_trial
     implicit none
     private
     public :: precision_study_t
@@ -31,6 +51,9 @@ module spintop_precision_study
         procedure :: explain
         procedure :: run
     end type precision_study_t
+
+    !> Maximum number of problems that the summary describes one by one.
+    integer, parameter :: most_told = 4
 
 contains
 
@@ -49,13 +72,13 @@ contains
         allocate (columns, source=precision_columns())
     end function columns
 
-    !> Number of problems.
+    !> Number of problems: one, or the cases of the axes.
     integer(int64) function cases(self, job)
         class(precision_study_t), intent(in) :: self
         type(job_t), intent(in) :: job !! the job
         associate (unused => self)
         end associate
-        cases = problems_of(job)
+        cases = max(1_int64, job%axes%cases)
     end function cases
 
     !> Makes the first problem, the methods and their settings.
@@ -94,7 +117,7 @@ contains
                  // ' methods and settings'
     end function explain
 
-    !> Runs all trials; the study fails if a problem has no rows.
+    !> Runs all trials, or those of a part, and writes the table; the study fails if a problem has no rows.
     subroutine run(self, job, options, summary, code, error)
         class(precision_study_t), intent(in) :: self
         type(job_t), target, intent(inout) :: job !! the job
@@ -102,10 +125,270 @@ contains
         type(summary_t), intent(out) :: summary !! lines for standard output
         integer, intent(out) :: code !! exit code
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        integer :: failures
+        type(swept_scene_t), allocatable, target :: swept
+        type(table_file_t) :: file
+        type(progress_t) :: progress
+        type(auto_tally_t) :: tally
+        type(string_t), allocatable :: words(:)
+        real(dp), allocatable :: values(:)
+        real(dp) :: began
+        integer(int64) :: first, last, k, trials
+        integer :: rows, failures
 
-        call run_work_precision(job, self%plan, options, summary, failures, error)
-        code = merge(exit_failed, exit_ok, failures > 0)
+        began = seconds()
+        code = exit_ok
+        failures = 0
+        rows = 0
+        first = options%shard%first(self%cases(job))
+        last = options%shard%last(self%cases(job))
+        call begin_table(job, options%shard%beginning(self%cases(job)), file, error)
+        if (allocated(error)) return
+        allocate (swept)
+        call swept%copy(job%scene, job%axes)
+        allocate (values(size(job%axes%axis)))
+        trials = sum(self%plan%settings(self%plan%choices))
+        call progress%start(job%name, 'trials', trials * last, options%quiet, options%progress, before=trials * (first - 1))
+        call summary%headline('')
+        do k = first, last
+            if (size(values) > 0) values = job%axes%values_of(k)
+            call swept%put(values)
+            call run_problem(job, self%plan, swept%scene, name_of_problem(job, k), values, trials * (k - 1), file, &
+                             progress, rows, failures, tally, summary, error)
+            if (allocated(error)) exit
+        end do
+        call progress%finish()
+        words = in_words(summary)
+        if (self%cases(job) > 1) call tally%summarize(summary)
+        if (.not. allocated(error)) call file%finish(words, error)
+        if (allocated(error)) then
+            call file%discard()
+            deallocate (summary%lines)
+            return
+        end if
+        if (failures > 0) code = exit_failed
+        summary%lines(1)%text = escaped(job%input // ': work-precision study, ' // to_text(rows) // ' rows -> ' // job%output)
+        if (options%shard%is_part()) call summary%add('shard', options%shard%line(self%cases(job)))
+        call summary%add('time', rounded(seconds() - began) // ' s')
     end subroutine run
+
+    !> The lines of a summary after its headline, for the end of the table.
+    function in_words(summary) result(lines)
+        type(summary_t), intent(in) :: summary
+        type(string_t), allocatable :: lines(:)
+        integer :: i
+        allocate (lines(size(summary%lines) - 1))
+        do i = 1, size(lines)
+            lines(i)%text = 'in words: ' // summary%sentence(i + 1)
+        end do
+    end function in_words
+
+    !> Starts the table: after its columns those of the swept parameters.
+    subroutine begin_table(job, part, file, error)
+        type(job_t), intent(in) :: job
+        character(*), intent(in) :: part !! first line of the table of a part
+        type(table_file_t), intent(inout) :: file
+        type(error_t), allocatable, intent(out) :: error
+        type(listed_column_t), allocatable :: columns(:)
+        integer :: i
+
+        allocate (columns, source=precision_columns())
+        call file%create(job%output, study_head(job, [columns%column_t, &
+            (job%axis_column(i), i=1, size(job%axes%axis))], part=part), error)
+    end subroutine begin_table
+
+    !> The input, with the number of the case if there are several.
+    function name_of_problem(job, k) result(name)
+        type(job_t), intent(in) :: job
+        integer(int64), intent(in) :: k
+        character(:), allocatable :: name
+        name = job%name
+        if (job%axes%cases > 0) name = name // '.' // to_text(k)
+    end function name_of_problem
+
+    !> Runs all methods on the problem of a scene.
+    subroutine run_problem(job, study, scene, name, values, done, file, progress, rows, failures, tally, &
+                           summary, error)
+        type(job_t), intent(in) :: job
+        type(precision_plan_t), intent(in) :: study !! methods and settings
+        type(scene_t), intent(in) :: scene
+        character(*), intent(in) :: name
+        real(dp), intent(in) :: values(:) !! of the swept parameters
+        integer(int64), intent(in) :: done !! number of earlier trials
+        type(table_file_t), intent(inout) :: file
+        type(progress_t), intent(inout) :: progress
+        integer, intent(inout) :: rows, failures
+        type(auto_tally_t), intent(inout) :: tally
+        type(summary_t), intent(inout) :: summary
+        type(error_t), allocatable, intent(out) :: error
+        type(case_t) :: case
+        type(reference_t) :: reference
+        type(precision_row_t), allocatable :: results(:)
+        type(problems_t) :: problems
+        type(precision_view_t) :: view
+        type(auto_tally_t) :: own_tally
+        type(text_buffer_t) :: text
+        integer :: i, status
+
+        call make_case(scene, case, problems)
+        if (problems%any()) then
+            call give_up('is omitted: ' // problems%first())
+            return
+        end if
+        call take_reference(study, scene, case, reference, status)
+        if (status /= status_ok) then
+            call give_up('has no reference: ' // status_meaning(status))
+            return
+        end if
+        call run_methods(study, scene, case, reference, done, progress, results, summary)
+        if (size(results) == 0) then
+            call give_up('has no rows: every method is omitted')
+            return
+        end if
+        call sort_rows(results)
+        call mark_front(results)
+        view%problem = name
+        view%reference = reference
+        do i = 1, size(results)
+            call view%look(results(i))
+            call put_row(view, values, text)
+        end do
+        call file%put(text%contents(), error)
+        rows = rows + size(results)
+        call tally%compare(name, results)
+        if (job%axes%cases > most_told) return
+        call summarize_problem(name, results, reference, summary)
+        call own_tally%compare(name, results)
+        call own_tally%summarize(summary)
+
+    contains
+
+        !> Records that the problem has no rows.
+        subroutine give_up(why)
+            character(*), intent(in) :: why
+            failures = failures + 1
+            call summary%add('problem', name // ' ' // why)
+        end subroutine give_up
+
+    end subroutine run_problem
+
+    !> The reference of a case.
+    subroutine take_reference(study, scene, case, reference, status)
+        type(precision_plan_t), intent(in) :: study !! methods and settings
+        type(scene_t), intent(in) :: scene
+        type(case_t), intent(in) :: case
+        type(reference_t), intent(out) :: reference
+        integer, intent(out) :: status
+        if (allocated(study%stored)) then
+            reference = study%stored
+            status = status_ok
+        else
+            call find_reference(case, study%samples, study%reference, int(scene%max_steps, int64), reference, status)
+        end if
+        if (status == status_ok) call check_reference(case, int(scene%max_steps, int64), reference)
+    end subroutine take_reference
+
+    !> Computes a row for each method and setting.
+    subroutine run_methods(study, scene, case, reference, done, progress, rows, summary)
+        type(precision_plan_t), intent(in) :: study !! methods and settings
+        type(scene_t), intent(in) :: scene
+        type(case_t), intent(in) :: case
+        type(reference_t), intent(in) :: reference
+        integer(int64), intent(in) :: done
+        type(progress_t), intent(inout) :: progress
+        type(precision_row_t), allocatable, intent(out) :: rows(:)
+        type(summary_t), intent(inout) :: summary
+        character(40) :: tried(size(study%choices))
+        type(precision_row_t) :: row
+        character(:), allocatable :: refusal, last_refusal
+        integer(int64) :: tries
+        integer :: i, k, n
+
+        allocate (rows(sum(study%settings(study%choices))))
+        n = 0
+        tries = 0
+        tried = ''
+        do i = 1, size(study%choices)
+            last_refusal = ''
+            do k = 1, study%settings(study%choices(i))
+                tries = tries + 1
+                call run_setting(study, scene, case, reference, i, k, tried, row, refusal)
+                if (refusal == '') then
+                    n = n + 1
+                    rows(n) = row
+                else if (refusal /= last_refusal .and. done == 0) then
+                    call summary%add('omitted', refusal)
+                end if
+                last_refusal = refusal
+                call progress%update(done + tries)
+            end do
+        end do
+        rows = rows(:n)
+    end subroutine run_methods
+
+    !> One method with one setting, or the reason why there is no row.
+    subroutine run_setting(study, scene, case, reference, i, k, tried, row, refusal)
+        type(precision_plan_t), intent(in) :: study !! methods and settings
+        type(scene_t), intent(in) :: scene
+        type(case_t), intent(in) :: case
+        type(reference_t), intent(in) :: reference
+        integer, intent(in) :: i, k !! numbers of the method and of its setting
+        character(*), intent(inout) :: tried(:) !! methods with their formulations
+        type(precision_row_t), intent(out) :: row
+        character(:), allocatable, intent(out) :: refusal
+        type(scene_t), allocatable :: trial_scene
+        type(problems_t) :: problems
+        type(plan_t) :: plan
+
+        refusal = ''
+        allocate (trial_scene, source=scene)
+        associate (choice => study%choices(i))
+            call set_setting(study, choice, k, trial_scene)
+            call make_plan(trial_scene, case, plan, problems)
+            row%method = choice%method%name
+            row%formulation = choice%formulation
+            row%is_stepped = .not. plan%exact
+            if (plan%exact) row%formulation = 'closed_form'
+            if (allocated(plan%formulation)) row%formulation = plan%formulation_name()
+            tried(i) = trim(row%method) // '/' // row%formulation
+            if (problems%any()) then
+                refusal = trim(tried(i)) // ': ' // problems%first()
+            else if (any(tried(:i - 1) == tried(i))) then
+                refusal = trim(tried(i)) // ': is already in the table'
+            else if (reference%is_computed .and. choice%method%needs == structure_quadruple) then
+                refusal = trim(tried(i)) // ': is the reference'
+            else if (plan%exact .and. reference%source == 'exact solution') then
+                refusal = trim(tried(i)) // ": is the reference; reference = 'quadruple' measures it"
+            end if
+            if (refusal /= '') return
+            row%setting = study%setting_text(choice, k)
+            row%is_auto = is_auto(trial_scene, case, plan, study%formulation())
+        end associate
+        call run_trial(case, plan, reference, row%trial)
+        row%time = row%trial%time
+        ! Evaluations are counted in the timed run, without the dense output for comparisons.
+        if (row%trial%status == status_ok) call time_trial(case, plan, row%trial%time, study%repeats, row%time, &
+                                                           row%trial%counts)
+    end subroutine run_setting
+
+    !> Whether a plan is the one that would be selected for the tolerance of a scene with a formulation (or
+    !> auto).
+    logical function is_auto(scene, case, plan, formulation)
+        type(scene_t), intent(in) :: scene
+        type(case_t), intent(in) :: case
+        type(plan_t), intent(in) :: plan
+        character(*), intent(in) :: formulation
+        type(scene_t), allocatable :: free_scene
+        type(plan_t) :: free_plan
+        type(problems_t) :: problems
+
+        is_auto = plan%is_adaptive()
+        if (.not. is_auto) return
+        allocate (free_scene, source=scene)
+        free_scene%method = 'auto'
+        free_scene%formulation = formulation
+        call make_plan(free_scene, case, free_plan, problems)
+        is_auto = free_plan%model == plan%model
+        if (is_auto .and. allocated(plan%stepper)) is_auto = free_plan%stepper%info%name == plan%stepper%info%name
+    end function is_auto
 
 end module spintop_precision_study

@@ -1,20 +1,43 @@
-!> The stability study as a kind of study.
+!> The stability study: every method on motions that are difficult to integrate.
+!>
+!> Every method runs every case. The motion is compared with the exact solution, or with a motion in quadruple
+!> precision. One row per case and method contains the errors, the drifts of the invariants, the cost and a
+!> verdict.
 module spintop_stability_study
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_case, only: case_t, make_case
+    use spintop_clock, only: seconds
+    use spintop_dealt_rows, only: compare_with_writer, row_source_t, write_dealt
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_errors, only: error_t, exit_ok
+    use spintop_errors, only: error_t, exit_ok, internal_error
+    use spintop_formulation, only: structure_quadruple
+    use spintop_hard_cases, only: hard_cases
     use spintop_job, only: job_t
+    use spintop_kinds, only: dp, no_number
+    use spintop_lyapunov, only: find_lyapunov
+    use spintop_method_choice, only: method_choice_t
+    use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_options, only: options_t
+    use spintop_plan, only: plan_t, make_plan
     use spintop_problems, only: problems_t
+    use spintop_progress, only: progress_t
+    use spintop_ranks, only: ranks_t
+    use spintop_scene_words, only: kind_stability, reference_auto, study_kinds
+    use spintop_reference_motion, only: reference_t, find_reference
+    use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_scene, only: scene_t
-    use spintop_scene_words, only: kind_stability, study_kinds
-    use spintop_stability, only: run_stability
-    use spintop_stability_columns, only: stability_columns
-    use spintop_stability_plan, only: make_stability_plan, stability_plan_t
+    use spintop_stability_columns, only: put_row, stability_row_t, stability_columns
+    use spintop_stability_plan, only: make_stability_plan, own_case, scene_of_case, scene_of_trial, stability_plan_t
+    use spintop_status, only: status_meaning, status_ok
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: listed_column_t
-    use spintop_summary, only: summary_t
-    use spintop_text, only: to_text
+    use spintop_study_head, only: study_head
+    use spintop_summary, only: summary_t, rounded
+    use spintop_table_file, only: table_file_t
+    use spintop_text, only: string_t, to_text
+    use spintop_text_buffer, only: text_buffer_t
+    use spintop_trial, only: errors_t, run_trial, trial_t
+    use spintop_verdict, only: explain_trial, judge_trial, verdict_meaning, verdict_names, verdict_no_reference, verdict_unsuitable
     implicit none
     private
     public :: stability_study_t
@@ -31,6 +54,32 @@ module spintop_stability_study
         procedure :: explain
         procedure :: run
     end type stability_study_t
+
+    !> Quantities of a case that do not depend on the method.
+    type :: case_facts_t
+        character(24) :: name = ''
+        type(case_t) :: case
+        type(reference_t) :: reference
+        !> How the reference ended; without it no method is tried.
+        integer :: status = status_ok
+        !> Growth rates, 1/s; NaN if they do not exist.
+        real(dp) :: upright_growth = 0, lyapunov_exponent = 0
+    end type case_facts_t
+
+    !> The cases of a study, each with a row for each of its methods.
+    type, extends(row_source_t) :: case_rows_t
+        type(job_t), pointer :: job => null()
+        type(stability_plan_t) :: plan
+        type(progress_t) :: progress
+        !> Number of trials done, and how often each method has each verdict.
+        integer(int64) :: trials = 0
+        integer, allocatable :: verdicts(:, :)
+    contains
+        procedure :: make => make_case_rows
+    end type case_rows_t
+
+    !> Fewest and most intervals between the times at which a motion is compared, as far as the steps allow it.
+    integer, parameter :: fewest_intervals = 40, most_intervals = 1000
 
 contains
 
@@ -83,7 +132,8 @@ contains
                  // to_text(size(self%plan%cases)) // ' cases'
     end function explain
 
-    !> Runs all methods on all cases. A failure of a method is a result, not a failure of the study.
+    !> Runs all methods on all cases, or on those of a part, in all ranks, and writes the table. Only the writer has a summary.
+    !> A failure of a method is a result, not a failure of the study.
     subroutine run(self, job, options, summary, code, error)
         class(stability_study_t), intent(in) :: self
         type(job_t), target, intent(inout) :: job !! the job
@@ -91,8 +141,241 @@ contains
         type(summary_t), intent(out) :: summary !! lines for standard output
         integer, intent(out) :: code !! exit code
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(table_file_t) :: file
+        type(string_t) :: no_lines(0)
+        type(case_rows_t) :: source
+        character(:), allocatable :: head, part
+        integer(int64) :: all, first, last
+        real(dp) :: began
+
+        began = seconds()
         code = exit_ok
-        call run_stability(job, self%plan, options, summary, error)
+        all = self%cases(job)
+        first = options%shard%first(all)
+        last = options%shard%last(all)
+        part = options%shard%beginning(all)
+        head = study_head(job, stability_columns(), verdicts_in_words(), part)
+        call compare_with_writer(options%ranks, head, error)
+        if (allocated(error)) return
+        if (options%ranks%is_writer()) call file%create(job%output, head, error)
+        call options%ranks%agree(error)
+        if (allocated(error)) return
+        source%job => job
+        source%plan = self%plan
+        allocate (source%verdicts(size(self%plan%methods), size(verdict_names)), source=0)
+        if (options%ranks%is_writer()) then
+            call source%progress%start(job%name, 'trials', (last - first + 1) * size(self%plan%methods) / options%ranks%count, &
+                                       options%quiet, options%progress)
+        end if
+        call write_dealt(source, first, last, options%ranks, file, error)
+        if (.not. allocated(error)) call sum_over_ranks(options%ranks, source%verdicts)
+        if (options%ranks%is_writer()) then
+            call source%progress%finish()
+            if (.not. allocated(error)) call file%finish(no_lines, error)
+            if (allocated(error)) call file%discard()
+        end if
+        if (allocated(error) .or. .not. options%ranks%is_writer()) return
+        call summarize(job, last - first + 1, self%plan, source%verdicts, seconds() - began, summary)
+        if (part /= '') call summary%add('shard', part)
     end subroutine run
+
+    !> Sums numbers over all ranks; the writer gets the sums.
+    subroutine sum_over_ranks(ranks, numbers)
+        type(ranks_t), intent(in) :: ranks
+        integer, intent(inout) :: numbers(:, :)
+        real(dp) :: values(size(numbers))
+        values = real(reshape(numbers, [size(numbers)]), dp)
+        call ranks%reduce(values)
+        numbers = reshape(nint(values), shape(numbers))
+    end subroutine sum_over_ranks
+
+    !> The meanings of the verdicts, for the header of the table.
+    function verdicts_in_words() result(lines)
+        type(string_t) :: lines(size(verdict_names))
+        integer :: k
+        do k = 1, size(lines)
+            lines(k)%text = 'verdict ' // trim(verdict_names(k)) // ': ' // verdict_meaning(k)
+        end do
+    end function verdicts_in_words
+
+    !> Runs all methods on case `number` of the plan.
+    subroutine make_case_rows(self, number, rows, error)
+        class(case_rows_t), intent(inout) :: self
+        integer(int64), intent(in) :: number
+        character(:), allocatable, intent(out) :: rows
+        type(error_t), allocatable, intent(out) :: error
+        type(scene_t), allocatable :: scene
+        type(case_facts_t), allocatable :: facts
+        type(stability_row_t) :: row
+        type(text_buffer_t) :: cells
+        character(40) :: tried(size(self%plan%methods))
+        logical :: is_new
+        integer :: place, k
+
+        rows = ''
+        allocate (scene, facts)
+        place = self%plan%cases(number)
+        facts%name = own_case
+        if (place > 0) facts%name = hard_cases(place)%name
+        call scene_of_case(self%job%scene, place, scene, error)
+        if (.not. allocated(error)) call find_facts(scene, facts, error)
+        if (allocated(error)) return
+        tried = ''
+        do k = 1, size(self%plan%methods)
+            call run_method(self%job, self%plan%methods(k), scene, facts, tried(:k), row, is_new)
+            self%trials = self%trials + 1
+            if (.not. is_new) cycle
+            self%verdicts(k, row%verdict) = self%verdicts(k, row%verdict) + 1
+            call put_row(row, cells)
+            call self%progress%update(self%trials)
+        end do
+        rows = cells%contents()
+    end subroutine make_case_rows
+
+    !> Number of intervals between the times at which a motion is compared: these are steps of fixed size, all of them if they
+    !> are not too many.
+    pure integer function intervals_of(steps) result(intervals)
+        integer, intent(in) :: steps
+        do intervals = min(steps, most_intervals), fewest_intervals, -1
+            if (mod(steps, intervals) == 0) return
+        end do
+        intervals = steps
+    end function intervals_of
+
+    !> The case of a scene, its reference, and the growth rates of its perturbations.
+    subroutine find_facts(scene, facts, error)
+        type(scene_t), intent(in) :: scene
+        type(case_facts_t), intent(inout) :: facts
+        type(error_t), allocatable, intent(out) :: error
+        type(problems_t) :: problems
+        type(motion_t) :: sleeping
+        complex(dp) :: eigenvalues(6)
+        real(dp) :: exponents(1)
+        integer :: status
+
+        call make_case(scene, facts%case, problems)
+        if (problems%any()) then
+            error = internal_error('stability: case ' // trim(facts%name) // ': ' // problems%first())
+            return
+        end if
+        associate (case => facts%case)
+            call find_reference(case, 1 + intervals_of(scene%steps), reference_auto, &
+                                int(scene%max_steps, int64), facts%reference, facts%status)
+            facts%upright_growth = no_number
+            if (case%body%is_lagrange()) then
+                sleeping = motion_from_quaternion(0.0_dp, [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], &
+                                                  [0.0_dp, 0.0_dp, case%start%omega(3)], case%start%angle)
+                call find_equilibrium_eigenvalues(case%body, sleeping, eigenvalues, status)
+                if (status == status_ok) facts%upright_growth = maxval(real(eigenvalues, dp))
+            end if
+            facts%lyapunov_exponent = no_number
+            call find_lyapunov(case%body, case%start, case%t_end, exponents, status, &
+                               max_steps=min(scene%max_steps, huge(1) - 1))
+            if (status == status_ok) facts%lyapunov_exponent = exponents(1)
+        end associate
+    end subroutine find_facts
+
+    !> One method on a case. There is no row for a combination that was run already, or that would be compared with
+    !> itself.
+    subroutine run_method(job, choice, case_scene, facts, tried, row, is_new)
+        type(job_t), intent(in) :: job
+        type(method_choice_t), intent(in) :: choice
+        type(scene_t), intent(in) :: case_scene
+        type(case_facts_t), intent(in) :: facts
+        character(*), intent(inout) :: tried(:) !! methods with their formulations, up to this one
+        type(stability_row_t), intent(out) :: row
+        logical, intent(out) :: is_new !! whether there is a row
+        type(scene_t) :: scene
+        type(plan_t) :: plan
+        type(problems_t) :: problems
+        integer :: k
+
+        is_new = .false.
+        scene = case_scene
+        call scene_of_trial(job%scene, scene, choice)
+        call make_plan(scene, facts%case, plan, problems)
+        call begin_row(facts, row)
+        row%method = choice%method%name
+        row%formulation = choice%formulation
+        if (allocated(plan%formulation)) row%formulation = plan%formulation_name()
+        if (facts%reference%is_computed .and. choice%method%needs == structure_quadruple) return
+        k = size(tried)
+        tried(k) = trim(row%method) // '/' // row%formulation
+        if (any(tried(:k - 1) == tried(k))) return
+        is_new = .true.
+        if (problems%any()) then
+            row%verdict = verdict_unsuitable
+            row%trial = no_trial()
+            row%reason = problems%first()
+        else if (facts%status /= status_ok) then
+            row%verdict = verdict_no_reference
+            row%trial = no_trial()
+            row%trial%status = facts%status
+            row%reason = 'no reference: ' // status_meaning(facts%status)
+        else
+            call run_trial(facts%case, plan, facts%reference, row%trial)
+            row%verdict = judge_trial(row%trial, row%inherent_error, row%reference_error)
+            row%reason = explain_trial(row%trial, row%verdict)
+        end if
+    end subroutine run_method
+
+    !> What the rows of a case have in common.
+    subroutine begin_row(facts, row)
+        type(case_facts_t), intent(in) :: facts
+        type(stability_row_t), intent(inout) :: row
+        row%case = facts%name
+        if (facts%status == status_ok) row%inherent_error = maxval(facts%reference%floor)
+        row%upright_growth = facts%upright_growth
+        row%lyapunov_exponent = facts%lyapunov_exponent
+        row%reference = facts%reference%source
+        row%reference_error = facts%reference%uncertainty
+    end subroutine begin_row
+
+    !> The trial of a method that was not run: it has no errors, no computing time and no end.
+    pure type(trial_t) function no_trial() result(trial)
+        trial%errors = errors_t(no_number, no_number, no_number, no_number, no_number, no_number)
+        trial%time = no_number
+        trial%t = no_number
+    end function no_trial
+
+    !> The results of each method in one line.
+    subroutine summarize(job, cases, plan, verdicts, time, summary)
+        type(job_t), intent(in) :: job
+        integer(int64), intent(in) :: cases
+        type(stability_plan_t), intent(in) :: plan
+        integer, intent(in) :: verdicts(:, :)
+        real(dp), intent(in) :: time
+        type(summary_t), intent(inout) :: summary
+        character(36) :: name
+        integer :: k
+
+        call summary%headline(job%input // ': stability of ' // to_text(size(verdicts, 1)) // ' methods on ' &
+                              // to_text(cases) // ' cases -> ' // job%output)
+        do k = 1, size(verdict_names)
+            if (k == verdict_no_reference .and. all(verdicts(:, k) == 0)) cycle
+            call summary%add(verdict_names(k), verdict_meaning(k))
+        end do
+        do k = 1, size(verdicts, 1)
+            associate (choice => plan%methods(k))
+                name = choice%method%name
+                if (choice%formulation /= 'auto') name = trim(name) // '/' // choice%formulation
+            end associate
+            call summary%add('', name // counts_of(verdicts(k, :)))
+        end do
+        call summary%add('time', rounded(time) // ' s')
+    end subroutine summarize
+
+    !> The number of occurrences of each verdict.
+    function counts_of(verdicts) result(text)
+        integer, intent(in) :: verdicts(:)
+        character(:), allocatable :: text
+        integer :: k
+        text = ''
+        do k = 1, size(verdicts)
+            if (verdicts(k) == 0) cycle
+            if (text /= '') text = text // ', '
+            text = text // to_text(verdicts(k)) // ' ' // trim(verdict_names(k))
+        end do
+    end function counts_of
 
 end module spintop_stability_study

@@ -1,5 +1,5 @@
 !> A plan of statistics as bytes, which the same build can read: with it the accumulators of parts can be merged,
-!> and their result written, without the input.
+!> and their result written, without the input, whose other files need not be there.
 module spintop_packed_plan
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
@@ -11,26 +11,23 @@ module spintop_packed_plan
 
     !> Bytes of an integer or a real.
     integer, parameter :: width = 8
-    !> More groups than any sweep has: each number of them is a real.
-    real(dp), parameter :: most_groups = 2.0_dp**53
 
-    !> Bytes that are read from the first to the last.
+    !> Bytes from which parts are taken one after the other (`recalls`), or to which they are added.
     type :: packed_t
+        logical :: recalls = .false.
         character(:), allocatable :: bytes
+        !> Number of bytes that were taken.
         integer :: at = 0
-        !> Whether there was all that was read so far.
+        !> Whether there was all that was taken so far.
         logical :: is_valid = .true.
     contains
-        procedure :: put_integers
-        procedure :: put_reals
-        procedure :: put_text
-        procedure :: put_columns
-        procedure :: get_integer
-        procedure :: get_integers
-        procedure :: get_reals
-        procedure :: get_text
-        procedure :: get_columns
-        procedure, private :: take
+        procedure :: carry_bytes
+        procedure :: carry_number
+        procedure :: carry_count
+        procedure :: carry_flag
+        procedure :: carry_reals
+        procedure :: carry_column
+        procedure :: carry_columns
     end type packed_t
 
 contains
@@ -39,24 +36,11 @@ contains
     function pack_plan(plan) result(bytes)
         type(statistics_plan_t), intent(in) :: plan !! what is gathered
         character(:), allocatable :: bytes
+        type(statistics_plan_t) :: copy
         type(packed_t) :: packed
-        integer :: i
-
+        copy = plan
         packed%bytes = ''
-        call packed%put_integers([size(plan%over), merge(1, 0, plan%by_bin), merge(1, 0, plan%is_netcdf), &
-                                  merge(1, 0, plan%has_indices())])
-        do i = 1, size(plan%over)
-            call packed%put_columns([plan%over(i)%column])
-            call packed%put_reals(plan%over(i)%bins%edge)
-            call packed%put_reals(plan%over(i)%bins%value)
-        end do
-        call packed%put_columns(plan%numbers)
-        call packed%put_columns(plan%categories)
-        call packed%put_reals(plan%shares)
-        if (plan%has_indices()) then
-            call packed%put_columns(plan%factors)
-            call packed%put_reals([real(plan%groups, dp)])
-        end if
+        call carry_plan(packed, copy)
         bytes = packed%bytes
     end function pack_plan
 
@@ -66,182 +50,143 @@ contains
         type(statistics_plan_t), intent(out) :: plan !! what is gathered
         logical, intent(out) :: is_valid !! whether the bytes are a plan
         type(packed_t) :: packed
-        type(table_column_t), allocatable :: column(:)
-        integer, allocatable :: numbers(:)
-        real(dp), allocatable :: groups(:)
         integer :: i
 
+        packed%recalls = .true.
         packed%bytes = bytes
-        call packed%get_integers(numbers)
-        is_valid = packed%is_valid .and. size(numbers) == 4
-        if (.not. is_valid) return
         plan%is_wanted = .true.
-        plan%by_bin = numbers(2) == 1
-        plan%is_netcdf = numbers(3) == 1
-        is_valid = numbers(1) >= 0 .and. numbers(1) <= 2
-        if (.not. is_valid) return
-        allocate (plan%over(numbers(1)))
+        call carry_plan(packed, plan)
+        is_valid = packed%is_valid .and. packed%at == len(bytes)
         do i = 1, size(plan%over)
-            call packed%get_columns(column)
-            call packed%get_reals(plan%over(i)%bins%edge)
-            call packed%get_reals(plan%over(i)%bins%value)
-            is_valid = packed%is_valid .and. size(column) == 1 &
-                       .and. size(plan%over(i)%bins%edge) == size(plan%over(i)%bins%value) + 1
-            if (.not. is_valid) return
-            plan%over(i)%column = column(1)
+            if (is_valid) is_valid = size(plan%over(i)%bins%edge) == size(plan%over(i)%bins%value) + 1
         end do
-        call packed%get_columns(plan%numbers)
-        call packed%get_columns(plan%categories)
-        call packed%get_reals(plan%shares)
-        is_valid = packed%is_valid
-        if (is_valid .and. numbers(4) == 1) then
-            call packed%get_columns(plan%factors)
-            call packed%get_reals(groups)
-            is_valid = packed%is_valid .and. size(groups) == 1
-            if (is_valid) is_valid = groups(1) >= 1 .and. groups(1) <= most_groups
-            if (is_valid) plan%groups = int(groups(1), int64)
-            is_valid = is_valid .and. plan%has_indices()
-        end if
-        is_valid = is_valid .and. packed%at == len(bytes)
+        if (is_valid .and. size(plan%factors) > 0) is_valid = plan%has_indices() .and. plan%groups >= 1
     end subroutine unpack_plan
 
-    subroutine put_integers(self, numbers)
-        class(packed_t), intent(inout) :: self
-        integer, intent(in) :: numbers(:)
-        integer(int64) :: whole(size(numbers) + 1)
-        whole = [size(numbers), numbers]
-        self%bytes = self%bytes // transfer(whole, repeat(' ', width * size(whole)))
-    end subroutine put_integers
+    !> Carries a plan.
+    subroutine carry_plan(packed, plan)
+        type(packed_t), intent(inout) :: packed
+        type(statistics_plan_t), intent(inout) :: plan
+        integer, parameter :: most_over = 2
+        integer :: i, n
 
-    subroutine put_reals(self, numbers)
-        class(packed_t), intent(inout) :: self
-        real(dp), intent(in) :: numbers(:)
-        call self%put_integers([size(numbers)])
-        self%bytes = self%bytes // transfer(numbers, repeat(' ', width * size(numbers)))
-    end subroutine put_reals
-
-    subroutine put_text(self, text)
-        class(packed_t), intent(inout) :: self
-        character(*), intent(in) :: text
-        call self%put_integers([len(text)])
-        self%bytes = self%bytes // text
-    end subroutine put_text
-
-    subroutine put_columns(self, columns)
-        class(packed_t), intent(inout) :: self
-        type(table_column_t), intent(in) :: columns(:)
-        integer :: i, k, words
-        call self%put_integers([size(columns)])
-        do i = 1, size(columns)
-            words = 0
-            if (allocated(columns(i)%words)) words = size(columns(i)%words)
-            call self%put_integers([columns(i)%kind, words])
-            call self%put_text(trim(columns(i)%name))
-            call self%put_text(trim(columns(i)%unit))
-            call self%put_text(trim(columns(i)%what))
-            do k = 1, words
-                call self%put_text(columns(i)%words(k)%text)
-            end do
-        end do
-    end subroutine put_columns
-
-    !> The next bytes; blanks where there are not so many.
-    subroutine take(self, count, bytes)
-        class(packed_t), intent(inout) :: self
-        integer, intent(in) :: count
-        character(:), allocatable, intent(out) :: bytes
-        self%is_valid = self%is_valid .and. count >= 0 .and. count <= len(self%bytes) - self%at
-        if (self%is_valid) then
-            bytes = self%bytes(self%at + 1:self%at + count)
-            self%at = self%at + count
-        else
-            bytes = ''
+        n = 0
+        if (allocated(plan%over)) n = size(plan%over)
+        call packed%carry_count(n)
+        if (packed%recalls) then
+            packed%is_valid = packed%is_valid .and. n <= most_over
+            allocate (plan%over(min(n, most_over)))
         end if
-    end subroutine take
-
-    subroutine get_integers(self, numbers)
-        class(packed_t), intent(inout) :: self
-        integer, allocatable, intent(out) :: numbers(:)
-        character(:), allocatable :: bytes
-        integer(int64) :: count
-        integer(int64), allocatable :: whole(:)
-
-        allocate (numbers(0))
-        call self%take(width, bytes)
-        if (.not. self%is_valid) return
-        count = transfer(bytes, count)
-        self%is_valid = count >= 0 .and. count <= len(self%bytes) / width
-        if (.not. self%is_valid) return
-        call self%take(width * int(count), bytes)
-        if (.not. self%is_valid) return
-        allocate (whole(count))
-        whole = transfer(bytes, whole, int(count))
-        self%is_valid = all(abs(whole) <= huge(1))
-        if (self%is_valid) numbers = int(whole)
-    end subroutine get_integers
-
-    !> A list of one integer; 0 if it is not one.
-    subroutine get_integer(self, number)
-        class(packed_t), intent(inout) :: self
-        integer, intent(out) :: number
-        integer, allocatable :: numbers(:)
-        call self%get_integers(numbers)
-        self%is_valid = self%is_valid .and. size(numbers) == 1
-        number = 0
-        if (self%is_valid) number = numbers(1)
-        self%is_valid = self%is_valid .and. number >= 0 .and. number <= len(self%bytes)
-        if (.not. self%is_valid) number = 0
-    end subroutine get_integer
-
-    subroutine get_reals(self, numbers)
-        class(packed_t), intent(inout) :: self
-        real(dp), allocatable, intent(out) :: numbers(:)
-        character(:), allocatable :: bytes
-        integer :: count
-        call self%get_integer(count)
-        if (count > len(self%bytes) / width) self%is_valid = .false.
-        if (.not. self%is_valid) count = 0
-        call self%take(width * count, bytes)
-        if (.not. self%is_valid) count = 0
-        allocate (numbers(count))
-        if (count > 0) numbers = transfer(bytes, numbers, count)
-    end subroutine get_reals
-
-    subroutine get_text(self, text)
-        class(packed_t), intent(inout) :: self
-        character(:), allocatable, intent(out) :: text
-        integer :: count
-        call self%get_integer(count)
-        call self%take(count, text)
-    end subroutine get_text
-
-    subroutine get_columns(self, columns)
-        class(packed_t), intent(inout) :: self
-        type(table_column_t), allocatable, intent(out) :: columns(:)
-        character(:), allocatable :: text
-        integer, allocatable :: numbers(:)
-        integer :: i, k, count
-
-        call self%get_integer(count)
-        allocate (columns(count))
-        do i = 1, count
-            call self%get_integers(numbers)
-            self%is_valid = self%is_valid .and. size(numbers) == 2
-            if (self%is_valid) self%is_valid = numbers(2) >= 0 .and. numbers(2) <= len(self%bytes)
-            if (.not. self%is_valid) return
-            columns(i)%kind = numbers(1)
-            call self%get_text(text)
-            columns(i)%name = text
-            call self%get_text(text)
-            columns(i)%unit = text
-            call self%get_text(text)
-            columns(i)%what = text
-            if (.not. self%is_valid) return
-            allocate (columns(i)%words(numbers(2)))
-            do k = 1, numbers(2)
-                call self%get_text(columns(i)%words(k)%text)
-            end do
+        do i = 1, size(plan%over)
+            call packed%carry_column(plan%over(i)%column)
+            call packed%carry_reals(plan%over(i)%bins%edge)
+            call packed%carry_reals(plan%over(i)%bins%value)
         end do
-    end subroutine get_columns
+        call packed%carry_columns(plan%numbers)
+        call packed%carry_columns(plan%categories)
+        call packed%carry_reals(plan%shares)
+        call packed%carry_flag(plan%by_bin)
+        call packed%carry_flag(plan%is_netcdf)
+        call packed%carry_columns(plan%factors)
+        call packed%carry_number(plan%groups)
+    end subroutine carry_plan
+
+    !> Carries bytes. Where there are fewer, nothing is taken.
+    subroutine carry_bytes(self, part)
+        class(packed_t), intent(inout) :: self
+        character(*), intent(inout) :: part
+        if (.not. self%recalls) then
+            self%bytes = self%bytes // part
+            return
+        end if
+        self%is_valid = self%is_valid .and. len(part) <= len(self%bytes) - self%at
+        if (.not. self%is_valid) return
+        part = self%bytes(self%at + 1:self%at + len(part))
+        self%at = self%at + len(part)
+    end subroutine carry_bytes
+
+    !> Carries an integer.
+    subroutine carry_number(self, number)
+        class(packed_t), intent(inout) :: self
+        integer(int64), intent(inout) :: number
+        character(width) :: bytes
+        bytes = transfer(number, bytes)
+        call self%carry_bytes(bytes)
+        number = transfer(bytes, number)
+    end subroutine carry_number
+
+    !> Carries the number of parts that follow, of a byte at least; 0 if there are not so many bytes.
+    subroutine carry_count(self, count)
+        class(packed_t), intent(inout) :: self
+        integer, intent(inout) :: count
+        integer(int64) :: number
+        number = count
+        call self%carry_number(number)
+        if (self%recalls) self%is_valid = self%is_valid .and. number >= 0 .and. number <= len(self%bytes)
+        count = 0
+        if (self%is_valid) count = int(number)
+    end subroutine carry_count
+
+    !> Carries a truth value.
+    subroutine carry_flag(self, is_true)
+        class(packed_t), intent(inout) :: self
+        logical, intent(inout) :: is_true
+        integer(int64) :: number
+        number = merge(1, 0, is_true)
+        call self%carry_number(number)
+        is_true = number == 1
+    end subroutine carry_flag
+
+    !> Carries a list of reals.
+    subroutine carry_reals(self, numbers)
+        class(packed_t), intent(inout) :: self
+        real(dp), allocatable, intent(inout) :: numbers(:)
+        character(:), allocatable :: bytes
+        integer :: n
+        n = 0
+        if (allocated(numbers)) n = size(numbers)
+        call self%carry_count(n)
+        bytes = repeat(' ', width * n)
+        if (.not. self%recalls) bytes = transfer(numbers, bytes)
+        call self%carry_bytes(bytes)
+        if (self%recalls) numbers = transfer(bytes, [real(dp) ::], n)
+    end subroutine carry_reals
+
+    !> Carries the description of a column.
+    subroutine carry_column(self, column)
+        class(packed_t), intent(inout) :: self
+        type(table_column_t), intent(inout) :: column
+        integer :: k, n, length
+
+        call self%carry_bytes(column%name)
+        call self%carry_bytes(column%unit)
+        call self%carry_bytes(column%what)
+        call self%carry_count(column%kind)
+        n = 0
+        if (allocated(column%words)) n = size(column%words)
+        call self%carry_count(n)
+        if (self%recalls) allocate (column%words(n))
+        do k = 1, n
+            length = 0
+            if (.not. self%recalls) length = len(column%words(k)%text)
+            call self%carry_count(length)
+            if (self%recalls) column%words(k)%text = repeat(' ', length)
+            call self%carry_bytes(column%words(k)%text)
+        end do
+    end subroutine carry_column
+
+    !> Carries a list of columns.
+    subroutine carry_columns(self, columns)
+        class(packed_t), intent(inout) :: self
+        type(table_column_t), allocatable, intent(inout) :: columns(:)
+        integer :: i, n
+        n = 0
+        if (allocated(columns)) n = size(columns)
+        call self%carry_count(n)
+        if (self%recalls) allocate (columns(n))
+        do i = 1, n
+            call self%carry_column(columns(i))
+        end do
+    end subroutine carry_columns
 
 end module spintop_packed_plan

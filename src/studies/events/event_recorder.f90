@@ -7,16 +7,13 @@ module spintop_event_recorder
     use spintop_case, only: case_t
     use spintop_errors, only: error_t
     use spintop_event_text, only: column_event_t
-    use spintop_events, only: carry_search, event_watch_t, path_t
-    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
+    use spintop_events, only: carry_search, event_watch_t
     use spintop_files, only: file_exists, rename_file
     use spintop_growing_table, only: refusal
     use spintop_journal, only: journal_entry_t
     use spintop_motion, only: motion_t
-    use spintop_observer, only: observer_t
     use spintop_row_maker, only: row_maker_t
     use spintop_scene, only: scene_t
-    use spintop_stepper, only: looks_per_step
     use spintop_table_column, only: column_t
     use spintop_table_file, only: part_of, table_file_t
     use spintop_text, only: string_t
@@ -24,7 +21,7 @@ module spintop_event_recorder
     use spintop_trajectory_column, only: trajectory_column_t
     implicit none
     private
-    public :: event_recorder_t, exact_path_t, event_columns
+    public :: event_recorder_t, event_columns
 
     !> The columns of a table of events before those of the trajectory.
     type(column_t), parameter :: event_columns(*) = [ &
@@ -61,30 +58,6 @@ module spintop_event_recorder
         procedure :: quantities
         procedure :: meet
     end type event_recorder_t
-
-    !> The exact solution as a path; its evaluations are counted.
-    type, extends(path_t) :: exact_path_t
-        type(exact_motion_t) :: exact
-        !> Whether phi and psi count their turns, which takes steps of their own for a free body and for one that was given
-        !> in other axes; otherwise its angles are the values nearest to those of the start.
-        logical :: counts_turns = .true.
-        integer(int64) :: looks = 0, most_looks = huge(1_int64)
-        !> The last instant; the turns of the angles are counted from there.
-        type(motion_t), private :: last
-        !> Keeps the state of the run; asked after this number of looks.
-        class(observer_t), pointer :: keeper => null()
-        integer(int64), private :: next_question = 0
-    contains
-        procedure :: carry => carry_path
-        procedure :: wants_pause
-        procedure :: begin
-        procedure :: restart
-        procedure :: at
-        procedure :: is_spent
-    end type exact_path_t
-
-    !> The keeper is asked after so many looks whether it wants to keep the state.
-    integer, parameter :: looks_a_question = 1024
 
 contains
 
@@ -244,68 +217,5 @@ contains
         rows = rows + 1
         kept(:, rows) = row
     end subroutine keep_row
-
-    !> Prepares the exact solution of a case; the work is at most `most_looks` instants.
-    subroutine begin(self, case, most_looks, status)
-        class(exact_path_t), intent(inout) :: self
-        type(case_t), intent(in) :: case !! body, start and span
-        integer(int64), intent(in) :: most_looks !! bound of the work
-        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        call prepare_exact_motion(case%body, case%start, self%exact, status)
-        self%greatest_rate = 0
-        if (allocated(self%exact%free)) self%greatest_rate = self%exact%free%greatest_rate
-        call self%restart(case, most_looks)
-    end subroutine begin
-
-    !> Returns to the start of the case, with a new bound of the work.
-    subroutine restart(self, case, most_looks)
-        class(exact_path_t), intent(inout) :: self
-        type(case_t), intent(in) :: case !! body, start and span
-        integer(int64), intent(in) :: most_looks !! bound of the work
-        self%looks = 0
-        self%most_looks = most_looks
-        self%last = case%start
-    end subroutine restart
-
-    !> The exact solution at a time. A step that only counts turns is a step of the case.
-    subroutine at(self, t, motion)
-        class(exact_path_t), intent(inout) :: self
-        real(dp), intent(in) :: t !! time, s
-        type(motion_t), intent(out) :: motion !! the motion at that time
-        integer(int64) :: steps, most_steps
-        self%looks = self%looks + 1
-        if (self%counts_turns) then
-            steps = 0
-            most_steps = (self%most_looks - self%looks + looks_per_step - 1) / looks_per_step
-            call self%exact%follow(self%last, t, motion, steps, most_steps)
-            self%looks = self%looks + looks_per_step * steps
-            if (.not. self%is_spent()) self%last = motion
-        else
-            motion = self%exact%at(t)
-        end if
-    end subroutine at
-
-    !> Carries the state of the path, after `begin`.
-    subroutine carry_path(self, archive)
-        class(exact_path_t), target, intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call archive%carry(c_loc(self%looks), storage_size(self%looks))
-        call archive%carry(c_loc(self%last), storage_size(self%last))
-    end subroutine carry_path
-
-    !> Whether it is time to keep the state of the run.
-    logical function wants_pause(self)
-        class(exact_path_t), intent(inout) :: self
-        wants_pause = .false.
-        if (.not. associated(self%keeper) .or. self%looks < self%next_question) return
-        self%next_question = self%looks + looks_a_question
-        wants_pause = self%keeper%wants_state()
-    end function wants_pause
-
-    !> Whether the allowed work of the case is used up.
-    logical function is_spent(self)
-        class(exact_path_t), intent(in) :: self
-        is_spent = self%looks >= self%most_looks
-    end function is_spent
 
 end module spintop_event_recorder

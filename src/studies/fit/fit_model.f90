@@ -3,7 +3,8 @@ module spintop_fit_model
     use, intrinsic :: iso_c_binding, only: c_loc
     use spintop_case, only: case_t, make_case
     use spintop_compare, only: is_equal, is_finite
-    use spintop_event_recorder, only: event_recorder_t, exact_path_t
+    use spintop_event_recorder, only: event_recorder_t
+    use spintop_exact_path, only: exact_path_t
     use spintop_fit_data, only: measurements_t
     use spintop_formulation, only: formulation_info_t
     use spintop_integration, only: outcome_t

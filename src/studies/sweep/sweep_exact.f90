@@ -4,7 +4,8 @@ module spintop_sweep_exact
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
     use spintop_conditioning, only: inherent_error
-    use spintop_event_recorder, only: event_recorder_t, exact_path_t
+    use spintop_event_recorder, only: event_recorder_t
+    use spintop_exact_path, only: exact_path_t
     use spintop_event_text, only: column_event_t
     use spintop_exact_block, only: exact_block_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion

@@ -6,7 +6,7 @@ module spintop_sweep_stepping
     use spintop_attitude, only: rotation_angle
     use spintop_case, only: case_t
     use spintop_conditioning, only: inherent_error
-    use spintop_event_recorder, only: exact_path_t
+    use spintop_exact_path, only: exact_path_t
     use spintop_event_text, only: column_event_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_formulation, only: formulation_t, max_states

@@ -287,13 +287,13 @@ contains
         end if
         select case (parameter%kind)
         case (kind_real)
-            call parameter%put_real(self%row, column, number)
+            parameter%reals(self%row, column) = number
         case (kind_integer)
-            call parameter%put_integer(self%row, column, whole_number)
+            parameter%integers(self%row, column) = whole_number
         case (kind_long)
-            call parameter%put_long(long_number)
+            parameter%long = long_number
         case default
-            call parameter%put_flag(flag)
+            parameter%flag = flag
         end select
     end subroutine put_element
 

@@ -1,6 +1,5 @@
 !> One parameter of an input: its description, and the variable outside this module that contains its value.
 module spintop_parameter
-    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_compare, only: is_equal
     use spintop_diagnostics, only: place_t
@@ -9,7 +8,7 @@ module spintop_parameter
     use spintop_text, only: join, replace_all, string_t, to_text
     implicit none
     private
-    public :: parameter_t, unset, unset_integer, quoted
+    public :: parameter_t, unset, unset_integer, is_set, quoted
     public :: kind_real, kind_integer, kind_long, kind_text, kind_logical
     public :: all_elements, leading_elements, any_elements, one_per_group
 
@@ -54,19 +53,18 @@ module spintop_parameter
         type(place_t), allocatable :: places(:, :) !! where each element was given
         type(place_t) :: key_place                 !! where the key was given last
         logical :: faulty = .false.                !! an error was found in what was given
-        real(dp), pointer, private :: reals(:, :) => null()
-        integer, pointer, private :: integers(:, :) => null()
-        integer(int64), pointer, private :: long => null()
-        character, pointer, private :: letters(:, :) => null()
-        logical, pointer, private :: flag => null()
+        !> The variable, which must exist as long as the parameter: that of its kind. A text is a column of letters.
+        real(dp), pointer :: reals(:, :) => null()
+        integer, pointer :: integers(:, :) => null()
+        integer(int64), pointer :: long => null()
+        character, pointer :: letters(:, :) => null()
+        logical, pointer :: flag => null()
     contains
-        procedure :: bind_real, bind_reals, bind_real_rows, bind_integer, bind_integers, bind_long
-        procedure :: bind_text, bind_texts, bind_flag
-        procedure :: put_real, put_integer, put_long, put_text, put_flag
+        procedure :: complete
+        procedure :: put_text
         procedure :: text_length
-        procedure :: real_target, integer_target
         procedure :: is_given
-        procedure :: is_set
+        procedure :: is_set => is_element_set
         procedure :: clear_row
         procedure :: value_text
         procedure :: row_text
@@ -74,102 +72,37 @@ module spintop_parameter
         procedure :: full_name
         procedure :: is_number, most_groups
         procedure :: in_other_units
-        procedure, private :: prepare
     end type parameter_t
 
 contains
 
-    !> Binds the parameter to a real variable.
-    subroutine bind_real(self, variable)
-        class(parameter_t), intent(inout) :: self
-        real(dp), target, intent(inout) :: variable
-            !! variable that contains the value; it must exist as long as the parameter
-        call c_f_pointer(c_loc(variable), self%reals, [1, 1])
-        call self%prepare(kind_real, 0, [1, 1])
-    end subroutine bind_real
+    !> Whether a number of an input was given.
+    elemental logical function is_set(x)
+        real(dp), intent(in) :: x !! a number
+        is_set = x > unset
+    end function is_set
 
-    !> Binds the parameter to a list of reals.
-    subroutine bind_reals(self, variable)
+    !> Completes a parameter that is bound to its variable: kind, extents, and default value.
+    subroutine complete(self, rank)
         class(parameter_t), intent(inout) :: self
-        real(dp), target, contiguous, intent(inout) :: variable(:)
-            !! variables that contain the values; they must exist as long as the parameter
-        self%reals(1:1, 1:size(variable)) => variable
-        call self%prepare(kind_real, 1, [1, size(variable)])
-    end subroutine bind_reals
-
-    !> Binds the parameter to rows of reals.
-    subroutine bind_real_rows(self, variable)
-        class(parameter_t), intent(inout) :: self
-        real(dp), target, intent(inout) :: variable(:, :)
-            !! variables that contain the values, row by row; they must exist as long as the parameter
-        self%reals => variable
-        call self%prepare(kind_real, 2, shape(variable))
-    end subroutine bind_real_rows
-
-    !> Binds the parameter to an integer variable.
-    subroutine bind_integer(self, variable)
-        class(parameter_t), intent(inout) :: self
-        integer, target, intent(inout) :: variable
-            !! variable that contains the value; it must exist as long as the parameter
-        call c_f_pointer(c_loc(variable), self%integers, [1, 1])
-        call self%prepare(kind_integer, 0, [1, 1])
-    end subroutine bind_integer
-
-    !> Binds the parameter to an integer of 64 bits.
-    subroutine bind_long(self, variable)
-        class(parameter_t), intent(inout) :: self
-        integer(int64), target, intent(inout) :: variable
-            !! variable that contains the value; it must exist as long as the parameter
-        self%long => variable
-        call self%prepare(kind_long, 0, [1, 1])
-    end subroutine bind_long
-
-    !> Binds the parameter to a list of integers.
-    subroutine bind_integers(self, variable)
-        class(parameter_t), intent(inout) :: self
-        integer, target, contiguous, intent(inout) :: variable(:)
-            !! variables that contain the values; they must exist as long as the parameter
-        self%integers(1:1, 1:size(variable)) => variable
-        call self%prepare(kind_integer, 1, [1, size(variable)])
-    end subroutine bind_integers
-
-    !> Binds the parameter to a text.
-    subroutine bind_text(self, variable)
-        class(parameter_t), intent(inout) :: self
-        character(*), target, intent(inout) :: variable
-            !! variable that contains the value; it must exist as long as the parameter
-        call c_f_pointer(c_loc(variable), self%letters, [len(variable), 1])
-        call self%prepare(kind_text, 0, [1, 1])
-    end subroutine bind_text
-
-    !> Binds the parameter to a list of texts.
-    subroutine bind_texts(self, variable)
-        class(parameter_t), intent(inout) :: self
-        character(*), target, contiguous, intent(inout) :: variable(:)
-            !! variables that contain the values; they must exist as long as the parameter
-        call c_f_pointer(c_loc(variable), self%letters, [len(variable), size(variable)])
-        call self%prepare(kind_text, 1, [1, size(variable)])
-    end subroutine bind_texts
-
-    !> Binds the parameter to a logical variable.
-    subroutine bind_flag(self, variable)
-        class(parameter_t), intent(inout) :: self
-        logical, target, intent(inout) :: variable
-            !! variable that contains the value; it must exist as long as the parameter
-        self%flag => variable
-        call self%prepare(kind_logical, 0, [1, 1])
-        self%default = trim(merge('.true. ', '.false.', variable))
-    end subroutine bind_flag
-
-    subroutine prepare(self, kind, rank, extents)
-        class(parameter_t), intent(inout) :: self
-        integer, intent(in) :: kind, rank, extents(2)
-        self%kind = kind
+        integer, intent(in) :: rank !! 0 for a scalar, 1 for a list, 2 for rows
         self%rank = rank
-        self%extents = extents
-        allocate (self%places(extents(1), extents(2)))
+        if (associated(self%reals)) then
+            self%kind = kind_real
+            self%extents = shape(self%reals)
+        else if (associated(self%integers)) then
+            self%kind = kind_integer
+            self%extents = shape(self%integers)
+        else if (associated(self%letters)) then
+            self%kind = kind_text
+            self%extents(2) = size(self%letters, 2)
+        else
+            self%kind = merge(kind_long, kind_logical, associated(self%long))
+        end if
+        allocate (self%places(self%extents(1), self%extents(2)))
         self%default = self%value_text()
-    end subroutine prepare
+        if (self%kind == kind_logical) self%default = trim(merge('.true. ', '.false.', self%flag))
+    end subroutine complete
 
     !> Whether its values are numbers.
     pure logical function is_number(self)
@@ -191,21 +124,6 @@ contains
         if (allocated(self%key_in_degrees)) text = ' ' // self%unit // '; ' // self%key_in_degrees // ' takes degrees'
     end function in_other_units
 
-    !> Sets a real element.
-    subroutine put_real(self, row, column, value)
-        class(parameter_t), intent(inout) :: self
-        integer, intent(in) :: row, column !! row and column of the element, from 1
-        real(dp), intent(in) :: value !! the value
-        self%reals(row, column) = value
-    end subroutine put_real
-
-    !> Sets an integer element.
-    subroutine put_integer(self, row, column, value)
-        class(parameter_t), intent(inout) :: self
-        integer, intent(in) :: row, column, value !! row and column of the element, from 1, and its value
-        self%integers(row, column) = value
-    end subroutine put_integer
-
     !> Sets a text element; a text that is too long is truncated.
     subroutine put_text(self, column, value)
         class(parameter_t), intent(inout) :: self
@@ -218,41 +136,11 @@ contains
         end do
     end subroutine put_text
 
-    !> Sets an integer of 64 bits.
-    subroutine put_long(self, value)
-        class(parameter_t), intent(inout) :: self
-        integer(int64), intent(in) :: value !! the value
-        self%long = value
-    end subroutine put_long
-
-    !> Sets a logical value.
-    subroutine put_flag(self, value)
-        class(parameter_t), intent(inout) :: self
-        logical, intent(in) :: value !! the value
-        self%flag = value
-    end subroutine put_flag
-
     !> Number of characters of a text variable.
     pure integer function text_length(self)
         class(parameter_t), intent(in) :: self
         text_length = size(self%letters, 1)
     end function text_length
-
-    !> The variable of a real element.
-    function real_target(self, row, column) result(variable)
-        class(parameter_t), intent(in) :: self
-        integer, intent(in) :: row, column !! row and column of the element, from 1
-        real(dp), pointer :: variable
-        variable => self%reals(row, column)
-    end function real_target
-
-    !> The variable of an integer element.
-    function integer_target(self, row, column) result(variable)
-        class(parameter_t), intent(in) :: self
-        integer, intent(in) :: row, column !! row and column of the element, from 1
-        integer, pointer :: variable
-        variable => self%integers(row, column)
-    end function integer_target
 
     !> Whether the input gave any element (or the element of that row and column).
     pure logical function is_given(self, row, column)
@@ -266,7 +154,7 @@ contains
     end function is_given
 
     !> Whether an element has a value, given or by default.
-    pure logical function is_set(self, row, column)
+    pure logical function is_element_set(self, row, column) result(is_set)
         class(parameter_t), intent(in) :: self
         integer, intent(in) :: row, column !! row and column of the element, from 1
         select case (self%kind)
@@ -281,7 +169,7 @@ contains
         case default
             is_set = self%flag .or. self%is_given()
         end select
-    end function is_set
+    end function is_element_set
 
     !> Deletes the values of a row, and the places where they were given.
     subroutine clear_row(self, row)

@@ -7,13 +7,14 @@
 !>     call table%add('study.kind', scene%kind, choices='trajectory|sweep', what='what to do')
 !>     call table%add('sweep.from', scene%from, '', '', 'first values', elements=any_elements)
 module spintop_parameters
+    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_diagnostics, only: place_t
     use spintop_errors, only: error_t, internal_error
     use spintop_kinds, only: degree, dp
     use spintop_literals, only: read_subscript
     use spintop_number_slot, only: number_slot_t
-    use spintop_parameter, only: all_elements, any_elements, kind_integer, kind_real, leading_elements, &
+    use spintop_parameter, only: all_elements, any_elements, is_set, kind_integer, kind_real, leading_elements, &
         one_per_group, parameter_t, quoted, unset, unset_integer
     use spintop_parameter_move, only: move_parameter
     use spintop_ranges, only: parse_range
@@ -21,7 +22,7 @@ module spintop_parameters
     implicit none
     private
     public :: parameter_table_t, unit_hint
-    public :: unset, unset_integer, all_elements, leading_elements, any_elements, one_per_group
+    public :: unset, unset_integer, is_set, all_elements, leading_elements, any_elements, one_per_group
 
     character(*), parameter :: degrees = '_deg' !! suffix of the name of an angle in degrees
 
@@ -60,8 +61,8 @@ contains
         real(dp), target, intent(inout) :: variable
         character(*), intent(in) :: unit, range, what
         type(parameter_t) :: parameter
-        call parameter%bind_real(variable)
-        call self%append(parameter, name, what, unit=unit, range=range)
+        call c_f_pointer(c_loc(variable), parameter%reals, [1, 1])
+        call self%append(parameter, 0, name, what, unit=unit, range=range)
     end subroutine add_real
 
     !> Reals; `elements` specifies which must be given together (default: all_elements).
@@ -73,8 +74,8 @@ contains
         integer, intent(in), optional :: elements
         type(parameter_t) :: parameter
         parameter%elements = all_elements
-        call parameter%bind_reals(variable)
-        call self%append(parameter, name, what, unit=unit, range=range, elements=elements)
+        parameter%reals(1:1, 1:size(variable)) => variable
+        call self%append(parameter, 1, name, what, unit=unit, range=range, elements=elements)
     end subroutine add_reals
 
     !> Rows of reals; `elements` specifies which of a row must be given together (default: leading_elements).
@@ -86,8 +87,8 @@ contains
         integer, intent(in), optional :: elements
         type(parameter_t) :: parameter
         parameter%elements = leading_elements
-        call parameter%bind_real_rows(variable)
-        call self%append(parameter, name, what, unit=unit, range=range, elements=elements)
+        parameter%reals => variable
+        call self%append(parameter, 2, name, what, unit=unit, range=range, elements=elements)
     end subroutine add_real_rows
 
     !> An integer.
@@ -97,8 +98,8 @@ contains
         integer, target, intent(inout) :: variable
         character(*), intent(in) :: unit, range, what
         type(parameter_t) :: parameter
-        call parameter%bind_integer(variable)
-        call self%append(parameter, name, what, unit=unit, range=range)
+        call c_f_pointer(c_loc(variable), parameter%integers, [1, 1])
+        call self%append(parameter, 0, name, what, unit=unit, range=range)
     end subroutine add_integer
 
     !> An integer of 64 bits. It cannot be an axis of a sweep.
@@ -108,8 +109,8 @@ contains
         integer(int64), target, intent(inout) :: variable
         character(*), intent(in) :: unit, range, what
         type(parameter_t) :: parameter
-        call parameter%bind_long(variable)
-        call self%append(parameter, name, what, unit=unit, range=range)
+        parameter%long => variable
+        call self%append(parameter, 0, name, what, unit=unit, range=range)
     end subroutine add_long
 
     !> Integers; `elements` specifies which must be given together (default: all_elements).
@@ -121,8 +122,8 @@ contains
         integer, intent(in), optional :: elements
         type(parameter_t) :: parameter
         parameter%elements = all_elements
-        call parameter%bind_integers(variable)
-        call self%append(parameter, name, what, unit=unit, range=range, elements=elements)
+        parameter%integers(1:1, 1:size(variable)) => variable
+        call self%append(parameter, 1, name, what, unit=unit, range=range, elements=elements)
     end subroutine add_integers
 
     !> A text, or one of the words in `choices` ('a|b|c').
@@ -134,9 +135,9 @@ contains
         character(*), intent(in) :: what
         character(*), intent(in), optional :: aliases(:) !! `other=own`: another name of one of the choices
         type(parameter_t) :: parameter
-        call parameter%bind_text(variable)
+        call c_f_pointer(c_loc(variable), parameter%letters, [len(variable), 1])
         if (present(aliases)) allocate (parameter%aliases, source=[character(len(parameter%aliases)) :: aliases])
-        call self%append(parameter, name, what, choices=choices)
+        call self%append(parameter, 0, name, what, choices=choices)
     end subroutine add_text
 
     !> Texts; `elements` specifies which must be given together (default: leading_elements).
@@ -149,8 +150,8 @@ contains
         integer, intent(in), optional :: elements
         type(parameter_t) :: parameter
         parameter%elements = leading_elements
-        call parameter%bind_texts(variable)
-        call self%append(parameter, name, what, choices=choices, elements=elements)
+        call c_f_pointer(c_loc(variable), parameter%letters, [len(variable), size(variable)])
+        call self%append(parameter, 1, name, what, choices=choices, elements=elements)
     end subroutine add_texts
 
     !> A logical value.
@@ -160,18 +161,20 @@ contains
         logical, target, intent(inout) :: variable
         character(*), intent(in) :: what
         type(parameter_t) :: parameter
-        call parameter%bind_flag(variable)
-        call self%append(parameter, name, what)
+        parameter%flag => variable
+        call self%append(parameter, 0, name, what)
     end subroutine add_flag
 
-    subroutine append(self, parameter, name, what, unit, range, choices, elements)
+    !> Adds a parameter that is bound to its variable.
+    subroutine append(self, parameter, rank, name, what, unit, range, choices, elements)
         class(parameter_table_t), intent(inout) :: self
         type(parameter_t), intent(inout) :: parameter
+        integer, intent(in) :: rank
         character(*), intent(in) :: name, what
         character(*), intent(in), optional :: unit, range, choices
         integer, intent(in), optional :: elements
         type(parameter_t), allocatable :: more(:)
-        type(group_t), allocatable :: more_groups(:)
+        type(group_t) :: group
         integer :: known
         logical :: valid
 
@@ -181,6 +184,7 @@ contains
         end if
         if (index(name, '.') == 0 .or. self%find(name) > 0) self%defect = name // ': bad name'
 
+        call parameter%complete(rank)
         parameter%name = name
         parameter%group = name(:index(name, '.') - 1)
         parameter%key = name(index(name, '.') + 1:)
@@ -206,11 +210,8 @@ contains
             if (known > 0) self%parameters(known)%key_in_degrees = parameter%key
         end if
         if (self%find_group(parameter%group) > 0) return
-        known = size(self%groups)
-        allocate (more_groups(known + 1))
-        more_groups(:known) = self%groups
-        more_groups(known + 1)%name = parameter%group
-        call move_alloc(more_groups, self%groups)
+        group%name = parameter%group
+        self%groups = [self%groups, group]
     end subroutine append
 
     !> Returns an internal error if a row of the table itself is wrong.
@@ -253,11 +254,8 @@ contains
                 problem = quoted(name) // ' is not a number'
                 return
             end if
-            if (parameter%kind == kind_real) then
-                call slot%bind_real(parameter%real_target(row, column), parameter%range)
-            else if (parameter%kind == kind_integer) then
-                call slot%bind_integer(parameter%integer_target(row, column), parameter%range)
-            end if
+            if (parameter%kind == kind_real) call slot%bind_real(parameter%reals(row, column), parameter%range)
+            if (parameter%kind == kind_integer) call slot%bind_integer(parameter%integers(row, column), parameter%range)
             slot%rule = parameter%rule // parameter%in_other_units()
         end associate
     end subroutine find_number

@@ -5,14 +5,14 @@ module spintop_body_of_scene
     use spintop_body, only: body_t
     use spintop_shapes, only: dimensions_t, solid_t, shape_infos, build_shape, &
         shape_by_inertia
-    use spintop_parameters, only: unset
+    use spintop_parameters, only: is_set
     use spintop_parts, only: sum_parts
     use spintop_principal_axes, only: clear_rounding, find_principal_axes, steiner
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
     implicit none
     private
-    public :: make_body, is_set, given, check_axes
+    public :: make_body, given, check_axes
 
     !> Tolerance of the triangle inequality in units of rounding, for inertias that satisfy it with equality.
     real(dp), parameter :: triangle_slack = 8 * epsilon(1.0_dp)
@@ -25,12 +25,6 @@ module spintop_body_of_scene
     integer, parameter :: first_of_numbers = 3, density = 8, first_dimension = 9
 
 contains
-
-    !> Whether a number of a scene was given.
-    elemental logical function is_set(x)
-        real(dp), intent(in) :: x !! a number
-        is_set = x > unset
-    end function is_set
 
     !> A number of a scene that was given, or zero.
     elemental real(dp) function given(x)

@@ -7,10 +7,11 @@ module spintop_case
     use spintop_compare, only: is_zero, is_finite
     use spintop_body, only: body_t
     use spintop_body_turn, only: body_turn_t, find_body_turn
-    use spintop_body_of_scene, only: make_body, is_set
+    use spintop_body_of_scene, only: make_body
     use spintop_effects_of_scene, only: make_effects
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, find_nutation
+    use spintop_parameters, only: is_set
     use spintop_problems, only: problems_t
     use spintop_quantities, only: kinetic_energy
     use spintop_scene, only: scene_t

@@ -1,11 +1,12 @@
 !> Makes the effects of a scene, and checks them.
 module spintop_effects_of_scene
     use spintop_body, only: body_t
-    use spintop_body_of_scene, only: check_axes, given, is_set
+    use spintop_body_of_scene, only: check_axes, given
     use spintop_body_turn, only: turn_to_principal_axes
     use spintop_effects, only: earth_rotation, effects_t
     use spintop_kinds, only: degree, dp
     use spintop_loads, only: friction_jams
+    use spintop_parameters, only: is_set
     use spintop_problems, only: problems_t
     use spintop_scene_effects, only: axes_names, effects_scene_t, interpolation_of
     use spintop_text, only: to_text

@@ -2,13 +2,12 @@
 module spintop_plan
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
-    use spintop_body_of_scene, only: is_set
     use spintop_case, only: case_t
     use spintop_effects_of_scene, only: warn_of_effects
     use spintop_formulation, only: formulation_info_t, formulation_t, structure_names
     use spintop_formulations, only: create_formulation, formulation_infos
     use spintop_methods, only: create_stepper, exact_info
-    use spintop_parameters, only: unset_integer
+    use spintop_parameters, only: is_set, unset_integer
     use spintop_plan_controls, only: take_controls, take_projection
     use spintop_projection, only: projection_names, project_nothing
     use spintop_problems, only: problems_t

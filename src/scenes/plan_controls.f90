@@ -4,9 +4,8 @@ module spintop_plan_controls
     use spintop_kinds, only: dp
     use spintop_arkode_tables, only: arkode_table_names
     use spintop_body, only: body_t
-    use spintop_body_of_scene, only: is_set
     use spintop_formulation, only: formulation_info_t
-    use spintop_parameters, only: unset_integer
+    use spintop_parameters, only: is_set, unset_integer
     use spintop_problems, only: problems_t
     use spintop_projection, only: project_nothing, project_unit, projection_names
     use spintop_run_plan, only: plan_t

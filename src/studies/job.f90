@@ -6,13 +6,13 @@ module spintop_job
     use spintop_axes_of_table, only: read_axes
     use spintop_axis_entry, only: count_axes
     use spintop_body, only: body_t
-    use spintop_body_of_scene, only: is_set, make_body
+    use spintop_body_of_scene, only: make_body
     use spintop_case, only: case_t, make_case
     use spintop_completeness, only: find_missing_beside
     use spintop_diagnostics, only: diagnostics_t
     use spintop_event_text, only: column_event_t
     use spintop_kinds, only: dp
-    use spintop_parameters, only: parameter_table_t, unset_integer
+    use spintop_parameters, only: is_set, parameter_table_t, unset_integer
     use spintop_plan, only: make_plan, plan_t
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t

@@ -2,9 +2,8 @@
 !> tolerances, or a half and a quarter of its step size. Tolerances that would become finer than rounding are larger instead.
 !> There are two, because one may have the same error by chance.
 module spintop_other_accuracy
-    use spintop_body_of_scene, only: is_set
     use spintop_kinds, only: dp
-    use spintop_parameters, only: unset, unset_integer
+    use spintop_parameters, only: is_set, unset, unset_integer
     use spintop_plan, only: plan_t
     use spintop_scene, only: scene_t
     implicit none

@@ -3,13 +3,12 @@
 module spintop_sensitivity
     use, intrinsic :: iso_c_binding, only: c_loc
     use spintop_axis_entry, only: find_swept
-    use spintop_body_of_scene, only: is_set
     use spintop_case, only: case_t, make_case
     use spintop_differences, only: nodes_t, nodes_around
     use spintop_kinds, only: dp
     use spintop_number_slot, only: number_slot_t
     use spintop_other_accuracy, only: take_other_accuracy
-    use spintop_parameters, only: parameter_table_t
+    use spintop_parameters, only: is_set, parameter_table_t
     use spintop_plan, only: make_plan, plan_t
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t

@@ -4,10 +4,9 @@ module spintop_axes_of_scene
     use spintop_kinds, only: dp
     use spintop_axis_entry, only: axis_entry_t, count_axes, entry_of, find_swept, is_drawn
     use spintop_axis_laws, only: components_of, take_covariance, take_law
-    use spintop_body_of_scene, only: is_set
     use spintop_compare, only: is_finite
     use spintop_distributions, only: law_uniform
-    use spintop_parameters, only: parameter_table_t, unset_integer
+    use spintop_parameters, only: is_set, parameter_table_t, unset_integer
     use spintop_problems, only: problems_t
     use spintop_sample_design, only: dimensions_fit, design_saltelli, design_sobol
     use spintop_scene, only: scene_t, max_grid_axes

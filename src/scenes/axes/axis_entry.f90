@@ -1,11 +1,10 @@
 !> What a scene says of one axis of a sweep, and the parameter that varies along it.
 module spintop_axis_entry
     use, intrinsic :: iso_c_binding, only: c_loc
-    use spintop_body_of_scene, only: is_set
     use spintop_distributions, only: law_names, law_uniform
     use spintop_kinds, only: dp
     use spintop_number_slot, only: number_slot_t
-    use spintop_parameters, only: parameter_table_t, unset_integer
+    use spintop_parameters, only: is_set, parameter_table_t, unset_integer
     use spintop_scene, only: scene_t, max_axes, max_grid_axes
     use spintop_scene_words, only: combination_names, combine_grid, combine_zip
     use spintop_text, only: to_text

@@ -1,11 +1,11 @@
 !> The distributions of the axes of a sweep from the description in a scene, and the problems of that description.
 module spintop_axis_laws
     use spintop_axis_entry, only: axis_entry_t, entry_of
-    use spintop_body_of_scene, only: is_set
     use spintop_compare, only: is_equal
     use spintop_distributions, only: factor_covariance, law_lognormal, law_names, law_normal, law_sphere, law_uniform, &
         sphere_attitude, sphere_direction, sphere_inclination, sphere_turn
     use spintop_kinds, only: dp
+    use spintop_parameters, only: is_set
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
     use spintop_sweep_axis, only: axis_t

@@ -1,11 +1,11 @@
 !> Measurements of a motion: times, and values of columns of trajectories, from a CSV table.
 module spintop_fit_data
-    use spintop_body_of_scene, only: is_set
     use spintop_compare, only: is_finite
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: path_from
     use spintop_kinds, only: dp
     use spintop_loaded_table, only: read_table, table_t
+    use spintop_parameters, only: is_set
     use spintop_plain_text, only: escaped
     use spintop_problems, only: problems_t
     use spintop_scene_fit, only: fit_scene_t

@@ -7,12 +7,12 @@ module spintop_fit_study
     use spintop_fit_model, only: fit_model_t
     use spintop_fit_table, only: fit_columns, residual_path, write_estimates, write_residuals
     use spintop_fit_warnings, only: find_warnings, warn_of_measurements
-    use spintop_body_of_scene, only: is_set
     use spintop_intervals, only: describe_minimum, estimate_t, student_quantile
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
     use spintop_least_squares, only: minimum_t
     use spintop_options, only: options_t
+    use spintop_parameters, only: is_set
     use spintop_plain_text, only: escaped
     use spintop_plan, only: plan_t
     use spintop_problems, only: problems_t

@@ -1,13 +1,12 @@
 !> The plan of a work-precision study: methods with formulations, each with its settings.
 module spintop_precision_plan
-    use spintop_body_of_scene, only: is_set
     use spintop_case, only: case_t
     use spintop_diagnostics, only: diagnostics_t
     use spintop_formulation, only: structure_quadruple
     use spintop_kinds, only: dp
     use spintop_method_choice, only: method_choice_t, set_adaptive, set_steps, take_methods
     use spintop_methods, only: exact_info, method_infos
-    use spintop_parameters, only: unset, unset_integer
+    use spintop_parameters, only: is_set, unset, unset_integer
     use spintop_problems, only: problems_t
     use spintop_projection, only: project_nothing, projection_names
     use spintop_scene_words, only: reference_auto, reference_exact, reference_names

@@ -1,13 +1,12 @@
 !> The plan of a stability study: cases of the catalogue or of the input, and methods.
 module spintop_stability_plan
-    use spintop_body_of_scene, only: is_set
     use spintop_errors, only: error_t
     use spintop_formulation, only: structure_quadruple
     use spintop_hard_cases, only: hard_cases, make_scene
     use spintop_kinds, only: dp
     use spintop_method_choice, only: method_choice_t, refuse_name, set_adaptive, set_steps, take_methods
     use spintop_methods, only: method_infos
-    use spintop_parameters, only: unset, unset_integer
+    use spintop_parameters, only: is_set, unset, unset_integer
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
     use spintop_stepper, only: method_info_t

@@ -3,11 +3,10 @@
 module spintop_statistics_choice
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_bins, only: bins_around, bins_t, even_bins
-    use spintop_body_of_scene, only: is_set
     use spintop_compare, only: is_finite
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
-    use spintop_parameters, only: unset_integer
+    use spintop_parameters, only: is_set, unset_integer
     use spintop_problems, only: problems_t
     use spintop_process, only: physical_memory
     use spintop_scene, only: max_over

@@ -4,12 +4,12 @@
 module spintop_sweep_tops
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_attitude, only: circular_of_attitude, omega_from_circular
-    use spintop_body_of_scene, only: is_set
     use spintop_case, only: case_t, span_of_precessions
     use spintop_distributions, only: law_uniform
     use spintop_exact_block, only: block_size, exact_block_t
     use spintop_job, only: job_t
     use spintop_kinds, only: degree, dp
+    use spintop_parameters, only: is_set
     use spintop_scene, only: scene_t
     use spintop_shapes, only: shape_by_inertia
     use spintop_status, only: status_ok

@@ -2,7 +2,7 @@
 module spintop_parts
     use spintop_compare, only: is_zero
     use spintop_kinds, only: dp
-    use spintop_parameters, only: one_per_group, parameter_table_t, unset
+    use spintop_parameters, only: is_set, one_per_group, parameter_table_t, unset
     use spintop_principal_axes, only: steiner
     use spintop_problems, only: problems_t
     use spintop_shapes, only: build_part, dimensions_t, part_info_t, part_infos, solid_t
@@ -117,15 +117,15 @@ contains
         end if
         info = part_infos(findloc(part_infos%name, parts%shape(i), dim=1))
         call check_sizes(info, sizes, numbers(i), problems)
-        if (parts%mass(i) > unset .and. parts%density(i) > unset) then
+        if (is_set(parts%mass(i)) .and. is_set(parts%density(i))) then
             call problems%add('part.density' // trim(numbers(i)), 'mass and density of the part are both given', 'give one of them')
-        else if (.not. max(parts%mass(i), parts%density(i)) > unset) then
+        else if (.not. (is_set(parts%mass(i)) .or. is_set(parts%density(i)))) then
             call problems%add('part.shape' // trim(numbers(i)), 'neither mass nor density of the part is given', &
                               'give one of them')
         end if
-        place = merge(parts%place(i, :), 0.0_dp, parts%place(i, :) > unset)
+        place = merge(parts%place(i, :), 0.0_dp, is_set(parts%place(i, :)))
         axis = [0, 0, 1]
-        if (any(parts%axis(i, :) > unset)) axis = merge(parts%axis(i, :), 0.0_dp, parts%axis(i, :) > unset)
+        if (any(is_set(parts%axis(i, :)))) axis = merge(parts%axis(i, :), 0.0_dp, is_set(parts%axis(i, :)))
         if (all(is_zero(axis))) then
             call problems%add('part.axis(' // numbers(i) (2:index(numbers(i), ')') - 1) // ',1)', &
                               'the axis of a part has no direction', 'give a vector that is not zero')
@@ -135,7 +135,7 @@ contains
         sizes = max(sizes, 0.0_dp)
         solid = build_part(info%name, dimensions_t(radius=sizes(1), inner_radius=sizes(2), thickness=sizes(3)))
         mass = parts%mass(i)
-        if (parts%density(i) > unset) mass = parts%density(i) * solid%volume
+        if (is_set(parts%density(i))) mass = parts%density(i) * solid%volume
         if (is_zero(mass)) then
             call problems%add('part.density' // trim(numbers(i)), 'the part has no volume', 'give its mass, not its density')
         end if
@@ -152,14 +152,14 @@ contains
 
         do k = 1, size(sizes)
             key = trim(dimension_names(k)) // number
-            if (info%needs(k) .and. .not. sizes(k) > unset) then
+            if (info%needs(k) .and. .not. is_set(sizes(k))) then
                 call problems%add('part.shape' // trim(number), trim(key) // ' is not given', &
                                   'part ' // trim(info%name) // ' needs it')
-            else if (sizes(k) > unset .and. .not. info%takes(k)) then
+            else if (is_set(sizes(k)) .and. .not. info%takes(k)) then
                 call problems%add(trim(key), trim(key) // ' is not for a ' // trim(info%name), 'omit it')
             end if
         end do
-        if (sizes(2) > unset .and. sizes(1) > unset .and. sizes(2) >= sizes(1)) then
+        if (is_set(sizes(2)) .and. is_set(sizes(1)) .and. sizes(2) >= sizes(1)) then
             call problems%add('part.inner_radius' // trim(number), 'the inner radius is not smaller than the radius', &
                               'the radius of the hole is smaller than that of the part')
         end if

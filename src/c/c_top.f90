@@ -77,11 +77,9 @@ contains
         type(top_t), target, intent(inout) :: top
         type(error_t), allocatable, intent(out) :: error
         type(prepared_t), allocatable, target :: prepared
-        type(trajectory_column_t), allocatable :: known(:)
         type(column_t), allocatable :: shown(:)
         type(options_t) :: options
         character(:), allocatable :: text, name_of_text
-        integer, allocatable :: places(:)
         integer :: i
 
         call take_text(input, text)
@@ -97,13 +95,11 @@ contains
                 return
             end if
             call top%warnings%set(job%warnings)
-            allocate (known, source=trajectory_columns())
-            allocate (top%chosen, source=known(job%columns))
+            top%chosen = trajectory_columns(job%columns)
             ! The motion itself is also asked for the columns of which there are derivatives.
-            call top%derivatives%prepare(job, known, error)
+            call top%derivatives%prepare(job, trajectory_columns, error)
             if (allocated(error)) return
-            allocate (places, source=job%sensitivities%columns())
-            call top%motion%prepare(job%case, job%plan, [top%chosen, known(places)])
+            call top%motion%prepare(job%case, job%plan, [top%chosen, trajectory_columns(job%sensitivities%columns())])
             allocate (shown, source=[top%chosen%column_t, job%sensitivities%table_columns()])
         end associate
         allocate (top%described(size(shown)), top%columns(size(shown)))

@@ -1,5 +1,6 @@
 !> Selects the columns of a table from the names in a scene.
 module spintop_column_choice
+    use spintop_case, only: case_t
     use spintop_certificate, only: balls_hint, balls_missing, has_balls
     use spintop_job, only: job_t
     use spintop_kinds, only: degree
@@ -47,14 +48,13 @@ contains
             end if
             allocate (known, source=study%columns())
             if (all(named == '')) then
-                columns = study%default_columns(job%case)
+                columns = pack([(i, i=1, size(known))], known%is_default .and. can_have(known, job%case))
                 ! The exact solution is not compared with itself.
                 if (job%plan%exact) columns = pack(columns, columns /= place_of(known, 'orientation_error'))
                 ! The end of the span is omitted if no event may end the motion earlier.
                 if (job%scene%stop_at == '') columns = pack(columns, columns /= place_of(known, 't_end'))
             else if (named(1) == 'all') then
-                columns = pack([(i, i=1, size(known))], known%group /= proof_group .and. &
-                               [(study%unmet_need(job%case, i) == '', i=1, size(known))])
+                columns = pack([(i, i=1, size(known))], known%group /= proof_group .and. can_have(known, job%case))
             else
                 columns = [integer ::]
                 do i = 1, size(named)
@@ -103,7 +103,7 @@ contains
         else if (known(place)%group == proof_group .and. .not. has_balls()) then
             call problems%add(key, "column '" // name // "': " // balls_missing, balls_hint)
         else
-            if (is_whole) call check_column(study, job, key, place, name, 'omit it', problems)
+            if (is_whole) call check_column(job, key, known(place), 'omit it', problems)
             columns = [columns, place]
         end if
     end subroutine take_column
@@ -129,7 +129,7 @@ contains
             call problems%add(key, "column '" // column // "' has no derivatives", 'name a column of numbers')
             place = 0
         else if (is_whole) then
-            call check_column(study, job, key, place, column, 'omit its derivative', problems)
+            call check_column(job, key, known(place), 'omit its derivative', problems)
         end if
         call job%sensitivities%find_key(name_of_key, job%scene, job%table, job%axes, place_of_key, problem, hint)
         if (problem /= '') call problems%add(key, problem, hint)
@@ -139,17 +139,26 @@ contains
     end subroutine take_sensitivity
 
     !> Reports a column that the case cannot have, unless other problems leave open what it is.
-    subroutine check_column(study, job, key, place, name, hint, problems)
-        class(study_t), intent(in) :: study
+    subroutine check_column(job, key, column, hint, problems)
         type(job_t), intent(in) :: job
-        character(*), intent(in) :: key, name, hint
-        integer, intent(in) :: place
+        character(*), intent(in) :: key, hint
+        type(listed_column_t), intent(in) :: column
         type(problems_t), intent(inout) :: problems
         character(:), allocatable :: need
         if (problems%any()) return
-        need = study%unmet_need(job%case, place)
-        if (need /= '') call problems%add(key, "column '" // name // "' needs " // need // ', which this body does not have', hint)
+        if (can_have(column, job%case)) return
+        need = 'the exact solution'
+        if (column%needs_effects) need = 'effects'
+        call problems%add(key, "column '" // trim(column%name) // "' needs " // need // ', which this body does not have', hint)
     end subroutine check_column
+
+    !> Whether the table of a case can have a column.
+    elemental logical function can_have(column, case)
+        type(listed_column_t), intent(in) :: column
+        type(case_t), intent(in) :: case
+        can_have = (case%body%has_closed_form() .or. .not. column%needs_exact_motion) .and. &
+                   (allocated(case%given_body%effects) .or. .not. column%needs_effects)
+    end function can_have
 
     !> Reports an unknown column: the study that has it, its unit, or a similar name.
     subroutine refuse_unknown(study, known, key, name, problems)

@@ -1,7 +1,6 @@
 !> The interface of all kinds of study. The registry is in `studies.f90`.
 module spintop_study
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_case, only: case_t
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t
     use spintop_job, only: job_t
@@ -54,8 +53,6 @@ module spintop_study
         procedure(explain_i), deferred :: explain
         procedure(run_i), deferred :: run
         procedure :: cases
-        procedure :: default_columns
-        procedure :: unmet_need
         procedure :: complete
         procedure :: remark
         procedure :: forecast
@@ -118,27 +115,6 @@ contains
         end associate
         cases = job%axes%cases
     end function cases
-
-    !> Indices of the default columns; all columns unless the kind overrides this.
-    function default_columns(self, case) result(places)
-        class(study_t), intent(in) :: self
-        type(case_t), intent(in) :: case !! body, start and span
-        integer, allocatable :: places(:)
-        integer :: i
-        places = [(i, i=1, size(self%columns()))]
-        places = pack(places, [(self%unmet_need(case, i) == '', i=1, size(places))])
-    end function default_columns
-
-    !> What a column of the table needs and the case does not have; nothing unless the kind overrides this.
-    function unmet_need(self, case, place) result(need)
-        class(study_t), intent(in) :: self
-        type(case_t), intent(in) :: case !! body, start and span
-        integer, intent(in) :: place !! index of the column in the list of all columns
-        character(:), allocatable :: need
-        associate (unused => self, also_unused => case, nor_used => place)
-        end associate
-        need = ''
-    end function unmet_need
 
     !> Completes a job whose columns are chosen; nothing is left to do unless the kind overrides this.
     subroutine complete(self, job, problems)

@@ -21,6 +21,10 @@ module spintop_study_column
     type, extends(study_column_t) :: listed_column_t
         !> Its cells are words, not numbers.
         logical :: words = .false.
+        !> It is in the table when the input names no columns.
+        logical :: is_default = .true.
+        !> It compares with the exact motion; it is for bodies with effects.
+        logical :: needs_exact_motion = .false., needs_effects = .false.
     end type listed_column_t
 
 contains

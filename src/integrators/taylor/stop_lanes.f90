@@ -17,10 +17,12 @@ module spintop_stop_lanes
 
     !> What may pass a value: nothing; phi and psi, in the order of `angles_at`; the rate of cos(theta), by zero; theta;
     !> components of the angular velocity and of the vertical in body axes; the height of the centre of mass; energies and
-    !> momenta. The last ones, from `of_spin_momentum` on, are those of a body without effects.
-    integer, parameter, public :: of_nothing = 0, of_phi = 1, of_psi = 2, of_turning = 3, of_theta = 4, of_omega = 5, &
-        of_vertical = 6, of_centre_height = 7, of_kinetic_energy = 8, of_spin_momentum = 9, of_vertical_momentum = 10, &
-        of_potential_energy = 11, of_energy = 12
+    !> momenta. The last ones, from `passing_spin_momentum` on, are those of a body without effects.
+    integer, parameter, public :: passing_nothing = 0, passing_phi = 1, passing_psi = 2, passing_turning = 3, &
+        passing_theta = 4, passing_omega = 5, &
+        passing_vertical = 6, passing_centre_height = 7, passing_kinetic_energy = 8, passing_spin_momentum = 9, &
+            passing_vertical_momentum = 10, &
+        passing_potential_energy = 11, passing_energy = 12
 
     !> A value so close to its level at the start, relatively, is at the level.
     real(dp), parameter :: start_rounding = 16 * epsilon(1.0_dp)
@@ -29,7 +31,7 @@ module spintop_stop_lanes
     !> there.
     type, extends(root_watch_t) :: stop_lanes_t
         !> What passes, one of those above, and which component of a vector.
-        integer :: passing = of_nothing, component = 1
+        integer :: passing = passing_nothing, component = 1
         !> The value, in the unit of what passes it; and which passages count: those rising, those falling.
         real(dp) :: level = 0
         logical :: rising = .true., falling = .true.
@@ -80,9 +82,9 @@ contains
         type(motion_t), intent(in) :: start !! the motion at the start
         real(dp) :: value
         select case (self%passing)
-        case (of_phi, of_psi)
-            call self%begin_angle(lane, start%angle(merge(1, 3, self%passing == of_phi)), run%now%state(lane, 4:5), value)
-        case (of_turning)
+        case (passing_phi, passing_psi)
+            call self%begin_angle(lane, start%angle(merge(1, 3, self%passing == passing_phi)), run%now%state(lane, 4:5), value)
+        case (passing_turning)
             value = axis_height_rate(start)
             self%driven(lane) = driven_rate(greatest_fall_rate(body), start%omega)
         case default
@@ -124,22 +126,22 @@ contains
         self%products(lane, :) = 0
         self%threshold(lane) = self%level
         select case (self%passing)
-        case (of_theta)
+        case (passing_theta)
             self%linear(lane, 6) = -1
             self%threshold(lane) = -cos(self%level)
-        case (of_omega)
+        case (passing_omega)
             self%linear(lane, self%component) = 1
-        case (of_vertical)
+        case (passing_vertical)
             self%linear(lane, 3 + self%component) = 1
-        case (of_centre_height)
+        case (passing_centre_height)
             self%linear(lane, 4:6) = body%centre_of_mass
-        case (of_spin_momentum)
+        case (passing_spin_momentum)
             self%linear(lane, 3) = body%inertia(3)
-        case (of_vertical_momentum)
+        case (passing_vertical_momentum)
             self%products(lane, :) = body%inertia
         end select
-        if (any(self%passing == [of_potential_energy, of_energy])) self%linear(lane, 4:6) = body%weight_moment()
-        if (any(self%passing == [of_kinetic_energy, of_energy])) self%squares(lane, :) = body%inertia / 2
+        if (any(self%passing == [passing_potential_energy, passing_energy])) self%linear(lane, 4:6) = body%weight_moment()
+        if (any(self%passing == [passing_kinetic_energy, passing_energy])) self%squares(lane, :) = body%inertia / 2
         self%contains_row = any(abs(self%linear) > 0, 1)
         self%is_linear = .not. (any(self%squares > 0) .or. any(self%products > 0))
         ! Each component of a vector has the rounding of the whole vector.
@@ -162,15 +164,15 @@ contains
         real(dp) :: square(lanes)
         degree = run%order
         select case (self%passing)
-        case (of_phi, of_psi)
-            if (self%passing == of_psi) then
+        case (passing_phi, passing_psi)
+            if (self%passing == passing_psi) then
                 call find_spin_polynomials(degree, run%c, cos(self%goal), sin(self%goal), a)
             else
                 call find_azimuth_polynomials(degree, run%c, run%now%side_last * cos(self%goal), sin(self%goal), a)
             end if
             ! What cancels in the first term is rounding.
             noise = rounding * (abs(run%c(:, 4, 0)) + abs(run%c(:, 5, 0)))
-        case (of_turning)
+        case (passing_turning)
             degree = run%order - 1
             call find_height_rates(run%order, run%c, self%driven, degree, a, noise)
         case default
@@ -318,7 +320,7 @@ contains
         real(dp), intent(in) :: u !! the root, as a fraction of the step
         real(dp) :: angles(2), distance, turns
         counts = .true.
-        if (.not. any(self%passing == [of_phi, of_psi])) return
+        if (.not. any(self%passing == [passing_phi, passing_psi])) return
         associate (now => run%now)
             angles = run%angles_at(lane, now%t_last(lane) + u * (now%t(lane) - now%t_last(lane)))
         end associate

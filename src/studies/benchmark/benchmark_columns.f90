@@ -29,32 +29,29 @@ module spintop_benchmark_columns
         real(dp) :: time = no_number
     end type benchmark_row_t
 
-contains
-
     !> All columns, in the order of the table.
-    function benchmark_columns() result(columns)
-        type(listed_column_t), allocatable :: columns(:)
-        columns = [ &
-            listed_column_t('benchmark', '', 'benchmark of the catalogue', 'benchmark', words=.true.), &
-            listed_column_t('quantity', '', 'column of trajectories at the end of the span', 'benchmark', words=.true.), &
-            listed_column_t('t', 's', 'end of the span', 'benchmark'), &
-            listed_column_t('truth', '', 'true value, in the unit of that column', 'truth'), &
-            listed_column_t('truth_error', '', 'difference of two computations of it', 'truth'), &
-            listed_column_t('reference', '', 'how it was computed', 'truth', words=.true.), &
-            listed_column_t('published', '', 'published figure (nan: none)', 'published'), &
-            listed_column_t('published_error', '', 'its difference from the true value', 'published'), &
-            listed_column_t('published_method', '', 'who published it, with which method', 'published', words=.true.), &
-            listed_column_t('goal', '', 'a hundredth of that difference; 1e-10 without a figure', 'best'), &
-            listed_column_t('method', '', 'fastest method whose errors are within the goal', 'best', words=.true.), &
-            listed_column_t('formulation', '', 'its formulation', 'best', words=.true.), &
-            listed_column_t('setting', '', 'its setting', 'best', words=.true.), &
-            listed_column_t('value', '', 'its value', 'best'), &
-            listed_column_t('error', '', 'its largest error of all quantities of the benchmark, over max(1, true value)', &
-                            'best'), &
-            listed_column_t('evaluations', '', 'its RHS evaluations', 'best'), &
-            listed_column_t('time_s', 's', 'its computing time', 'best'), &
-            listed_column_t('source', '', 'where the benchmark was published', 'benchmark', words=.true.)]
-    end function benchmark_columns
+    type(listed_column_t), parameter :: benchmark_columns(*) = [ &
+        listed_column_t('benchmark', '', 'benchmark of the catalogue', 'benchmark', words=.true.), &
+        listed_column_t('quantity', '', 'column of trajectories at the end of the span', 'benchmark', words=.true.), &
+        listed_column_t('t', 's', 'end of the span', 'benchmark'), &
+        listed_column_t('truth', '', 'true value, in the unit of that column', 'truth'), &
+        listed_column_t('truth_error', '', 'difference of two computations of it', 'truth'), &
+        listed_column_t('reference', '', 'how it was computed', 'truth', words=.true.), &
+        listed_column_t('published', '', 'published figure (nan: none)', 'published'), &
+        listed_column_t('published_error', '', 'its difference from the true value', 'published'), &
+        listed_column_t('published_method', '', 'who published it, with which method', 'published', words=.true.), &
+        listed_column_t('goal', '', 'a hundredth of that difference; 1e-10 without a figure', 'best'), &
+        listed_column_t('method', '', 'fastest method whose errors are within the goal', 'best', words=.true.), &
+        listed_column_t('formulation', '', 'its formulation', 'best', words=.true.), &
+        listed_column_t('setting', '', 'its setting', 'best', words=.true.), &
+        listed_column_t('value', '', 'its value', 'best'), &
+        listed_column_t('error', '', 'its largest error of all quantities of the benchmark, over max(1, true value)', &
+                        'best'), &
+        listed_column_t('evaluations', '', 'its RHS evaluations', 'best'), &
+        listed_column_t('time_s', 's', 'its computing time', 'best'), &
+        listed_column_t('source', '', 'where the benchmark was published', 'benchmark', words=.true.)]
+
+contains
 
     !> Adds a row, a cell per column.
     subroutine put_row(row, cells)

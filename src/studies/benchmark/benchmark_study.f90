@@ -87,7 +87,7 @@ contains
     !> All columns.
     function columns()
         type(listed_column_t), allocatable :: columns(:)
-        allocate (columns, source=benchmark_columns())
+        columns = benchmark_columns
     end function columns
 
     !> Number of benchmarks.
@@ -155,7 +155,7 @@ contains
         first = options%shard%first(all)
         last = options%shard%last(all)
         part = options%shard%beginning(all)
-        call file%create(job%output, study_head(job, benchmark_columns(), part=part), error)
+        call file%create(job%output, study_head(job, benchmark_columns, part=part), error)
         if (allocated(error)) return
         call summary%headline(job%input // ': ' // to_text(last - first + 1) // ' benchmarks -> ' // job%output)
         if (part /= '') call summary%add('shard', part)

@@ -113,7 +113,6 @@ contains
         type(column_event_t), allocatable, intent(inout) :: events(:)
         character(:), allocatable, intent(inout) :: problem, hint
         type(column_event_t) :: one
-        type(trajectory_column_t), allocatable :: known(:)
         character(:), allocatable :: column, number, rest, label
         real(dp) :: unit
         integer :: last, direction
@@ -132,8 +131,7 @@ contains
         if (column /= left) call find_trajectory_column(column, one%column, found)
         if (.not. found) then
             problem = "there is no column '" // left // "'"
-            allocate (known, source=trajectory_columns())
-            hint = did_you_mean(left, known%name)
+            hint = did_you_mean(left, trajectory_columns%name)
             if (hint == '') hint = '`spintop list columns` shows them all'
             return
         end if

@@ -95,11 +95,9 @@ contains
         type(table_t), intent(in) :: table
         type(trajectory_column_t), allocatable, intent(out) :: columns(:)
         type(problems_t), intent(inout) :: problems
-        type(trajectory_column_t), allocatable :: known(:)
         integer, allocatable :: places(:)
         integer :: i
 
-        allocate (known, source=trajectory_columns())
         allocate (places(0))
         if (any(scene%columns /= '')) then
             do i = 1, size(scene%columns)
@@ -113,10 +111,7 @@ contains
             if (size(table%names) < 2) call problems%add('fit.data', 'the table has no column of measurements', &
                                                          'give columns of trajectories, such as theta, beside t')
         end if
-        allocate (columns(size(places)))
-        do i = 1, size(places)
-            columns(i) = known(places(i))
-        end do
+        columns = trajectory_columns(places)
 
     contains
 
@@ -126,14 +121,16 @@ contains
             character(:), allocatable :: hint
             integer :: place
 
-            place = place_of(known, name)
+            place = place_of(trajectory_columns, name)
             hint = ''
             if (place == 0) then
-                hint = did_you_mean(name, known%name)
+                hint = did_you_mean(name, trajectory_columns%name)
                 if (hint == '') hint = '`spintop list columns` shows those of trajectories'
-            else if (known(place)%group == proof_group .or. known(place)%needs_exact_motion .or. known(place)%needs_work &
-                     .or. known(place)%needs_effects) then
-                hint = 'errors, bounds and the work of effects are not measured'
+            else
+                associate (column => trajectory_columns(place))
+                    if (column%group == proof_group .or. column%needs_exact_motion .or. column%needs_work &
+                        .or. column%needs_effects) hint = 'errors, bounds and the work of effects are not measured'
+                end associate
             end if
             if (hint /= '') then
                 call problems%add(key, abbreviate(name) // ' is not a measurable column', hint)

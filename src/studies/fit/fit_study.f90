@@ -60,7 +60,7 @@ contains
     !> All columns.
     function columns()
         type(listed_column_t), allocatable :: columns(:)
-        allocate (columns, source=fit_columns())
+        columns = fit_columns
     end function columns
 
     !> Reads the measurements, and plans the motion up to the last of them.

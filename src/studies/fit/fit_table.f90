@@ -9,35 +9,32 @@ module spintop_fit_table
     use spintop_study_column, only: listed_column_t
     use spintop_study_head, only: study_head
     use spintop_table_column, only: column_t
-    use spintop_table_file, only: table_file_t
+    use spintop_table_file, only: stem_of, table_file_t
     use spintop_text, only: append, string_t
     use spintop_text_buffer, only: text_buffer_t
     implicit none
     private
     public :: fit_columns, write_estimates, write_residuals, residual_path
 
-contains
-
     !> The columns of the table of parameters, before those of the covariance.
-    function fit_columns() result(columns)
-        type(listed_column_t), allocatable :: columns(:)
-        columns = [ &
-            listed_column_t('parameter', '', 'sought parameter of the input', 'fit', words=.true.), &
-            listed_column_t('unit', '', 'its unit, which is that of the next five columns', 'fit', words=.true.), &
-            listed_column_t('estimate', '', 'value with the least sum of squares', 'fit'), &
-            listed_column_t('standard_error', '', 'standard error of the estimate, by the linear model', 'fit'), &
-            listed_column_t('lower', '', 'lower end of the 95 % profile interval', 'fit'), &
-            listed_column_t('upper', '', 'upper end of the 95 % profile interval', 'fit'), &
-            listed_column_t('start', '', 'value of the input, where the search began', 'fit'), &
-            listed_column_t('singular_value', '', 'singular values of the scaled Jacobian, from the largest: one per row', &
-                            'fit')]
-    end function fit_columns
+    type(listed_column_t), parameter :: fit_columns(*) = [ &
+        listed_column_t('parameter', '', 'sought parameter of the input', 'fit', words=.true.), &
+        listed_column_t('unit', '', 'its unit, which is that of the next five columns', 'fit', words=.true.), &
+        listed_column_t('estimate', '', 'value with the least sum of squares', 'fit'), &
+        listed_column_t('standard_error', '', 'standard error of the estimate, by the linear model', 'fit'), &
+        listed_column_t('lower', '', 'lower end of the 95 % profile interval', 'fit'), &
+        listed_column_t('upper', '', 'upper end of the 95 % profile interval', 'fit'), &
+        listed_column_t('start', '', 'value of the input, where the search began', 'fit'), &
+        listed_column_t('singular_value', '', 'singular values of the scaled Jacobian, from the largest: one per row', &
+                        'fit')]
+
+contains
 
     !> Path of the table of residuals.
     function residual_path(path) result(other)
         character(*), intent(in) :: path !! path of the table of parameters
         character(:), allocatable :: other
-        other = path(:len(path) - len('.csv')) // '.residuals.csv'
+        other = stem_of(path) // '.residuals.csv'
     end function residual_path
 
     !> Writes the table of the parameters.
@@ -50,16 +47,14 @@ contains
         character(*), intent(in) :: ending !! how the search ended
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(column_t), allocatable :: columns(:)
-        type(listed_column_t), allocatable :: fixed(:)
         type(table_file_t) :: file
         type(text_buffer_t) :: cells
         type(string_t), allocatable :: trailer(:)
         integer :: i, n
 
-        allocate (fixed, source=fit_columns())
-        n = size(fixed)
+        n = size(fit_columns)
         allocate (columns(n + size(keys)))
-        columns(:n) = fixed%column_t
+        columns(:n) = fit_columns%column_t
         do i = 1, size(keys)
             columns(n + i) = column_t('covariance__' // keys(i)%name, '', 'covariance with ' // keys(i)%name)
         end do

@@ -69,7 +69,7 @@ contains
     !> All columns.
     function columns()
         type(listed_column_t), allocatable :: columns(:)
-        allocate (columns, source=precision_columns())
+        columns = precision_columns
     end function columns
 
     !> Number of problems: one, or the cases of the axes.
@@ -188,11 +188,8 @@ contains
         character(*), intent(in) :: part !! first line of the table of a part
         type(table_file_t), intent(inout) :: file
         type(error_t), allocatable, intent(out) :: error
-        type(listed_column_t), allocatable :: columns(:)
         integer :: i
-
-        allocate (columns, source=precision_columns())
-        call file%create(job%output, study_head(job, [columns%column_t, &
+        call file%create(job%output, study_head(job, [precision_columns%column_t, &
             (job%axis_column(i), i=1, size(job%axes%axis))], part=part), error)
     end subroutine begin_table
 

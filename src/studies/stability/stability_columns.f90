@@ -28,38 +28,35 @@ module spintop_stability_columns
         real(dp) :: reference_error = no_number
     end type stability_row_t
 
-contains
-
     !> All columns, in the order of the table.
-    function stability_columns() result(columns)
-        type(listed_column_t), allocatable :: columns(:)
-        columns = [ &
-            listed_column_t('case', '', 'case of the catalogue', 'trial', words=.true.), &
-            listed_column_t('method', '', 'method', 'trial', words=.true.), &
-            listed_column_t('formulation', '', 'formulation of the equations of motion', 'trial', words=.true.), &
-            listed_column_t('verdict', '', 'verdict on the computed motion', 'verdict', words=.true.), &
-            listed_column_t('orientation_error', 'rad', 'largest rotation angle from the reference attitude', 'errors'), &
-            listed_column_t('tip_error', '', 'largest distance of the axis tip from that of the reference', 'errors'), &
-            listed_column_t('energy_error', '', 'largest energy error over (kinetic at start + m g |r|)', 'errors'), &
-            listed_column_t('lz_error', '', 'largest error of the vertical momentum, over its scale', 'errors'), &
-            listed_column_t('l3_error', '', 'largest error of the momentum about body z, over the same scale', 'errors'), &
-            listed_column_t('norm_error', '', 'largest norm error abs(q) - 1 of the quaternion', 'errors'), &
-            listed_column_t('inherent_error', 'rad', 'error of the attitude due to rounding of the data', 'errors'), &
-            listed_column_t('steps', '', 'steps', 'cost'), &
-            listed_column_t('rejected', '', 'rejected steps', 'cost'), &
-            listed_column_t('evaluations', '', 'RHS evaluations', 'cost'), &
-            listed_column_t('time_s', 's', 'computing time', 'cost'), &
-            listed_column_t('status', '', 'status of the run', 'verdict', words=.true.), &
-            listed_column_t('t', 's', 'time reached', 'verdict'), &
-            listed_column_t('upright_growth', '1/s', &
-                            'largest growth rate of the symmetric top sleeping upright with this spin', &
-                               'growth'), &
-            listed_column_t('lyapunov_exponent', '1/s', 'mean growth rate of perturbations over the span', 'growth'), &
-            listed_column_t('reference', '', 'reference of the comparison', 'reference', words=.true.), &
-            listed_column_t('reference_error', 'rad', 'difference between two computations of the reference', &
-                            'reference'), &
-            listed_column_t('reason', '', 'reason of the verdict', 'verdict', words=.true.)]
-    end function stability_columns
+    type(listed_column_t), parameter :: stability_columns(*) = [ &
+        listed_column_t('case', '', 'case of the catalogue', 'trial', words=.true.), &
+        listed_column_t('method', '', 'method', 'trial', words=.true.), &
+        listed_column_t('formulation', '', 'formulation of the equations of motion', 'trial', words=.true.), &
+        listed_column_t('verdict', '', 'verdict on the computed motion', 'verdict', words=.true.), &
+        listed_column_t('orientation_error', 'rad', 'largest rotation angle from the reference attitude', 'errors'), &
+        listed_column_t('tip_error', '', 'largest distance of the axis tip from that of the reference', 'errors'), &
+        listed_column_t('energy_error', '', 'largest energy error over (kinetic at start + m g |r|)', 'errors'), &
+        listed_column_t('lz_error', '', 'largest error of the vertical momentum, over its scale', 'errors'), &
+        listed_column_t('l3_error', '', 'largest error of the momentum about body z, over the same scale', 'errors'), &
+        listed_column_t('norm_error', '', 'largest norm error abs(q) - 1 of the quaternion', 'errors'), &
+        listed_column_t('inherent_error', 'rad', 'error of the attitude due to rounding of the data', 'errors'), &
+        listed_column_t('steps', '', 'steps', 'cost'), &
+        listed_column_t('rejected', '', 'rejected steps', 'cost'), &
+        listed_column_t('evaluations', '', 'RHS evaluations', 'cost'), &
+        listed_column_t('time_s', 's', 'computing time', 'cost'), &
+        listed_column_t('status', '', 'status of the run', 'verdict', words=.true.), &
+        listed_column_t('t', 's', 'time reached', 'verdict'), &
+        listed_column_t('upright_growth', '1/s', &
+                        'largest growth rate of the symmetric top sleeping upright with this spin', &
+                           'growth'), &
+        listed_column_t('lyapunov_exponent', '1/s', 'mean growth rate of perturbations over the span', 'growth'), &
+        listed_column_t('reference', '', 'reference of the comparison', 'reference', words=.true.), &
+        listed_column_t('reference_error', 'rad', 'difference between two computations of the reference', &
+                        'reference'), &
+        listed_column_t('reason', '', 'reason of the verdict', 'verdict', words=.true.)]
+
+contains
 
     !> Adds a row, a cell per column.
     subroutine put_row(row, cells)

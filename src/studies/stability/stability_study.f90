@@ -94,7 +94,7 @@ contains
     !> All columns.
     function columns()
         type(listed_column_t), allocatable :: columns(:)
-        allocate (columns, source=stability_columns())
+        columns = stability_columns
     end function columns
 
     !> Number of cases.
@@ -154,7 +154,7 @@ contains
         first = options%shard%first(all)
         last = options%shard%last(all)
         part = options%shard%beginning(all)
-        head = study_head(job, stability_columns(), verdicts_in_words(), part)
+        head = study_head(job, stability_columns, verdicts_in_words(), part)
         call compare_with_writer(options%ranks, head, error)
         if (allocated(error)) return
         if (options%ranks%is_writer()) call file%create(job%output, head, error)

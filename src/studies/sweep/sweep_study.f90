@@ -3,7 +3,6 @@
 !> begun, finished and summarized.
 module spintop_sweep_study
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_case, only: case_t
     use spintop_clock, only: seconds, utc_now
     use spintop_dealt_rows, only: compare_with_writer
     use spintop_diagnostics, only: diagnostics_t
@@ -47,7 +46,6 @@ module spintop_sweep_study
         procedure :: check
         procedure :: explain
         procedure :: run
-        procedure :: default_columns
         procedure :: complete
         procedure :: remark
         procedure :: forecast
@@ -73,6 +71,7 @@ contains
         allocate (columns(size(known)))
         columns%study_column_t = known%study_column_t
         columns%words = known%is_class .or. known%is_proof
+        columns%is_default = known%is_default
     end function columns
 
     !> Plans the first case; the others are made during the run.
@@ -247,19 +246,6 @@ contains
         text = to_text(sum(table%counts, mask=.not. is_good_end([(i, i=status_ok, last_status)]))) // ' of ' // &
                to_text(table%rows()) // ' cases failed'
     end function failures_of
-
-    !> All quantities except the expensive ones.
-    function default_columns(self, case) result(places)
-        class(sweep_study_t), intent(in) :: self
-        type(case_t), intent(in) :: case !! body, start and span
-        integer, allocatable :: places(:)
-        type(sweep_column_t), allocatable :: known(:)
-        integer :: i
-        associate (unused_study => self, unused_case => case)
-        end associate
-        allocate (known, source=sweep_columns())
-        places = pack([(i, i=1, size(known))], known%is_default)
-    end function default_columns
 
     !> Plans the statistics.
     subroutine complete(self, job, problems)

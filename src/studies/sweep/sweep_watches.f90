@@ -16,7 +16,7 @@ module spintop_sweep_watches
     use spintop_quantities, only: angular_acceleration
     use spintop_status, only: status_meanings, status_non_finite, status_ok, status_step_limit
     use spintop_stepper, only: controls_t
-    use spintop_stop_lanes, only: of_nothing, of_spin_momentum, of_theta, of_turning, stop_lanes_t
+    use spintop_stop_lanes, only: passing_nothing, passing_spin_momentum, passing_theta, passing_turning, stop_lanes_t
     use spintop_sweep_notes, only: note_no_inherent, note_no_lyapunov, note_no_singular, note_no_stop, note_t
     use spintop_sweep_quantities, only: put_azimuth, put_measured_nutation
     use spintop_sweep_result, only: kinds_of_work, of_class, of_energy, of_fastest, of_force, of_inherent, of_lowest, &
@@ -55,14 +55,14 @@ contains
                 if (event%turn_by_turn .neqv. events(1)%event%turn_by_turn) return
                 if (.not. is_equal(event%level, events(1)%event%level)) return
                 select case (events(i)%column%passing)
-                case (of_nothing)
+                case (passing_nothing)
                     return
-                case (of_theta)
+                case (passing_theta)
                     ! Near a pole cos(theta) does not determine theta.
                     if (.not. (event%level > 0 .and. event%level < pi .and. sin(event%level) > least_sine)) return
-                case (of_turning)
+                case (passing_turning)
                     if (.not. is_zero(event%level)) return
-                case (of_spin_momentum:)
+                case (passing_spin_momentum:)
                     if (allocated(case%body%effects)) return
                 end select
             end associate

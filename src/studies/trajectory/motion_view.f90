@@ -3,7 +3,6 @@
 module spintop_motion_view
     use, intrinsic :: iso_c_binding, only: c_loc
     use spintop_archive, only: archive_t
-    use spintop_attitude, only: to_space
     use spintop_body, only: body_t
     use spintop_case, only: case_t
     use spintop_certificate, only: proof_count, proof_of_phi, proof_of_psi, proof_of_q0, proof_of_q3, proof_of_theta
@@ -13,8 +12,7 @@ module spintop_motion_view
     use spintop_kinds, only: dp
     use spintop_loads, only: works
     use spintop_motion, only: motion_t
-    use spintop_quantities, only: energy_scale, euler_residuals, kinetic_energy, potential_energy, specific_force, &
-        support_force, vertical_momentum
+    use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy, support_force, vertical_momentum
     use spintop_row_proof, only: row_proof_t
     implicit none
     private
@@ -49,10 +47,7 @@ module spintop_motion_view
         procedure :: energy_change
         procedure :: energy_error
         procedure :: momentum_change
-        procedure :: centre
         procedure :: force
-        procedure :: accelerometer
-        procedure :: residuals
         procedure :: exact
         procedure :: inherent_error
     end type motion_view_t
@@ -170,13 +165,6 @@ contains
         momentum_change = vertical_momentum(self%body, self%motion) - self%momentum_of_start
     end function momentum_change
 
-    !> The centre of mass in space axes, m.
-    pure function centre(self)
-        class(motion_view_t), intent(in) :: self
-        real(dp) :: centre(3)
-        centre = to_space(self%motion%quaternion, self%body%centre_of_mass)
-    end function centre
-
     !> The support force in space axes, N.
     function force(self)
         class(motion_view_t), intent(inout) :: self
@@ -185,20 +173,6 @@ contains
         self%has_force = .true.
         force = self%known_force
     end function force
-
-    !> The reading of an accelerometer at the centre of mass, in body axes, m/s^2.
-    pure function accelerometer(self) result(reading)
-        class(motion_view_t), intent(in) :: self
-        real(dp) :: reading(3)
-        reading = specific_force(self%body, self%motion)
-    end function accelerometer
-
-    !> The residuals of Euler's equations, N m.
-    pure function residuals(self)
-        class(motion_view_t), intent(in) :: self
-        real(dp) :: residuals(3)
-        residuals = euler_residuals(self%body, self%motion)
-    end function residuals
 
     !> The exact motion at the same time, in the axes of the computation. The body must have one.
     type(motion_t) function exact(self)

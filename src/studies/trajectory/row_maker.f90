@@ -13,7 +13,8 @@ module spintop_row_maker
     use spintop_scene, only: scene_t
     use spintop_study_column, only: proof_group
     use spintop_text_buffer, only: text_buffer_t
-    use spintop_trajectory_column, only: angle_group, longest, trajectory_column_t
+    use spintop_trajectory_column, only: angle_group, trajectory_column_t
+    use spintop_trajectory_vectors, only: longest, put_vector, vectors
     use spintop_uncertainties, only: data_radii
     implicit none
     private
@@ -23,9 +24,9 @@ module spintop_row_maker
     type :: row_maker_t
         private
         type(trajectory_column_t), allocatable :: columns(:)
-        !> The vectors of which the columns are components, and for each column the index of the first one with the same vector.
-        real(dp), allocatable :: vectors(:, :)
-        integer, allocatable :: source(:)
+        !> The vectors by their numbers, and the numbers of those of which the columns are components.
+        real(dp) :: vectors(longest, vectors) = 0
+        integer, allocatable :: needed(:)
         type(motion_view_t) :: view
         !> Whether the angles and their rates are enough for all columns.
         logical :: needs_angles_only = .false.
@@ -51,17 +52,10 @@ contains
         type(trajectory_column_t), intent(in) :: columns(:) !! the columns
         type(case_t), intent(in) :: case !! body, start and span
         type(scene_t), intent(in), optional :: scene !! contents of the input, if numbers may be proved
-        integer :: i, k
+        integer :: i
         call self%close()
         self%columns = columns
-        self%source = [(i, i=1, size(columns))]
-        do i = 1, size(columns)
-            do k = i - 1, 1, -1
-                if (associated(columns(k)%put_vector, columns(i)%put_vector)) self%source(i) = k
-            end do
-        end do
-        if (allocated(self%vectors)) deallocate (self%vectors)
-        allocate (self%vectors(longest, size(columns)), source=0.0_dp)
+        self%needed = pack([(i, i=1, vectors)], [(any(columns%vector == i), i=1, vectors)])
         call self%view%set(case)
         self%needs_angles_only = .not. case%turn%is_turned() .and. all(columns%group == angle_group)
         if (.not. present(scene)) return
@@ -107,9 +101,11 @@ contains
         class(row_maker_t), intent(inout) :: self
         real(dp), intent(out) :: values(:)
         integer :: i
+        do i = 1, size(self%needed)
+            call put_vector(self%needed(i), self%view, self%vectors(:, self%needed(i)))
+        end do
         do i = 1, size(self%columns)
-            if (self%source(i) == i) call self%columns(i)%put_vector(self%view, self%vectors(:, i))
-            values(i) = self%vectors(self%columns(i)%component, self%source(i))
+            values(i) = self%vectors(self%columns(i)%component, self%columns(i)%vector)
         end do
     end subroutine find_values
 

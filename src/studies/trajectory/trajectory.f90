@@ -85,7 +85,7 @@ contains
         type(trajectory_column_t), allocatable :: columns(:), derivatives(:), all_columns(:)
 
         writer%total = job%plan%samples
-        call chosen_columns(job%columns, columns)
+        columns = trajectory_columns(job%columns)
         call sensitivity_columns(job, derivatives)
         all_columns = [columns, derivatives]
         if (job%sensitivities%count == 0) then
@@ -149,15 +149,6 @@ contains
         end if
     end subroutine abandon_tables
 
-    !> Columns by their indices in the list of all columns.
-    subroutine chosen_columns(places, chosen)
-        integer, intent(in) :: places(:)
-        type(trajectory_column_t), allocatable, intent(out) :: chosen(:)
-        type(trajectory_column_t), allocatable :: known(:)
-        allocate (known, source=trajectory_columns())
-        allocate (chosen, source=known(places))
-    end subroutine chosen_columns
-
     !> The columns of derivatives and their errors, which are described only: their values are not those of a motion.
     subroutine sensitivity_columns(job, columns)
         type(job_t), intent(in) :: job
@@ -172,11 +163,10 @@ contains
         type(trajectory_column_t), intent(in) :: columns(:)
         type(writer_t), intent(inout) :: writer
         type(error_t), allocatable, intent(out) :: error
-        type(trajectory_column_t), allocatable :: more(:), needed(:)
+        type(trajectory_column_t), allocatable :: needed(:)
         integer :: status
 
-        call chosen_columns(job%sensitivities%columns(), more)
-        needed = [columns, more]
+        needed = [columns, trajectory_columns(job%sensitivities%columns())]
         call writer%take_columns(needed, job%case, job%scene)
         allocate (writer%kept(size(needed), job%plan%samples), stat=status)
         if (status /= 0) error = error_t(exit_internal, escaped(job%input) // ': not enough memory for ' &

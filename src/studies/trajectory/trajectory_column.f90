@@ -1,30 +1,25 @@
-!> A column of a trajectory table: its description, and the procedure that gives a vector with its value.
+!> A column of a trajectory table: its description, and the vector with its value.
 module spintop_trajectory_column
-    use spintop_certificate, only: proof_count
     use spintop_kinds, only: dp
-    use spintop_loads, only: works
     use spintop_motion_view, only: motion_view_t
-    use spintop_stop_lanes, only: of_nothing
+    use spintop_stop_lanes, only: passing_nothing
     use spintop_study_column, only: study_column_t
+    use spintop_trajectory_vectors, only: longest, put_vector
     implicit none
     private
-    public :: trajectory_column_t, angle_group, longest
+    public :: trajectory_column_t, angle_group
 
     !> The group of the columns of the time, the angles and their rates, which need nothing else of a motion.
     character(*), parameter :: angle_group = 'angles'
     !> Groups of columns that need no angles nor their rates.
     character(*), parameter :: groups_free_of_angles(*) = [character(8) :: 'rates', 'attitude', 'energy', 'momenta']
 
-    !> Number of components of the longest vector of which columns are components.
-    integer, parameter :: longest = max(proof_count, works + 1)
-
     !> A column of a trajectory.
     type, extends(study_column_t) :: trajectory_column_t
-        !> Gives a vector, and the component of it that is the value of the column.
-        procedure(put_i), pointer, nopass :: put_vector => null()
-        integer :: component = 1
+        !> The number of a vector (`of_...`), and the component of it that is the value of the column.
+        integer :: vector = 0, component = 1
         !> What passes a value of the column in a polynomial of each step, if anything does (spintop_stop_lanes).
-        integer :: passing = of_nothing
+        integer :: passing = passing_nothing
         !> It is in the table when the input names no columns.
         logical :: is_default = .false.
         !> It compares with the exact motion.
@@ -44,16 +39,6 @@ module spintop_trajectory_column
         procedure :: value
     end type trajectory_column_t
 
-    abstract interface
-        !> The components of a vector for the motion that is looked at; those that it does not have are left as they were.
-        subroutine put_i(now, vector)
-            import :: dp, longest, motion_view_t
-            implicit none
-            type(motion_view_t), intent(inout) :: now
-            real(dp), intent(inout) :: vector(longest)
-        end subroutine put_i
-    end interface
-
 contains
 
     !> Whether the value follows from the attitude, the angular velocity and its rate.
@@ -67,7 +52,7 @@ contains
         class(trajectory_column_t), intent(in) :: self
         type(motion_view_t), intent(inout) :: now !! the motion
         real(dp) :: vector(longest)
-        call self%put_vector(now, vector)
+        call put_vector(self%vector, now, vector)
         value = vector(self%component)
     end function value
 

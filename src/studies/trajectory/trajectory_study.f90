@@ -1,6 +1,5 @@
 !> The trajectory as a kind of study.
 module spintop_trajectory_study
-    use spintop_case, only: case_t
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t
     use spintop_job, only: job_t
@@ -28,8 +27,6 @@ module spintop_trajectory_study
         procedure :: check
         procedure :: explain
         procedure :: run
-        procedure :: default_columns
-        procedure :: unmet_need
     end type trajectory_study_t
 
 contains
@@ -45,11 +42,12 @@ contains
     !> All columns.
     function columns()
         type(listed_column_t), allocatable :: columns(:)
-        type(trajectory_column_t), allocatable :: known(:)
-        allocate (known, source=trajectory_columns())
-        allocate (columns(size(known)))
-        columns%study_column_t = known%study_column_t
-        columns%words = known%is_proof
+        allocate (columns(size(trajectory_columns)))
+        columns%study_column_t = trajectory_columns%study_column_t
+        columns%words = trajectory_columns%is_proof
+        columns%is_default = trajectory_columns%is_default
+        columns%needs_exact_motion = trajectory_columns%needs_exact_motion
+        columns%needs_effects = trajectory_columns%needs_effects
     end function columns
 
     !> Plans the motion.
@@ -90,32 +88,5 @@ contains
         call run_trajectory(job, options, summary, status, error)
         code = code_of(status)
     end subroutine run
-
-    !> Those of the default columns that the case can have.
-    function default_columns(self, case) result(places)
-        class(trajectory_study_t), intent(in) :: self
-        type(case_t), intent(in) :: case !! body, start and span
-        integer, allocatable :: places(:)
-        type(trajectory_column_t), allocatable :: known(:)
-        integer :: i
-        allocate (known, source=trajectory_columns())
-        places = pack([(i, i=1, size(known))], known%is_default)
-        places = pack(places, [(self%unmet_need(case, places(i)) == '', i=1, size(places))])
-    end function default_columns
-
-    !> Columns that compare with the exact solution require that it exists, those of work that there are effects.
-    function unmet_need(self, case, place) result(need)
-        class(trajectory_study_t), intent(in) :: self
-        type(case_t), intent(in) :: case !! body, start and span
-        integer, intent(in) :: place !! index of the column in the list of all columns
-        character(:), allocatable :: need
-        type(trajectory_column_t), allocatable :: known(:)
-        associate (unused => self)
-        end associate
-        allocate (known, source=trajectory_columns())
-        need = ''
-        if (known(place)%needs_exact_motion .and. .not. case%body%has_closed_form()) need = 'the exact solution'
-        if (known(place)%needs_effects .and. .not. allocated(case%given_body%effects)) need = 'effects'
-    end function unmet_need
 
 end module spintop_trajectory_study

@@ -67,7 +67,7 @@ contains
         do i = 1, size(overrides)
             call read_override(overrides(i)%text, table, diagnostics)
         end do
-        do i = 1, size(table%parameters)
+        do i = 1, table%count
             call check_complete(table%parameters(i), diagnostics)
         end do
     end subroutine read_namelist
@@ -191,7 +191,7 @@ contains
         type(parameter_table_t), intent(in) :: table
         character(*), intent(in) :: name
         integer :: i
-        do i = 1, size(table%parameters)
+        do i = 1, table%count
             if (table%parameters(i)%group == name) exit
         end do
         most = table%parameters(i)%most_groups()

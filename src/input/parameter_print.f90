@@ -25,12 +25,12 @@ contains
                     if (index('|' // groups // '|', '|' // name // '|') == 0) cycle
                 end if
                 most = 1
-                do i = 1, size(table%parameters)
+                do i = 1, table%count
                     if (table%parameters(i)%group == name) most = table%parameters(i)%most_groups()
                 end do
                 do number = 1, most
                     before = text%count
-                    do i = 1, size(table%parameters)
+                    do i = 1, table%count
                         if (table%parameters(i)%group /= name) cycle
                         if (most > 1) then
                             call print_one(table%parameters(i), number, name, before, text)
@@ -72,7 +72,7 @@ contains
         character(:), allocatable :: groups
         integer :: i
         groups = ''
-        do i = 1, size(table%parameters)
+        do i = 1, table%count
             associate (parameter => table%parameters(i))
                 if (.not. parameter%is_given()) cycle
                 if (index('|' // groups // '|', '|' // parameter%group // '|') > 0) cycle
@@ -112,7 +112,7 @@ contains
         type(parameter_table_t), intent(in) :: table !! the parameters of an input
         type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
         integer, parameter :: columns = 5
-        type(string_t) :: cells(columns, 0:size(table%parameters))
+        type(string_t) :: cells(columns, 0:table%count)
         type(line_list_t) :: text
         character(:), allocatable :: line
         integer :: widths(columns), i, j
@@ -122,7 +122,7 @@ contains
         cells(3, 0)%text = 'default'
         cells(4, 0)%text = 'range'
         cells(5, 0)%text = 'meaning'
-        do i = 1, size(table%parameters)
+        do i = 1, table%count
             associate (parameter => table%parameters(i))
                 cells(1, i)%text = parameter%full_name()
                 cells(2, i)%text = parameter%unit
@@ -132,9 +132,9 @@ contains
             end associate
         end do
         do j = 1, columns
-            widths(j) = maxval([(len(cells(j, i)%text), i=0, size(table%parameters))])
+            widths(j) = maxval([(len(cells(j, i)%text), i=0, table%count)])
         end do
-        do i = 0, size(table%parameters)
+        do i = 0, table%count
             line = ''
             do j = 1, columns
                 line = line // cells(j, i)%text // &

@@ -16,7 +16,6 @@ module spintop_parameters
     use spintop_number_slot, only: number_slot_t
     use spintop_parameter, only: all_elements, any_elements, is_set, kind_integer, kind_real, leading_elements, &
         one_per_group, parameter_t, quoted, unset, unset_integer
-    use spintop_parameter_move, only: move_parameter
     use spintop_ranges, only: parse_range
     use spintop_text, only: did_you_mean, split, string_t, to_text
     implicit none
@@ -25,6 +24,7 @@ module spintop_parameters
     public :: unset, unset_integer, is_set, all_elements, leading_elements, any_elements, one_per_group
 
     character(*), parameter :: degrees = '_deg' !! suffix of the name of an angle in degrees
+    integer, parameter :: first_room = 256      !! room for parameters at first
 
     !> A group of the input, and the place where it was given.
     type :: group_t
@@ -36,6 +36,7 @@ module spintop_parameters
     !> All parameters of an input, and the places where they were given.
     type :: parameter_table_t
         type(parameter_t), allocatable :: parameters(:) !! in the order in which they were added
+        integer :: count = 0                            !! number of them; the others are room for more
         type(group_t), allocatable :: groups(:)         !! in the order of their first parameter
         type(place_t) :: place = place_t()                          !! the input as a whole
         character(:), allocatable, private :: defect
@@ -178,10 +179,7 @@ contains
         integer :: known
         logical :: valid
 
-        if (.not. allocated(self%parameters)) then
-            allocate (self%parameters(0))
-            allocate (self%groups(0))
-        end if
+        if (.not. allocated(self%parameters)) allocate (self%parameters(first_room), self%groups(0))
         if (index(name, '.') == 0 .or. self%find(name) > 0) self%defect = name // ': bad name'
 
         call parameter%complete(rank)
@@ -200,11 +198,13 @@ contains
         call parse_range(parameter%rule, parameter%range, valid)
         if (.not. valid) self%defect = name // ': bad range ' // parameter%rule
 
-        known = size(self%parameters)
-        allocate (more(known + 1))
-        call move_parameter(self%parameters, more(:known))
-        more(known + 1) = parameter
-        call move_alloc(more, self%parameters)
+        if (self%count == size(self%parameters)) then
+            allocate (more(2 * self%count))
+            more(:self%count) = self%parameters
+            call move_alloc(more, self%parameters)
+        end if
+        self%count = self%count + 1
+        self%parameters(self%count) = parameter
         if (ends_in_degrees(name)) then
             known = self%find(name(:len(name) - len(degrees)))
             if (known > 0) self%parameters(known)%key_in_degrees = parameter%key
@@ -225,7 +225,7 @@ contains
     pure integer function find(self, name) result(number)
         class(parameter_table_t), intent(in) :: self
         character(*), intent(in) :: name !! `group.key`
-        do number = size(self%parameters), 1, -1
+        do number = self%count, 1, -1
             if (self%parameters(number)%name == name) return
         end do
     end function find
@@ -333,7 +333,7 @@ contains
         open = index(name // '(', '(')
         number = self%find(name(:open - 1))
         if (number == 0) then
-            allocate (names(size(self%parameters)))
+            allocate (names(self%count))
             do i = 1, size(names)
                 names(i)%text = self%parameters(i)%name
             end do

@@ -27,7 +27,7 @@ contains
         type(parameter_table_t), intent(in) :: table !! the parameters of an input
         character(*), intent(in) :: group, key !! group and key as written
         character(:), allocatable :: hint
-        type(string_t) :: keys(size(table%parameters))
+        type(string_t) :: keys(table%count)
         integer :: i, found
         hint = unit_hint(table, group // '.' // key)
         if (hint /= '') return

@@ -195,7 +195,7 @@ contains
         do i = 1, size(lines)
             call list%text%add(lines(i)%text)
         end do
-        do i = 1, size(table%parameters)
+        do i = 1, table%count
             call add_parameter(list%json, table%parameters(i))
         end do
     end subroutine add_parameters

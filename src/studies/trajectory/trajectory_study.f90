@@ -1,23 +1,37 @@
-!> The trajectory as a kind of study.
+!> The trajectory study: one motion, one table.
 module spintop_trajectory_study
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_case, only: case_t
+    use spintop_clock, only: seconds
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_errors, only: error_t
+    use spintop_errors, only: error_t, exit_internal
+    use spintop_event_recorder, only: event_columns, event_recorder_t
+    use spintop_exact_cost, only: measure_exact_cost
+    use spintop_growing_table, only: refusal, remove_leftovers
+    use spintop_integration, only: outcome_t
     use spintop_job, only: job_t
+    use spintop_kinds, only: dp
+    use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_options, only: options_t
+    use spintop_plain_text, only: escaped
+    use spintop_plan, only: sample_time
     use spintop_problems, only: problems_t
+    use spintop_process, only: watch_no_more
     use spintop_scene, only: scene_t
     use spintop_scene_words, only: kind_trajectory, study_kinds
-    use spintop_status, only: code_of
+    use spintop_status, only: code_of, is_good_end, status_meaning, status_name, status_ok
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: listed_column_t
-    use spintop_summary, only: summary_t
-    use spintop_text, only: to_text
-    use spintop_trajectory, only: run_trajectory
+    use spintop_study_head, only: study_head
+    use spintop_summary, only: decimal, rounded, summary_t
+    use spintop_table_end, only: check_table
+    use spintop_text, only: string_t, to_text
     use spintop_trajectory_column, only: trajectory_column_t
     use spintop_trajectory_columns, only: trajectory_columns
+    use spintop_trajectory_sensitivities, only: find_sensitivities
     implicit none
     private
-    public :: trajectory_study_t
+    public :: trajectory_study_t, run_trajectory
 
     !> One motion, one table.
     type, extends(study_t) :: trajectory_study_t
@@ -88,5 +102,272 @@ contains
         call run_trajectory(job, options, summary, status, error)
         code = code_of(status)
     end subroutine run
+
+    !> Computes a trajectory, or the rest of one that was interrupted, and writes its table. A motion that fails has the rows
+    !> up to the failure; `status` is the reason of its end.
+    subroutine run_trajectory(job, options, summary, status, error)
+        type(job_t), intent(inout) :: job !! the job
+        type(options_t), intent(in) :: options !! options of the command line
+        type(summary_t), intent(out) :: summary !! lines for standard output
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(writer_t) :: writer
+        type(event_recorder_t), allocatable, target :: watch
+        type(outcome_t) :: outcome
+        real(dp), allocatable :: times(:)
+        real(dp) :: began, elapsed
+        integer :: missing
+
+        status = status_ok
+        missing = 0
+        call take_times(job, times, error)
+        if (allocated(error)) return
+        call begin_tables(job, options, writer, watch, error)
+        if (allocated(error)) return
+        if (writer%table%rows_table%is_complete) then
+            status = writer%table%ended_with()
+            if (job%event_output /= '') call check_events(job%event_output, error)
+            if (allocated(error)) return
+            call summary%headline(job%input // ': trajectory -> ' // job%output)
+            call summary%add('note', writer%table%rows_table%remark)
+            if (.not. is_good_end(status)) call summary%add('status', status_name(status) // ': ' // status_meaning(status))
+            return
+        end if
+        began = seconds()
+        call compute_motion(job%scene, job%case, job%plan, times, writer, outcome, watch)
+        if (allocated(writer%kept)) call add_sensitivities(job, writer, missing)
+        elapsed = seconds() - began
+        status = outcome%status
+        call finish_tables(job, outcome, writer, watch, error)
+        if (allocated(error)) return
+        call describe_run(job, writer%rows, outcome, elapsed, watch, summary)
+        if (writer%table%rows_table%remark /= '') call summary%add('note', writer%table%rows_table%remark)
+        if (missing > 0) call summary%add('note', to_text(missing) // ' derivatives do not converge: they are nan')
+        if (writer%columns%proof_summary() /= '') call summary%add('proof', writer%columns%proof_summary())
+        call writer%columns%close()
+    end subroutine run_trajectory
+
+    !> Begins the table of the motion, and that of its events if there is to be one, or returns to those of an interrupted
+    !> run. `watch` looks for the events; it is not allocated where there are none to look for. After an error there is no
+    !> table, or that of the interrupted run.
+    subroutine begin_tables(job, options, writer, watch, error)
+        type(job_t), intent(in) :: job
+        type(options_t), intent(in) :: options
+        type(writer_t), intent(inout) :: writer
+        type(event_recorder_t), allocatable, target, intent(out) :: watch
+        type(error_t), allocatable, intent(out) :: error
+        type(trajectory_column_t), allocatable :: columns(:), derivatives(:), all_columns(:)
+
+        writer%total = job%plan%samples
+        columns = trajectory_columns(job%columns)
+        call sensitivity_columns(job, derivatives)
+        all_columns = [columns, derivatives]
+        if (job%sensitivities%count == 0) then
+            call writer%take_columns(columns, job%case, job%scene)
+        else
+            call keep_rows(job, columns, writer, error)
+            if (allocated(error)) return
+        end if
+        call writer%progress%start(job%name, 'rows', writer%total, options%quiet, options%progress)
+        call writer%table%describe(job, all_columns)
+        call writer%table%create(options%resume, options%restart, error)
+        if (allocated(error) .or. writer%table%rows_table%is_complete) return
+        ! The derivatives take longer than the rows, which are in memory until then.
+        writer%keeps_states = job%sensitivities%count == 0
+        writer%table%rows_table%is_resumable = writer%keeps_states
+        call writer%table%recall_state(writer%resumed, error)
+        if (.not. allocated(error)) call begin_events(job, columns, writer, watch, error)
+        if (.not. allocated(error) .and. allocated(writer%resumed)) then
+            call writer%carry(writer%resumed)
+            if (allocated(watch)) call move_alloc(watch%error, error)
+        end if
+        if (allocated(error)) then
+            call abandon_tables(writer, watch, error)
+            return
+        end if
+        associate (table => writer%table%rows_table)
+            if (table%remark /= '') call writer%progress%note(table%remark)
+            call options%announce_signals(job%input, job%output, table, writer%total)
+        end associate
+    end subroutine begin_tables
+
+    !> Begins the search for events, and their table.
+    subroutine begin_events(job, columns, writer, watch, error)
+        type(job_t), intent(in) :: job
+        type(trajectory_column_t), intent(in) :: columns(:)
+        type(writer_t), intent(inout) :: writer
+        type(event_recorder_t), allocatable, target, intent(inout) :: watch
+        type(error_t), allocatable, intent(out) :: error
+
+        if (size(job%events) == 0) return
+        allocate (watch)
+        call watch%set(job%events, job%stop_after, job%case)
+        writer%watch => watch
+        if (job%event_output == '') return
+        call watch%open_table(job%event_output, study_head(job, [event_columns, columns%column_t]), columns, &
+                              job%case, job%scene, allocated(writer%resumed), error)
+    end subroutine begin_events
+
+    !> Ends the tables after an error: they are kept where a later run can resume them, and discarded otherwise.
+    subroutine abandon_tables(writer, watch, error)
+        type(writer_t), intent(inout) :: writer
+        type(event_recorder_t), allocatable, intent(inout) :: watch
+        type(error_t), intent(inout) :: error
+        logical :: is_kept
+        call writer%table%abandon(is_kept, error)
+        if (.not. allocated(watch)) return
+        if (is_kept) then
+            call watch%abandon_table()
+        else
+            call watch%discard_table()
+        end if
+    end subroutine abandon_tables
+
+    !> The columns of derivatives and their errors, which are described only: their values are not those of a motion.
+    subroutine sensitivity_columns(job, columns)
+        type(job_t), intent(in) :: job
+        type(trajectory_column_t), allocatable, intent(out) :: columns(:)
+        allocate (columns(2 * job%sensitivities%count))
+        columns%column_t = job%sensitivities%table_columns()
+    end subroutine sensitivity_columns
+
+    !> Has the rows kept: the columns of the table, then those of which there are derivatives.
+    subroutine keep_rows(job, columns, writer, error)
+        type(job_t), intent(in) :: job
+        type(trajectory_column_t), intent(in) :: columns(:)
+        type(writer_t), intent(inout) :: writer
+        type(error_t), allocatable, intent(out) :: error
+        type(trajectory_column_t), allocatable :: needed(:)
+        integer :: status
+
+        needed = [columns, trajectory_columns(job%sensitivities%columns())]
+        call writer%take_columns(needed, job%case, job%scene)
+        allocate (writer%kept(size(needed), job%plan%samples), stat=status)
+        if (status /= 0) error = error_t(exit_internal, escaped(job%input) // ': not enough memory for ' &
+                                         // to_text(job%plan%samples) // ' rows; use fewer span.samples')
+    end subroutine keep_rows
+
+    !> Computes the sensitivities in the kept rows, and writes these; `missing` is the number of those that do not exist.
+    subroutine add_sensitivities(job, writer, missing)
+        type(job_t), target, intent(in) :: job
+        type(writer_t), intent(inout) :: writer
+        integer, intent(out) :: missing
+        real(dp), allocatable :: cells(:, :)
+        integer :: n, i
+
+        n = size(job%columns)
+        allocate (cells(2 * job%sensitivities%count, writer%rows))
+        call find_sensitivities(job, writer%chosen(n + 1:), writer%kept(n + 1:, :writer%rows), cells, writer%error)
+        missing = count(.not. abs(cells(1::2, :)) <= huge(1.0_dp))
+        do i = 1, writer%rows
+            if (allocated(writer%error)) return
+            call writer%table%add_row([writer%kept(:n, i), cells(:, i)], writer%error)
+        end do
+    end subroutine add_sensitivities
+
+    !> Checks the table of events of a motion that is complete.
+    subroutine check_events(path, error)
+        character(*), intent(in) :: path
+        type(error_t), allocatable, intent(out) :: error
+        character(:), allocatable :: problem
+        call check_table(path, problem)
+        if (problem == '') then
+            call remove_leftovers(path)
+        else
+            error = refusal(path, problem)
+        end if
+    end subroutine check_events
+
+    !> Finishes the tables with a line on how the motion ended; after an error they are abandoned.
+    subroutine finish_tables(job, outcome, writer, watch, error)
+        type(job_t), intent(in) :: job
+        type(outcome_t), intent(in) :: outcome
+        type(writer_t), intent(inout) :: writer
+        type(event_recorder_t), allocatable, intent(inout) :: watch
+        type(error_t), allocatable, intent(out) :: error
+        type(string_t) :: trailer(1)
+
+        if (allocated(writer%error)) then
+            call move_alloc(writer%error, error)
+        else
+            trailer(1)%text = 'status: ' // ending_of(outcome)
+            if (job%event_output /= '') call watch%close_table(trailer, error)
+            if (.not. allocated(error)) call writer%table%finish(ending_of(outcome), error)
+        end if
+        call watch_no_more()
+        if (allocated(error)) call abandon_tables(writer, watch, error)
+    end subroutine finish_tables
+
+    !> The summary: plan, motion, events, cost, and how the motion ended.
+    subroutine describe_run(job, rows, outcome, elapsed, watch, summary)
+        type(job_t), intent(in) :: job
+        integer, intent(in) :: rows
+        type(outcome_t), intent(in) :: outcome
+        real(dp), intent(in) :: elapsed !! seconds that the motion took
+        type(event_recorder_t), allocatable, intent(in) :: watch
+        type(summary_t), intent(inout) :: summary
+        real(dp) :: setup, sample
+
+        call summary%headline(job%input // ': trajectory of ' // to_text(rows) // ' rows -> ' // job%output)
+        call summary%describe_plan(job%plan)
+        call summary%describe_motion(job%case)
+        if (job%event_output /= '') then
+            call summary%add('events', to_text(watch%rows) // ' -> ' // job%event_output)
+        end if
+        if (job%plan%exact) then
+            call measure_exact_cost(job%case, setup, sample)
+            call summary%add('cost', rounded(1.0e6_dp * setup) // ' us for the set-up, ' &
+                             // rounded(1.0e6_dp * sample) // ' us per sample')
+        else
+            call summary%describe_cost(outcome%counts, job%plan%stepper%info%refine)
+        end if
+        call summary%add('time', rounded(elapsed) // ' s for ' // decimal(outcome%t) // ' s of motion')
+        associate (status => outcome%status)
+            call summary%add('status', status_name(status) // ' at t = ' // to_text(outcome%end_time()) // ': ' &
+                             // status_meaning(status))
+            if (job%scene%stop_at /= '' .and. is_good_end(status)) call summary%add('end', what_ended(job, watch))
+        end associate
+    end subroutine describe_run
+
+    !> The times of the rows; none for the exact solution, which computes them one by one.
+    subroutine take_times(job, times, error)
+        type(job_t), intent(in) :: job
+        real(dp), allocatable, intent(out) :: times(:)
+        type(error_t), allocatable, intent(out) :: error
+        integer :: i, status
+
+        allocate (times(merge(0, job%plan%samples, job%plan%exact)), stat=status)
+        if (status /= 0) then
+            error = error_t(exit_internal, escaped(job%input) // ': not enough memory for the times of ' &
+                            // to_text(job%plan%samples) // ' rows; use fewer span.samples')
+            return
+        end if
+        do i = 1, size(times)
+            times(i) = sample_time(job%case%t_end, size(times), i)
+        end do
+    end subroutine take_times
+
+    !> Description of the event that ended the motion.
+    function what_ended(job, watch) result(text)
+        type(job_t), intent(in) :: job
+        type(event_recorder_t), intent(in) :: watch
+        character(:), allocatable :: text
+        if (watch%ended_by > 0) then
+            text = trim(watch%events(watch%ended_by)%name) // ' (stop_at)'
+        else
+            text = 'not at an event: ''' // trim(job%scene%stop_at) // ''' occurred fewer than ' &
+                   // to_text(job%stop_after) // ' times in the span'
+            if (job%stop_after == 1) text = 'not at an event: ''' // trim(job%scene%stop_at) &
+                // ''' did not occur in the span'
+        end if
+    end function what_ended
+
+    !> How a motion ended, and when if it is not complete.
+    function ending_of(outcome) result(text)
+        type(outcome_t), intent(in) :: outcome
+        character(:), allocatable :: text
+        text = status_name(outcome%status)
+        if (outcome%status /= status_ok) text = text // ' at t = ' // to_text(outcome%end_time())
+    end function ending_of
 
 end module spintop_trajectory_study

@@ -12,7 +12,7 @@ module spintop_method_choice
     use spintop_text, only: did_you_mean, to_text
     implicit none
     private
-    public :: method_choice_t, take_methods, refuse_name, set_adaptive, set_steps
+    public :: method_choice_t, take_methods, take_cases, set_adaptive, set_steps
 
     !> A method with a formulation.
     type :: method_choice_t
@@ -57,6 +57,23 @@ contains
         end do
     end subroutine take_methods
 
+    !> Finds the named cases of a catalogue: the place of each; 0 for one that does not exist, which is reported.
+    subroutine take_cases(key, noun, names, known, places, problems)
+        character(*), intent(in) :: key, noun !! parameter with the list of names; what they should be, such as 'case'
+        character(*), intent(in) :: names(:), known(:) !! blank ones are skipped; those of the catalogue
+        integer, allocatable, intent(out) :: places(:) !! in the catalogue
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        integer :: i, place
+
+        allocate (places(0))
+        do i = 1, size(names)
+            if (names(i) == '') cycle
+            place = findloc(known == names(i), .true., dim=1)
+            if (place == 0) call refuse_name(key // '(' // to_text(i) // ')', noun, trim(names(i)), known, problems)
+            places = [places, place]
+        end do
+    end subroutine take_cases
+
     !> Sets an adaptive method in a scene; an unset tolerance means the default of the method.
     pure subroutine set_adaptive(scene, choice, tolerance)
         type(scene_t), intent(inout) :: scene !! method and tolerances are set
@@ -82,8 +99,7 @@ contains
     !> Reports a case, method or formulation that does not exist.
     subroutine refuse_name(key, noun, name, known, problems)
         character(*), intent(in) :: key, noun, name, known(:)
-            !! parameter; what the name should be, such as 'method'; the name; possible names
-        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        type(problems_t), intent(inout) :: problems
         character(:), allocatable :: hint
         hint = ''
         if (noun == 'method') hint = own_name(name, method_aliases)

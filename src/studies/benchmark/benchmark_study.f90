@@ -13,7 +13,7 @@ module spintop_benchmark_study
     use spintop_errors, only: error_t, exit_failed, exit_ok, internal_error
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number
-    use spintop_method_choice, only: method_choice_t, refuse_name, set_adaptive, set_steps
+    use spintop_method_choice, only: method_choice_t, set_adaptive, set_steps, take_cases
     use spintop_methods, only: method_infos
     use spintop_motion, only: motion_t
     use spintop_motion_view, only: motion_view_t
@@ -105,21 +105,11 @@ contains
         type(job_t), target, intent(inout) :: job !! the job; completed by this procedure
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
-        integer :: i, place
+        integer :: i
 
         associate (unused => diagnostics, names => job%scene%benchmark_cases)
-            self%chosen = [(i, i=1, size(benchmarks))]
-            if (all(names == '')) return
-            self%chosen = [integer ::]
-            do i = 1, size(names)
-                if (names(i) == '') cycle
-                place = findloc(benchmarks%name == names(i), .true., dim=1)
-                if (place == 0) then
-                    call refuse_name('benchmark.cases(' // to_text(i) // ')', 'benchmark', trim(names(i)), &
-                                     benchmarks%name, problems)
-                end if
-                self%chosen = [self%chosen, place]
-            end do
+            call take_cases('benchmark.cases', 'benchmark', names, benchmarks%name, self%chosen, problems)
+            if (all(names == '')) self%chosen = [(i, i=1, size(benchmarks))]
         end associate
     end subroutine check
 

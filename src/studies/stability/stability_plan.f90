@@ -4,13 +4,12 @@ module spintop_stability_plan
     use spintop_formulation, only: structure_quadruple
     use spintop_hard_cases, only: hard_cases, make_scene
     use spintop_kinds, only: dp
-    use spintop_method_choice, only: method_choice_t, refuse_name, set_adaptive, set_steps, take_methods
+    use spintop_method_choice, only: method_choice_t, set_adaptive, set_steps, take_cases, take_methods
     use spintop_methods, only: method_infos
     use spintop_parameters, only: is_set, unset, unset_integer
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
     use spintop_stepper, only: method_info_t
-    use spintop_text, only: to_text
     implicit none
     private
     public :: stability_plan_t, make_stability_plan, scene_of_case, scene_of_trial
@@ -49,7 +48,9 @@ contains
         if (all(scene%stability_cases == '')) then
             plan%cases = pack([(i, i=1, size(hard_cases))], .not. hard_cases%is_long)
         else
-            call take_cases(scene%stability_cases, plan%cases, problems)
+            call take_cases('stability.cases', 'case', scene%stability_cases, [character(24) :: hard_cases%name, own_case], &
+                            plan%cases, problems)
+            where (plan%cases > size(hard_cases)) plan%cases = 0 ! the case of the input
         end if
         if (all(scene%stability_methods == '')) then
             call take_all_methods(plan%methods)
@@ -59,25 +60,6 @@ contains
                               problems)
         end if
     end subroutine make_stability_plan
-
-    !> Finds the named cases of the catalogue.
-    subroutine take_cases(names, cases, problems)
-        character(*), intent(in) :: names(:)
-        integer, allocatable, intent(out) :: cases(:)
-        type(problems_t), intent(inout) :: problems
-        integer :: i, place
-
-        allocate (cases(0))
-        do i = 1, size(names)
-            if (names(i) == '') cycle
-            place = findloc(hard_cases%name == names(i), .true., dim=1)
-            if (place == 0 .and. names(i) /= own_case) then
-                call refuse_name('stability.cases(' // to_text(i) // ')', 'case', trim(names(i)), &
-                                 [character(24) :: hard_cases%name, own_case], problems)
-            end if
-            cases = [cases, place]
-        end do
-    end subroutine take_cases
 
     !> Every method with the formulation that suits the body, some also with others.
     subroutine take_all_methods(choices)

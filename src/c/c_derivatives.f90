@@ -12,7 +12,7 @@ module spintop_c_derivatives
     use spintop_plan, only: plan_t
     use spintop_scene, only: scene_t
     use spintop_sensitivity, only: sensitive_key_t
-    use spintop_trajectory_column, only: trajectory_column_t
+    use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
     private
     public :: asked_derivatives_t

@@ -13,7 +13,7 @@ module spintop_c_motion
     use spintop_row_maker, only: row_maker_t
     use spintop_status, only: is_good_end, status_bad_samples, status_non_finite, status_ok, status_step_limit
     use spintop_stepper, only: looks_per_step
-    use spintop_trajectory_column, only: trajectory_column_t
+    use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
     private
     public :: asked_motion_t

@@ -23,8 +23,7 @@ module spintop_c_top
     use spintop_scene_words, only: kind_trajectory, study_kinds
     use spintop_status, only: code_of
     use spintop_table_column, only: column_t
-    use spintop_trajectory_column, only: trajectory_column_t
-    use spintop_trajectory_columns, only: trajectory_columns
+    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns
     implicit none
     private
 

@@ -18,7 +18,7 @@ module spintop_event_recorder
     use spintop_table_file, only: part_of, table_file_t
     use spintop_text, only: string_t
     use spintop_text_buffer, only: text_buffer_t
-    use spintop_trajectory_column, only: trajectory_column_t
+    use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
     private
     public :: event_recorder_t, event_columns

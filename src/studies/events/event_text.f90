@@ -7,8 +7,7 @@ module spintop_event_text
     use spintop_event, only: event_t, occasion_knot, occasion_none, occasion_slip, occasion_stuck
     use spintop_literals, only: read_real
     use spintop_text, only: string_t, lower_case, did_you_mean, join
-    use spintop_trajectory_column, only: trajectory_column_t
-    use spintop_trajectory_columns, only: find_trajectory_column, trajectory_columns
+    use spintop_trajectory_columns, only: find_trajectory_column, trajectory_column_t, trajectory_columns
     implicit none
     private
     public :: column_event_t, read_event, named_event_t, named_events, event_grammar

@@ -11,8 +11,7 @@ module spintop_fit_data
     use spintop_scene_fit, only: fit_scene_t
     use spintop_study_column, only: place_of, proof_group
     use spintop_text, only: abbreviate, did_you_mean, to_text
-    use spintop_trajectory_column, only: trajectory_column_t
-    use spintop_trajectory_columns, only: trajectory_columns
+    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns
     implicit none
     private
     public :: measurements_t, read_measurements

@@ -15,10 +15,9 @@ module spintop_precision_study
     use spintop_options, only: options_t
     use spintop_plain_text, only: escaped
     use spintop_plan, only: plan_t, make_plan
-    use spintop_precision_columns, only: precision_columns, precision_view_t, put_row
+    use spintop_precision_columns, only: mark_front, precision_columns, precision_row_t, precision_view_t, put_row, sort_rows
     use spintop_precision_plan, only: make_precision_plan, precision_plan_t, read_reference, set_setting
     use spintop_precision_summary, only: auto_tally_t, summarize_problem
-    use spintop_precision_table, only: mark_front, precision_row_t, sort_rows
     use spintop_problems, only: problems_t
     use spintop_progress, only: progress_t
     use spintop_reference_motion, only: check_reference, find_reference, reference_t

@@ -1,7 +1,7 @@
 !> The summary of a work-precision study: the least cost of each accuracy, and the method that has it.
 module spintop_precision_summary
     use spintop_kinds, only: dp
-    use spintop_precision_table, only: precision_row_t
+    use spintop_precision_columns, only: precision_row_t
     use spintop_reference_motion, only: reference_t
     use spintop_status, only: status_ok
     use spintop_summary, only: summary_t, rounded

@@ -19,7 +19,7 @@ module spintop_motion_rows
     use spintop_scene, only: scene_t
     use spintop_status, only: is_good_end, status_ok, status_non_finite, status_step_limit, status_too_many_events
     use spintop_stepper, only: looks_per_step
-    use spintop_trajectory_column, only: trajectory_column_t
+    use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
     private
     public :: writer_t, compute_motion

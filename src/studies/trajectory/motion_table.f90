@@ -19,7 +19,7 @@ module spintop_motion_table
     use spintop_study_head, only: study_facts, study_head
     use spintop_table_column, only: column_of_words, status_column, table_column_t
     use spintop_text, only: append
-    use spintop_trajectory_column, only: trajectory_column_t
+    use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
     private
     public :: motion_table_t

@@ -1,22 +1,53 @@
-!> The columns of a trajectory table: a line of the registry each, with the vector of which the column is a component. The help, the
-!> choice of columns, the units in the header and the rows derive from it.
+!> The columns of a trajectory table: a line of the registry each, with the vector of which the column is a component. The
+!> help, the choice of columns, the units in the header and the rows derive from it.
 module spintop_trajectory_columns
     use spintop_certificate, only: proof_of_orientation, proof_of_phi, proof_of_psi, proof_of_q0, proof_of_q1, proof_of_q2, &
         proof_of_q3, proof_of_theta
+    use spintop_kinds, only: dp
     use spintop_loads, only: work_damping, work_drag, work_friction, work_rotor, work_torque, work_vibration, works
-    use spintop_stop_lanes, only: passing_centre_height, passing_energy, passing_kinetic_energy, passing_omega, passing_phi, &
-        passing_potential_energy, passing_psi, passing_spin_momentum, passing_theta, passing_turning, passing_vertical, &
-        passing_vertical_momentum
-    use spintop_study_column, only: place_of, proof_group
-    use spintop_trajectory_column, only: angle_group, trajectory_column_t
-    use spintop_trajectory_vectors, only: of_accelerometer, of_angles, of_axis, of_axis_z_rate, of_bounds, of_centre, &
-        of_changes, &
+    use spintop_motion_view, only: motion_view_t
+    use spintop_stop_lanes, only: passing_centre_height, passing_energy, passing_kinetic_energy, passing_nothing, &
+        passing_omega, passing_phi, passing_potential_energy, passing_psi, passing_spin_momentum, passing_theta, &
+        passing_turning, passing_vertical, passing_vertical_momentum
+    use spintop_study_column, only: place_of, proof_group, study_column_t
+    use spintop_trajectory_vectors, only: &
+        longest, put_vector, of_accelerometer, of_angles, of_axis, of_axis_z_rate, of_bounds, of_centre, of_changes, &
         of_energies, of_energy_error, of_errors, of_force, of_force_beside_axis, of_goryachev, of_inherent_error, &
-            of_kovalevskaya, &
-        of_momenta, of_norm_error, of_omega, of_proof, of_quaternion, of_rates, of_residuals, of_time, of_vertical, of_work
+        of_kovalevskaya, of_momenta, of_norm_error, of_omega, of_proof, of_quaternion, of_rates, of_residuals, of_time, &
+        of_vertical, of_work
     implicit none
     private
-    public :: trajectory_column_t, trajectory_columns, find_trajectory_column
+    public :: trajectory_column_t, trajectory_columns, find_trajectory_column, angle_group
+
+    !> The group of the columns of the time, the angles and their rates, which need nothing else of a motion.
+    character(*), parameter :: angle_group = 'angles'
+    !> Groups of columns that need no angles nor their rates.
+    character(*), parameter :: groups_free_of_angles(*) = [character(8) :: 'rates', 'attitude', 'energy', 'momenta']
+
+    !> A column of a trajectory.
+    type, extends(study_column_t) :: trajectory_column_t
+        !> The number of a vector (`of_...`), and the component of it that is the value of the column.
+        integer :: vector = 0, component = 1
+        !> What passes a value of the column in a polynomial of each step, if anything does (spintop_stop_lanes).
+        integer :: passing = passing_nothing
+        !> It is in the table when the input names no columns.
+        logical :: is_default = .false.
+        !> It compares with the exact motion.
+        logical :: needs_exact_motion = .false.
+        !> It is for bodies with effects.
+        logical :: needs_effects = .false.
+        !> It contains the work of effects, which is known in the rows of a motion only.
+        logical :: needs_work = .false.
+        !> Near a pole it may vary much faster than the attitude turns: it depends on phi or psi.
+        logical :: varies_near_poles = .false.
+        !> At a pole it does not exist.
+        logical :: ends_at_poles = .false.
+        !> Its cells are words: `unproved` and `proved` for the values 0 and 1.
+        logical :: is_proof = .false.
+    contains
+        procedure :: is_free_of_angles
+        procedure :: value
+    end type trajectory_column_t
 
     !> All columns, in the order of the table's documentation.
     type(trajectory_column_t), parameter :: trajectory_columns(*) = [ &
@@ -138,6 +169,21 @@ module spintop_trajectory_columns
                             proof_group, of_proof, 1, is_proof=.true.)]
 
 contains
+
+    !> Whether the value follows from the attitude, the angular velocity and its rate.
+    elemental logical function is_free_of_angles(self)
+        class(trajectory_column_t), intent(in) :: self
+        is_free_of_angles = any(groups_free_of_angles == self%group)
+    end function is_free_of_angles
+
+    !> The value of the column for the motion that is looked at.
+    real(dp) function value(self, now)
+        class(trajectory_column_t), intent(in) :: self
+        type(motion_view_t), intent(inout) :: now !! the motion
+        real(dp) :: vector(longest)
+        call put_vector(self%vector, now, vector)
+        value = vector(self%component)
+    end function value
 
     !> The column of that name that is a quantity of the motion; `found` tells whether there is one.
     subroutine find_trajectory_column(name, column, found)

@@ -14,7 +14,7 @@ module spintop_trajectory_sensitivities
     use spintop_plan, only: plan_t, sample_time
     use spintop_scene, only: scene_t
     use spintop_sensitivity, only: sensitive_key_t
-    use spintop_trajectory_column, only: trajectory_column_t
+    use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
     private
     public :: find_sensitivities

@@ -26,8 +26,7 @@ module spintop_trajectory_study
     use spintop_summary, only: decimal, rounded, summary_t
     use spintop_table_end, only: check_table
     use spintop_text, only: string_t, to_text
-    use spintop_trajectory_column, only: trajectory_column_t
-    use spintop_trajectory_columns, only: trajectory_columns
+    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns
     use spintop_trajectory_sensitivities, only: find_sensitivities
     implicit none
     private

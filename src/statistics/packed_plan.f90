@@ -11,6 +11,8 @@ module spintop_packed_plan
 
     !> Bytes of an integer or a real.
     integer, parameter :: width = 8
+    !> More groups than any sweep has: each number of them is a real.
+    integer(int64), parameter :: most_groups = 2_int64**53
 
     !> Bytes from which parts are taken one after the other (`recalls`), or to which they are added.
     type :: packed_t
@@ -60,7 +62,9 @@ contains
         do i = 1, size(plan%over)
             if (is_valid) is_valid = size(plan%over(i)%bins%edge) == size(plan%over(i)%bins%value) + 1
         end do
-        if (is_valid .and. size(plan%factors) > 0) is_valid = plan%has_indices() .and. plan%groups >= 1
+        if (is_valid .and. size(plan%factors) > 0) then
+            is_valid = plan%has_indices() .and. plan%groups >= 1 .and. plan%groups <= most_groups
+        end if
     end subroutine unpack_plan
 
     !> Carries a plan.
@@ -147,7 +151,7 @@ contains
         if (allocated(numbers)) n = size(numbers)
         call self%carry_count(n)
         bytes = repeat(' ', width * n)
-        if (.not. self%recalls) bytes = transfer(numbers, bytes)
+        if (n > 0 .and. .not. self%recalls) bytes = transfer(numbers, bytes)
         call self%carry_bytes(bytes)
         if (self%recalls) numbers = transfer(bytes, [real(dp) ::], n)
     end subroutine carry_reals

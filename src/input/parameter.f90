@@ -8,7 +8,7 @@ module spintop_parameter
     use spintop_text, only: join, replace_all, string_t, to_text
     implicit none
     private
-    public :: parameter_t, unset, unset_integer, is_set, quoted
+    public :: parameter_t, unset, unset_integer, is_set, given, quoted
     public :: kind_real, kind_integer, kind_long, kind_text, kind_logical
     public :: all_elements, leading_elements, any_elements, one_per_group
 
@@ -81,6 +81,12 @@ contains
         real(dp), intent(in) :: x !! a number
         is_set = x > unset
     end function is_set
+
+    !> A number that was given, or zero.
+    elemental real(dp) function given(x)
+        real(dp), intent(in) :: x !! a number
+        given = merge(x, 0.0_dp, is_set(x))
+    end function given
 
     !> Completes a parameter that is bound to its variable: kind, extents, and default value.
     subroutine complete(self, rank)

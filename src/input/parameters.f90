@@ -14,14 +14,14 @@ module spintop_parameters
     use spintop_kinds, only: degree, dp
     use spintop_literals, only: read_subscript
     use spintop_number_slot, only: number_slot_t
-    use spintop_parameter, only: all_elements, any_elements, is_set, kind_integer, kind_real, leading_elements, &
+    use spintop_parameter, only: all_elements, any_elements, given, is_set, kind_integer, kind_real, leading_elements, &
         one_per_group, parameter_t, quoted, unset, unset_integer
     use spintop_ranges, only: parse_range
     use spintop_text, only: did_you_mean, split, string_t, to_text
     implicit none
     private
     public :: parameter_table_t, unit_hint
-    public :: unset, unset_integer, is_set, all_elements, leading_elements, any_elements, one_per_group
+    public :: unset, unset_integer, is_set, given, all_elements, leading_elements, any_elements, one_per_group
 
     character(*), parameter :: degrees = '_deg' !! suffix of the name of an angle in degrees
     integer, parameter :: first_room = 256      !! room for parameters at first

@@ -2,7 +2,7 @@
 module spintop_uncertainties
     use spintop_body_of_scene, only: given
     use spintop_kinds, only: degree, dp
-    use spintop_parameters, only: is_set
+    use spintop_parameters, only: given, is_set
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
     implicit none

@@ -13,8 +13,7 @@ module spintop_row_maker
     use spintop_scene, only: scene_t
     use spintop_study_column, only: proof_group
     use spintop_text_buffer, only: text_buffer_t
-    use spintop_trajectory_columns, only: angle_group, trajectory_column_t
-    use spintop_trajectory_vectors, only: longest, put_vector, vectors
+    use spintop_trajectory_columns, only: angle_group, longest, put_vector, trajectory_column_t, vectors
     use spintop_uncertainties, only: data_radii
     implicit none
     private

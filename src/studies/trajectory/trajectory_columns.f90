@@ -1,23 +1,35 @@
-!> The columns of a trajectory table: a line of the registry each, with the vector of which the column is a component. The
-!> help, the choice of columns, the units in the header and the rows derive from it.
+!> The columns of a trajectory table: a line of the registry each, with the vector of the motion of which the column is a
+!> component. A scalar is a vector with one component. The help, the choice of columns, the units in the header and the rows
+!> derive from the registry.
 module spintop_trajectory_columns
-    use spintop_certificate, only: proof_of_orientation, proof_of_phi, proof_of_psi, proof_of_q0, proof_of_q1, proof_of_q2, &
-        proof_of_q3, proof_of_theta
+    use spintop_attitude, only: rotation_angle, to_space, vertical_from_quaternion
+    use spintop_certificate, only: proof_count, proof_of_orientation, proof_of_phi, proof_of_psi, proof_of_q0, proof_of_q1, &
+        proof_of_q2, proof_of_q3, proof_of_theta
     use spintop_kinds, only: dp
     use spintop_loads, only: work_damping, work_drag, work_friction, work_rotor, work_torque, work_vibration, works
+    use spintop_motion, only: motion_t
     use spintop_motion_view, only: motion_view_t
+    use spintop_quantities, only: axial_momentum, axis_height_rate, axis_tip, euler_residuals, goryachev_integral, &
+        kovalevskaya_integral, specific_force, vertical_momentum
     use spintop_stop_lanes, only: passing_centre_height, passing_energy, passing_kinetic_energy, passing_nothing, &
         passing_omega, passing_phi, passing_potential_energy, passing_psi, passing_spin_momentum, passing_theta, &
         passing_turning, passing_vertical, passing_vertical_momentum
     use spintop_study_column, only: place_of, proof_group, study_column_t
-    use spintop_trajectory_vectors, only: &
-        longest, put_vector, of_accelerometer, of_angles, of_axis, of_axis_z_rate, of_bounds, of_centre, of_changes, &
-        of_energies, of_energy_error, of_errors, of_force, of_force_beside_axis, of_goryachev, of_inherent_error, &
-        of_kovalevskaya, of_momenta, of_norm_error, of_omega, of_proof, of_quaternion, of_rates, of_residuals, of_time, &
-        of_vertical, of_work
     implicit none
     private
     public :: trajectory_column_t, trajectory_columns, find_trajectory_column, angle_group
+    public :: put_vector, longest, vectors
+
+    !> The vectors by their numbers.
+    integer, parameter :: vector_time = 1, vector_angles = 2, vector_rates = 3, vector_omega = 4, vector_quaternion = 5, &
+        vector_vertical = 6, vector_axis = 7, vector_centre = 8, vector_energies = 9, vector_energy_error = 10, &
+        vector_momenta = 11, vector_residuals = 12, vector_changes = 13, vector_force = 14, &
+        vector_force_beside_axis = 15, vector_errors = 16, vector_inherent_error = 17, vector_norm_error = 18, &
+        vector_axis_z_rate = 19, vector_kovalevskaya = 20, vector_goryachev = 21, vector_accelerometer = 22, &
+        vector_work = 23, vector_bounds = 24, vector_proof = 25, vectors = 25
+
+    !> Number of components of the longest vector.
+    integer, parameter :: longest = max(proof_count, works + 1)
 
     !> The group of the columns of the time, the angles and their rates, which need nothing else of a motion.
     character(*), parameter :: angle_group = 'angles'
@@ -26,7 +38,7 @@ module spintop_trajectory_columns
 
     !> A column of a trajectory.
     type, extends(study_column_t) :: trajectory_column_t
-        !> The number of a vector (`of_...`), and the component of it that is the value of the column.
+        !> The number of a vector (`vector_...`), and the component of it that is the value of the column.
         integer :: vector = 0, component = 1
         !> What passes a value of the column in a polynomial of each step, if anything does (spintop_stop_lanes).
         integer :: passing = passing_nothing
@@ -51,122 +63,127 @@ module spintop_trajectory_columns
 
     !> All columns, in the order of the table's documentation.
     type(trajectory_column_t), parameter :: trajectory_columns(*) = [ &
-        trajectory_column_t('t', 's', 'time', angle_group, of_time, 1, &
+        trajectory_column_t('t', 's', 'time', angle_group, vector_time, 1, &
                             is_default=.true., varies_near_poles=.true.), &
-        trajectory_column_t('phi', 'rad', 'precession angle, continuous', angle_group, of_angles, 1, passing_phi, &
+        trajectory_column_t('phi', 'rad', 'precession angle, continuous', angle_group, vector_angles, 1, passing_phi, &
                             is_default=.true., varies_near_poles=.true.), &
-        trajectory_column_t('theta', 'rad', 'inclination of body z to the vertical', angle_group, of_angles, 2, passing_theta, &
+        trajectory_column_t('theta', 'rad', 'inclination of body z to the vertical', angle_group, vector_angles, 2, &
+                            passing_theta, &
                             is_default=.true., varies_near_poles=.true.), &
-        trajectory_column_t('psi', 'rad', 'spin angle, continuous', angle_group, of_angles, 3, passing_psi, &
+        trajectory_column_t('psi', 'rad', 'spin angle, continuous', angle_group, vector_angles, 3, passing_psi, &
                             is_default=.true., varies_near_poles=.true.), &
-        trajectory_column_t('phi_rate', 'rad/s', 'precession rate', angle_group, of_rates, 1, &
+        trajectory_column_t('phi_rate', 'rad/s', 'precession rate', angle_group, vector_rates, 1, &
                             is_default=.true., varies_near_poles=.true., ends_at_poles=.true.), &
-        trajectory_column_t('theta_rate', 'rad/s', 'nutation rate', angle_group, of_rates, 2, &
+        trajectory_column_t('theta_rate', 'rad/s', 'nutation rate', angle_group, vector_rates, 2, &
                             is_default=.true., varies_near_poles=.true.), &
-        trajectory_column_t('psi_rate', 'rad/s', 'spin rate', angle_group, of_rates, 3, &
+        trajectory_column_t('psi_rate', 'rad/s', 'spin rate', angle_group, vector_rates, 3, &
                             is_default=.true., varies_near_poles=.true., ends_at_poles=.true.), &
-        trajectory_column_t('omega1', 'rad/s', 'angular velocity about body x', 'rates', of_omega, 1, passing_omega), &
-        trajectory_column_t('omega2', 'rad/s', 'angular velocity about body y', 'rates', of_omega, 2, passing_omega), &
-        trajectory_column_t('omega3', 'rad/s', 'angular velocity about body z', 'rates', of_omega, 3, passing_omega), &
-        trajectory_column_t('q0', '', 'attitude quaternion, scalar part', 'attitude', of_quaternion, 1), &
-        trajectory_column_t('q1', '', 'attitude quaternion, x', 'attitude', of_quaternion, 2), &
-        trajectory_column_t('q2', '', 'attitude quaternion, y', 'attitude', of_quaternion, 3), &
-        trajectory_column_t('q3', '', 'attitude quaternion, z', 'attitude', of_quaternion, 4), &
-        trajectory_column_t('gamma1', '', 'upward vertical in body axes, x', 'attitude', of_vertical, 1, passing_vertical), &
-        trajectory_column_t('gamma2', '', 'upward vertical in body axes, y', 'attitude', of_vertical, 2, passing_vertical), &
-        trajectory_column_t('gamma3', '', 'upward vertical in body axes, z', 'attitude', of_vertical, 3, passing_vertical), &
-        trajectory_column_t('axis_x', '', 'body z in space axes, x', 'attitude', of_axis, 1), &
-        trajectory_column_t('axis_y', '', 'body z in space axes, y', 'attitude', of_axis, 2), &
-        trajectory_column_t('axis_z', '', 'body z in space axes, z', 'attitude', of_axis, 3, passing_vertical), &
-        trajectory_column_t('com_x', 'm', 'centre of mass in space axes, x', 'attitude', of_centre, 1, &
+        trajectory_column_t('omega1', 'rad/s', 'angular velocity about body x', 'rates', vector_omega, 1, passing_omega), &
+        trajectory_column_t('omega2', 'rad/s', 'angular velocity about body y', 'rates', vector_omega, 2, passing_omega), &
+        trajectory_column_t('omega3', 'rad/s', 'angular velocity about body z', 'rates', vector_omega, 3, passing_omega), &
+        trajectory_column_t('q0', '', 'attitude quaternion, scalar part', 'attitude', vector_quaternion, 1), &
+        trajectory_column_t('q1', '', 'attitude quaternion, x', 'attitude', vector_quaternion, 2), &
+        trajectory_column_t('q2', '', 'attitude quaternion, y', 'attitude', vector_quaternion, 3), &
+        trajectory_column_t('q3', '', 'attitude quaternion, z', 'attitude', vector_quaternion, 4), &
+        trajectory_column_t('gamma1', '', 'upward vertical in body axes, x', 'attitude', vector_vertical, 1, &
+                            passing_vertical), &
+        trajectory_column_t('gamma2', '', 'upward vertical in body axes, y', 'attitude', vector_vertical, 2, &
+                            passing_vertical), &
+        trajectory_column_t('gamma3', '', 'upward vertical in body axes, z', 'attitude', vector_vertical, 3, &
+                            passing_vertical), &
+        trajectory_column_t('axis_x', '', 'body z in space axes, x', 'attitude', vector_axis, 1), &
+        trajectory_column_t('axis_y', '', 'body z in space axes, y', 'attitude', vector_axis, 2), &
+        trajectory_column_t('axis_z', '', 'body z in space axes, z', 'attitude', vector_axis, 3, passing_vertical), &
+        trajectory_column_t('com_x', 'm', 'centre of mass in space axes, x', 'attitude', vector_centre, 1, &
                             is_default=.true.), &
-        trajectory_column_t('com_y', 'm', 'centre of mass in space axes, y', 'attitude', of_centre, 2, &
+        trajectory_column_t('com_y', 'm', 'centre of mass in space axes, y', 'attitude', vector_centre, 2, &
                             is_default=.true.), &
         trajectory_column_t('com_z', 'm', 'centre of mass in space axes, z (height above the pivot)', &
-                            'attitude', of_centre, 3, passing_centre_height, is_default=.true.), &
-        trajectory_column_t('kinetic', 'J', 'kinetic energy', 'energy', of_energies, 1, passing_kinetic_energy, &
+                            'attitude', vector_centre, 3, passing_centre_height, is_default=.true.), &
+        trajectory_column_t('kinetic', 'J', 'kinetic energy', 'energy', vector_energies, 1, passing_kinetic_energy, &
                             is_default=.true.), &
         trajectory_column_t('potential', 'J', 'potential energy above the height of the pivot, with -O.IO/2 - O.h &
                             &where the Earth turns (O its rate, h of a rotor)', &
-                            'energy', of_energies, 2, passing_potential_energy, is_default=.true.), &
-        trajectory_column_t('energy', 'J', 'total energy', 'energy', of_energies, 3, passing_energy, is_default=.true.), &
+                            'energy', vector_energies, 2, passing_potential_energy, is_default=.true.), &
+        trajectory_column_t('energy', 'J', 'total energy', 'energy', vector_energies, 3, passing_energy, is_default=.true.), &
         trajectory_column_t('energy_error', '', &
                             'change of energy since the start over (kinetic at start + m g |r|)', &
-                            'energy', of_energy_error, 1, needs_work=.true.), &
-        trajectory_column_t('lz', 'J s', 'angular momentum about the vertical', 'momenta', of_momenta, 1, &
+                            'energy', vector_energy_error, 1, needs_work=.true.), &
+        trajectory_column_t('lz', 'J s', 'angular momentum about the vertical', 'momenta', vector_momenta, 1, &
                             passing_vertical_momentum), &
-        trajectory_column_t('l3', 'J s', 'angular momentum about body z', 'momenta', of_momenta, 2, passing_spin_momentum), &
+        trajectory_column_t('l3', 'J s', 'angular momentum about body z', 'momenta', vector_momenta, 2, &
+                            passing_spin_momentum), &
         trajectory_column_t('R1', 'N m', "residual of Euler's first equation (Eq 51)", &
-                            'residuals', of_residuals, 1, is_default=.true.), &
+                            'residuals', vector_residuals, 1, is_default=.true.), &
         trajectory_column_t('R2', 'N m', "residual of Euler's second equation (Eq 51)", &
-                            'residuals', of_residuals, 2, is_default=.true.), &
-        trajectory_column_t('R3', 'J s', 'change of Lz since the start (Eq 51)', 'residuals', of_changes, 1, &
+                            'residuals', vector_residuals, 2, is_default=.true.), &
+        trajectory_column_t('R3', 'J s', 'change of Lz since the start (Eq 51)', 'residuals', vector_changes, 1, &
                             is_default=.true.), &
-        trajectory_column_t('R4', 'J', 'change of energy since the start (Eq 51)', 'residuals', of_changes, 2, &
+        trajectory_column_t('R4', 'J', 'change of energy since the start (Eq 51)', 'residuals', vector_changes, 2, &
                             is_default=.true.), &
-        trajectory_column_t('force_x', 'N', 'support force on the body, x', 'force', of_force, 1, &
+        trajectory_column_t('force_x', 'N', 'support force on the body, x', 'force', vector_force, 1, &
                             is_default=.true., varies_near_poles=.true.), &
-        trajectory_column_t('force_y', 'N', 'support force on the body, y', 'force', of_force, 2, &
+        trajectory_column_t('force_y', 'N', 'support force on the body, y', 'force', vector_force, 2, &
                             is_default=.true., varies_near_poles=.true.), &
-        trajectory_column_t('force_z', 'N', 'support force on the body, z', 'force', of_force, 3, &
+        trajectory_column_t('force_z', 'N', 'support force on the body, z', 'force', vector_force, 3, &
                             is_default=.true., varies_near_poles=.true.), &
         trajectory_column_t('force_r', 'N', 'support force away from the vertical, in the plane of the axis', &
-                            'force', of_force_beside_axis, 1, varies_near_poles=.true.), &
+                            'force', vector_force_beside_axis, 1, varies_near_poles=.true.), &
         trajectory_column_t('force_n', 'N', 'support force along the line of nodes', &
-                            'force', of_force_beside_axis, 2, varies_near_poles=.true.), &
+                            'force', vector_force_beside_axis, 2, varies_near_poles=.true.), &
         trajectory_column_t('orientation_error', 'rad', 'rotation angle from the exact attitude', &
-                            'errors', of_errors, 1, is_default=.true., needs_exact_motion=.true.), &
+                            'errors', vector_errors, 1, is_default=.true., needs_exact_motion=.true.), &
         trajectory_column_t('tip_error', '', 'distance of the axis tip from the exact one', &
-                            'errors', of_errors, 2, needs_exact_motion=.true.), &
+                            'errors', vector_errors, 2, needs_exact_motion=.true.), &
         trajectory_column_t('inherent_error', 'rad', 'error of the attitude due to rounding of the data', &
-                            'errors', of_inherent_error, 1, is_default=.true., needs_exact_motion=.true.), &
+                            'errors', vector_inherent_error, 1, is_default=.true., needs_exact_motion=.true.), &
         trajectory_column_t('norm_error', '', 'norm error abs(q) - 1 of the computed quaternion', &
-                            'errors', of_norm_error, 1), &
+                            'errors', vector_norm_error, 1), &
         trajectory_column_t('axis_z_rate', '1/s', 'rate of axis_z, zero at the turning points of theta', &
-                            'attitude', of_axis_z_rate, 1, passing_turning), &
+                            'attitude', vector_axis_z_rate, 1, passing_turning), &
         trajectory_column_t('kovalevskaya', '1/s^4', 'Kovalevskaya integral; constant for I1 = I2 = 2 I3 and ' // &
-                            'centre of mass in body x y', 'momenta', of_kovalevskaya, 1), &
+                            'centre of mass in body x y', 'momenta', vector_kovalevskaya, 1), &
         trajectory_column_t('goryachev', '1/s^3', 'integral of Goryachev and Chaplygin; constant for I1 = I2 = 4 I3, ' // &
-                            'Lz = 0 and centre of mass in body x y', 'momenta', of_goryachev, 1), &
+                            'Lz = 0 and centre of mass in body x y', 'momenta', vector_goryachev, 1), &
         trajectory_column_t('accelerometer1', 'm/s^2', 'reading of an accelerometer at the centre of mass, body x', &
-                            'force', of_accelerometer, 1), &
+                            'force', vector_accelerometer, 1), &
         trajectory_column_t('accelerometer2', 'm/s^2', 'reading of an accelerometer at the centre of mass, body y', &
-                            'force', of_accelerometer, 2), &
+                            'force', vector_accelerometer, 2), &
         trajectory_column_t('accelerometer3', 'm/s^2', 'reading of an accelerometer at the centre of mass, body z', &
-                            'force', of_accelerometer, 3), &
-        trajectory_column_t('work', 'J', 'work of all effects since the start', 'energy', of_work, works + 1, &
+                            'force', vector_accelerometer, 3), &
+        trajectory_column_t('work', 'J', 'work of all effects since the start', 'energy', vector_work, works + 1, &
                             is_default=.true., needs_effects=.true., needs_work=.true.), &
-        trajectory_column_t('work_damping', 'J', 'work of viscous damping', 'energy', of_work, work_damping, &
+        trajectory_column_t('work_damping', 'J', 'work of viscous damping', 'energy', vector_work, work_damping, &
                             needs_effects=.true., needs_work=.true.), &
-        trajectory_column_t('work_friction', 'J', 'work of dry friction', 'energy', of_work, work_friction, &
+        trajectory_column_t('work_friction', 'J', 'work of dry friction', 'energy', vector_work, work_friction, &
                             needs_effects=.true., needs_work=.true.), &
-        trajectory_column_t('work_drag', 'J', 'work of the air', 'energy', of_work, work_drag, &
+        trajectory_column_t('work_drag', 'J', 'work of the air', 'energy', vector_work, work_drag, &
                             needs_effects=.true., needs_work=.true.), &
-        trajectory_column_t('work_vibration', 'J', 'work of the moving pivot', 'energy', of_work, work_vibration, &
+        trajectory_column_t('work_vibration', 'J', 'work of the moving pivot', 'energy', vector_work, work_vibration, &
                             needs_effects=.true., needs_work=.true.), &
-        trajectory_column_t('work_torque', 'J', 'work of given torques', 'energy', of_work, work_torque, &
+        trajectory_column_t('work_torque', 'J', 'work of given torques', 'energy', vector_work, work_torque, &
                             needs_effects=.true., needs_work=.true.), &
-        trajectory_column_t('work_rotor', 'J', 'work of the drive of the rotor', 'energy', of_work, work_rotor, &
+        trajectory_column_t('work_rotor', 'J', 'work of the drive of the rotor', 'energy', vector_work, work_rotor, &
                             needs_effects=.true., needs_work=.true.), &
         trajectory_column_t('q0_bound', '', 'upper bound of the error of q0, proved', &
-                            proof_group, of_bounds, proof_of_q0), &
+                            proof_group, vector_bounds, proof_of_q0), &
         trajectory_column_t('q1_bound', '', 'upper bound of the error of q1, proved', &
-                            proof_group, of_bounds, proof_of_q1), &
+                            proof_group, vector_bounds, proof_of_q1), &
         trajectory_column_t('q2_bound', '', 'upper bound of the error of q2, proved', &
-                            proof_group, of_bounds, proof_of_q2), &
+                            proof_group, vector_bounds, proof_of_q2), &
         trajectory_column_t('q3_bound', '', 'upper bound of the error of q3, proved', &
-                            proof_group, of_bounds, proof_of_q3), &
+                            proof_group, vector_bounds, proof_of_q3), &
         trajectory_column_t('theta_bound', 'rad', 'upper bound of the error of theta, proved', &
-                            proof_group, of_bounds, proof_of_theta), &
+                            proof_group, vector_bounds, proof_of_theta), &
         trajectory_column_t('phi_bound', 'rad', 'upper bound of the error of phi, proved', &
-                            proof_group, of_bounds, proof_of_phi), &
+                            proof_group, vector_bounds, proof_of_phi), &
         trajectory_column_t('psi_bound', 'rad', 'upper bound of the error of psi, proved', &
-                            proof_group, of_bounds, proof_of_psi), &
+                            proof_group, vector_bounds, proof_of_psi), &
         trajectory_column_t('orientation_bound', 'rad', &
                             'upper bound of the rotation angle from the true attitude, proved', &
-                            proof_group, of_bounds, proof_of_orientation), &
+                            proof_group, vector_bounds, proof_of_orientation), &
         trajectory_column_t('proof', '', 'proved, or unproved if a bound of the row is infinite', &
-                            proof_group, of_proof, 1, is_proof=.true.)]
+                            proof_group, vector_proof, 1, is_proof=.true.)]
 
 contains
 
@@ -196,5 +213,89 @@ contains
         if (found) found = trajectory_columns(place)%group /= proof_group
         if (found) column = trajectory_columns(place)
     end subroutine find_trajectory_column
+
+    !> The components of a vector for the motion that is looked at; those that it does not have are left as they were.
+    subroutine put_vector(which, now, vector)
+        integer, intent(in) :: which !! number of the vector
+        type(motion_view_t), intent(inout) :: now !! the motion
+        real(dp), intent(inout) :: vector(longest) !! its components are set
+        select case (which)
+        case (vector_time)
+            vector(1) = now%motion%t
+        case (vector_angles)
+            vector(:3) = now%motion%angle
+        case (vector_rates)
+            vector(:3) = now%motion%rate
+        case (vector_omega)
+            vector(:3) = now%motion%omega
+        case (vector_quaternion)
+            vector(:4) = now%motion%quaternion
+        case (vector_vertical) ! upward, in body axes
+            vector(:3) = vertical_from_quaternion(now%motion%quaternion)
+        case (vector_axis)
+            vector(:3) = to_space(now%motion%quaternion, [0.0_dp, 0.0_dp, 1.0_dp])
+        case (vector_centre)
+            vector(:3) = to_space(now%motion%quaternion, now%body%centre_of_mass)
+        case (vector_energies) ! kinetic, potential, and their sum
+            vector(:2) = now%energies()
+            vector(3) = sum(vector(:2))
+        case (vector_energy_error)
+            vector(1) = now%energy_error()
+        case (vector_momenta) ! about the vertical, and about body z
+            vector(1) = vertical_momentum(now%body, now%motion)
+            vector(2) = axial_momentum(now%body, now%motion)
+        case (vector_residuals) ! of Euler's equations
+            vector(:3) = euler_residuals(now%body, now%motion)
+        case (vector_changes) ! of the vertical momentum and of the energy
+            vector(:2) = [now%momentum_change(), now%energy_change()]
+        case (vector_force)
+            vector(:3) = now%force()
+        case (vector_force_beside_axis)
+            call put_force_beside_axis(now, vector)
+        case (vector_errors)
+            call put_errors(now, vector)
+        case (vector_inherent_error)
+            vector(1) = now%inherent_error()
+        case (vector_norm_error)
+            vector(1) = now%motion%norm_error
+        case (vector_axis_z_rate)
+            vector(1) = axis_height_rate(now%motion)
+        case (vector_kovalevskaya)
+            vector(1) = kovalevskaya_integral(now%body, now%motion)
+        case (vector_goryachev)
+            vector(1) = goryachev_integral(now%body, now%motion)
+        case (vector_accelerometer) ! at the centre of mass, in body axes
+            vector(:3) = specific_force(now%body, now%motion)
+        case (vector_work) ! the parts, and their sum
+            vector(:works) = now%work
+            vector(works + 1) = sum(now%work)
+        case (vector_bounds) ! one for each quantity (spintop_certificate)
+            vector(:proof_count) = now%proof%bounds
+        case (vector_proof) ! 1 where all bounds of the row are proved
+            vector(1) = merge(1, 0, now%proof%is_proved())
+        end select
+    end subroutine put_vector
+
+    !> The force along (sin phi, -cos phi, 0), and along the line of nodes (cos phi, sin phi, 0).
+    subroutine put_force_beside_axis(now, vector)
+        type(motion_view_t), intent(inout) :: now
+        real(dp), intent(inout) :: vector(longest)
+        real(dp) :: force(3)
+        force = now%force()
+        associate (phi => now%motion%angle(1))
+            vector(1) = force(1) * sin(phi) - force(2) * cos(phi)
+            vector(2) = force(1) * cos(phi) + force(2) * sin(phi)
+        end associate
+    end subroutine put_force_beside_axis
+
+    !> The errors of the attitude, and of the axis tip.
+    subroutine put_errors(now, vector)
+        type(motion_view_t), intent(inout) :: now
+        real(dp), intent(inout) :: vector(longest)
+        type(motion_t) :: exact
+        exact = now%exact()
+        vector(1) = rotation_angle(exact%quaternion, now%computed%quaternion)
+        vector(2) = norm2(axis_tip(now%turned_body, now%computed) - axis_tip(now%turned_body, exact))
+    end subroutine put_errors
 
 end module spintop_trajectory_columns

@@ -6,7 +6,7 @@ module spintop_event_text
     use spintop_kinds, only: dp, degree
     use spintop_event, only: event_t, occasion_knot, occasion_none, occasion_slip, occasion_stuck
     use spintop_literals, only: read_real
-    use spintop_text, only: string_t, lower_case, did_you_mean, join
+    use spintop_text, only: lower_case, did_you_mean, join
     use spintop_trajectory_columns, only: find_trajectory_column, trajectory_column_t, trajectory_columns
     implicit none
     private

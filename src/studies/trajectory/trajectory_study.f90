@@ -1,7 +1,5 @@
 !> The trajectory study: one motion, one table.
 module spintop_trajectory_study
-    use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_case, only: case_t
     use spintop_clock, only: seconds
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t, exit_internal

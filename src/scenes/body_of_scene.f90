@@ -12,7 +12,7 @@ module spintop_body_of_scene
     use spintop_scene, only: scene_t
     implicit none
     private
-    public :: make_body, given, check_axes
+    public :: make_body, check_axes
 
     !> Tolerance of the triangle inequality in units of rounding, for inertias that satisfy it with equality.
     real(dp), parameter :: triangle_slack = 8 * epsilon(1.0_dp)
@@ -25,12 +25,6 @@ module spintop_body_of_scene
     integer, parameter :: first_of_numbers = 3, density = 8, first_dimension = 9
 
 contains
-
-    !> A number of a scene that was given, or zero.
-    elemental real(dp) function given(x)
-        real(dp), intent(in) :: x !! a number
-        given = merge(x, 0.0_dp, is_set(x))
-    end function given
 
     !> Which of the `keys` are given.
     pure function given_keys(scene) result(are_given)

@@ -1,7 +1,7 @@
 !> Makes the effects of a scene, and checks them.
 module spintop_effects_of_scene
     use spintop_body, only: body_t
-    use spintop_body_of_scene, only: check_axes, given
+    use spintop_body_of_scene, only: check_axes
     use spintop_body_turn, only: turn_to_principal_axes
     use spintop_effects, only: earth_rotation, effects_t
     use spintop_kinds, only: degree, dp

@@ -1,6 +1,5 @@
 !> Radii of the data of a scene: proved bounds hold for every top within them.
 module spintop_uncertainties
-    use spintop_body_of_scene, only: given
     use spintop_kinds, only: degree, dp
     use spintop_parameters, only: given, is_set
     use spintop_problems, only: problems_t

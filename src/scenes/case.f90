@@ -21,7 +21,7 @@ module spintop_case
     use spintop_validity, only: loses_energy, loses_spin, loses_swing, loses_weight
     implicit none
     private
-    public :: case_t, kept_parts_t, make_case, attitude_parameters, span_of_precessions
+    public :: case_t, kept_parts_t, make_case, attitude_parameters
 
     !> The parameters on which the attitude depends.
     character(*), parameter :: attitude_parameters(7) = [character(18) :: 'initial.phi', 'initial.theta', &
@@ -49,9 +49,10 @@ module spintop_case
         real(dp) :: t_end = 0
     end type case_t
 
-    !> Parts of a case that are those of the scene already: the body, the attitude of the start.
+    !> Parts of a case that are those of the scene already: the body, the attitude of the start; and one that nobody asks
+    !> for, the length of a span of nutations where these have a closed form.
     type :: kept_parts_t
-        logical :: body = .false., attitude = .false.
+        logical :: body = .false., attitude = .false., nutations = .false.
     end type kept_parts_t
 
 contains
@@ -84,7 +85,7 @@ contains
                 case%start = case%given_start
             end if
         end if
-        call make_span(scene, case, problems)
+        call make_span(scene, case, keep%nutations, problems)
         if (allocated(case%given_body%effects) .and. .not. problems%any()) call check_table_end(case, problems)
     end subroutine make_case
 
@@ -303,9 +304,10 @@ contains
     end subroutine check_energy
 
     !> The time span, given in seconds or in periods of the motion.
-    subroutine make_span(scene, case, problems)
+    subroutine make_span(scene, case, keeps_nutations, problems)
         type(scene_t), intent(in) :: scene
         type(case_t), intent(inout) :: case
+        logical, intent(in) :: keeps_nutations
         type(problems_t), intent(inout) :: problems
         character(*), parameter :: ways = 'give exactly one of t_end, nutations and precessions'
 
@@ -315,7 +317,7 @@ contains
         case (1)
             if (is_set(scene%t_end)) case%t_end = scene%t_end
             if (problems%any()) return ! the other kinds of span need a body and a start
-            if (is_set(scene%nutations)) call count_nutations(scene%nutations, case, problems)
+            if (is_set(scene%nutations)) call count_nutations(scene%nutations, case, keeps_nutations, problems)
             if (is_set(scene%precessions)) call count_precessions(scene%precessions, case, problems)
         case default
             call problems%add(merge('span.precessions', 'span.nutations  ', is_set(scene%precessions)), &
@@ -324,9 +326,10 @@ contains
     end subroutine make_span
 
     !> A span of a number of nutation periods.
-    subroutine count_nutations(nutations, case, problems)
+    subroutine count_nutations(nutations, case, is_kept, problems)
         real(dp), intent(in) :: nutations
         type(case_t), intent(inout) :: case
+        logical, intent(in) :: is_kept
         type(problems_t), intent(inout) :: problems
         type(nutation_t) :: nutation
         integer :: status
@@ -335,6 +338,7 @@ contains
                 &top about body z', 'give t_end')
             return
         end if
+        if (is_kept .and. case%body%has_closed_nutation()) return
         call find_nutation(case%body, case%start, nutation, status)
         case%t_end = nutations * nutation%period
         if (status /= status_ok .or. .not. is_finite(case%t_end)) then
@@ -358,16 +362,8 @@ contains
                     &a weight', 'give t_end')
                 return
             end if
-            case%t_end = span_of_precessions(precessions, momentum, mgl)
+            case%t_end = precessions * abs(2 * pi * momentum / mgl)
         end associate
     end subroutine count_precessions
-
-    !> The time of a number of precession periods, s.
-    elemental real(dp) function span_of_precessions(precessions, momentum, mgl)
-        real(dp), intent(in) :: precessions !! their number
-        real(dp), intent(in) :: momentum    !! I3 omega3, not zero, kg m^2/s
-        real(dp), intent(in) :: mgl         !! not zero, N m
-        span_of_precessions = precessions * abs(2 * pi * momentum / mgl)
-    end function span_of_precessions
 
 end module spintop_case

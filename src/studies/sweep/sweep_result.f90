@@ -8,7 +8,7 @@ module spintop_sweep_result
     use spintop_nutation_watch, only: no_class
     implicit none
     private
-    public :: sweep_result_t, value_count, proof_cells, kinds_of_work, set_of, of_nutation, of_range, of_whole, &
+    public :: sweep_result_t, value_count, proof_cells, kinds_of_work, set_of, asks_for_span, of_nutation, of_range, of_whole, &
         of_measured, of_fastest, of_lowest, of_details, of_class, of_nutation_rate, of_force, of_vertical_force, &
         of_fast_top, of_period, of_end, of_turns, of_energy, of_oracle, of_inherent, of_cost, of_growth, of_lyapunov, &
         of_singular, of_multiplier, of_free, of_proof
@@ -95,6 +95,13 @@ contains
         integer :: i
         wanted = [(any(members == i), i=1, kinds_of_work)]
     end function set_of
+
+    !> Whether anything depends on the span of a motion whose nutation has a closed form.
+    pure logical function asks_for_span(wanted)
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
+        asks_for_span = any(wanted([of_period, of_end, of_energy, of_oracle, of_cost, of_inherent])) .or. &
+            any(wanted(of_growth:of_multiplier))
+    end function asks_for_span
 
     !> All values, in the order of the columns (spintop_sweep_columns).
     pure function list(self) result(values)

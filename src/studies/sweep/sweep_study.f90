@@ -26,8 +26,7 @@ module spintop_sweep_study
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_columns, only: sweep_columns, work_for
     use spintop_sweep_forecast, only: forecast_sweep
-    use spintop_sweep_result, only: kinds_of_work, of_cost, of_details, of_end, of_energy, of_growth, of_inherent, &
-        of_multiplier, of_oracle, of_period
+    use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details
     use spintop_sweep_table, only: describe_table, start_table
     use spintop_sweep_team, only: sweep_team_t
     use spintop_text, only: join, to_text
@@ -271,8 +270,7 @@ contains
         allocate (known, source=sweep_columns())
         work = work_for(known(job%columns))
         ! Beside the formulas of a fast top.
-        if (any(work([of_period, of_end, of_energy, of_oracle, of_cost, of_inherent, of_details])) .or. &
-            any(work(of_growth:of_multiplier))) return
+        if (asks_for_span(work) .or. work(of_details)) return
         text = ' The selected columns need only the closed form of the nutation: no case is integrated.'
     end function remark
 

@@ -4,6 +4,7 @@ module spintop_sweep_worker
     use spintop_clock, only: processor_seconds, seconds
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
+    use spintop_body_of_scene, only: is_set
     use spintop_case, only: attitude_parameters, case_t, kept_parts_t, make_case
     use spintop_certificate, only: proof_count
     use spintop_compare, only: is_finite, is_zero
@@ -23,12 +24,11 @@ module spintop_sweep_worker
     use spintop_sweep_free, only: goes_in_free_block, sweep_free_t
     use spintop_sweep_notes, only: note_t, note_no_stop
     use spintop_sweep_proof, only: prove_case, sweep_proofs
-    use spintop_sweep_result, only: kinds_of_work, of_details, of_end, of_energy, of_nutation, of_period, &
+    use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details, of_end, of_energy, of_nutation, of_period, of_proof, &
         sweep_result_t
     use spintop_sweep_stability, only: put_perturbations
     use spintop_sweep_stepping, only: compute_stepping
     use spintop_sweep_table, only: cells_of_row, put_rows
-    use spintop_sweep_tops, only: sweep_tops_t
     implicit none
     private
     public :: sweep_worker_t, size_of_block, making, computing, filling
@@ -58,6 +58,8 @@ module spintop_sweep_worker
         type(kept_plan_t), private :: plans(affected)
         !> Whether the body, the attitude at the start, or the plans are the same in all cases.
         logical, private :: same_body = .false., same_attitude = .false., same_plans = .false.
+        !> Whether nothing depends on a span in nutations.
+        logical, private :: skips_nutations = .false.
         !> Selected groups of quantities.
         logical, private :: wanted(kinds_of_work) = .false.
         !> Which quantities are to be proved.
@@ -80,9 +82,6 @@ module spintop_sweep_worker
         real(dp), allocatable, private :: parameters(:, :)
         integer, allocatable, private :: changed(:)
         integer, private :: first_without_attitude = 1
-        !> Cases of one top, and which of a block are done as such.
-        type(sweep_tops_t), private :: tops
-        logical, allocatable, private :: is_done(:)
         type(sweep_result_t), allocatable, private :: values(:)
         type(exact_block_t), allocatable, private :: block
         type(sweep_batch_t), private :: batch
@@ -118,7 +117,7 @@ contains
         allocate (worker%status(block_size), worker%lane(block_size), worker%came(block_size), worker%max_steps(block_size))
         allocate (worker%kind(block_size), source=kind_of(job%case%body))
         allocate (worker%parameters(size(job%axes%axis), block_size), worker%values(block_size))
-        allocate (worker%note(block_size), worker%block, worker%changed(block_size), worker%is_done(block_size))
+        allocate (worker%note(block_size), worker%block, worker%changed(block_size))
         worker%status = status_ok
         worker%lane = 0
         worker%came = .true.
@@ -131,8 +130,9 @@ contains
         allocate (known, source=sweep_columns())
         worker%columns = known(job%columns)
         worker%wanted = work_for(worker%columns)
+        worker%skips_nutations = job%plan%exact .and. size(job%events) == 0 .and. .not. asks_for_span(worker%wanted) &
+                                 .and. .not. worker%wanted(of_proof)
         worker%proofs = sweep_proofs(worker%columns, job%scene%certified)
-        call worker%tops%prepare(job, worker%wanted)
     end subroutine prepare
 
     !> The first of the last axes on which the attitude does not depend.
@@ -163,22 +163,16 @@ contains
         worker%spent = 0
         n = int(last - first + 1)
         call job%axes%find_block(first, worker%parameters(:, :n), worker%changed(:n))
-        worker%is_done(:n) = .false.
-        call charge(worker, making)
-        if (worker%tops%applies) then
-            call worker%tops%compute(job%axes, worker%columns, worker%wanted, worker%parameters(:, :n), worker%block, &
-                                     worker%values, worker%is_done(:n))
-            call charge(worker, computing)
-        end if
         worker%block%n = 0
         do k = 1, n
             call worker%note(k)%clear()
             worker%status(k) = status_ok
             worker%lane(k) = 0
-            if (.not. worker%is_done(k)) call begin_case(worker, job, k)
+            call begin_case(worker, job, k)
         end do
         call charge(worker, making)
         call compute_together(worker, job, n)
+        if (worker%skips_nutations .and. is_set(job%scene%nutations)) call refuse_endless(worker, job, n)
         if (any(worker%proofs)) call prove_cases(worker, job, n)
         call charge(worker, computing)
         call fill_rows(worker, job, first, n, rows)
@@ -209,9 +203,6 @@ contains
 
         associate (case => worker%cases(k), status => worker%status(k), note => worker%note(k))
             first = worker%changed(k)
-            if (first > 1) then
-                if (worker%is_done(k - 1)) first = 1
-            end if
             call worker%swept%put(worker%parameters(:, k), first)
             ! The attitude of the case before is at hand, if that is the one.
             keeps_attitude = worker%same_attitude
@@ -222,7 +213,7 @@ contains
                     keeps_attitude = .true.
                 end if
             end if
-            call make_worker_case(worker, job, k, keeps_attitude)
+            call make_worker_case(worker, job, k, keeps_attitude, worker%skips_nutations)
             plan => worker%plans(worker%kind(k))%plan
             worker%max_steps(k) = plan%max_steps
             in_lanes = plan%exact .and. worker%kind(k) == symmetric_top .and. suits_lanes(case%start) .and. &
@@ -290,6 +281,27 @@ contains
         end associate
     end subroutine compute_together
 
+    !> Refuses those of `n` cases that have no period, of which their spans are a number.
+    subroutine refuse_endless(worker, job, n)
+        class(sweep_worker_t), intent(inout) :: worker
+        type(job_t), intent(in) :: job
+        integer, intent(in) :: n
+        type(note_t) :: note
+        integer :: k
+        do k = 1, n
+            if (worker%status(k) /= status_ok .or. is_finite(worker%values(k)%nutation_period)) cycle
+            call worker%swept%put(worker%parameters(:, k))
+            note = worker%note(k)
+            call worker%note(k)%clear()
+            call make_worker_case(worker, job, k, .false., .false.)
+            if (worker%status(k) == status_ok) then
+                worker%note(k) = note
+            else
+                worker%values(k) = sweep_result_t()
+            end if
+        end do
+    end subroutine refuse_endless
+
     !> Proves the numbers of `n` cases.
     subroutine prove_cases(worker, job, n)
         type(sweep_worker_t), intent(inout) :: worker
@@ -316,11 +328,12 @@ contains
 
     !> Makes the k-th case of the block from the scene of the worker, and the plan for its kind of body if there is
     !> none yet.
-    subroutine make_worker_case(worker, job, k, keeps_attitude)
+    subroutine make_worker_case(worker, job, k, keeps_attitude, keeps_nutations)
         class(sweep_worker_t), intent(inout) :: worker
         type(job_t), intent(in) :: job
         integer, intent(in) :: k
         logical, intent(in) :: keeps_attitude !! that which the start of the case has
+        logical, intent(in) :: keeps_nutations !! whether nothing depends on a span in nutations
         type(problems_t) :: problems
         integer :: outside
 
@@ -335,7 +348,8 @@ contains
             !$omp end critical (texts)
             return
         end if
-        call make_case(worker%swept%scene, worker%cases(k), problems, kept_parts_t(worker%same_body, keeps_attitude))
+        call make_case(worker%swept%scene, worker%cases(k), problems, &
+                       kept_parts_t(worker%same_body, keeps_attitude, keeps_nutations))
         if (problems%any()) then
             worker%status(k) = status_bad_input
             ! Threads create texts: see `status_names`.

@@ -42,6 +42,8 @@ module spintop_formulation
         logical :: offers(structure_split:structure_quadruple) = .false.
         !> Holds for a body with effects.
         logical :: takes_effects = .false.
+        !> Has its motions computed together in vector lanes, by methods that do: the equations of any body.
+        logical :: runs_in_lanes = .false.
     end type formulation_info_t
 
     !> A form of the equations of motion.

@@ -75,7 +75,7 @@ contains
         type(formulation_info_t) :: info
         info = formulation_info_t('rigid_body', &
             'quaternion and body momentum, for any body, damped or not; no pole is singular', 7, &
-            symmetric_only=.false., singular_at_poles=.false., invariants=4, quaternion=1)
+            symmetric_only=.false., singular_at_poles=.false., invariants=4, quaternion=1, runs_in_lanes=.true.)
     end function describe
 
     !> Initial state.

@@ -49,6 +49,8 @@ module spintop_stepper
         logical :: caught_by_reset = .false.
         !> Output points per step by its own convention (ode45: 4); 0 if there is none.
         integer :: refine = 0
+        !> Computes many motions together in vector lanes, with equations that do (`formulation_info_t`).
+        logical :: runs_in_lanes = .false.
         !> Methods that are alike, for lists and figures; the registry sets it.
         character(24) :: family = ''
     end type method_info_t

@@ -58,7 +58,8 @@ contains
         type(formulation_info_t) :: info
         info = formulation_info_t('rigid_body', &
             'quaternion and body momentum, for any body with effects; no pole is singular', 7, &
-            symmetric_only=.false., singular_at_poles=.false., quaternion=1, takes_effects=.true.)
+            symmetric_only=.false., singular_at_poles=.false., quaternion=1, takes_effects=.true., &
+            runs_in_lanes=.true.)
     end function describe
 
     !> Initial state.

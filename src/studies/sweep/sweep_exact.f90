@@ -1,36 +1,100 @@
-!> Cases of a sweep with a closed form, many at once.
+!> Symmetric tops of a sweep, many at once, by their closed form.
 module spintop_sweep_exact
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_kinds, only: dp
     use spintop_case, only: case_t
+    use spintop_compare, only: is_finite
     use spintop_conditioning, only: inherent_error
     use spintop_event_recorder, only: event_recorder_t
     use spintop_exact_path, only: exact_path_t
     use spintop_event_text, only: column_event_t
     use spintop_exact_block, only: exact_block_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
+    use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, whole_half_turns
-    use spintop_status, only: status_ok, status_step_limit, status_too_many_events, status_meanings
+    use spintop_regular_start, only: rates_describe
+    use spintop_status, only: status_ok, status_step_limit, status_too_many_events
     use spintop_stepper, only: looks_per_step
-    use spintop_sweep_notes, only: note_t
+    use spintop_sweep_engine, only: engine_t, slot_t, task_t
+    use spintop_sweep_notes, only: note_no_stop
     use spintop_sweep_quantities, only: find_free_constants, put_nutation, put_fast_top, put_azimuth, put_end, &
         put_details, precession_period, lowest_height
-    use spintop_sweep_result, only: kinds_of_work, of_details, of_end, of_energy, of_fast_top, of_free, of_growth, &
-        of_inherent, of_lowest, of_multiplier, of_nutation, of_period, of_turns, sweep_result_t
+    use spintop_sweep_result, only: kinds_of_work, of_details, of_end, of_energy, of_fast_top, of_free, of_inherent, &
+        of_lowest, of_nutation, of_period, of_turns
     use spintop_sweep_stability, only: put_stability
     implicit none
     private
-    public :: load_lane, unload_lane, kernel_runs, stop_exactly
+    public :: sweep_exact_t, stop_exactly
+
+    !> The engine for symmetric tops.
+    type, extends(engine_t) :: sweep_exact_t
+        type(exact_block_t), allocatable, private :: block
+    contains
+        procedure :: takes
+        procedure :: compute
+    end type sweep_exact_t
 
 contains
 
+    logical function takes(self, slot, task)
+        class(sweep_exact_t), intent(in) :: self
+        type(slot_t), intent(in) :: slot !! the case
+        type(task_t), intent(in) :: task !! what is asked of it
+        associate (unused => self, body => slot%case%body, wanted => task%wanted)
+            takes = slot%plan%exact .and. suits_lanes(slot%case%start)
+            if (takes) takes = body%is_lagrange() .and. &
+                .not. (body%given%differ .and. (wanted(of_nutation) .or. wanted(of_details)))
+        end associate
+    end function takes
+
+    !> Whether the closed form can be computed in lanes, which begin with angles and rates: these do not exist at a pole,
+    !> and close to it they lose digits of a quaternion and omega.
+    pure logical function suits_lanes(start)
+        type(motion_t), intent(in) :: start
+        real(dp), parameter :: close_to_pole = 1.0e-2_dp
+        suits_lanes = rates_describe(start) .or. &
+            (all(is_finite(start%rate)) .and. sin(start%angle(2)) > close_to_pole)
+    end function suits_lanes
+
+    subroutine compute(self, slots, list, task)
+        class(sweep_exact_t), intent(inout) :: self
+        type(slot_t), intent(inout) :: slots(:) !! the block
+        integer, intent(in) :: list(:) !! the places of the cases
+        type(task_t), intent(in) :: task !! what is asked of them
+        logical :: came(size(list))
+        integer :: i, status
+
+        if (.not. allocated(self%block)) allocate (self%block)
+        came = .true.
+        associate (block => self%block, wanted => task%wanted)
+            block%n = size(list)
+            do i = 1, size(list)
+                associate (slot => slots(list(i)))
+                    if (size(task%events) > 0) then
+                        call stop_exactly(slot%case, task%events, task%stop_after, slot%max_steps, status, came(i))
+                        if (status /= status_ok) call slot%fail(status)
+                    end if
+                    call load_lane(slot%case, wanted, block, i)
+                end associate
+            end do
+            if (any(wanted([of_nutation, of_period, of_end, of_energy]))) then
+                call block%compute(wanted(of_end) .or. wanted(of_energy), wanted(of_period))
+            end if
+            do i = 1, size(list)
+                associate (slot => slots(list(i)))
+                    if (slot%status == status_ok) call unload_lane(block, i, wanted, slot)
+                    if (slot%status == status_ok .and. .not. came(i)) call slot%note%add(note_no_stop)
+                end associate
+            end do
+        end associate
+    end subroutine compute
+
     !> Puts a case into a lane of the block.
     subroutine load_lane(case, wanted, block, lane)
-        type(case_t), intent(in) :: case !! body, start and span
-        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
-        type(exact_block_t), intent(inout) :: block !! the data of the lane are set
-        integer, intent(in) :: lane !! number of the lane
+        type(case_t), intent(in) :: case
+        logical, intent(in) :: wanted(kinds_of_work)
+        type(exact_block_t), intent(inout) :: block
+        integer, intent(in) :: lane
         block%inertia1(lane) = case%body%inertia(1)
         block%inertia3(lane) = case%body%inertia(3)
         block%mgl(lane) = case%body%mgl()
@@ -76,63 +140,42 @@ contains
         if (came) case%t_end = watch%t
     end subroutine stop_exactly
 
-    !> Whether the selected groups need the kernel.
-    pure logical function kernel_runs(wanted)
-        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
-        kernel_runs = (wanted(of_nutation) .or. wanted(of_period) .or. wanted(of_end) .or. wanted(of_energy))
-    end function kernel_runs
-
     !> The quantities of the case in a lane of a computed block.
-    subroutine unload_lane(case, block, lane, wanted, max_steps, values, status, note)
-        type(case_t), intent(in) :: case !! body, start and span
-        type(exact_block_t), intent(in) :: block !! a computed block
-        integer, intent(in) :: lane !! number of the lane
-        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
-        integer(int64), intent(inout) :: max_steps !! remaining work of the case
-        type(sweep_result_t), intent(inout) :: values !! the quantities of the case
-        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        type(note_t), intent(inout) :: note !! notes on the case
-        integer(int64) :: limit
+    subroutine unload_lane(block, lane, wanted, slot)
+        type(exact_block_t), intent(in) :: block
+        integer, intent(in) :: lane
+        logical, intent(in) :: wanted(kinds_of_work)
+        type(slot_t), intent(inout) :: slot
 
-        limit = max_steps
-        values = sweep_result_t()
-        status = block%status(lane)
-        if (status /= status_ok) then
-            call note%explain(trim(status_meanings(status)))
+        if (block%status(lane) /= status_ok) then
+            call slot%fail(block%status(lane))
             return
         end if
-        if (wanted(of_nutation)) call unload_nutation(case, block, lane, wanted, values, note)
-        if (wanted(of_fast_top)) call put_fast_top(case, values, note)
+        if (wanted(of_nutation)) call unload_nutation(block, lane, wanted, slot)
+        if (wanted(of_fast_top)) call put_fast_top(slot)
         if (wanted(of_period)) then
-            call put_azimuth(block%t_period(lane) > 0, block%phi_at_period(lane), values, note)
+            call put_azimuth(block%t_period(lane) > 0, block%phi_at_period(lane), slot%result, slot%note)
         end if
         if (wanted(of_end) .or. wanted(of_energy)) then
-            call unload_end(case, block, lane, wanted, max_steps, values, status)
-            if (status /= status_ok) then
-                call note%explain(trim(status_meanings(status)))
-                return
-            end if
+            call unload_end(block, lane, wanted, slot)
+            if (slot%status /= status_ok) return
         end if
-        values%evaluations = 0
-        values%orientation_error = 0
-        if (wanted(of_details)) call put_details(case, values, note)
-        if (wanted(of_free)) call find_free_constants(case, wanted, values, note)
-        if (any(wanted(of_growth:of_multiplier))) then
-            call put_stability(case, case%t_end, wanted, limit, values, note)
-        end if
+        slot%result%evaluations = 0
+        slot%result%orientation_error = 0
+        if (wanted(of_details)) call put_details(slot)
+        if (wanted(of_free)) call find_free_constants(slot, wanted)
+        call put_stability(slot, slot%case%t_end, wanted)
         if (wanted(of_inherent)) then
-            values%inherent_error = inherent_error(case%body, case%start, case%t_end)
+            slot%result%inherent_error = inherent_error(slot%case%body, slot%case%start, slot%case%t_end)
         end if
     end subroutine unload_lane
 
     !> The whole nutation.
-    subroutine unload_nutation(case, block, lane, wanted, values, note)
-        type(case_t), intent(in) :: case
+    subroutine unload_nutation(block, lane, wanted, slot)
         type(exact_block_t), intent(in) :: block
         integer, intent(in) :: lane
         logical, intent(in) :: wanted(kinds_of_work)
-        type(sweep_result_t), intent(inout) :: values
-        type(note_t), intent(inout) :: note
+        type(slot_t), intent(inout) :: slot
         type(nutation_t) :: nutation
         nutation%theta_min = block%theta_min(lane)
         nutation%theta_max = block%theta_max(lane)
@@ -140,68 +183,47 @@ contains
         nutation%period = block%period(lane)
         nutation%precession = block%precession(lane)
         nutation%precession_rate = block%precession_rate(lane)
-        if (case%body%is_free()) then
+        if (slot%case%body%is_free()) then
             nutation%precession = whole_half_turns(nutation%precession)
             nutation%precession_rate = nutation%precession / nutation%period
         end if
         nutation%phi_rate_max = block%phi_rate_max(lane)
-        if (wanted(of_lowest)) values%com_z_min = lowest_height(case, nutation%theta_max)
-        call put_nutation(case, nutation, values, note)
+        if (wanted(of_lowest)) slot%result%com_z_min = lowest_height(slot%case, nutation%theta_max)
+        call put_nutation(slot, nutation)
     end subroutine unload_nutation
 
-    !> The end of the span.
-    subroutine unload_end(case, block, lane, wanted, max_steps, values, status)
-        type(case_t), intent(in) :: case
+    !> The end of the span, as far as a sweep table needs it. Angles about another axis need the whole attitude; counting
+    !> their turns is work of the case.
+    subroutine unload_end(block, lane, wanted, slot)
         type(exact_block_t), intent(in) :: block
         integer, intent(in) :: lane
         logical, intent(in) :: wanted(kinds_of_work)
-        integer(int64), intent(inout) :: max_steps
-        type(sweep_result_t), intent(inout) :: values
-        integer, intent(out) :: status
-        type(motion_t) :: last
-        call find_end(case, block, lane, wanted, max_steps, last, status)
-        if (status == status_ok) call put_end(case, last, block%energy_error(lane), values)
-    end subroutine unload_end
-
-    !> The motion at the end of the span, as far as a sweep table needs it.
-    subroutine find_end(case, block, lane, wanted, max_steps, motion, status)
-        type(case_t), intent(in) :: case
-        type(exact_block_t), intent(in) :: block
-        integer, intent(in) :: lane
-        logical, intent(in) :: wanted(kinds_of_work)
-        integer(int64), intent(inout) :: max_steps
-        type(motion_t), intent(out) :: motion
-        integer, intent(out) :: status
-        status = status_ok
-        if (case%turn%exchanges_axes()) then
-            call find_whole_end(case, wanted(of_turns), max_steps, motion, status)
-        else
-            motion%t = case%t_end
-            motion%angle = [block%phi_end(lane), block%theta_end(lane), block%psi_end(lane)]
-            motion%rate(2) = block%theta_rate_end(lane)
-        end if
-    end subroutine find_end
-
-    !> The same with the whole attitude, which is needed for angles about another axis. Counting their turns is work of
-    !> the case.
-    subroutine find_whole_end(case, counts_turns, max_steps, motion, status)
-        type(case_t), intent(in) :: case
-        logical, intent(in) :: counts_turns
-        integer(int64), intent(inout) :: max_steps
-        type(motion_t), intent(out) :: motion
-        integer, intent(out) :: status
+        type(slot_t), intent(inout) :: slot
         type(exact_motion_t) :: exact
+        type(motion_t) :: last
         integer(int64) :: steps
-        call prepare_exact_motion(case%body, case%start, exact, status)
-        steps = 0
-        if (counts_turns .and. status == status_ok) then
-            call exact%follow(case%start, case%t_end, motion, steps, max_steps)
-            if (steps >= max_steps) status = status_step_limit
-            max_steps = max_steps - steps
-        else
-            motion = exact%at(case%t_end)
-            status = status_ok
-        end if
-    end subroutine find_whole_end
+        integer :: status
+
+        associate (case => slot%case)
+            if (.not. case%turn%exchanges_axes()) then
+                last%t = case%t_end
+                last%angle = [block%phi_end(lane), block%theta_end(lane), block%psi_end(lane)]
+                last%rate(2) = block%theta_rate_end(lane)
+            else
+                call prepare_exact_motion(case%body, case%start, exact, status)
+                if (wanted(of_turns) .and. status == status_ok) then
+                    steps = 0
+                    call exact%follow(case%start, case%t_end, last, steps, slot%max_steps)
+                    if (steps >= slot%max_steps) then
+                        call slot%fail(status_step_limit)
+                        return
+                    end if
+                else
+                    last = exact%at(case%t_end)
+                end if
+            end if
+        end associate
+        call put_end(slot, last, block%energy_error(lane))
+    end subroutine unload_end
 
 end module spintop_sweep_exact

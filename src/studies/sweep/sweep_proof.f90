@@ -1,6 +1,5 @@
 !> The proof of the numbers of a case of a sweep: upper bounds of their errors, and certified digits.
 module spintop_sweep_proof
-    use spintop_case, only: case_t
     use spintop_certificate, only: proof_count, proof_of_momentum_period, proof_of_momentum_turn, proof_of_period, &
         proof_of_phi, proof_of_precession, proof_of_psi, proof_of_theta, proof_reasons, proof_words
     use spintop_compare, only: is_finite
@@ -9,8 +8,8 @@ module spintop_sweep_proof
     use spintop_scene, only: scene_t
     use spintop_study_column, only: proof_group
     use spintop_sweep_column, only: sweep_column_t
-    use spintop_sweep_notes, only: note_t
-    use spintop_sweep_result, only: proof_cells, sweep_result_t
+    use spintop_sweep_engine, only: slot_t
+    use spintop_sweep_result, only: proof_cells
     use spintop_uncertainties, only: data_radii
     implicit none
     private
@@ -35,34 +34,34 @@ contains
     end function sweep_proofs
 
     !> Bounds of the wanted numbers of a case, which has ended well. What the case does not have needs no proof.
-    subroutine prove_case(case, wanted, scene, values, note)
-        type(case_t), intent(in) :: case !! body, start and span
+    subroutine prove_case(slot, wanted, scene)
+        type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         logical, intent(in) :: wanted(proof_count) !! which quantities are to be proved
         type(scene_t), intent(in) :: scene !! contents of the input
-        type(sweep_result_t), intent(inout) :: values !! the quantities of the case
-        type(note_t), intent(inout) :: note !! notes on the case
         type(row_proof_t) :: proof
         real(dp) :: printed(proof_count)
 
-        printed = 0
-        printed(quantities) = [values%theta_end, values%phi_end, values%psi_end, values%nutation_period, &
-                               values%precession_per_nutation, values%momentum_period, values%momentum_turn]
-        call proof%open(wanted .and. is_finite(printed), scene%certified, case%given_body, case%given_start, &
-                        data_radii(scene))
-        call proof%prove(merge(values%t_end, case%t_end, is_finite(values%t_end)), printed)
-        call proof%close()
-        if (scene%certified) then
-            values%theta_end = printed(proof_of_theta)
-            values%phi_end = printed(proof_of_phi)
-            values%psi_end = printed(proof_of_psi)
-            values%nutation_period = printed(proof_of_period)
-            values%precession_per_nutation = printed(proof_of_precession)
-            values%momentum_period = printed(proof_of_momentum_period)
-            values%momentum_turn = printed(proof_of_momentum_turn)
-        end if
-        where (proof%wanted) values%bounds = proof%bounds
-        values%proof = findloc(proof_cells, proof_words(merge(1, 0, proof%is_proved())), dim=1) - 1
-        if (.not. proof%is_proved()) call note%explain('unproved: ' // trim(proof_reasons(proof%outcome())))
+        associate (case => slot%case, values => slot%result)
+            printed = 0
+            printed(quantities) = [values%theta_end, values%phi_end, values%psi_end, values%nutation_period, &
+                                   values%precession_per_nutation, values%momentum_period, values%momentum_turn]
+            call proof%open(wanted .and. is_finite(printed), scene%certified, case%given_body, case%given_start, &
+                            data_radii(scene))
+            call proof%prove(merge(values%t_end, case%t_end, is_finite(values%t_end)), printed)
+            call proof%close()
+            if (scene%certified) then
+                values%theta_end = printed(proof_of_theta)
+                values%phi_end = printed(proof_of_phi)
+                values%psi_end = printed(proof_of_psi)
+                values%nutation_period = printed(proof_of_period)
+                values%precession_per_nutation = printed(proof_of_precession)
+                values%momentum_period = printed(proof_of_momentum_period)
+                values%momentum_turn = printed(proof_of_momentum_turn)
+            end if
+            where (proof%wanted) values%bounds = proof%bounds
+            values%proof = findloc(proof_cells, proof_words(merge(1, 0, proof%is_proved())), dim=1) - 1
+            if (.not. proof%is_proved()) call slot%note%explain('unproved: ' // trim(proof_reasons(proof%outcome())))
+        end associate
     end subroutine prove_case
 
 end module spintop_sweep_proof

@@ -13,6 +13,7 @@ module spintop_sweep_quantities
     use spintop_nutation, only: nutation_t, find_nutation
     use spintop_nutation_watch, only: nutation_watch_t, no_class
     use spintop_status, only: status_ok, status_non_finite, status_meanings
+    use spintop_sweep_engine, only: slot_t
     use spintop_sweep_notes, only: note_t, note_no_period, note_no_turns, note_no_nutation, note_no_class, &
         note_no_fast_top, note_no_details, note_no_azimuth, note_no_exact_motion, note_no_momentum_period, &
         note_no_precession_period, note_not_free, note_not_stuck
@@ -29,20 +30,18 @@ module spintop_sweep_quantities
 contains
 
     !> The whole nutation of a closed form, without the height of the centre of mass.
-    subroutine put_nutation(case, nutation, values, note)
-        type(case_t), intent(in) :: case !! body, start and span
+    subroutine put_nutation(slot, nutation)
+        type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         type(nutation_t), intent(in) :: nutation !! quantities of the nutation, in the axes of the computation
-        type(sweep_result_t), intent(inout) :: values !! the quantities of the case
-        type(note_t), intent(inout) :: note !! notes on the case
         type(nutation_t) :: seen
 
-        if (case%turn%flipped .or. case%turn%is_shifted()) then
-            seen = as_given(case, nutation)
-            call put_extremes(seen, values)
-            call put_means(case, seen, values, note)
+        if (slot%case%turn%flipped .or. slot%case%turn%is_shifted()) then
+            seen = as_given(slot%case, nutation)
+            call put_extremes(seen, slot%result)
+            call put_means(slot%case, seen, slot%result, slot%note)
         else
-            call put_extremes(nutation, values)
-            call put_means(case, nutation, values, note)
+            call put_extremes(nutation, slot%result)
+            call put_means(slot%case, nutation, slot%result, slot%note)
         end if
     end subroutine put_nutation
 
@@ -134,24 +133,24 @@ contains
     end function lowest_height
 
     !> What was measured along the motion.
-    subroutine put_measured(case, watch, wanted, values, note)
-        type(case_t), intent(in) :: case !! body, start and span
+    subroutine put_measured(slot, watch, wanted)
+        type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         type(nutation_watch_t), intent(in) :: watch !! the measured nutation
         logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
-        type(sweep_result_t), intent(inout) :: values !! the quantities of the case
-        type(note_t), intent(inout) :: note !! notes on the case
         type(nutation_t) :: nutation
         logical :: is_whole
 
-        if (watch%measures%nutation_rate) values%theta_rate_max = watch%theta_rate_max
-        if (watch%measures%force) values%force_max = watch%force_max
-        if (watch%measures%vertical_force) then
-            values%force_z_min = watch%force_z_min
-            values%force_z_max = watch%force_z_max
-        end if
-        if (watch%measures%lowest) values%com_z_min = watch%com_z_min
+        associate (values => slot%result)
+            if (watch%measures%nutation_rate) values%theta_rate_max = watch%theta_rate_max
+            if (watch%measures%force) values%force_max = watch%force_max
+            if (watch%measures%vertical_force) then
+                values%force_z_min = watch%force_z_min
+                values%force_z_max = watch%force_z_max
+            end if
+            if (watch%measures%lowest) values%com_z_min = watch%com_z_min
+        end associate
         call watch%nutation(nutation, is_whole)
-        call put_measured_nutation(case, wanted, nutation, is_whole, watch%is_noisy(), values, note)
+        call put_measured_nutation(slot%case, wanted, nutation, is_whole, watch%is_noisy(), slot%result, slot%note)
     end subroutine put_measured
 
     !> A measured nutation: extremes over the span, and what needs a whole nutation.
@@ -181,56 +180,56 @@ contains
     end subroutine put_measured_nutation
 
     !> The formulas of the paper for a fast top.
-    subroutine put_fast_top(case, values, note)
-        type(case_t), intent(in) :: case !! body, start and span
-        type(sweep_result_t), intent(inout) :: values !! the quantities of the case
-        type(note_t), intent(inout) :: note !! notes on the case
+    subroutine put_fast_top(slot)
+        type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         type(fast_top_t) :: motion
 
-        if (.not. precession_period(case%body, case%start) > 0) then
-            call note%add(note_no_fast_top, 'they need ' // needs_of_period(case))
-            return
-        end if
-        values%precession_period = precession_period(case%body, case%start)
-        if (.not. case%body%is_symmetric()) then
-            call note%add(note_no_fast_top, 'they need a symmetric body')
-            return
-        end if
-        motion = fast_top(case%body, case%start%angle(2), case%start%omega(3))
-        values%delta_u_fast_top = motion%delta_u
-        values%nutation_rate_fast_top = motion%nutation_rate
-        values%precession_rate_fast_top = motion%precession_rate
-        values%nutations_per_turn_fast_top = motion%nutations_per_turn
-        values%fast_top_ratio = motion%ratio
+        associate (case => slot%case, values => slot%result)
+            if (.not. precession_period(case%body, case%start) > 0) then
+                call slot%note%add(note_no_fast_top, 'they need ' // needs_of_period(case))
+                return
+            end if
+            values%precession_period = precession_period(case%body, case%start)
+            if (.not. case%body%is_symmetric()) then
+                call slot%note%add(note_no_fast_top, 'they need a symmetric body')
+                return
+            end if
+            motion = fast_top(case%body, case%start%angle(2), case%start%omega(3))
+            values%delta_u_fast_top = motion%delta_u
+            values%nutation_rate_fast_top = motion%nutation_rate
+            values%precession_rate_fast_top = motion%precession_rate
+            values%nutations_per_turn_fast_top = motion%nutations_per_turn
+            values%fast_top_ratio = motion%ratio
+        end associate
     end subroutine put_fast_top
 
     !> Details of the whole nutation of a top with a closed form.
-    subroutine put_details(case, values, note)
-        type(case_t), intent(in) :: case !! body, start and span
-        type(sweep_result_t), intent(inout) :: values !! the quantities of the case
-        type(note_t), intent(inout) :: note !! notes on the case
+    subroutine put_details(slot)
+        type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         type(nutation_t) :: nutation
         type(force_extremes_t) :: force
         integer :: status
-        call find_nutation(case%body, case%start, nutation, status)
-        if (status == status_ok) call find_force_extremes(case%body, case%start, force, status)
-        if (status /= status_ok) then
-            call note%add(note_no_details, trim(status_meanings(status)))
-            return
-        end if
-        if (abs(case%turn%phi_shift) > 0) then
-            call note%add(note_no_class, 'it is not found relative to a frame that turns')
-        else
-            values%motion_class = nutation%class
-        end if
-        if (is_finite(nutation%period)) then
-            if (case%turn%is_shifted()) nutation%spin = nutation%spin - case%turn%psi_shift * nutation%period
-            values%spin_per_nutation = merge(-1, 1, case%turn%flipped) * nutation%spin
-        end if
-        values%theta_rate_max = nutation%theta_rate_max
-        values%force_max = force%largest
-        values%force_z_min = force%lowest_vertical
-        values%force_z_max = force%highest_vertical
+        associate (case => slot%case, values => slot%result)
+            call find_nutation(case%body, case%start, nutation, status)
+            if (status == status_ok) call find_force_extremes(case%body, case%start, force, status)
+            if (status /= status_ok) then
+                call slot%note%add(note_no_details, trim(status_meanings(status)))
+                return
+            end if
+            if (abs(case%turn%phi_shift) > 0) then
+                call slot%note%add(note_no_class, 'it is not found relative to a frame that turns')
+            else
+                values%motion_class = nutation%class
+            end if
+            if (is_finite(nutation%period)) then
+                if (case%turn%is_shifted()) nutation%spin = nutation%spin - case%turn%psi_shift * nutation%period
+                values%spin_per_nutation = merge(-1, 1, case%turn%flipped) * nutation%spin
+            end if
+            values%theta_rate_max = nutation%theta_rate_max
+            values%force_max = force%largest
+            values%force_z_min = force%lowest_vertical
+            values%force_z_max = force%highest_vertical
+        end associate
     end subroutine put_details
 
     !> The azimuth after T_p, from the change of phi in that time (rad), if the motion reached it.
@@ -247,14 +246,13 @@ contains
     end subroutine put_azimuth
 
     !> The end of the span: `motion` is in the axes of the computation.
-    subroutine put_end(case, motion, energy_error, values)
-        type(case_t), intent(in) :: case !! body, start and span
+    subroutine put_end(slot, motion, energy_error)
+        type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         type(motion_t), intent(in) :: motion !! the motion at the end of the span, in the axes of the computation
         real(dp), intent(in) :: energy_error !! largest relative energy error
-        type(sweep_result_t), intent(inout) :: values !! the quantities of the case
-        values%energy_error_max = energy_error
-        if (case%turn%is_turned()) then
-            call put_seen(case%turn%back(motion, motion%given_angle))
+        slot%result%energy_error_max = energy_error
+        if (slot%case%turn%is_turned()) then
+            call put_seen(slot%case%turn%back(motion, motion%given_angle))
         else
             call put_seen(motion)
         end if
@@ -264,11 +262,11 @@ contains
         !> The same in the axes in which the body was given.
         subroutine put_seen(seen)
             type(motion_t), intent(in) :: seen
-            values%t_end = seen%t
-            values%theta_end = seen%angle(2)
-            values%phi_end = seen%angle(1)
-            values%psi_end = seen%angle(3)
-            values%theta_rate_end = seen%rate(2)
+            slot%result%t_end = seen%t
+            slot%result%theta_end = seen%angle(2)
+            slot%result%phi_end = seen%angle(1)
+            slot%result%psi_end = seen%angle(3)
+            slot%result%theta_rate_end = seen%rate(2)
         end subroutine put_seen
 
     end subroutine put_end
@@ -315,63 +313,63 @@ contains
     end subroutine explain_no_inherent_error
 
     !> The constants of a free body from its exact solution; of a body that is not symmetric about body z also the range of theta.
-    subroutine find_free_constants(case, wanted, values, note)
-        type(case_t), intent(in) :: case !! body, start and span
+    subroutine find_free_constants(slot, wanted)
+        type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
-        type(sweep_result_t), intent(inout) :: values !! the quantities of the case
-        type(note_t), intent(inout) :: note !! notes on the case
         type(free_motion_t) :: free
         integer :: status
 
-        if (.not. case%body%is_free()) then
-            if (wanted(of_free)) call note%add(note_not_free)
-            return
-        end if
-        if (.not. (wanted(of_free) .or. (wanted(of_range) .and. .not. case%body%has_closed_nutation()))) return
-        if (case%turn%to_principal_axes) then
-            call prepare_free_motion(case%body, case%start, free, status)
-        else
-            call prepare_free_motion(case%given_body, case%given_start, free, status)
-        end if
-        if (status /= status_ok) then
-            call note%add(note_not_free, trim(status_meanings(status)))
-            return
-        end if
-        call put_free_constants(case, free%free_constants_t, wanted, values, note)
+        associate (case => slot%case)
+            if (.not. case%body%is_free()) then
+                if (wanted(of_free)) call slot%note%add(note_not_free)
+                return
+            end if
+            if (.not. (wanted(of_free) .or. (wanted(of_range) .and. .not. case%body%has_closed_nutation()))) return
+            if (case%turn%to_principal_axes) then
+                call prepare_free_motion(case%body, case%start, free, status)
+            else
+                call prepare_free_motion(case%given_body, case%given_start, free, status)
+            end if
+            if (status /= status_ok) then
+                call slot%note%add(note_not_free, trim(status_meanings(status)))
+                return
+            end if
+            call put_free_constants(slot, free%free_constants_t, wanted)
+        end associate
     end subroutine find_free_constants
 
     !> The constants of a free body.
-    subroutine put_free_constants(case, free, wanted, values, note)
-        type(case_t), intent(in) :: case !! body, start and span
+    subroutine put_free_constants(slot, free, wanted)
+        type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         type(free_constants_t), intent(in) :: free !! what does not depend on time
         logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
-        type(sweep_result_t), intent(inout) :: values !! the quantities of the case
-        type(note_t), intent(inout) :: note !! notes on the case
         real(dp) :: momentum(3), gamma(3), range(2)
 
-        if (wanted(of_free)) then
-            values%omega_max = free%greatest_rate
-            if (free%about > 0) values%momentum_axis = free%about
-            if (free%about == 0) then
-                call note%add(note_no_momentum_period, 'the body rotates about a fixed axis')
-            else if (.not. is_finite(free%period)) then
-                call note%add(note_no_momentum_period, 'the body approaches a rotation about its intermediate axis')
-            else
-                values%momentum_period = free%period
-                values%momentum_turn = free%turn
+        associate (case => slot%case, values => slot%result)
+            if (wanted(of_free)) then
+                values%omega_max = free%greatest_rate
+                if (free%about > 0) values%momentum_axis = free%about
+                if (free%about == 0) then
+                    call slot%note%add(note_no_momentum_period, 'the body rotates about a fixed axis')
+                else if (.not. is_finite(free%period)) then
+                    call slot%note%add(note_no_momentum_period, 'the body approaches a rotation about its intermediate axis')
+                else
+                    values%momentum_period = free%period
+                    values%momentum_turn = free%turn
+                end if
             end if
-        end if
-        ! The range of an axis that is not a principal axis was measured.
-        if (.not. wanted(of_range) .or. case%body%has_closed_nutation() .or. case%turn%to_principal_axes) return
-        momentum = case%given_body%inertia * case%given_start%omega
-        range = case%given_start%angle(2)
-        if (any(abs(momentum) > 0)) then
-            gamma = vertical_from_quaternion(case%given_start%quaternion)
-            range = inclination_range(free%axis_angle, atan2(norm2(cross(momentum, gamma)), dot_product(momentum, gamma)))
-        end if
-        values%theta_min = range(1)
-        values%theta_max = range(2)
-        values%delta_u = 2 * sin((range(2) + range(1)) / 2) * sin((range(2) - range(1)) / 2)
+            ! The range of an axis that is not a principal axis was measured.
+            if (.not. wanted(of_range) .or. case%body%has_closed_nutation() .or. case%turn%to_principal_axes) return
+            momentum = case%given_body%inertia * case%given_start%omega
+            range = case%given_start%angle(2)
+            if (any(abs(momentum) > 0)) then
+                gamma = vertical_from_quaternion(case%given_start%quaternion)
+                range = inclination_range(free%axis_angle, atan2(norm2(cross(momentum, gamma)), dot_product(momentum, gamma)))
+            end if
+            values%theta_min = range(1)
+            values%theta_max = range(2)
+            values%delta_u = 2 * sin((range(2) + range(1)) / 2) * sin((range(2) - range(1)) / 2)
+        end associate
     end subroutine put_free_constants
 
     !> What a case without T_p lacks.

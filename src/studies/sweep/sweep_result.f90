@@ -1,7 +1,6 @@
 !> What a sweep has to compute, and what it computes of a case: a number per column of its table, NaN for what
 !> does not exist or was not asked for.
 module spintop_sweep_result
-    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_certificate, only: proof_count, proof_of_momentum_period, proof_of_momentum_turn, proof_of_period, &
         proof_of_phi, proof_of_precession, proof_of_psi, proof_of_theta, proof_words
     use spintop_kinds, only: dp, nan => no_number
@@ -78,10 +77,6 @@ module spintop_sweep_result
         !> Bounds of the errors, by quantity (spintop_certificate), and the index in `proof_cells`.
         real(dp) :: bounds(proof_count) = nan
         integer :: proof = 0
-        !> What is left to be found together for a block of cases (`put_perturbations`): the end of the motion, s, up to
-        !> which the growth of perturbations and the inherent error are wanted, and the largest number of steps for each.
-        real(dp) :: growth_until = 0, inherent_until = 0
-        integer(int64) :: most_steps = 0
     contains
         procedure :: list
     end type sweep_result_t

@@ -4,7 +4,6 @@
 module spintop_sweep_stability
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
-    use spintop_case, only: case_t
     use spintop_driven_flow, only: drive_period
     use spintop_floquet, only: find_multipliers
     use spintop_growth_lanes, only: find_growth, growth_t
@@ -13,71 +12,90 @@ module spintop_sweep_stability
     use spintop_motion, only: motion_from_quaternion, motion_t
     use spintop_status, only: is_good_end, status_meanings, status_non_finite, status_ok, status_step_limit, &
         status_unsuitable
-    use spintop_sweep_notes, only: note_t, note_no_growth, note_no_inherent, note_no_lyapunov, note_no_multiplier, &
+    use spintop_sweep_engine, only: engine_t, lacks_perturbations, slot_t, task_t
+    use spintop_sweep_notes, only: note_no_growth, note_no_inherent, note_no_lyapunov, note_no_multiplier, &
         note_no_singular, only_without_effects
-    use spintop_sweep_result, only: kinds_of_work, of_growth, of_inherent, of_lyapunov, of_multiplier, of_singular, &
-        sweep_result_t
+    use spintop_sweep_result, only: kinds_of_work, of_growth, of_inherent, of_lyapunov, of_multiplier, of_singular
     implicit none
     private
-    public :: put_stability, put_perturbations
+    public :: put_stability, ask_for_inherent_error, perturbations_t
 
     real(dp), parameter :: no_angles(3) = 0
+
+    !> The engine for perturbations of motions that have been computed.
+    type, extends(engine_t) :: perturbations_t
+    contains
+        procedure :: takes
+        procedure :: compute
+        procedure, nopass :: shares_lanes
+    end type perturbations_t
 
 contains
 
     !> The growth rate at a relative equilibrium, and the largest multiplier over a period of the vibration. The Lyapunov exponent
-    !> and the largest singular value up to the end of the motion are left to be found for a block of cases.
-    subroutine put_stability(case, t_end, wanted, max_steps, values, note)
-        type(case_t), intent(in) :: case !! body, start and span
+    !> and the largest singular value up to the end of the motion are left to `perturbations_t`.
+    subroutine put_stability(slot, t_end, wanted)
+        type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         real(dp), intent(in) :: t_end !! end of the motion, s
         logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
-        integer(int64), intent(in) :: max_steps !! largest number of steps
-        type(sweep_result_t), intent(inout) :: values !! the quantities of the case
-        type(note_t), intent(inout) :: note !! notes on the case
         complex(dp) :: eigenvalues(6)
         integer :: how
 
         if (wanted(of_growth)) then
-            call find_equilibrium_eigenvalues(case%body, case%start, eigenvalues, how)
+            call find_equilibrium_eigenvalues(slot%case%body, slot%case%start, eigenvalues, how)
             if (how == status_ok) then
-                values%growth_rate = maxval(real(eigenvalues, dp))
+                slot%result%growth_rate = maxval(real(eigenvalues, dp))
             else if (how == status_unsuitable) then
-                call note%add(note_no_growth, 'the start is not at rest, sleeping or steady')
+                call slot%note%add(note_no_growth, 'the start is not at rest, sleeping or steady')
             else
-                call note%add(note_no_growth, trim(status_meanings(how)))
+                call slot%note%add(note_no_growth, trim(status_meanings(how)))
             end if
         end if
-        if (allocated(case%body%effects)) then
-            if (wanted(of_lyapunov)) call note%add(note_no_lyapunov, only_without_effects)
-            if (wanted(of_singular)) call note%add(note_no_singular, only_without_effects)
-        else if (wanted(of_lyapunov) .or. wanted(of_singular)) then
-            values%growth_until = t_end
-            values%most_steps = max(max_steps, 1_int64)
+        if (wanted(of_lyapunov) .or. wanted(of_singular)) then
+            if (.not. allocated(slot%case%body%effects)) then
+                slot%growth_until = t_end
+                slot%lacks = lacks_perturbations
+            else
+                if (wanted(of_lyapunov)) call slot%note%add(note_no_lyapunov, only_without_effects)
+                if (wanted(of_singular)) call slot%note%add(note_no_singular, only_without_effects)
+            end if
         end if
-        if (wanted(of_multiplier)) call put_multiplier(case, values, note)
+        if (wanted(of_multiplier)) call put_multiplier(slot)
     end subroutine put_stability
+
+    !> Leaves the inherent error of a motion to `perturbations_t`.
+    subroutine ask_for_inherent_error(slot, t_end)
+        type(slot_t), intent(inout) :: slot !! a case, and what is known of it
+        real(dp), intent(in) :: t_end !! end of the motion, s
+        if (allocated(slot%case%body%effects)) then
+            call slot%note%add(note_no_inherent, only_without_effects)
+        else
+            slot%inherent_until = t_end
+            slot%lacks = lacks_perturbations
+        end if
+    end subroutine ask_for_inherent_error
 
     !> The largest multiplier of the upright body, over a period of the vibration: its centre of mass is above the pivot,
     !> and it rotates about the vertical with the angular velocity that the start has about that axis of the body.
-    subroutine put_multiplier(case, values, note)
-        type(case_t), intent(in) :: case
-        type(sweep_result_t), intent(inout) :: values
-        type(note_t), intent(inout) :: note
+    subroutine put_multiplier(slot)
+        type(slot_t), intent(inout) :: slot
         complex(dp) :: multipliers(6)
         type(motion_t) :: upright
         integer :: how
-        if (.not. drive_period(case%body) > 0) then
-            call note%add(note_no_multiplier, 'the only effect must be a vertical vibration, or that and a rotor')
-            return
-        end if
-        upright = upright_motion(case%body%centre_of_mass, case%start%omega)
-        call find_multipliers(case%body, upright, drive_period(case%body), multipliers, how)
+        associate (body => slot%case%body)
+            if (.not. drive_period(body) > 0) then
+                call slot%note%add(note_no_multiplier, 'the only effect must be a vertical vibration, or that and a rotor')
+                return
+            end if
+            upright = upright_motion(body%centre_of_mass, slot%case%start%omega)
+            call find_multipliers(body, upright, drive_period(body), multipliers, how)
+        end associate
         if (how == status_ok) then
-            values%upright_multiplier = maxval(abs(multipliers))
+            slot%result%upright_multiplier = maxval(abs(multipliers))
         else if (how == status_unsuitable) then
-            call note%add(note_no_multiplier, 'the body cannot rotate steadily about the axis through its centre of mass')
+            call slot%note%add(note_no_multiplier, 'the body cannot rotate steadily about the axis through its centre of mass')
         else
-            call note%add(note_no_multiplier, trim(status_meanings(how)))
+            call slot%note%add(note_no_multiplier, trim(status_meanings(how)))
         end if
     end subroutine put_multiplier
 
@@ -93,77 +111,71 @@ contains
         upright = motion_from_quaternion(0.0_dp, quaternion / norm2(quaternion), dot_product(omega, axis) * axis, no_angles)
     end function upright_motion
 
-    !> Finds what is left to be found for the cases of a block. `status` reports work that was not finished, or overflow.
-    subroutine put_perturbations(cases, wanted, values, status, note)
-        type(case_t), intent(in) :: cases(:) !! body, start and span of each
-        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
-        type(sweep_result_t), intent(inout) :: values(:) !! the quantities of the cases
-        integer, intent(inout) :: status(:) !! their statuses
-        type(note_t), intent(inout) :: note(:) !! notes on the cases
-        logical :: waits(size(cases)), is_like(size(cases))
-        integer :: first, i
+    logical function takes(self, slot, task)
+        class(perturbations_t), intent(in) :: self
+        type(slot_t), intent(in) :: slot !! the case
+        type(task_t), intent(in) :: task !! what is asked of it
+        associate (unused => self, unused_too => task)
+        end associate
+        takes = is_good_end(slot%status)
+    end function takes
 
-        if (.not. (wanted(of_lyapunov) .or. wanted(of_singular) .or. wanted(of_inherent))) return
-        waits = is_good_end(status) .and. (values%growth_until > 0 .or. values%inherent_until > 0)
-        do first = 1, size(cases)
-            if (.not. waits(first)) cycle
-            ! Cases of one limit of work share lanes.
-            is_like = waits .and. values%most_steps == values(first)%most_steps
-            associate (like => pack([(i, i=1, size(cases))], is_like))
-                call put_inherent_errors(cases, pack(like, values(like)%inherent_until > 0), values, note)
-                call put_growths(cases, pack(like, values(like)%growth_until > 0), wanted, values, status, note)
-            end associate
-            waits = waits .and. .not. is_like
-        end do
-    end subroutine put_perturbations
+    !> Cases of one limit of work share lanes.
+    logical function shares_lanes(a, b)
+        type(slot_t), intent(in) :: a, b !! the cases
+        shares_lanes = a%max_steps == b%max_steps
+    end function shares_lanes
+
+    subroutine compute(self, slots, list, task)
+        class(perturbations_t), intent(inout) :: self
+        type(slot_t), intent(inout) :: slots(:) !! the block
+        integer, intent(in) :: list(:) !! the places of the cases
+        type(task_t), intent(in) :: task !! what is asked of them
+        associate (unused => self)
+        end associate
+        call put_inherent_errors(slots, pack(list, slots(list)%inherent_until > 0))
+        call put_growths(slots, pack(list, slots(list)%growth_until > 0), task%wanted)
+    end subroutine compute
 
     !> The inherent errors of the cases of a list.
-    subroutine put_inherent_errors(cases, list, values, note)
-        type(case_t), intent(in) :: cases(:)
+    subroutine put_inherent_errors(slots, list)
+        type(slot_t), intent(inout) :: slots(:)
         integer, intent(in) :: list(:)
-        type(sweep_result_t), intent(inout) :: values(:)
-        type(note_t), intent(inout) :: note(:)
         real(dp), allocatable :: errors(:)
         integer, allocatable :: how(:)
         integer :: i
 
         if (size(list) == 0) return
         allocate (errors(size(list)), how(size(list)))
-        call find_inherent_errors(cases(list)%body, cases(list)%start, values(list)%inherent_until, &
-                                  values(list(1))%most_steps, errors, how)
+        call find_inherent_errors(slots(list)%case%body, slots(list)%case%start, slots(list)%inherent_until, &
+                                  max(slots(list(1))%max_steps, 1_int64), errors, how)
         do i = 1, size(list)
             if (how(i) == status_ok) then
-                values(list(i))%inherent_error = errors(i)
+                slots(list(i))%result%inherent_error = errors(i)
             else
-                call note(list(i))%add(note_no_inherent, trim(status_meanings(how(i))))
+                call slots(list(i))%note%add(note_no_inherent, trim(status_meanings(how(i))))
             end if
         end do
     end subroutine put_inherent_errors
 
-    !> The growth of perturbations of the cases of a list.
-    subroutine put_growths(cases, list, wanted, values, status, note)
-        type(case_t), intent(in) :: cases(:)
+    !> The growth of perturbations of the cases of a list. A status reports work that was not finished, or overflow.
+    subroutine put_growths(slots, list, wanted)
+        type(slot_t), intent(inout) :: slots(:)
         integer, intent(in) :: list(:)
         logical, intent(in) :: wanted(kinds_of_work)
-        type(sweep_result_t), intent(inout) :: values(:)
-        integer, intent(inout) :: status(:)
-        type(note_t), intent(inout) :: note(:)
         type(growth_t), allocatable :: growth(:)
-        integer :: i, k
+        integer :: i
 
         if (size(list) == 0) return
         allocate (growth(size(list)))
-        call find_growth(cases(list)%body, cases(list)%start, values(list)%growth_until, &
-                         wanted(of_lyapunov), wanted(of_singular), &
-                         values(list(1))%most_steps, growth)
+        call find_growth(slots(list)%case%body, slots(list)%case%start, slots(list)%growth_until, &
+                         wanted(of_lyapunov), wanted(of_singular), max(slots(list(1))%max_steps, 1_int64), growth)
         do i = 1, size(list)
-            k = list(i)
-            associate (found => growth(i))
-                if (wanted(of_lyapunov)) call take(found%exponent, found%exponent_status, values(k)%lyapunov_exponent, &
+            associate (found => growth(i), result => slots(list(i))%result)
+                if (wanted(of_lyapunov)) call take(found%exponent, found%exponent_status, result%lyapunov_exponent, &
                                                    note_no_lyapunov)
-                if (wanted(of_singular)) then
-                    call take(found%singular, found%singular_status, values(k)%largest_singular_value, note_no_singular)
-                end if
+                if (wanted(of_singular)) call take(found%singular, found%singular_status, result%largest_singular_value, &
+                                                   note_no_singular)
             end associate
         end do
 
@@ -177,8 +189,8 @@ contains
             if (how == status_ok) then
                 quantity = value
             else
-                call note(k)%add(reason, trim(status_meanings(how)))
-                if (how == status_step_limit .or. how == status_non_finite) status(k) = how
+                call slots(list(i))%note%add(reason, trim(status_meanings(how)))
+                if (how == status_step_limit .or. how == status_non_finite) slots(list(i))%status = how
             end if
         end subroutine take
 

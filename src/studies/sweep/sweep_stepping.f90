@@ -1,4 +1,4 @@
-!> A case of a sweep that is integrated numerically by itself.
+!> Cases of a sweep that are computed one by one: integrated numerically, or followed along their closed form.
 module spintop_sweep_stepping
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
@@ -7,7 +7,6 @@ module spintop_sweep_stepping
     use spintop_case, only: case_t
     use spintop_conditioning, only: inherent_error
     use spintop_exact_path, only: exact_path_t
-    use spintop_event_text, only: column_event_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_formulation, only: formulation_t, max_states
     use spintop_integration, only: integrate, observer_t, outcome_t
@@ -15,20 +14,27 @@ module spintop_sweep_stepping
     use spintop_nutation, only: nutation_t, find_nutation
     use spintop_nutation_watch, only: measures_t, nutation_watch_t
     use spintop_poles, only: nearly_plane, swings_over_poles
-    use spintop_plan, only: plan_t
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
-    use spintop_status, only: is_good_end, status_ok, status_step_limit, status_too_many_events, status_meanings
+    use spintop_status, only: is_good_end, status_ok, status_step_limit, status_too_many_events
     use spintop_stepper, only: looks_per_step
-    use spintop_sweep_notes, only: note_t, note_no_details, note_no_inherent, note_no_stop, only_without_effects
+    use spintop_sweep_engine, only: engine_t, slot_t, task_t
+    use spintop_sweep_notes, only: note_t, note_no_details, note_no_stop
     use spintop_sweep_quantities, only: find_free_constants, put_nutation, put_measured, put_fast_top, put_azimuth, put_end, &
         put_details, precession_period, lowest_height
     use spintop_sweep_result, only: kinds_of_work, of_class, of_cost, of_details, of_end, of_energy, of_fast_top, &
         of_fastest, of_force, of_growth, of_inherent, of_lowest, of_measured, of_multiplier, of_nutation, &
         of_nutation_rate, of_oracle, of_period, of_range, of_turns, of_vertical_force, of_whole, sweep_result_t
-    use spintop_sweep_stability, only: put_stability
+    use spintop_sweep_stability, only: ask_for_inherent_error, put_stability
     implicit none
     private
-    public :: compute_stepping
+    public :: sweep_stepping_t
+
+    !> The engine for every case.
+    type, extends(engine_t) :: sweep_stepping_t
+    contains
+        procedure :: takes
+        procedure :: compute
+    end type sweep_stepping_t
 
     !> Quantities of a trajectory.
     type, extends(observer_t) :: witness_t
@@ -49,75 +55,93 @@ module spintop_sweep_stepping
 
 contains
 
+    logical function takes(self, slot, task)
+        class(sweep_stepping_t), intent(in) :: self
+        type(slot_t), intent(in) :: slot !! the case
+        type(task_t), intent(in) :: task !! what is asked of it
+        associate (unused => self, unused_slot => slot, unused_task => task)
+        end associate
+        takes = .true.
+    end function takes
+
+    subroutine compute(self, slots, list, task)
+        class(sweep_stepping_t), intent(inout) :: self
+        type(slot_t), intent(inout) :: slots(:) !! the block
+        integer, intent(in) :: list(:) !! the places of the cases
+        type(task_t), intent(in) :: task !! what is asked of them
+        integer :: i
+        associate (unused => self)
+        end associate
+        do i = 1, size(list)
+            call compute_alone(slots(list(i)), task)
+        end do
+    end subroutine compute
+
     !> The quantities of a case: those of the whole nutation from the closed form where it exists, the others
-    !> from the trajectory, which ends at the n-th of the events.
-    subroutine compute_stepping(case, plan, wanted, events, n, values, status, note)
-        type(case_t), intent(in) :: case !! body, start and span
-        type(plan_t), intent(inout) :: plan !! model, method and settings
-        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
-        type(column_event_t), intent(in) :: events(:) !! the events
-        integer, intent(in) :: n !! number of the event that ends the motion
-        type(sweep_result_t), intent(out) :: values !! the quantities of the case
-        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        type(note_t), intent(inout) :: note !! notes on the case
+    !> from the trajectory, which may end at an event.
+    subroutine compute_alone(slot, task)
+        type(slot_t), intent(inout) :: slot
+        type(task_t), intent(in) :: task
         type(nutation_watch_t), allocatable :: watch
         type(nutation_t) :: nutation
         type(measures_t) :: which
         type(note_t) :: before
         logical :: measures, for_class
+        integer :: status
 
-        values = sweep_result_t()
-        status = status_ok
-        if (case%body%has_closed_nutation()) then
-            if (wanted(of_nutation)) then
-                call find_nutation(case%body, case%start, nutation, status)
-                if (status == status_ok) then
-                    call put_nutation(case, nutation, values, note)
-                    values%com_z_min = lowest_height(case, nutation%theta_max)
+        associate (case => slot%case, wanted => task%wanted, stops => size(task%events) > 0)
+            if (case%body%has_closed_nutation()) then
+                if (wanted(of_nutation)) then
+                    call find_nutation(case%body, case%start, nutation, status)
+                    if (status == status_ok) then
+                        call put_nutation(slot, nutation)
+                        slot%result%com_z_min = lowest_height(case, nutation%theta_max)
+                    end if
+                    slot%status = status
                 end if
+                if (wanted(of_details)) call put_details(slot)
             end if
-            if (wanted(of_details)) call put_details(case, values, note)
-        end if
-        if (wanted(of_fast_top)) call put_fast_top(case, values, note)
+            if (wanted(of_fast_top)) call put_fast_top(slot)
 
-        measures = (wanted(of_nutation) .or. wanted(of_details)) .and. .not. case%body%has_closed_nutation()
-        if (case%body%is_free()) measures = measures .and. (wanted(of_measured) .or. case%turn%to_principal_axes)
-        if (.not. (measures .or. any(wanted([of_period, of_end, of_energy, of_oracle, of_cost, of_inherent])) .or. &
-                   (size(events) > 0 .and. any(wanted(of_growth:of_multiplier))))) then
-            call put_stability(case, case%t_end, wanted, plan%max_steps, values, note)
-            call find_free_constants(case, wanted, values, note)
-            return
-        end if
-        if (measures .and. has_extremes(wanted) .and. allocated(case%body%effects)) call note%add(note_no_details, &
-            'extremes of the nutation rate and of the support force are not measured for bodies with effects')
-        which = measures_of(wanted, case)
-        ! The search for the largest precession rate costs more than the motion. For the class the turning points suffice,
-        ! unless there may be a cusp.
-        for_class = wanted(of_class) .and. .not. wanted(of_fastest)
-        which%fastest = which%fastest .and. .not. for_class
-        before = note
-        do
-            if (measures .or. size(events) > 0) then
-                if (allocated(watch)) deallocate (watch)
-                allocate (watch)
-                call watch%set(events, n, case)
-                if (measures) call watch%measure_nutation(case, which)
+            measures = (wanted(of_nutation) .or. wanted(of_details)) .and. .not. case%body%has_closed_nutation()
+            if (case%body%is_free()) measures = measures .and. (wanted(of_measured) .or. case%turn%to_principal_axes)
+            if (.not. (measures .or. any(wanted([of_period, of_end, of_energy, of_oracle, of_cost, of_inherent])) .or. &
+                       (stops .and. any(wanted(of_growth:of_multiplier))))) then
+                call put_stability(slot, case%t_end, wanted)
+                call find_free_constants(slot, wanted)
+                return
             end if
-            call follow(case, plan, wanted, watch, values, status, note)
-            if (.not. is_good_end(status)) return
-            if (measures) call watch%take_end()
-            if (.not. (measures .and. for_class) .or. which%fastest) exit
-            if (watch%knows_class()) exit
-            which%fastest = .true.
-            note = before
-        end do
-        call put_stability(case, values%t_end, wanted, plan%max_steps, values, note)
-        if (measures) call put_measured(case, watch, wanted, values, note)
-        call find_free_constants(case, wanted, values, note)
-        if (size(events) > 0) then
-            if (watch%ended_by == 0) call note%add(note_no_stop)
-        end if
-    end subroutine compute_stepping
+            if (measures .and. has_extremes(wanted) .and. allocated(case%body%effects)) call slot%note%add(note_no_details, &
+                'extremes of the nutation rate and of the support force are not measured for bodies with effects')
+            which = measures_of(wanted, case)
+            ! The search for the largest precession rate costs more than the motion. For the class the turning points suffice,
+            ! unless there may be a cusp.
+            for_class = wanted(of_class) .and. .not. wanted(of_fastest)
+            which%fastest = which%fastest .and. .not. for_class
+            before = slot%note
+            do
+                if (measures .or. stops) then
+                    if (allocated(watch)) deallocate (watch)
+                    allocate (watch)
+                    call watch%set(task%events, task%stop_after, case)
+                    if (measures) call watch%measure_nutation(case, which)
+                end if
+                call follow(slot, wanted, watch)
+                if (.not. is_good_end(slot%status)) return
+                if (measures) call watch%take_end()
+                if (.not. (measures .and. for_class) .or. which%fastest) exit
+                if (watch%knows_class()) exit
+                which%fastest = .true.
+                slot%note = before
+            end do
+            call put_stability(slot, slot%result%t_end, wanted)
+            if (measures) call put_measured(slot, watch, wanted)
+            call find_free_constants(slot, wanted)
+            if (stops) then
+                if (watch%ended_by == 0) call slot%note%add(note_no_stop)
+            end if
+        end associate
+    end subroutine compute_alone
 
     !> Whether extremes of the nutation rate or of the support force are wanted.
     pure logical function has_extremes(wanted)
@@ -140,56 +164,47 @@ contains
     end function measures_of
 
     !> Integrates the motion to the end of its span, or to the event that ends it, within the remaining work.
-    subroutine follow(case, plan, wanted, watch, values, status, note)
-        type(case_t), intent(in) :: case
-        type(plan_t), intent(inout) :: plan
+    subroutine follow(slot, wanted, watch)
+        type(slot_t), intent(inout) :: slot
         logical, intent(in) :: wanted(kinds_of_work)
         type(nutation_watch_t), intent(inout), optional :: watch
-        type(sweep_result_t), intent(inout) :: values
-        integer, intent(out) :: status
-        type(note_t), intent(inout) :: note
         type(witness_t) :: witness
         type(outcome_t) :: outcome
         real(dp), allocatable :: times(:)
 
-        if (.not. plan%exact) call plan%fit_steps(case%t_end)
-        call begin_witness(case, witness)
-        witness%counts_turns = wanted(of_turns)
-        witness%sees_steps = wanted(of_energy)
-        witness%wants_work = wanted(of_energy) .and. allocated(case%body%effects)
-        times = [case%t_end]
-        if (wanted(of_period)) times = with_time(times, witness%period)
-        if (plan%exact) then
-            call walk(case, plan%max_steps, times, witness, outcome%status, watch)
-        else
-            call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, times, &
-                           witness, outcome, watch)
-            if (is_good_end(outcome%status)) then
-                witness%last = plan%formulation%motion(witness%t, witness%y, witness%near)
-                witness%last%given_angle = witness%given_angle
-            end if
-        end if
-        status = outcome%status
-        values%evaluations = real(outcome%counts%evaluations, dp)
-        if (wanted(of_period)) then
-            call put_azimuth(witness%saw_period, witness%azimuth_at_period, values, note)
-        end if
-        if (.not. is_good_end(status)) then
-            call note%explain(trim(status_meanings(status)))
-            return
-        end if
-        values%t_stuck = outcome%t_stuck
-        call put_end(case, witness%last, witness%energy_error, values)
-        if (case%body%has_closed_form()) then
-            call compare_with_exact(case, wanted, witness%last, values)
-        else if (wanted(of_inherent)) then
-            if (allocated(case%body%effects)) then
-                call note%add(note_no_inherent, only_without_effects)
+        associate (case => slot%case, plan => slot%plan, values => slot%result)
+            if (.not. plan%exact) call plan%fit_steps(case%t_end)
+            call begin_witness(case, witness)
+            witness%counts_turns = wanted(of_turns)
+            witness%sees_steps = wanted(of_energy)
+            witness%wants_work = wanted(of_energy) .and. allocated(case%body%effects)
+            times = [case%t_end]
+            if (wanted(of_period)) times = with_time(times, witness%period)
+            if (plan%exact) then
+                call walk(case, plan%max_steps, times, witness, outcome%status, watch)
             else
-                values%inherent_until = values%t_end
-                values%most_steps = max(plan%max_steps, 1_int64)
+                call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, times, &
+                               witness, outcome, watch)
+                if (is_good_end(outcome%status)) then
+                    witness%last = plan%formulation%motion(witness%t, witness%y, witness%near)
+                    witness%last%given_angle = witness%given_angle
+                end if
             end if
-        end if
+            slot%status = outcome%status
+            values%evaluations = real(outcome%counts%evaluations, dp)
+            if (wanted(of_period)) call put_azimuth(witness%saw_period, witness%azimuth_at_period, values, slot%note)
+            if (.not. is_good_end(slot%status)) then
+                call slot%fail(slot%status)
+                return
+            end if
+            values%t_stuck = outcome%t_stuck
+            call put_end(slot, witness%last, witness%energy_error)
+            if (case%body%has_closed_form()) then
+                call compare_with_exact(case, wanted, witness%last, values)
+            else if (wanted(of_inherent)) then
+                call ask_for_inherent_error(slot, values%t_end)
+            end if
+        end associate
     end subroutine follow
 
     !> Follows the closed form at the times and to the end, or to the event that ends the motion.

@@ -24,7 +24,7 @@ module spintop_sweep_study
     use spintop_study_column, only: listed_column_t
     use spintop_summary, only: rounded, summary_t
     use spintop_sweep_column, only: sweep_column_t
-    use spintop_sweep_columns, only: sweep_columns, work_for
+    use spintop_sweep_columns, only: columns_at, sweep_columns, work_for
     use spintop_sweep_forecast, only: forecast_sweep
     use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details
     use spintop_sweep_table, only: describe_table, start_table
@@ -261,14 +261,12 @@ contains
         class(sweep_study_t), intent(in) :: self
         type(job_t), intent(in) :: job !! the job
         character(:), allocatable :: text
-        type(sweep_column_t), allocatable :: known(:)
         logical :: work(kinds_of_work)
         associate (unused => self)
         end associate
         text = ''
         if (.not. job%case%body%has_closed_nutation()) return
-        allocate (known, source=sweep_columns())
-        work = work_for(known(job%columns))
+        work = work_for(columns_at(job%columns))
         ! Beside the formulas of a fast top.
         if (asks_for_span(work) .or. work(of_details)) return
         text = ' The selected columns need only the closed form of the nutation: no case is integrated.'

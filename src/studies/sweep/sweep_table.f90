@@ -25,8 +25,9 @@ module spintop_sweep_table
     use spintop_study_column, only: proof_group
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_columns, only: sweep_columns
+    use spintop_sweep_engine, only: slot_t
     use spintop_sweep_notes, only: note_names, note_t
-    use spintop_sweep_result, only: proof_cells, sweep_result_t, value_count
+    use spintop_sweep_result, only: proof_cells, value_count
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words, status_column, table_column_t
     use spintop_table_head, only: table_head
     use spintop_text, only: string_t
@@ -212,38 +213,35 @@ contains
 
     !> Adds the rows of cases to a block. What a case does not have is a NaN with a note; what overflowed is a
     !> failure.
-    subroutine put_rows(columns, first, parameters, status, results, cases, note, rows)
+    subroutine put_rows(columns, first, parameters, slots, rows)
         type(sweep_column_t), intent(in) :: columns(:) !! the columns
         integer(int64), intent(in) :: first !! number of the first case
         real(dp), intent(in) :: parameters(:, :) !! the swept ones of each case
-        integer, intent(in) :: status(:) !! statuses of the cases of the block
-        type(sweep_result_t), intent(in) :: results(:) !! the quantities of the cases
-        type(case_t), intent(in) :: cases(:) !! cases of the block
-        type(note_t), intent(inout) :: note(:) !! notes on the cases of the block
+        type(slot_t), intent(inout) :: slots(:) !! the cases of the block
         type(row_block_t), intent(inout) :: rows !! the rows of the block
         real(dp) :: listed(value_count)
         integer :: place(size(columns)), k, axes, told
 
         axes = size(parameters, 1)
         place = columns%place
-        associate (cells => rows%cells(:, rows%rows + 1:rows%rows + size(results)))
-            do k = 1, size(results)
-                listed = results(k)%list()
-                told = status(k)
-                associate (values => cells(axes + 3:axes + 2 + size(columns), k))
+        associate (cells => rows%cells(:, rows%rows + 1:rows%rows + size(slots)))
+            do k = 1, size(slots)
+                associate (slot => slots(k), values => cells(axes + 3:axes + 2 + size(columns), k))
+                    listed = slot%result%list()
+                    told = slot%status
                     values = listed(place)
                     if (is_good_end(told) .and. .not. all(abs(values) <= huge(values))) then
-                        call explain_missing(columns, values, cases(k), note(k))
+                        call explain_missing(columns, values, slot%case, slot%note)
                         if (overflowed(columns, values)) told = status_non_finite
                     end if
+                    cells(1, k) = real(first + k - 1, dp)
+                    cells(2:axes + 1, k) = parameters(:, k)
+                    cells(axes + 2, k) = told
+                    cells(size(cells, 1), k) = slot%note%flags
+                    rows%rows = rows%rows + 1
+                    call rows%set_note(slot%note%text)
+                    rows%counts(told) = rows%counts(told) + 1
                 end associate
-                cells(1, k) = real(first + k - 1, dp)
-                cells(2:axes + 1, k) = parameters(:, k)
-                cells(axes + 2, k) = told
-                cells(size(cells, 1), k) = note(k)%flags
-                rows%rows = rows%rows + 1
-                call rows%set_note(note(k)%text)
-                rows%counts(told) = rows%counts(told) + 1
             end do
         end associate
     end subroutine put_rows

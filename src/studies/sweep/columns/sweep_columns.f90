@@ -16,7 +16,7 @@ module spintop_sweep_columns
         kinds_of_work, set_of
     implicit none
     private
-    public :: sweep_columns, work_for
+    public :: sweep_columns, columns_at, work_for
 
     !> What several columns need.
     integer, parameter :: range_of_theta(*) = [of_nutation, of_range], end_and_turns(*) = [of_end, of_turns], &
@@ -117,6 +117,15 @@ contains
                            'largest Floquet multiplier with the centre of mass above the pivot, vibrated vertically', &
                            'multiplier', set_of([of_multiplier]))]
     end function stability_columns
+
+    !> Columns at some places of the list of all.
+    function columns_at(places) result(columns)
+        integer, intent(in) :: places(:) !! the places
+        type(sweep_column_t), allocatable :: columns(:), known(:)
+        ! Not on the stack, which may be small.
+        allocate (known, source=sweep_columns())
+        columns = known(places)
+    end function columns_at
 
     !> What columns need, as flags.
     pure function work_for(columns) result(wanted)

@@ -1,0 +1,132 @@
+!> How the cases of a sweep are computed. A block has a slot for each of its cases; engines, of which each takes the cases
+!> that suit it, compute their quantities, many at once where they can.
+!>
+!>     call run_engines(engines, slots, task)   ! the first engine that takes a case computes it
+module spintop_sweep_engine
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_case, only: case_t
+    use spintop_event_text, only: column_event_t
+    use spintop_kinds, only: dp
+    use spintop_plan, only: plan_t
+    use spintop_status, only: status_meanings, status_ok
+    use spintop_sweep_notes, only: note_t
+    use spintop_sweep_result, only: kinds_of_work, sweep_result_t
+    implicit none
+    private
+    public :: task_t, slot_t, engine_t, engine_entry_t, run_engines
+    public :: lacks_nothing, lacks_motion, lacks_perturbations
+
+    !> What a case still lacks: the quantities of its motion, and then those that perturbations of it tell.
+    integer, parameter :: lacks_nothing = 0, lacks_motion = 1, lacks_perturbations = 2
+
+    !> What is asked of every case of a sweep.
+    type :: task_t
+        !> Selected groups of quantities.
+        logical :: wanted(kinds_of_work) = .false.
+        !> The motion ends at the n-th of the events, if there are any.
+        type(column_event_t), allocatable :: events(:)
+        integer :: stop_after = 1
+    end type task_t
+
+    !> A case of a block, and what is known of it.
+    type :: slot_t
+        type(case_t) :: case
+        !> Model, method and settings.
+        type(plan_t), pointer :: plan => null()
+        !> Remaining work, in steps.
+        integer(int64) :: max_steps = 0
+        integer :: lacks = lacks_nothing
+        !> `status_ok`, another good end, or the reason of a failure (spintop_status).
+        integer :: status = status_ok
+        type(note_t) :: note
+        type(sweep_result_t) :: result
+        !> The end of the motion, s, up to which the growth of perturbations and the inherent error are to be found; 0 where they
+        !> are not.
+        real(dp) :: growth_until = 0, inherent_until = 0
+    contains
+        procedure :: fail
+    end type slot_t
+
+    !> A way to compute cases.
+    type, abstract :: engine_t
+        !> What it gives to cases that lack it.
+        integer :: gives = lacks_motion
+    contains
+        procedure(takes), deferred :: takes
+        procedure(compute), deferred :: compute
+        procedure, nopass :: shares_lanes
+    end type engine_t
+
+    !> An engine of a list.
+    type :: engine_entry_t
+        class(engine_t), allocatable :: engine
+    end type engine_entry_t
+
+    abstract interface
+        !> Whether the engine can compute a case.
+        logical function takes(self, slot, task)
+            import :: engine_t, slot_t, task_t
+            class(engine_t), intent(in) :: self
+            type(slot_t), intent(in) :: slot !! the case
+            type(task_t), intent(in) :: task !! what is asked of it
+        end function takes
+
+        !> Computes some cases of a block. Those that it sets back to `lacks_motion` are left to the engines after it.
+        subroutine compute(self, slots, list, task)
+            import :: engine_t, slot_t, task_t
+            class(engine_t), intent(inout) :: self
+            type(slot_t), intent(inout) :: slots(:) !! the block
+            integer, intent(in) :: list(:) !! the places of the cases, one at least
+            type(task_t), intent(in) :: task !! what is asked of them, the same in every call
+        end subroutine compute
+    end interface
+
+contains
+
+    !> Computes the cases of a block: each by the first engine that takes it.
+    subroutine run_engines(engines, slots, task)
+        type(engine_entry_t), intent(inout) :: engines(:) !! the last for what is lacking takes all
+        type(slot_t), intent(inout) :: slots(:) !! the cases
+        type(task_t), intent(in) :: task !! what is asked of them
+        integer :: list(size(slots)), i, k, n
+        logical :: is_like(size(slots))
+
+        do i = 1, size(engines)
+            associate (engine => engines(i)%engine)
+                n = 0
+                do k = 1, size(slots)
+                    if (slots(k)%lacks /= engine%gives) cycle
+                    if (.not. engine%takes(slots(k), task)) cycle
+                    n = n + 1
+                    list(n) = k
+                end do
+                do while (n > 0)
+                    is_like(:n) = [(engine%shares_lanes(slots(list(1)), slots(list(k))), k=1, n)]
+                    associate (like => pack(list(:n), is_like(:n)), others => pack(list(:n), .not. is_like(:n)))
+                        slots(like)%lacks = lacks_nothing
+                        call engine%compute(slots, like, task)
+                        n = size(others)
+                        list(:n) = others
+                    end associate
+                end do
+            end associate
+        end do
+    end subroutine run_engines
+
+    !> Whether two cases can be computed together.
+    logical function shares_lanes(a, b)
+        type(slot_t), intent(in) :: a, b !! the cases
+        associate (unused => a, unused_too => b)
+        end associate
+        shares_lanes = .true.
+    end function shares_lanes
+
+    !> Ends a case without success.
+    subroutine fail(self, status)
+        class(slot_t), intent(inout) :: self
+        integer, intent(in) :: status !! the reason
+        self%status = status
+        call self%note%explain(trim(status_meanings(status)))
+    end subroutine fail
+
+end module spintop_sweep_engine

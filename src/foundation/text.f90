@@ -6,7 +6,7 @@ module spintop_text
     implicit none
     private
     public :: string_t, append, lower_case, nearest_word, did_you_mean, join, split, to_text, counted, replace_all, abbreviate
-    public :: write_reals, write_integer, real_width
+    public :: write_reals, write_integer, fixed_text, real_width
 
     !> Maximum number of characters of a real number.
     integer, parameter :: real_width = 24
@@ -259,11 +259,17 @@ contains
     function real_to_text(value) result(text)
         real(dp), intent(in) :: value !! the value
         character(:), allocatable :: text
-        character(real_width) :: room
-        integer :: length
-        length = c_real_to_text(value, room, real_width)
-        text = room(:length)
+        text = trim(fixed_text(value))
     end function real_to_text
+
+    !> The same with blanks after it, for threads: see `status_names`.
+    function fixed_text(value) result(text)
+        real(dp), intent(in) :: value !! the value
+        character(real_width) :: text
+        integer :: length
+        length = c_real_to_text(value, text, real_width)
+        text(length + 1:) = ''
+    end function fixed_text
 
     !> An integer without blanks.
     pure function integer_to_text(value) result(text)

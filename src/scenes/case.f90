@@ -1,5 +1,5 @@
 !> A case: what a scene means, in numbers ready to compute with: the body, its start (attitude and angular
-!> velocity), and the time span.
+!> velocity), and the time span. Threads make cases, so texts are made without functions of deferred length: see `status_names`.
 module spintop_case
     use spintop_kinds, only: degree, dp, epsilon_dp, pi
     use spintop_attitude, only: angles_from_quaternion, attitude_circular_t, circular_of_attitude, omega_from_circular, &
@@ -17,7 +17,7 @@ module spintop_case
     use spintop_scene, only: scene_t
     use spintop_status, only: status_ok
     use spintop_steady_motion, only: steady_rates, steady_rates_at_spin
-    use spintop_text, only: to_text
+    use spintop_text, only: fixed_text
     use spintop_validity, only: loses_energy, loses_spin, loses_swing, loses_weight
     implicit none
     private
@@ -97,10 +97,8 @@ contains
             if (.not. allocated(effects%table)) return
             associate (knots => effects%table%knots)
                 if (knots(size(knots)) >= case%t_end) return
-                !$omp critical (texts)
-                call problems%add('effects.torque_table', 'the table ends at t = ' // to_text(knots(size(knots))) // &
-                                  ', before the end of the span, ' // to_text(case%t_end), 'add rows, or shorten the span')
-                !$omp end critical (texts)
+                call problems%add('effects.torque_table', 'the table ends at t = ' // trim(fixed_text(knots(size(knots)))) // &
+                                  ', before the end of the span, ' // trim(fixed_text(case%t_end)), 'add rows, or shorten the span')
             end associate
         end associate
     end subroutine check_table_end
@@ -141,11 +139,8 @@ contains
             end if
             associate (length => norm2(scene%quaternion))
                 if (abs(length - 1) > unit_slack) then
-                    ! Threads make cases: see `status_names`.
-                    !$omp critical (texts)
-                    call problems%add('initial.quaternion', 'the norm of the quaternion is ' // to_text(length) // ', not 1', &
-                                      'an attitude is a unit quaternion: divide it by its norm')
-                    !$omp end critical (texts)
+                    call problems%add('initial.quaternion', 'the norm of the quaternion is ' // trim(fixed_text(length)) // &
+                                      ', not 1', 'an attitude is a unit quaternion: divide it by its norm')
                     return
                 end if
                 start%quaternion = scene%quaternion

@@ -16,9 +16,9 @@ module spintop_in_memory
     use spintop_options, only: options_t
     use spintop_preparation, only: prepare_job, prepared_t, protect_interrupted
     use spintop_scene_words, only: kind_fit, kind_sweep, study_kinds
-    use spintop_status, only: code_of
+    use spintop_sweep_study, only: compute_cases
     use spintop_sweep_table, only: describe_columns
-    use spintop_sweep_team, only: sweep_team_t
+    use spintop_team, only: team_t
     use spintop_text, only: join, string_t
     !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
     implicit none
@@ -81,17 +81,14 @@ contains
         type(memory_run_t), intent(inout) :: run
         type(error_t), allocatable, intent(out) :: error
         type(memory_table_t) :: table
-        type(sweep_team_t) :: team
+        type(team_t) :: team
 
         call describe_columns(job, table%columns)
         call table%begin(job%axes%cases, error)
         if (allocated(error)) return
-        call team%assemble(options%ranks, job, [1_int64, job%axes%cases])
         call team%progress%start(job%name, 'cases', job%axes%cases, options%quiet, options%progress)
-        call team%compute(job, table)
-        call move_alloc(team%queue%error, error)
+        call compute_cases(job, options%ranks, [1_int64, job%axes%cases], table, team, run%code, error)
         if (allocated(error)) return
-        run%code = code_of(table%counts)
         allocate (run%table(1))
         call take_table(table%data, run%table(1))
     end subroutine run_sweep

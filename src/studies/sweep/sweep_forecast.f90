@@ -11,10 +11,10 @@ module spintop_sweep_forecast
     use spintop_statistics_result, only: bytes_of_result
     use spintop_summary, only: rounded, summary_t
     use spintop_sweep_table, only: cells_of_row, describe_table
-    use spintop_sweep_team, only: blocks_ahead
-    use spintop_sweep_sensitivities, only: sweep_sensitivities_t
-    use spintop_sweep_worker, only: size_of_block, sweep_worker_t
+    use spintop_sweep_thread, only: sweep_thread_t
+    use spintop_sweep_worker, only: size_of_block
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words
+    use spintop_team, only: blocks_ahead
     use spintop_text, only: to_text
     !$ use omp_lib, only: omp_get_max_threads
     implicit none
@@ -80,13 +80,11 @@ contains
         integer(int64), intent(in) :: first, cases
         class(row_table_t), intent(in) :: table
         type(sample_t), intent(out) :: sample
-        type(sweep_worker_t), allocatable, target :: worker
-        type(sweep_sensitivities_t), allocatable, target :: sensitivities
+        type(sweep_thread_t), allocatable, target :: thread
         integer :: block
 
-        allocate (worker, sensitivities)
-        call worker%prepare(job)
-        call sensitivities%prepare(job)
+        allocate (thread)
+        call thread%prepare(job)
         block = size_of_block(job)
         call compute_places(few_places, min(cases_at_place, block))
         if (sample%time / sample%cases * block * many_places < long_enough) call compute_places(many_places, block)
@@ -107,8 +105,7 @@ contains
             do place = 0, last_place
                 begin = first + int(real(cases - width, dp) * (max(place, 1) - 0.5_dp) / last_place, int64)
                 began = seconds()
-                call worker%compute_rows(job, begin, begin + width - 1, rows)
-                call sensitivities%fill(job, rows)
+                call thread%compute_rows(begin, begin + width - 1, rows)
                 if (place == 0 .and. seconds() - began < long_enough / few_places) cycle
                 sample%bytes = sample%bytes + bytes_of(rows, table)
                 sample%time = sample%time + (seconds() - began)

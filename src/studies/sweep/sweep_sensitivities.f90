@@ -25,6 +25,7 @@ module spintop_sweep_sensitivities
         type(job_t), allocatable :: job
         type(sweep_worker_t), allocatable :: worker
         type(row_block_t) :: rows
+        integer :: cases_of_block = 1
         !> Quantities at the nodes of the keys.
         real(dp), allocatable :: values(:, :, :)
     contains
@@ -123,6 +124,7 @@ contains
             allocate (self%values(size(own%columns), node_count, size(axis)))
         end associate
         call self%worker%prepare(self%job)
+        self%cases_of_block = size_of_block(self%job)
     end subroutine prepare_nodes
 
     !> Fills the cells of the sensitivities in the rows of some cases. What has no derivative is NaN, with a note.
@@ -235,8 +237,8 @@ contains
             end do
             cells_before = size(axes%axis) + 2
         end associate
-        do first = 1, n, size_of_block(self%job)
-            last = min(first + size_of_block(self%job) - 1, n)
+        do first = 1, n, self%cases_of_block
+            last = min(first + self%cases_of_block - 1, n)
             call self%worker%compute_rows(self%job, int(first, int64), int(last, int64), self%rows)
             do row = 1, self%rows%rows
                 if (.not. is_good_end(nint(self%rows%cells(cells_before, row)))) cycle

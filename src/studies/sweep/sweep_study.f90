@@ -1,5 +1,5 @@
 !> The sweep as a kind of study: a case for each combination of the axes, one row each, on all cores, in one
-!> process or in many. A team of threads and ranks computes the cases (`spintop_sweep_team`); here its table is
+!> process or in many. A team of threads and ranks computes the cases (`spintop_team`); here its table is
 !> begun, finished and summarized.
 module spintop_sweep_study
     use, intrinsic :: iso_fortran_env, only: int64
@@ -28,11 +28,13 @@ module spintop_sweep_study
     use spintop_sweep_forecast, only: forecast_sweep
     use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details
     use spintop_sweep_table, only: describe_table, start_table
-    use spintop_sweep_team, only: sweep_team_t
+    use spintop_sweep_thread, only: sweep_thread_t
+    use spintop_sweep_worker, only: size_of_block
+    use spintop_team, only: team_t
     use spintop_text, only: join, to_text
     implicit none
     private
-    public :: sweep_study_t
+    public :: sweep_study_t, compute_cases
 
     !> First and last case of an empty range.
     integer(int64), parameter :: no_cases(2) = [1, 0]
@@ -112,7 +114,7 @@ contains
         integer, intent(out) :: code !! exit code
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         class(row_table_t), allocatable :: table
-        type(sweep_team_t) :: team
+        type(team_t) :: team
         integer(int64) :: cases(2)
         real(dp) :: began
 
@@ -128,24 +130,52 @@ contains
             if (code /= exit_ok) call summary%add('status', failures_of(table))
             return
         end if
-        if (cases(1) <= cases(2)) then
-            call team%assemble(options%ranks, job, cases)
-        else
-            ! There is nothing to compute: the writer finishes the table alone.
-            if (.not. options%ranks%is_writer()) return
-            call team%assemble(ranks_t(), job, cases)
-        end if
         began = seconds()
-        if (team%ranks%is_writer()) call announce(job, options, table, cases, team)
-        call team%compute(job, table)
-        if (.not. team%ranks%is_writer()) return
-        call finish_table(table, team, error)
-        if (allocated(error)) return
-        code = code_of(table%counts)
+        ! If there is nothing to compute, the writer finishes the table alone.
+        if (cases(1) > cases(2) .and. .not. options%ranks%is_writer()) return
+        if (options%ranks%is_writer()) call announce(job, options, table, cases, team)
+        call compute_cases(job, options%ranks, cases, table, team, code, error)
+        call watch_no_more()
+        if (allocated(error) .or. .not. team%ranks%is_writer()) return
         call describe_sweep(job, options%shard, table, team, seconds() - began, summary)
         ! The table itself contains nothing that varies from run to run.
         call replace_file(job%log, join(summary%lines, new_line('a')) // new_line('a'), error)
     end subroutine run
+
+    !> Computes cases into a table that was begun, and finishes it, unless its rows could not all be written; after an error it
+    !> is abandoned. All ranks call it, or the writer alone if there are no cases; only the writer knows the outcome.
+    subroutine compute_cases(job, ranks, cases, table, team, code, error)
+        type(job_t), target, intent(in) :: job !! the job
+        type(ranks_t), intent(in) :: ranks !! the ranks of the run
+        integer(int64), intent(in) :: cases(2) !! first and last case
+        class(row_table_t), intent(inout) :: table !! the table
+        type(team_t), intent(inout) :: team !! those who compute them, and their costs; its progress was started
+        integer, intent(out) :: code !! exit code
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(sweep_thread_t), allocatable, target :: threads(:)
+        real(dp) :: moment
+        integer :: i
+
+        code = exit_ok
+        if (cases(1) <= cases(2)) then
+            call team%assemble(ranks, cases, size_of_block(job))
+        else
+            call team%assemble(ranks_t(), cases, size_of_block(job))
+        end if
+        allocate (threads(team%threads))
+        do i = 1, size(threads)
+            call threads(i)%prepare(job)
+        end do
+        call team%compute(threads, table)
+        if (.not. team%ranks%is_writer()) return
+        call team%progress%finish()
+        moment = seconds()
+        call move_alloc(team%queue%error, error)
+        if (.not. allocated(error)) call table%finish(error)
+        if (allocated(error)) call table%abandon(error)
+        team%costs%writing = team%costs%writing + (seconds() - moment)
+        if (.not. allocated(error)) code = code_of(table%counts)
+    end subroutine compute_cases
 
     !> Begins the table of a job or goes on with one, and finds the first and last case to compute, the same in all
     !> ranks; there are none where the table is complete, or the writer has an error.
@@ -176,7 +206,7 @@ contains
         type(options_t), intent(in) :: options
         class(row_table_t), intent(in) :: table
         integer(int64), intent(in) :: cases(2)
-        type(sweep_team_t), intent(inout) :: team
+        type(team_t), intent(inout) :: team
         integer(int64) :: rows
 
         rows = table%rows() + cases(2) - cases(1) + 1
@@ -185,28 +215,12 @@ contains
         call options%announce_signals(job%input, job%output, table, rows)
     end subroutine announce
 
-    !> Finishes the table, unless its rows could not all be written; after an error it is abandoned.
-    subroutine finish_table(table, team, error)
-        class(row_table_t), intent(inout) :: table
-        type(sweep_team_t), intent(inout) :: team
-        type(error_t), allocatable, intent(out) :: error
-        real(dp) :: moment
-
-        call team%progress%finish()
-        moment = seconds()
-        call move_alloc(team%queue%error, error)
-        if (.not. allocated(error)) call table%finish(error)
-        call watch_no_more()
-        if (allocated(error)) call table%abandon(error)
-        team%costs%writing = team%costs%writing + (seconds() - moment)
-    end subroutine finish_table
-
     !> The summary: plan, cases by status, times.
     subroutine describe_sweep(job, shard, table, team, elapsed, summary)
         type(job_t), intent(in) :: job
         type(shard_t), intent(in) :: shard
         class(row_table_t), intent(in) :: table
-        type(sweep_team_t), intent(in) :: team
+        type(team_t), intent(in) :: team
         real(dp), intent(in) :: elapsed
         type(summary_t), intent(out) :: summary
         character(:), allocatable :: outputs

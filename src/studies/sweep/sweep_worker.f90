@@ -1,4 +1,5 @@
-!> The work of one thread in a sweep: makes cases, computes them, and fills their rows.
+!> The work of one thread in a sweep: makes cases, computes them, and fills their rows. Threads make texts one at a time, as
+!> those of `spintop_team` do.
 module spintop_sweep_worker
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_body, only: body_t
@@ -27,9 +28,10 @@ module spintop_sweep_worker
     use spintop_sweep_stability, only: perturbations_t
     use spintop_sweep_stepping, only: sweep_stepping_t
     use spintop_sweep_table, only: cells_of_row, put_rows
+    use spintop_team, only: computing, formatting, making
     implicit none
     private
-    public :: sweep_worker_t, size_of_block, making, computing, filling
+    public :: sweep_worker_t, size_of_block
 
     !> Cases per block if each is expensive. Otherwise a block has as many cases as the exact solution
     !> computes at once.
@@ -50,9 +52,6 @@ module spintop_sweep_worker
         !> Why there is no such plan; not allocated if there is one.
         character(:), allocatable :: problem
     end type kept_plan_t
-
-    !> What is done with a case, of which the costs are counted.
-    integer, parameter :: making = 1, computing = 2, filling = 3
 
     !> Data of a thread for making and computing cases.
     type :: sweep_worker_t
@@ -78,8 +77,8 @@ module spintop_sweep_worker
         real(dp), allocatable, private :: parameters(:, :)
         integer, allocatable, private :: changed(:)
         integer, private :: first_without_attitude = 1
-        !> Time of the processor for making and computing cases, and for filling their rows, s.
-        real(dp) :: costs(filling) = 0
+        !> Time of the processor for making and computing the cases of the last block, and for formatting their rows, s.
+        real(dp) :: costs(formatting) = 0
     contains
         procedure :: prepare
         procedure :: compute_rows
@@ -165,7 +164,7 @@ contains
         type(job_t), intent(in) :: job !! the job
         integer(int64), intent(in) :: first, last !! first and last case
         type(row_block_t), intent(inout) :: rows !! the rows of the cases
-        real(dp) :: began, moments(0:filling), spent(filling)
+        real(dp) :: began, moments(0:formatting), spent(formatting)
         integer :: k, n
 
         began = processor_seconds()
@@ -186,10 +185,10 @@ contains
             call rows%reserve(cells_of_row(job), block_size)
             call put_rows(worker%columns, first, worker%parameters(:, :n), slots, rows)
         end associate
-        moments(filling) = seconds()
+        moments(formatting) = seconds()
         ! The time of the processor takes a call of the system, which may cost as much as a case: it is asked for once a block.
-        spent = moments(1:) - moments(:filling - 1)
-        worker%costs = worker%costs + spent * ((processor_seconds() - began) / max(sum(spent), tiny(began)))
+        spent = moments(1:) - moments(:formatting - 1)
+        worker%costs = spent * ((processor_seconds() - began) / max(sum(spent), tiny(began)))
     end subroutine compute_rows
 
     !> Makes the k-th case of the block.
@@ -255,20 +254,17 @@ contains
         associate (slot => worker%slots(k))
             slot%status = status_bad_input
             outside = job%axes%out_of_range(worker%parameters(:, k))
-            if (outside > 0) then
-                !$omp critical (texts)
-                associate (axis => job%axes%axis(outside))
-                    call slot%note%explain(axis%name // ' ' // axis%slot%refusal(worker%parameters(outside, k)))
-                end associate
-                !$omp end critical (texts)
-                return
-            end if
-            call make_case(worker%swept%scene, slot%case, problems, kept)
-            if (problems%any()) then
-                ! Threads create texts: see `status_names`.
-                !$omp critical (texts)
-                call slot%note%explain(problems%first())
-                !$omp end critical (texts)
+            if (outside == 0) call make_case(worker%swept%scene, slot%case, problems, kept)
+            if (outside > 0 .or. problems%any()) then
+                !$omp critical (queue)
+                if (outside == 0) then
+                    call slot%note%explain(problems%first())
+                else
+                    associate (axis => job%axes%axis(outside))
+                        call slot%note%explain(axis%name // ' ' // axis%slot%refusal(worker%parameters(outside, k)))
+                    end associate
+                end if
+                !$omp end critical (queue)
                 return
             end if
             place = k
@@ -298,11 +294,10 @@ contains
         one_of_kind = case
         if (worker%same_plans) one_of_kind%t_end = job%case%t_end
         kept%is_made = .true.
-        ! Plans and problems create texts: see `status_names`.
-        !$omp critical (texts)
+        !$omp critical (queue)
         call make_plan(worker%swept%scene, one_of_kind, kept%plan, problems)
         if (problems%any()) kept%problem = problems%first()
-        !$omp end critical (texts)
+        !$omp end critical (queue)
     end subroutine keep_plan
 
     !> The kind of a body.

@@ -1,16 +1,17 @@
-!> The threads and ranks that compute the cases of a sweep. Each thread takes a block of cases, computes it and
+!> The threads and ranks that compute the rows of many cases. Each thread takes a block of cases, computes it and
 !> hands in its rows, until no block is left; the rows are written in the order of the cases. Threads know nothing
 !> of each other; the other ranks exchange their blocks with a thread of the writer (see `spintop_ranks`). One more
 !> thread of the writer, mostly asleep, sees that written rows are kept by the journal in time, even while all others
 !> compute for long, and ends the process after a signal when they are.
 !>
-!>     call team%assemble(ranks, job, cases)       ! in all ranks
-!>     call team%compute(job, table)               ! in all ranks; in the writer the table is then written
-module spintop_sweep_team
+!> Texts are made by one thread at a time (see `status_names`): in the critical sections `queue`, which workers may use, too.
+!>
+!>     call team%assemble(ranks, cases, 512)       ! in all ranks
+!>     call team%compute(workers, table)           ! in all ranks; in the writer the table is then written
+module spintop_team
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_clock, only: pause_for, processor_seconds, seconds
     use spintop_errors, only: error_t
-    use spintop_job, only: job_t
     use spintop_journal, only: journal_entry_t
     use spintop_kinds, only: dp
     use spintop_process, only: end_by_signal, end_is_wanted, peak_memory, set_keeper
@@ -19,13 +20,11 @@ module spintop_sweep_team
     use spintop_row_block, only: row_block_t
     use spintop_row_queue, only: none_left, retry_later, row_queue_t
     use spintop_row_table, only: row_table_t
-    use spintop_sweep_sensitivities, only: sweep_sensitivities_t
-    use spintop_sweep_worker, only: computing, filling, making, size_of_block, sweep_worker_t
     use spintop_text, only: to_text
     !$ use omp_lib, only: omp_get_max_threads, omp_get_num_threads, omp_get_thread_num
     implicit none
     private
-    public :: sweep_team_t, sweep_costs_t, team_in_words, blocks_ahead
+    public :: team_t, block_worker_t, making, computing, formatting, team_in_words, blocks_ahead
 
     !> Number of blocks per thread that a fast thread may be ahead of a slow one, or of a writing one; and the
     !> time it waits then, s.
@@ -40,24 +39,47 @@ module spintop_sweep_team
 
     !> Time of all threads for making, computing, formatting and writing cases, s; and the peak memory of all
     !> ranks, bytes.
-    type :: sweep_costs_t
+    type :: costs_t
         real(dp) :: making = 0, computing = 0, formatting = 0, writing = 0, memory = 0
-    end type sweep_costs_t
+    end type costs_t
 
-    !> Those who compute a sweep, and what they share.
-    type :: sweep_team_t
+    !> What is done with a case, of which a worker counts the costs.
+    integer, parameter :: making = 1, computing = 2, formatting = 3
+
+    !> Computes blocks of cases in a thread.
+    type, abstract :: block_worker_t
+        !> Time of the processor, s.
+        real(dp) :: costs(formatting) = 0
+    contains
+        procedure(compute_rows), deferred :: compute_rows
+    end type block_worker_t
+
+    abstract interface
+        !> Computes the rows of some cases.
+        subroutine compute_rows(self, first, last, rows)
+            import :: block_worker_t, int64, row_block_t
+            class(block_worker_t), target, intent(inout) :: self
+            integer(int64), intent(in) :: first, last !! first and last case
+            type(row_block_t), intent(inout) :: rows !! their rows
+        end subroutine compute_rows
+    end interface
+
+    !> Those who compute cases, and what they share.
+    type :: team_t
         type(ranks_t) :: ranks
         !> First and last case to compute.
         integer(int64), private :: cases(2) = [1, 0]
+        integer, private :: cases_of_block = 1
         !> Threads of this rank that compute, those of all ranks (known to the writer), and those that serve
         !> other ranks.
-        integer, private :: threads = 1, all_threads = 1, servers = 0
+        integer :: threads = 1
+        integer, private :: all_threads = 1, servers = 0
         !> Threads of this rank that still compute or serve.
         integer, private :: active = 0
         !> Blocks to compute, and rows that wait to be written.
         type(row_queue_t) :: queue
         type(progress_t) :: progress
-        type(sweep_costs_t) :: costs
+        type(costs_t) :: costs
     contains
         procedure :: assemble
         procedure :: compute
@@ -70,36 +92,36 @@ module spintop_sweep_team
         procedure, private :: exchange
         procedure, private :: write_next
         procedure, private :: reduce_costs
-    end type sweep_team_t
+    end type team_t
 
 contains
 
     !> Makes up the team for the cases from the first to the last; all ranks call it.
-    subroutine assemble(self, ranks, job, cases)
-        class(sweep_team_t), intent(inout) :: self
+    subroutine assemble(self, ranks, cases, cases_of_block)
+        class(team_t), intent(inout) :: self
         type(ranks_t), intent(in) :: ranks !! the ranks of this run
-        type(job_t), intent(in) :: job !! the job
         integer(int64), intent(in) :: cases(2) !! first and last case
+        integer, intent(in) :: cases_of_block !! number of cases in a block
         real(dp) :: sum(1)
 
         self%ranks = ranks
         self%cases = cases
+        self%cases_of_block = cases_of_block
         !$ self%threads = omp_get_max_threads()
         sum = self%threads
         call ranks%reduce(sum)
         self%all_threads = nint(sum(1))
         if (.not. ranks%is_writer()) return
         if (ranks%count > 1) self%servers = 1
-        call self%queue%start(blocks_ahead * self%all_threads, (cases(2) - cases(1)) / size_of_block(job) + 1)
+        call self%queue%start(blocks_ahead * self%all_threads, (cases(2) - cases(1)) / cases_of_block + 1)
     end subroutine assemble
 
     !> Computes the cases; all ranks call it. In the writer their rows are then put to the table, or
     !> `queue%error` tells why not, and the costs are those of all ranks.
-    subroutine compute(self, job, table)
-        class(sweep_team_t), intent(inout) :: self
-        type(job_t), target, intent(in) :: job !! the job
+    subroutine compute(self, workers, table)
+        class(team_t), intent(inout) :: self
+        class(block_worker_t), target, intent(inout) :: workers(:) !! one for each of `threads`, ready to compute
         class(row_table_t), intent(inout) :: table !! the table
-
         integer :: keepers
         logical :: has_keeper
 
@@ -114,7 +136,7 @@ contains
         if (this_thread() < self%servers) then
             call self%serve_others(table)
         else if (this_thread() < self%threads + self%servers) then
-            call self%compute_share(job, table)
+            call self%compute_share(workers(this_thread() - self%servers + 1), table)
         else
             call self%keep_watch(table)
         end if
@@ -127,26 +149,14 @@ contains
 
     !> The loop of each computing thread: take the next block, compute it and pass it to the queue, until none
     !> is left.
-    subroutine compute_share(self, job, table)
-        class(sweep_team_t), intent(inout) :: self
-        type(job_t), target, intent(in) :: job
+    subroutine compute_share(self, worker, table)
+        class(team_t), intent(inout) :: self
+        class(block_worker_t), target, intent(inout) :: worker
         class(row_table_t), intent(inout) :: table
-        type(sweep_worker_t), allocatable, target :: worker
-        type(sweep_sensitivities_t), allocatable, target :: sensitivities
         type(row_block_t) :: rows
-        integer(int64) :: number, start
-        integer :: cases_of_block
-        real(dp) :: moment, formatting
+        integer(int64) :: number, first
+        real(dp) :: moment
 
-        cases_of_block = size_of_block(job)
-        allocate (worker, sensitivities)
-        ! Only one thread at a time: gfortran keeps the length of the result of a text function in static
-        ! memory at the call (seen in 12 and 14), and this creates many texts.
-        !$omp critical (texts)
-        call worker%prepare(job)
-        call sensitivities%prepare(job)
-        !$omp end critical (texts)
-        formatting = 0
         number = retry_later
         do
             if (self%ranks%is_writer()) then
@@ -159,21 +169,18 @@ contains
                 call pause_for(pause_when_ahead)
                 cycle
             end if
-            start = self%cases(1) + (number - 1) * cases_of_block
-            call worker%compute_rows(job, start, min(start + cases_of_block - 1, self%cases(2)), rows)
-            moment = processor_seconds()
-            call sensitivities%fill(job, rows)
-            worker%costs(computing) = worker%costs(computing) + (processor_seconds() - moment)
+            first = self%cases(1) + (number - 1) * self%cases_of_block
+            call worker%compute_rows(first, min(first + self%cases_of_block - 1, self%cases(2)), rows)
             moment = processor_seconds()
             call table%format(rows)
-            formatting = formatting + (processor_seconds() - moment)
+            worker%costs(formatting) = worker%costs(formatting) + (processor_seconds() - moment)
         end do
         !$omp critical (queue)
         self%active = self%active - 1
         associate (costs => self%costs)
             costs%making = costs%making + worker%costs(making)
             costs%computing = costs%computing + worker%costs(computing)
-            costs%formatting = costs%formatting + worker%costs(filling) + formatting
+            costs%formatting = costs%formatting + worker%costs(formatting)
         end associate
         !$omp end critical (queue)
     end subroutine compute_share
@@ -181,7 +188,7 @@ contains
     !> The loop of a thread of the writer for the other ranks: exchanges blocks for them, until all have
     !> signed off.
     subroutine serve_others(self, table)
-        class(sweep_team_t), intent(inout) :: self
+        class(team_t), intent(inout) :: self
         class(row_table_t), intent(inout) :: table
         type(row_block_t) :: rows
         integer(int64) :: number
@@ -208,7 +215,7 @@ contains
     !> The loop of the keeper, while others compute: an entry of the journal when it is due, and the end of the process
     !> after a signal.
     subroutine keep_watch(self, table)
-        class(sweep_team_t), intent(inout) :: self
+        class(team_t), intent(inout) :: self
         class(row_table_t), intent(inout) :: table
         logical :: is_over
 
@@ -225,7 +232,7 @@ contains
 
     !> Keeps the written rows, if that is due and nobody is writing.
     subroutine keep_entry_if_due(self, table)
-        class(sweep_team_t), intent(inout) :: self
+        class(team_t), intent(inout) :: self
         class(row_table_t), intent(inout) :: table
         type(journal_entry_t) :: entry
         type(error_t), allocatable :: problem
@@ -233,9 +240,7 @@ contains
 
         !$omp critical (queue)
         has_entry = .false.
-        !$omp critical (texts)
         if (.not. self%queue%is_writing()) call table%take_entry(entry, has_entry, self%queue%error)
-        !$omp end critical (texts)
         !$omp end critical (queue)
         if (.not. has_entry) return
         call table%keep_entry(entry, problem)
@@ -248,7 +253,7 @@ contains
     !> Writes the blocks that are due, keeps all written rows, and ends the process by the signal that it got. Other
     !> threads compute meanwhile; what they have not handed in is lost.
     subroutine end_on_signal(self, table)
-        class(sweep_team_t), intent(inout) :: self
+        class(team_t), intent(inout) :: self
         class(row_table_t), intent(inout) :: table
         logical :: is_due, is_busy
 
@@ -275,7 +280,7 @@ contains
     !> Passes a block to the queue (`number` > 0), writes blocks that are due, and takes the number of another
     !> block.
     subroutine exchange(self, table, number, rows)
-        class(sweep_team_t), intent(inout) :: self
+        class(team_t), intent(inout) :: self
         class(row_table_t), intent(inout) :: table
         integer(int64), intent(inout) :: number
         type(row_block_t), intent(inout) :: rows
@@ -296,7 +301,7 @@ contains
     !> Writes the next block, and the journal if it is due; `is_due` reports whether the block after it is due
     !> too. Other threads wait only for the bookkeeping.
     subroutine write_next(self, table, is_due)
-        class(sweep_team_t), intent(inout) :: self
+        class(team_t), intent(inout) :: self
         class(row_table_t), intent(inout) :: table
         logical, intent(out) :: is_due
         type(journal_entry_t) :: entry
@@ -308,11 +313,8 @@ contains
         call self%queue%write_next(table, problem)
         !$omp critical (queue)
         call self%queue%end_write(problem)
-        ! These make texts: see `status_names`.
-        !$omp critical (texts)
         call self%progress%update(table%rows())
         call table%take_entry(entry, has_entry, self%queue%error)
-        !$omp end critical (texts)
         if (.not. has_entry) call self%queue%begin_write(is_due)
         self%costs%writing = self%costs%writing + (seconds() - moment)
         !$omp end critical (queue)
@@ -330,18 +332,18 @@ contains
 
     !> Adds the costs of the other ranks to those of the writer.
     subroutine reduce_costs(self)
-        class(sweep_team_t), intent(inout) :: self
+        class(team_t), intent(inout) :: self
         real(dp) :: parts(5)
         associate (costs => self%costs)
             parts = [costs%making, costs%computing, costs%formatting, costs%writing, real(peak_memory(), dp)]
             call self%ranks%reduce(parts)
-            costs = sweep_costs_t(parts(1), parts(2), parts(3), parts(4), parts(5))
+            costs = costs_t(parts(1), parts(2), parts(3), parts(4), parts(5))
         end associate
     end subroutine reduce_costs
 
     !> The team for a reader, where it is the writer's.
     function in_words(self) result(text)
-        class(sweep_team_t), intent(in) :: self
+        class(team_t), intent(in) :: self
         character(:), allocatable :: text
         text = team_in_words(self%ranks%count, self%threads, self%all_threads)
     end function in_words
@@ -373,4 +375,4 @@ contains
         !$ this_thread = omp_get_thread_num()
     end function this_thread
 
-end module spintop_sweep_team
+end module spintop_team

@@ -50,9 +50,9 @@ contains
             if (all(named == '')) then
                 columns = pack([(i, i=1, size(known))], known%is_default .and. can_have(known, job%case))
                 ! The exact solution is not compared with itself.
-                if (job%plan%exact) columns = pack(columns, columns /= place_of(known, 'orientation_error'))
+                if (job%plan%exact) columns = pack(columns, .not. known(columns)%compares)
                 ! The end of the span is omitted if no event may end the motion earlier.
-                if (job%scene%stop_at == '') columns = pack(columns, columns /= place_of(known, 't_end'))
+                if (job%scene%stop_at == '') columns = pack(columns, .not. known(columns)%ends)
             else if (named(1) == 'all') then
                 columns = pack([(i, i=1, size(known))], known%group /= proof_group .and. can_have(known, job%case))
             else

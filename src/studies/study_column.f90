@@ -25,6 +25,9 @@ module spintop_study_column
         logical :: is_default = .true.
         !> It compares with the exact motion; it is for bodies with effects.
         logical :: needs_exact_motion = .false., needs_effects = .false.
+        !> It compares the motion with the exact one; and it is the end of the motion, which an event may have ended. Neither is
+        !> a default column where the other is known to be the same.
+        logical :: compares = .false., ends = .false.
     end type listed_column_t
 
 contains

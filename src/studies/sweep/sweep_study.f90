@@ -26,7 +26,7 @@ module spintop_sweep_study
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_columns, only: columns_at, sweep_columns, work_for
     use spintop_sweep_forecast, only: forecast_sweep
-    use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details
+    use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details, of_oracle
     use spintop_sweep_table, only: describe_table, start_table
     use spintop_sweep_thread, only: sweep_thread_t
     use spintop_sweep_worker, only: size_of_block
@@ -73,6 +73,8 @@ contains
         columns%study_column_t = known%study_column_t
         columns%words = known%is_class .or. known%is_proof
         columns%is_default = known%is_default
+        columns%compares = known%needs(of_oracle)
+        columns%ends = known%is_end
     end function columns
 
     !> Plans the first case; the others are made during the run.

@@ -3,7 +3,6 @@
 module spintop_sweep_worker
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_body, only: body_t
-    use spintop_body_of_scene, only: is_set
     use spintop_case, only: attitude_parameters, case_t, kept_parts_t, make_case
     use spintop_certificate, only: proof_count
     use spintop_clock, only: processor_seconds, seconds
@@ -29,6 +28,7 @@ module spintop_sweep_worker
     use spintop_sweep_stepping, only: sweep_stepping_t
     use spintop_sweep_table, only: cells_of_row, put_rows
     use spintop_team, only: computing, formatting, making
+    use spintop_parameters, only: is_set
     implicit none
     private
     public :: sweep_worker_t, size_of_block

@@ -44,8 +44,8 @@ module spintop_trajectory_columns
         integer :: passing = passing_nothing
         !> It is in the table when the input names no columns.
         logical :: is_default = .false.
-        !> It compares with the exact motion.
-        logical :: needs_exact_motion = .false.
+        !> It needs the exact motion; and compares the computed one with that.
+        logical :: needs_exact_motion = .false., compares = .false.
         !> It is for bodies with effects.
         logical :: needs_effects = .false.
         !> It contains the work of effects, which is known in the rows of a motion only.
@@ -132,9 +132,9 @@ module spintop_trajectory_columns
         trajectory_column_t('force_n', 'N', 'support force along the line of nodes', &
                             'force', vector_force_beside_axis, 2, varies_near_poles=.true.), &
         trajectory_column_t('orientation_error', 'rad', 'rotation angle from the exact attitude', &
-                            'errors', vector_errors, 1, is_default=.true., needs_exact_motion=.true.), &
+                            'errors', vector_errors, 1, is_default=.true., needs_exact_motion=.true., compares=.true.), &
         trajectory_column_t('tip_error', '', 'distance of the axis tip from the exact one', &
-                            'errors', vector_errors, 2, needs_exact_motion=.true.), &
+                            'errors', vector_errors, 2, needs_exact_motion=.true., compares=.true.), &
         trajectory_column_t('inherent_error', 'rad', 'error of the attitude due to rounding of the data', &
                             'errors', vector_inherent_error, 1, is_default=.true., needs_exact_motion=.true.), &
         trajectory_column_t('norm_error', '', 'norm error abs(q) - 1 of the computed quaternion', &

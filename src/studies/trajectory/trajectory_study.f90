@@ -56,6 +56,7 @@ contains
         allocate (columns(size(trajectory_columns)))
         columns%study_column_t = trajectory_columns%study_column_t
         columns%words = trajectory_columns%is_proof
+        columns%compares = trajectory_columns%compares
         columns%is_default = trajectory_columns%is_default
         columns%needs_exact_motion = trajectory_columns%needs_exact_motion
         columns%needs_effects = trajectory_columns%needs_effects

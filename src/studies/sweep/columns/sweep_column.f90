@@ -16,6 +16,8 @@ module spintop_sweep_column
         integer :: place = 0
         !> It is in the table when the input names no columns: it costs no more than the rest.
         logical :: is_default = .false.
+        !> It is the end of the motion.
+        logical :: is_end = .false.
         !> Every case has it that ends well.
         logical :: always_exists = .false.
         !> It is a class of motion, and not a number.

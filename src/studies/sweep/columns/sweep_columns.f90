@@ -94,7 +94,7 @@ contains
             sweep_column_t('force_z_max', 'N', 'maximum vertical support force', &
                            'details', set_of([of_details, of_measured, of_vertical_force])), &
             sweep_column_t('t_end', 's', 'end of the span, or time of the event that ended the motion', &
-                           'end', set_of([of_end]), is_default=.true., always_exists=.true.), &
+                           'end', set_of([of_end]), is_default=.true., is_end=.true., always_exists=.true.), &
             sweep_column_t('t_stuck', 's', 'time at which dry friction stopped the body, to the end of the span', &
                            'end', set_of([of_end]), explain=explain_not_stuck), &
             stability_columns(), sweep_free_columns(), sweep_proof_columns()]

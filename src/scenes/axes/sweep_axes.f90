@@ -51,7 +51,7 @@ module spintop_sweep_axes
         procedure :: find_block
         procedure :: place_of
         procedure :: varies
-        procedure :: varies_any
+        procedure :: last_of
         procedure :: in_words
     end type axes_t
 
@@ -171,19 +171,16 @@ contains
         end select
     end subroutine find_values
 
-    !> The values of consecutive cases, and of each case the first axis whose value is not that of the case before: 1 in
-    !> the first case, and in all but those of a grid, of which mostly the last axis alone differs.
-    pure subroutine find_block(self, number, values, changed)
+    !> The values of consecutive cases.
+    pure subroutine find_block(self, number, values)
         class(axes_t), intent(in) :: self
         integer(int64), intent(in) :: number !! number of the first case
         real(dp), intent(out) :: values(:, :) !! of each case: one value for each axis
-        integer, intent(out) :: changed(:) !! for each case
         integer :: k
 
-        changed = 1
         select case (self%combination)
         case (combine_grid)
-            call find_block_of_grid(self, number, values, changed)
+            call find_block_of_grid(self, number, values)
         case (combine_zip)
             do k = 1, size(values, 2)
                 values(:, k) = self%axis%value(int(number) + k - 1)
@@ -194,11 +191,10 @@ contains
     end subroutine find_block
 
     !> The same on a grid: as far as the last axis goes, then the first value of it with the next of the others.
-    pure subroutine find_block_of_grid(self, number, values, changed)
+    pure subroutine find_block_of_grid(self, number, values)
         type(axes_t), intent(in) :: self
         integer(int64), intent(in) :: number
         real(dp), intent(out) :: values(:, :)
-        integer, intent(inout) :: changed(:)
         integer :: last, run, first, k, n
 
         last = size(self%axis)
@@ -212,24 +208,9 @@ contains
                 call axis%list_values(first + 1, values(last, k + 1:k + run))
             end associate
             values(:last - 1, k + 1:k + run) = spread(values(:last - 1, k), 2, run)
-            changed(k + 1:k + run) = last
-            if (k > 1) changed(k) = first_changed(self, number + k - 1)
             k = k + run + 1
         end do
     end subroutine find_block_of_grid
-
-    !> The first axis of a grid whose place is not that of the case before.
-    pure integer function first_changed(self, number) result(i)
-        type(axes_t), intent(in) :: self
-        integer(int64), intent(in) :: number
-        integer(int64) :: rest
-        rest = number - 1
-        do i = size(self%axis), 2, -1
-            if (mod(rest, int(self%axis(i)%count, int64)) /= 0) return
-            rest = rest / self%axis(i)%count
-        end do
-        i = 1
-    end function first_changed
 
     !> The same of a sample.
     pure subroutine find_block_of_sample(self, number, values)
@@ -317,16 +298,14 @@ contains
         end do
     end function varies
 
-    !> Whether one of these parameters, or an element of one, varies.
-    pure logical function varies_any(self, names)
+    !> The last axis whose parameter, or the vector of which it is an element, has one of these names; 0 if there is none.
+    pure integer function last_of(self, names)
         class(axes_t), intent(in) :: self
         character(*), intent(in) :: names(:) !! the names
-        integer :: i
-        varies_any = .false.
-        do i = 1, size(self%axis)
-            varies_any = varies_any .or. any(names == base_of(self%axis(i)%name))
+        do last_of = size(self%axis), 1, -1
+            if (any(names == base_of(self%axis(last_of)%name))) return
         end do
-    end function varies_any
+    end function last_of
 
     !> Description of the cases.
     function in_words(self) result(text)

@@ -6,7 +6,7 @@ module spintop_sweep_worker
     use spintop_case, only: attitude_parameters, case_t, kept_parts_t, make_case
     use spintop_certificate, only: proof_count
     use spintop_clock, only: processor_seconds, seconds
-    use spintop_compare, only: is_finite, is_zero
+    use spintop_compare, only: is_equal, is_finite, is_zero
     use spintop_exact_block, only: block_size
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
@@ -14,7 +14,7 @@ module spintop_sweep_worker
     use spintop_problems, only: problems_t
     use spintop_row_block, only: row_block_t
     use spintop_status, only: is_good_end, status_bad_input, status_ok
-    use spintop_sweep_axes, only: axes_t, swept_scene_t
+    use spintop_sweep_axes, only: swept_scene_t
     use spintop_sweep_batch, only: sweep_batch_t
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_columns, only: columns_at, work_for
@@ -64,19 +64,18 @@ module spintop_sweep_worker
         !> The plans of the kinds of body; where plans differ from case to case, those of the slots.
         type(kept_plan_t), allocatable, private :: plans(:)
         integer, private :: kind_of_first = symmetric_top
-        !> Whether the body, the attitude at the start, or the plans are the same in all cases.
-        logical, private :: same_body = .false., same_attitude = .false., same_plans = .false.
+        !> Whether the body, or the plans, are the same in all cases.
+        logical, private :: same_body = .false., same_plans = .false.
         !> Whether nothing depends on a span in nutations.
         logical, private :: skips_nutations = .false.
         !> Which quantities are to be proved.
         logical, private :: proofs(proof_count) = .false.
         !> The columns of the table.
         type(sweep_column_t), allocatable, private :: columns(:)
-        !> Values of the swept parameters of each case, one per axis; the first axis whose value is not that of the case
-        !> before; and the first of the last axes on which the attitude does not depend.
+        !> Values of the swept parameters of each case, one per axis; and the last axis on which the attitude depends, 0 if it
+        !> is the same in all cases.
         real(dp), allocatable, private :: parameters(:, :)
-        integer, allocatable, private :: changed(:)
-        integer, private :: first_without_attitude = 1
+        integer, private :: last_of_attitude = 0
         !> Time of the processor for making and computing the cases of the last block, and for formatting their rows, s.
         real(dp) :: costs(formatting) = 0
     contains
@@ -124,8 +123,7 @@ contains
 
         call worker%swept%copy(job%scene, job%axes)
         worker%same_body = .not. (job%axes%varies('top') .or. job%axes%varies('part') .or. job%axes%varies('effects'))
-        worker%same_attitude = .not. job%axes%varies_any(attitude_parameters)
-        worker%first_without_attitude = find_first_without_attitude(job%axes)
+        worker%last_of_attitude = job%axes%last_of(attitude_parameters)
         worker%same_plans = .not. job%axes%varies('integration')
         ! Not on the stack, which may be small.
         allocate (worker%slots(block_size), worker%engines(engine_count))
@@ -133,7 +131,7 @@ contains
             worker%slots(k)%case = job%case
         end do
         call make_engines(worker%engines)
-        allocate (worker%parameters(size(job%axes%axis), block_size), worker%changed(block_size))
+        allocate (worker%parameters(size(job%axes%axis), block_size))
         allocate (worker%plans(merge(kinds_of_body, block_size, worker%same_plans)))
         worker%kind_of_first = kind_of(job%case%body)
         if (worker%same_plans) worker%plans(worker%kind_of_first) = kept_plan_t(.true., job%plan)
@@ -145,18 +143,6 @@ contains
         end associate
         worker%proofs = sweep_proofs(worker%columns, job%scene%certified)
     end subroutine prepare
-
-    !> The first of the last axes on which the attitude does not depend.
-    pure integer function find_first_without_attitude(axes) result(first)
-        type(axes_t), intent(in) :: axes
-        integer :: i
-        first = 1
-        do i = 1, size(axes%axis)
-            associate (name => axes%axis(i)%name)
-                if (any(attitude_parameters == name(:index(name // '(', '(') - 1))) first = i + 1
-            end associate
-        end do
-    end function find_first_without_attitude
 
     !> Rows of the cases from `first` to `last`, at most `block_size`.
     subroutine compute_rows(worker, job, first, last, rows)
@@ -170,7 +156,7 @@ contains
         began = processor_seconds()
         moments(0) = seconds()
         n = int(last - first + 1)
-        call job%axes%find_block(first, worker%parameters(:, :n), worker%changed(:n))
+        call job%axes%find_block(first, worker%parameters(:, :n))
         do k = 1, n
             call begin_case(worker, job, k)
         end do
@@ -178,9 +164,11 @@ contains
         associate (slots => worker%slots(:n))
             call run_engines(worker%engines, slots, worker%task)
             if (worker%skips_nutations .and. is_set(job%scene%nutations)) call refuse_endless(worker, job, n)
-            do k = 1, merge(n, 0, any(worker%proofs))
-                if (is_good_end(slots(k)%status)) call prove_case(slots(k), worker%proofs, job%scene)
-            end do
+            if (any(worker%proofs)) then
+                do k = 1, n
+                    if (is_good_end(slots(k)%status)) call prove_case(slots(k), worker%proofs, job%scene)
+                end do
+            end if
             moments(computing) = seconds()
             call rows%reserve(cells_of_row(job), block_size)
             call put_rows(worker%columns, first, worker%parameters(:, :n), slots, rows)
@@ -197,16 +185,24 @@ contains
         type(job_t), intent(in) :: job
         integer, intent(in) :: k
         logical :: keeps_attitude
+        integer :: first !! the first axis whose value is not that of the case before
 
-        associate (slot => worker%slots(k), first => worker%changed(k))
+        first = 1
+        if (k > 1) then
+            do while (first < size(worker%parameters, 1))
+                if (.not. is_equal(worker%parameters(first, k), worker%parameters(first, k - 1))) exit
+                first = first + 1
+            end do
+        end if
+        associate (slot => worker%slots(k))
             call slot%note%clear()
             slot%result = sweep_result_t()
             slot%growth_until = 0
             slot%inherent_until = 0
             call worker%swept%put(worker%parameters(:, k), first)
             ! The attitude of the case before is at hand, if that is the one.
-            keeps_attitude = worker%same_attitude
-            if (first >= worker%first_without_attitude .and. first > 1) then
+            keeps_attitude = worker%last_of_attitude == 0
+            if (k > 1 .and. first > worker%last_of_attitude .and. .not. keeps_attitude) then
                 if (worker%slots(k - 1)%status == status_ok) then
                     slot%case%given_start = worker%slots(k - 1)%case%given_start
                     slot%case%circular = worker%slots(k - 1)%case%circular

@@ -328,12 +328,12 @@ contains
         type(problems_t), intent(inout) :: problems
         type(nutation_t) :: nutation
         integer :: status
+        if (is_kept .and. case%body%has_closed_nutation()) return
         if (.not. case%body%is_lagrange()) then
             call problems%add('span.nutations', 'the nutation period is known only for an undamped symmetric &
                 &top about body z', 'give t_end')
             return
         end if
-        if (is_kept .and. case%body%has_closed_nutation()) return
         call find_nutation(case%body, case%start, nutation, status)
         case%t_end = nutations * nutation%period
         if (status /= status_ok .or. .not. is_finite(case%t_end)) then

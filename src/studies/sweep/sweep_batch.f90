@@ -30,21 +30,20 @@ module spintop_sweep_batch
         !> The settings for which the watches were made.
         type(controls_t), private :: watched
     contains
-        procedure :: takes
+        procedure, nopass :: takes
         procedure :: compute
         procedure, nopass :: shares_lanes
     end type sweep_batch_t
 
 contains
 
-    logical function takes(self, slot, task)
-        class(sweep_batch_t), intent(in) :: self
+    logical function takes(slot, task)
         type(slot_t), intent(in) :: slot !! the case
         type(task_t), intent(in) :: task !! what is asked of it
         type(formulation_info_t) :: form
 
         takes = .false.
-        associate (unused => self, case => slot%case, plan => slot%plan, wanted => task%wanted)
+        associate (case => slot%case, plan => slot%plan, wanted => task%wanted)
             if (plan%exact .or. case%body%is_lagrange()) return
             form = plan%formulation%info()
             if (.not. (plan%stepper%info%runs_in_lanes .and. form%runs_in_lanes)) return

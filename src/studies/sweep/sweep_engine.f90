@@ -8,7 +8,7 @@ module spintop_sweep_engine
     use spintop_event_text, only: column_event_t
     use spintop_kinds, only: dp
     use spintop_plan, only: plan_t
-    use spintop_status, only: status_meanings, status_ok
+    use spintop_status, only: is_good_end, status_meanings, status_ok
     use spintop_sweep_notes, only: note_t
     use spintop_sweep_result, only: kinds_of_work, sweep_result_t
     implicit none
@@ -52,9 +52,9 @@ module spintop_sweep_engine
         !> What it gives to cases that lack it.
         integer :: gives = lacks_motion
     contains
-        procedure(takes), deferred :: takes
-        procedure(compute), deferred :: compute
+        procedure, nopass :: takes
         procedure, nopass :: shares_lanes
+        procedure(compute), deferred :: compute
     end type engine_t
 
     !> An engine of a list.
@@ -63,14 +63,6 @@ module spintop_sweep_engine
     end type engine_entry_t
 
     abstract interface
-        !> Whether the engine can compute a case.
-        logical function takes(self, slot, task)
-            import :: engine_t, slot_t, task_t
-            class(engine_t), intent(in) :: self
-            type(slot_t), intent(in) :: slot !! the case
-            type(task_t), intent(in) :: task !! what is asked of it
-        end function takes
-
         !> Computes some cases of a block. Those that it sets back to `lacks_motion` are left to the engines after it.
         subroutine compute(self, slots, list, task)
             import :: engine_t, slot_t, task_t
@@ -113,7 +105,16 @@ contains
         end do
     end subroutine run_engines
 
-    !> Whether two cases can be computed together.
+    !> Whether the engine can compute a case: any that has not failed, unless the engine overrides this.
+    logical function takes(slot, task)
+        type(slot_t), intent(in) :: slot !! the case
+        type(task_t), intent(in) :: task !! what is asked of it
+        associate (unused => task)
+        end associate
+        takes = is_good_end(slot%status)
+    end function takes
+
+    !> Whether two cases can be computed together; any two unless the engine overrides this.
     logical function shares_lanes(a, b)
         type(slot_t), intent(in) :: a, b !! the cases
         associate (unused => a, unused_too => b)

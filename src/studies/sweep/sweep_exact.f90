@@ -30,17 +30,16 @@ module spintop_sweep_exact
     type, extends(engine_t) :: sweep_exact_t
         type(exact_block_t), allocatable, private :: block
     contains
-        procedure :: takes
+        procedure, nopass :: takes
         procedure :: compute
     end type sweep_exact_t
 
 contains
 
-    logical function takes(self, slot, task)
-        class(sweep_exact_t), intent(in) :: self
+    logical function takes(slot, task)
         type(slot_t), intent(in) :: slot !! the case
         type(task_t), intent(in) :: task !! what is asked of it
-        associate (unused => self, body => slot%case%body, wanted => task%wanted)
+        associate (body => slot%case%body, wanted => task%wanted)
             takes = slot%plan%exact .and. suits_lanes(slot%case%start)
             if (takes) takes = body%is_lagrange() .and. &
                 .not. (body%given%differ .and. (wanted(of_nutation) .or. wanted(of_details)))
@@ -183,7 +182,8 @@ contains
         nutation%period = block%period(lane)
         nutation%precession = block%precession(lane)
         nutation%precession_rate = block%precession_rate(lane)
-        if (slot%case%body%is_free()) then
+        ! A free body.
+        if (.not. block%mgl(lane) > 0) then
             nutation%precession = whole_half_turns(nutation%precession)
             nutation%precession_rate = nutation%precession / nutation%period
         end if

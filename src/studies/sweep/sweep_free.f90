@@ -20,17 +20,16 @@ module spintop_sweep_free
     type, extends(engine_t) :: sweep_free_t
         type(free_block_t), allocatable, private :: block
     contains
-        procedure :: takes
+        procedure, nopass :: takes
         procedure :: compute
     end type sweep_free_t
 
 contains
 
-    logical function takes(self, slot, task)
-        class(sweep_free_t), intent(in) :: self
+    logical function takes(slot, task)
         type(slot_t), intent(in) :: slot !! the case
         type(task_t), intent(in) :: task !! what is asked of it
-        associate (unused => self, body => slot%case%body, wanted => task%wanted)
+        associate (body => slot%case%body, wanted => task%wanted)
             takes = slot%plan%exact .and. body%is_free() .and. .not. body%is_lagrange() &
                     .and. size(task%events) == 0 .and. .not. wanted(of_measured) &
                     .and. .not. (body%given%differ .and. (wanted(of_turns) .or. wanted(of_range)))

@@ -33,16 +33,10 @@ contains
     subroutine put_nutation(slot, nutation)
         type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         type(nutation_t), intent(in) :: nutation !! quantities of the nutation, in the axes of the computation
-        type(nutation_t) :: seen
-
-        if (slot%case%turn%flipped .or. slot%case%turn%is_shifted()) then
-            seen = as_given(slot%case, nutation)
+        associate (seen => as_given(slot%case, nutation))
             call put_extremes(seen, slot%result)
             call put_means(slot%case, seen, slot%result, slot%note)
-        else
-            call put_extremes(nutation, slot%result)
-            call put_means(slot%case, nutation, slot%result, slot%note)
-        end if
+        end associate
     end subroutine put_nutation
 
     !> A nutation in the axes, and relative to the frame, of the input.

@@ -10,7 +10,7 @@ module spintop_sweep_stability
     use spintop_inherent_lanes, only: find_inherent_errors
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_motion, only: motion_from_quaternion, motion_t
-    use spintop_status, only: is_good_end, status_meanings, status_non_finite, status_ok, status_step_limit, &
+    use spintop_status, only: status_meanings, status_non_finite, status_ok, status_step_limit, &
         status_unsuitable
     use spintop_sweep_engine, only: engine_t, lacks_perturbations, slot_t, task_t
     use spintop_sweep_notes, only: note_no_growth, note_no_inherent, note_no_lyapunov, note_no_multiplier, &
@@ -25,7 +25,6 @@ module spintop_sweep_stability
     !> The engine for perturbations of motions that have been computed.
     type, extends(engine_t) :: perturbations_t
     contains
-        procedure :: takes
         procedure :: compute
         procedure, nopass :: shares_lanes
     end type perturbations_t
@@ -110,15 +109,6 @@ contains
         if (.not. norm2(quaternion) > 0) quaternion = [0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp]
         upright = motion_from_quaternion(0.0_dp, quaternion / norm2(quaternion), dot_product(omega, axis) * axis, no_angles)
     end function upright_motion
-
-    logical function takes(self, slot, task)
-        class(perturbations_t), intent(in) :: self
-        type(slot_t), intent(in) :: slot !! the case
-        type(task_t), intent(in) :: task !! what is asked of it
-        associate (unused => self, unused_too => task)
-        end associate
-        takes = is_good_end(slot%status)
-    end function takes
 
     !> Cases of one limit of work share lanes.
     logical function shares_lanes(a, b)

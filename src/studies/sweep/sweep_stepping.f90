@@ -32,7 +32,6 @@ module spintop_sweep_stepping
     !> The engine for every case.
     type, extends(engine_t) :: sweep_stepping_t
     contains
-        procedure :: takes
         procedure :: compute
     end type sweep_stepping_t
 
@@ -54,15 +53,6 @@ module spintop_sweep_stepping
     end type witness_t
 
 contains
-
-    logical function takes(self, slot, task)
-        class(sweep_stepping_t), intent(in) :: self
-        type(slot_t), intent(in) :: slot !! the case
-        type(task_t), intent(in) :: task !! what is asked of it
-        associate (unused => self, unused_slot => slot, unused_task => task)
-        end associate
-        takes = .true.
-    end function takes
 
     subroutine compute(self, slots, list, task)
         class(sweep_stepping_t), intent(inout) :: self

@@ -169,7 +169,9 @@ contains
             witness%sees_steps = wanted(of_energy)
             witness%wants_work = wanted(of_energy) .and. allocated(case%body%effects)
             times = [case%t_end]
-            if (wanted(of_period)) times = with_time(times, witness%period)
+            if (wanted(of_period) .and. witness%period > 0 .and. witness%period <= case%t_end) then
+                if (.not. matches(case%t_end, witness%period)) times = [witness%period, case%t_end]
+            end if
             if (plan%exact) then
                 call walk(case, plan%max_steps, times, witness, outcome%status, watch)
             else
@@ -256,16 +258,6 @@ contains
             values%inherent_error = inherent_error(case%body, case%start, last%t)
         end if
     end subroutine compare_with_exact
-
-    !> Times with an additional one in its place, if it lies within them.
-    pure function with_time(times, extra) result(more)
-        real(dp), intent(in) :: times(:), extra
-        real(dp), allocatable :: more(:)
-        more = times
-        if (extra > 0 .and. extra <= times(size(times)) .and. .not. any(matches(times, extra))) then
-            more = [pack(times, times < extra), extra, pack(times, times > extra)]
-        end if
-    end function with_time
 
     !> Whether two times are equal to rounding.
     elemental logical function matches(a, b)

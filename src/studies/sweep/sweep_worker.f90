@@ -90,12 +90,14 @@ contains
         type(job_t), target, intent(in) :: job !! the job
         type(engine_entry_t) :: engines(engine_count)
         type(slot_t) :: first
+        type(task_t) :: task
         integer :: i
         call make_engines(engines)
         first%case = job%case
         first%plan => job%plan
+        task = task_of(job)
         size_of_block = block_of_stepping
-        if (any([(engines(i)%engine%takes(first, task_of(job)), i=1, stepping - 1)])) size_of_block = block_size
+        if (any([(engines(i)%engine%takes(first, task), i=1, stepping - 1)])) size_of_block = block_size
     end function size_of_block
 
     !> What a job asks of its cases.
@@ -268,11 +270,11 @@ contains
                 place = worker%kind_of_first
                 if (.not. worker%same_body) place = kind_of(slot%case%body)
             end if
-            associate (kept => worker%plans(place))
-                if (.not. (kept%is_made .and. worker%same_plans)) call keep_plan(worker, job, slot%case, kept)
+            associate (known => worker%plans(place))
+                if (.not. (known%is_made .and. worker%same_plans)) call keep_plan(worker, job, slot%case, known)
                 slot%plan => worker%plans(place)%plan
-                if (.not. allocated(kept%problem)) slot%status = status_ok
-                if (allocated(kept%problem)) call slot%note%explain(kept%problem)
+                if (.not. allocated(known%problem)) slot%status = status_ok
+                if (allocated(known%problem)) call slot%note%explain(known%problem)
             end associate
         end associate
     end subroutine make_worker_case

@@ -1,6 +1,5 @@
 !> One numeric element of an input, whose value the axes of a sweep change.
 module spintop_number_slot
-    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_intptr_t, c_loc, c_ptr
     use spintop_compare, only: is_equal, is_finite
     use spintop_kinds, only: dp, no_number
     use spintop_ranges, only: range_t
@@ -17,8 +16,6 @@ module spintop_number_slot
     contains
         procedure :: bind_real
         procedure :: bind_integer
-        procedure :: lies_in
-        procedure :: in_copy
         procedure :: put
         procedure :: get
         procedure :: is_whole
@@ -48,57 +45,6 @@ contains
         self%integer_value => variable
         self%range = range
     end subroutine bind_integer
-
-    !> Whether the number is a part of a variable. An element of an allocatable component of it is not: that has
-    !> memory of its own.
-    logical function lies_in(self, variable, bits)
-        class(number_slot_t), intent(in) :: self
-        type(c_ptr), intent(in) :: variable !! where the variable begins
-        integer, intent(in) :: bits !! its storage size
-        lies_in = .false.
-        if (associated(self%real_value)) lies_in = is_inside(c_loc(self%real_value), storage_size(self%real_value))
-        if (associated(self%integer_value)) then
-            lies_in = is_inside(c_loc(self%integer_value), storage_size(self%integer_value))
-        end if
-
-    contains
-
-        !> Whether so many bits at an address are bits of the variable.
-        pure logical function is_inside(place, width)
-            type(c_ptr), intent(in) :: place
-            integer, intent(in) :: width
-            integer(c_intptr_t) :: offset
-            offset = transfer(place, offset) - transfer(variable, offset)
-            is_inside = offset >= 0 .and. offset <= (bits - width) / 8
-        end function is_inside
-
-    end function lies_in
-
-    !> The number at the same place in a copy of the variable that this one is a part of: as far from the
-    !> beginning of the copy. So a variable need not be described again to set numbers in copies of it. If the
-    !> number does not lie in the variable, the result is bound to nothing.
-    function in_copy(self, original, copy, bits) result(slot)
-        class(number_slot_t), intent(in) :: self
-        type(c_ptr), intent(in) :: original, copy !! where the variable and its copy begin
-        integer, intent(in) :: bits !! storage size of either
-        type(number_slot_t) :: slot
-        slot%rule = self%rule
-        slot%range = self%range
-        if (.not. self%lies_in(original, bits)) return
-        if (associated(self%real_value)) call c_f_pointer(counterpart(c_loc(self%real_value)), slot%real_value)
-        if (associated(self%integer_value)) call c_f_pointer(counterpart(c_loc(self%integer_value)), slot%integer_value)
-
-    contains
-
-        !> The address in the copy of what has an address in the original.
-        type(c_ptr) function counterpart(place)
-            type(c_ptr), intent(in) :: place
-            integer(c_intptr_t) :: address
-            address = transfer(copy, address) + (transfer(place, address) - transfer(original, address))
-            counterpart = transfer(address, counterpart)
-        end function counterpart
-
-    end function in_copy
 
     !> Sets the variable, if there is one. The value must have an empty `refusal`.
     subroutine put(self, value)

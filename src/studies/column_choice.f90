@@ -131,7 +131,7 @@ contains
         else if (is_whole) then
             call check_column(job, key, known(place), 'omit its derivative', problems)
         end if
-        call job%sensitivities%find_key(name_of_key, job%scene, job%table, job%axes, place_of_key, problem, hint)
+        call job%sensitivities%find_key(name_of_key, job%table, job%axes, place_of_key, problem, hint)
         if (problem /= '') call problems%add(key, problem, hint)
         if (place == 0 .or. place_of_key == 0) return
         call job%sensitivities%add(place, known(place), place_of_key, is_new)

@@ -1,7 +1,6 @@
 !> Sensitivities: the columns `COLUMN__KEY` of a table, each the derivative of a column with respect to a number of the
 !> input, and `COLUMN__KEY_error`, the estimate of its error.
 module spintop_sensitivity
-    use, intrinsic :: iso_c_binding, only: c_loc
     use spintop_axis_entry, only: find_swept
     use spintop_case, only: case_t, make_case
     use spintop_differences, only: nodes_t, nodes_around
@@ -11,7 +10,7 @@ module spintop_sensitivity
     use spintop_parameters, only: is_set, parameter_table_t
     use spintop_plan, only: make_plan, plan_t
     use spintop_problems, only: problems_t
-    use spintop_scene, only: scene_t
+    use spintop_scene, only: describe_scene, scene_t
     use spintop_sweep_axes, only: axes_t
     use spintop_table_column, only: column_t
     implicit none
@@ -74,11 +73,10 @@ contains
 
     !> The index of a key, which is added if it is new; `problem` is the reason why there are no derivatives with respect to
     !> it, or ''.
-    subroutine find_key(self, name, scene, table, axes, key, problem, hint)
+    subroutine find_key(self, name, table, axes, key, problem, hint)
         class(sensitivities_t), intent(inout) :: self
         character(*), intent(in) :: name !! name of the key, as `top.inertia(2)`
-        type(scene_t), target, intent(in) :: scene !! contents of the input
-        type(parameter_table_t), intent(in) :: table !! its parameters
+        type(parameter_table_t), intent(in) :: table !! the parameters of an input
         type(axes_t), intent(in) :: axes !! axes of a sweep; there may be none
         integer, intent(out) :: key !! the index; 0 if there is a problem
         character(:), allocatable, intent(out) :: problem, hint !! what is wrong, and what to do; '' if nothing is
@@ -87,7 +85,7 @@ contains
         integer :: i
 
         key = 0
-        call find_swept(name, scene, table, found%slot, problem, hint)
+        call find_swept(name, table, found%slot, problem, hint)
         if (problem /= '') return
         hint = 'name a real number of &top, &initial, &effects or &span'
         if (all(name(:index(name, '.') - 1) /= groups)) then
@@ -194,7 +192,7 @@ contains
     !> Plans the motion of a scene in which the key has another value, if there is such a motion.
     subroutine plan_at(self, scene, value, varied, case, plan, exists, given, number)
         class(sensitive_key_t), intent(in) :: self
-        type(scene_t), target, intent(in) :: scene !! contents of the input, of which the key is a number
+        type(scene_t), intent(in) :: scene !! contents of the input, of which the key is a number
         real(dp), intent(in) :: value !! the other value
         type(scene_t), allocatable, target, intent(out) :: varied !! the scene with that value
         type(case_t), intent(out) :: case !! its body, start and span
@@ -202,13 +200,16 @@ contains
         logical, intent(out) :: exists !! whether there is such a motion
         type(plan_t), intent(in) :: given !! the plan of the scene
         integer, intent(in), optional :: number !! of another accuracy of its method
+        type(parameter_table_t) :: table
         type(number_slot_t) :: slot
         type(problems_t) :: problems
+        character(:), allocatable :: problem
 
         allocate (varied, source=scene)
         varied%certified = .false.
         if (present(number)) call take_other_accuracy(varied, given, number, keeps_rows=.true.)
-        slot = self%slot%in_copy(c_loc(scene), c_loc(varied), storage_size(scene))
+        call describe_scene(varied, table)
+        call table%find_number(self%name, slot, problem)
         call slot%put(value)
         call make_case(varied, case, problems)
         if (.not. problems%any()) call make_plan(varied, case, plan, problems)

@@ -26,7 +26,7 @@ contains
     !> problems the axes have no cases.
     subroutine take_axes(given, scene, table, axes, problems)
         type(given_axis_t), intent(in) :: given(:) !! the values
-        type(scene_t), target, intent(in) :: scene !! contents of the input
+        type(scene_t), intent(in) :: scene !! contents of the input
         type(parameter_table_t), intent(in) :: table !! its parameters
         type(axes_t), intent(out) :: axes !! the axes; without cases if there are problems
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
@@ -40,7 +40,7 @@ contains
         do i = 1, size(given)
             associate (axis => axes%axis(i))
                 axis%name = given(i)%name
-                call find_swept(axis%name, scene, table, axis%slot, problem, hint)
+                call find_swept(axis%name, table, axis%slot, problem, hint)
                 if (any([(axes%axis(k)%slot%is_same(axis%slot), k=1, i - 1)])) then
                     problem = axis%name // ' has two arrays'
                     hint = 'give it one'

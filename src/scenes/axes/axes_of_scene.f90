@@ -58,7 +58,7 @@ contains
 
     !> Makes the axes: one for each number that varies, several for a vector that is drawn as a whole.
     subroutine make_each(scene, table, axis, problems)
-        type(scene_t), target, intent(in) :: scene
+        type(scene_t), intent(in) :: scene
         type(parameter_table_t), intent(in) :: table
         type(axis_t), allocatable, intent(inout) :: axis(:)
         type(problems_t), intent(inout) :: problems
@@ -77,7 +77,7 @@ contains
                 made = made + 1
                 axis(made)%component = k
                 axis(made)%components = components_of(entries(i))
-                call make_axis(entries(i), axis(:made - 1), scene, table, axis(made), is_made, problems)
+                call make_axis(entries(i), axis(:made - 1), table, axis(made), is_made, problems)
                 if (.not. is_made) exit
             end do
         end do
@@ -121,10 +121,9 @@ contains
     end subroutine check_cases
 
     !> An axis: the number that varies, and its values.
-    subroutine make_axis(entry, others, scene, table, axis, is_made, problems)
+    subroutine make_axis(entry, others, table, axis, is_made, problems)
         type(axis_entry_t), intent(in) :: entry
         type(axis_t), intent(in) :: others(:) !! those before it
-        type(scene_t), target, intent(in) :: scene
         type(parameter_table_t), intent(in) :: table
         type(axis_t), intent(inout) :: axis !! its component is known
         logical, intent(out) :: is_made !! whether the number that varies was found
@@ -141,7 +140,7 @@ contains
                               'number the axes without gaps')
             return
         end if
-        call find_swept(axis%name, scene, table, axis%slot, problem, hint)
+        call find_swept(axis%name, table, axis%slot, problem, hint)
         if (problem /= '') then
             call problems%add(entry%key('parameter'), problem, hint)
             return

@@ -26,7 +26,7 @@ contains
     !> the problems; the axes then have no cases. A missing checksum is set in the scene.
     subroutine read_axes(input, scene, table, axes, problems, diagnostics)
         character(*), intent(in) :: input !! path of the input: the table's is relative to it
-        type(scene_t), target, intent(inout) :: scene !! its checksum is set if it is missing
+        type(scene_t), intent(inout) :: scene !! its checksum is set if it is missing
         type(parameter_table_t), intent(in) :: table !! the parameters of an input
         type(axes_t), intent(out) :: axes !! the axes; without cases if there are problems
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
@@ -48,7 +48,7 @@ contains
                               // checksum_of(walk%text), 'omit the checksum to accept any table')
         end if
         if (.not. has_lines) return
-        call read_head(walk, scene, table, axes%axis, diagnostics, refused)
+        call read_head(walk, table, axes%axis, diagnostics, refused)
         if (size(axes%axis) > 0) call read_rows(walk, axes%axis, diagnostics, refused)
         if (refused .or. problems%any()) return
         call axes%combine(combine_zip, int(axes%axis(1)%count, int64), int(scene%seed, int64))
@@ -68,9 +68,8 @@ contains
     end subroutine check_scene
 
     !> Reads the line of names: an axis for each; none if a comma parts a name.
-    subroutine read_head(walk, scene, table, axis, diagnostics, refused)
+    subroutine read_head(walk, table, axis, diagnostics, refused)
         type(table_walk_t), intent(inout) :: walk
-        type(scene_t), target, intent(in) :: scene
         type(parameter_table_t), intent(in) :: table
         type(axis_t), allocatable, intent(out) :: axis(:)
         type(diagnostics_t), intent(inout) :: diagnostics
@@ -99,7 +98,7 @@ contains
                 allocate (axis(0))
                 return
             end if
-            call find_swept(axis(i)%name, scene, table, axis(i)%slot, problem, hint)
+            call find_swept(axis(i)%name, table, axis(i)%slot, problem, hint)
             axis(i)%whole = axis(i)%slot%is_whole()
             if (any([(axis(k)%slot%is_same(axis(i)%slot), k=1, i - 1)])) then
                 problem = axis(i)%name // ' has two columns'

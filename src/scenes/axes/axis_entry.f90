@@ -1,6 +1,5 @@
 !> What a scene says of one axis of a sweep, and the parameter that varies along it.
 module spintop_axis_entry
-    use, intrinsic :: iso_c_binding, only: c_loc
     use spintop_distributions, only: law_names, law_uniform
     use spintop_kinds, only: dp
     use spintop_number_slot, only: number_slot_t
@@ -90,9 +89,8 @@ contains
     end function count_listed
 
     !> Finds the number that a parameter contains; `problem` is the reason why it cannot vary, or ''.
-    subroutine find_swept(name, scene, table, slot, problem, hint)
+    subroutine find_swept(name, table, slot, problem, hint)
         character(*), intent(in) :: name !! name of a parameter, as `top.inertia(2)`
-        type(scene_t), target, intent(in) :: scene !! contents of the input
         type(parameter_table_t), intent(in) :: table !! the parameters of an input
         type(number_slot_t), intent(out) :: slot !! the element, if there is no problem
         character(:), allocatable, intent(out) :: problem, hint !! why it cannot vary, and what to do; '' if it can vary
@@ -104,10 +102,6 @@ contains
             problem = name // ' cannot vary'
             hint = 'vary a parameter of the top, its start, its span or its integration'
         end do
-        ! Copies of the scene take the values of the cases: see `number_slot_t%in_copy`.
-        if (problem == '' .and. .not. slot%lies_in(c_loc(scene), storage_size(scene))) then
-            problem = name // ' cannot vary: its value is not a part of the scene itself'
-        end if
     end subroutine find_swept
 
     !> A key of the axis: `sweep.from(2)`.

@@ -6,7 +6,6 @@
 !>     call swept%put(values)                  ! put into
 !>     call make_case(swept%scene, ...)        ! its scene
 module spintop_sweep_axes
-    use, intrinsic :: iso_c_binding, only: c_loc
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_number_slot, only: number_slot_t
@@ -14,7 +13,7 @@ module spintop_sweep_axes
     use spintop_distributions, only: law_lognormal, law_normal, law_sphere, law_uniform, normal_value
     use spintop_sample_design, only: design_latin_hypercube, design_random, design_saltelli, design_sobol, &
         sample_design_t
-    use spintop_scene, only: scene_t
+    use spintop_scene, only: describe_scene, scene_t
     use spintop_scene_words, only: combine_grid, combine_latin_hypercube, combine_random, combine_saltelli, &
         combine_sobol, combine_zip
     use spintop_sweep_axis, only: axis_t
@@ -55,8 +54,8 @@ module spintop_sweep_axes
         procedure :: in_words
     end type axes_t
 
-    !> A copy of the scene that describes some axes, which takes the values of one case after another. It must stay
-    !> where it was made a copy, and be a target there.
+    !> A copy of the scene that describes some axes, which takes the values of one case after another. Its
+    !> slots point into the scene, so it must not be copied.
     type :: swept_scene_t
         type(scene_t), allocatable :: scene
         !> Where the value of each axis goes.
@@ -342,17 +341,19 @@ contains
         if (seed /= 0) text = 'scrambled with seed ' // to_text(seed)
     end function scrambling
 
-    !> Makes it a copy of the scene that describes the axes. Nothing is looked up by name: each number is where it
-    !> was in that scene, of which it is a part (`find_swept` refuses others).
+    !> Makes it a copy of the scene that describes the axes.
     subroutine copy_scene(self, scene, axes)
         class(swept_scene_t), target, intent(inout) :: self
-        type(scene_t), target, intent(in) :: scene !! where it was when the axes were made
+        type(scene_t), intent(in) :: scene !! the scene
         type(axes_t), intent(in) :: axes !! the axes
+        type(parameter_table_t) :: table
+        character(:), allocatable :: problem
         integer :: i
         allocate (self%scene, source=scene)
+        call describe_scene(self%scene, table)
         allocate (self%slots(size(axes%axis)))
         do i = 1, size(self%slots)
-            self%slots(i) = axes%axis(i)%slot%in_copy(c_loc(scene), c_loc(self%scene), storage_size(scene))
+            call table%find_number(axes%axis(i)%name, self%slots(i), problem)
         end do
     end subroutine copy_scene
 

@@ -1,6 +1,5 @@
 !> The residuals of measurements of a motion as a function of numbers of its scene.
 module spintop_fit_model
-    use, intrinsic :: iso_c_binding, only: c_loc
     use spintop_case, only: case_t, make_case
     use spintop_compare, only: is_equal, is_finite
     use spintop_event_recorder, only: event_recorder_t
@@ -13,10 +12,11 @@ module spintop_fit_model
     use spintop_motion, only: motion_t
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_number_slot, only: number_slot_t
+    use spintop_parameters, only: parameter_table_t
     use spintop_plan, only: make_plan, plan_t
     use spintop_problems, only: problems_t
     use spintop_row_maker, only: row_maker_t
-    use spintop_scene, only: scene_t
+    use spintop_scene, only: describe_scene, scene_t
     use spintop_sensitivity, only: sensitive_key_t
     use spintop_stepper, only: looks_per_step
     use spintop_status, only: is_good_end, status_ok
@@ -24,11 +24,11 @@ module spintop_fit_model
     private
     public :: fit_model_t
 
-    !> Measurements, and the motion that is to explain them. It must stay where it was prepared, and be a target there.
+    !> Measurements, and the motion that is to explain them. It must not be copied.
     type, extends(residuals_t) :: fit_model_t
         type(measurements_t) :: measured
         !> The scene of the last evaluation, and what it means.
-        type(scene_t), private :: scene
+        type(scene_t), allocatable, private :: scene
         type(case_t), private :: case
         type(plan_t), private :: plan
         !> The sought numbers in the scene, and changes of them that matter, whatever their values; 0 for numbers of which the
@@ -56,12 +56,14 @@ contains
     !> Takes measurements, and the scene of their motion with the numbers that are sought.
     subroutine prepare(self, scene, keys, case, plan, measured)
         class(fit_model_t), target, intent(inout) :: self
-        type(scene_t), target, intent(in) :: scene !! contents of the input
+        type(scene_t), intent(in) :: scene !! contents of the input
         type(sensitive_key_t), intent(in) :: keys(:) !! the sought numbers, in that scene
         type(case_t), intent(in) :: case !! body, start and span of the scene
         type(plan_t), intent(in) :: plan !! model and method
         type(measurements_t), intent(in) :: measured !! the measurements
         type(formulation_info_t) :: form
+        type(parameter_table_t) :: table
+        character(:), allocatable :: problem
         real(dp) :: value
         integer :: seeks(size(keys)), i
 
@@ -72,9 +74,10 @@ contains
         self%scene%certified = .false.
         self%case = case
         self%plan = plan
+        call describe_scene(self%scene, table)
         allocate (self%slots(size(keys)), self%scales(size(keys)))
         do i = 1, size(keys)
-            self%slots(i) = keys(i)%slot%in_copy(c_loc(scene), c_loc(self%scene), storage_size(scene))
+            call table%find_number(keys(i)%name, self%slots(i), problem)
             value = abs(keys(i)%slot%get())
             self%scales(i) = 1
             if (value > 0 .and. .not. keys(i)%slot%accepts(-value)) then

@@ -150,7 +150,7 @@ contains
         associate (names => job%scene%fit%unknown)
             do i = 1, size(names)
                 if (names(i) == '') cycle
-                call self%sought%find_key(trim(names(i)), job%scene, job%table, job%axes, key, problem, hint)
+                call self%sought%find_key(trim(names(i)), job%table, job%axes, key, problem, hint)
                 if (problem == '' .and. key <= found) then
                     problem = trim(names(i)) // ' is named twice'
                     hint = 'name it once'

@@ -1,7 +1,6 @@
 !> The sensitivities of a sweep. The nodes of a key are cases of a sweep of their own, for each case; they are made and
 !> computed by a worker as all others are, and their quantities give the derivatives.
 module spintop_sweep_sensitivities
-    use, intrinsic :: iso_c_binding, only: c_loc
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_differences, only: node_count, nodes_t
     use spintop_job, only: job_t
@@ -108,12 +107,11 @@ contains
             do i = 1, size(job%axes%axis)
                 own%axes%axis(i)%name = job%axes%axis(i)%name
                 own%axes%axis(i)%whole = job%axes%axis(i)%whole
-                own%axes%axis(i)%slot = job%axes%axis(i)%slot%in_copy(c_loc(job%scene), c_loc(own%scene), storage_size(own%scene))
+                own%axes%axis(i)%slot = job%axes%axis(i)%slot
             end do
             do i = 1, size(axis)
                 own%axes%axis(axis(i))%name = wanted%keys(i)%name
-                own%axes%axis(axis(i))%slot = wanted%keys(i)%slot%in_copy(c_loc(job%scene), c_loc(own%scene), &
-                                                                          storage_size(own%scene))
+                own%axes%axis(axis(i))%slot = wanted%keys(i)%slot
             end do
             own%axes%combination = combine_zip
             own%axes%cases = size(axis) * node_count

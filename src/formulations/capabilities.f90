@@ -7,13 +7,12 @@ module spintop_capabilities
     use spintop_kinds, only: dp, qp
     use spintop_body, only: body_t
     use spintop_kernel_types, only: highest_order, numbers, set_aside
-    use spintop_loads, only: works
     use spintop_motion, only: motion_t
     use spintop_motions, only: instants
     implicit none
     private
-    public :: capability_t, flows_t, stages_t, group_action_t, series_t, quadruple_series_t, ends_t, reset_t, action_t
-    public :: max_states, max_series_order, max_aside, directions, direction_omega, direction_velocity, direction_force
+    public :: capability_t, flows_t, stages_t, group_action_t, series_t, quadruple_series_t, ends_t, reset_t
+    public :: max_states, max_series_order, max_aside
     public :: structure_none, structure_split, structure_group, structure_series, &
         structure_quadruple, structure_names
 
@@ -21,9 +20,6 @@ module spintop_capabilities
     integer, parameter :: max_states = numbers, max_series_order = highest_order
     !> How many numbers a stage may leave aside, of variables that follow from the state and have stages of their own.
     integer, parameter :: max_aside = set_aside
-
-    !> Vectors at whose zeros effects are not smooth (`find_directions`).
-    integer, parameter :: direction_omega = 1, direction_velocity = 2, direction_force = 3, directions = 3
 
     !> Capabilities that a method may need: drift and kick, the two parts of the motion with flows of
     !> their own; motion on a Lie group; Taylor coefficients of the motion; the same in quadruple precision.
@@ -97,98 +93,7 @@ module spintop_capabilities
         procedure(apply), deferred :: apply
     end type reset_t
 
-    !> What effects do beside changing y' = f(t, y): their work, breaks of f, and rest under dry friction.
-    type, abstract, extends(capability_t) :: action_t
-        !> Whether dry friction may hold the body, and whether it may let it go again by itself; whether the
-        !> series of a motion ends where it reverses; whether any effect does work.
-        logical :: may_stick = .false., may_slip = .false., may_turn = .false., does_work = .true.
-    contains
-        procedure(find_powers), deferred :: find_powers
-        procedure(next_knot), deferred :: next_knot
-        procedure(find_speed), deferred :: find_speed
-        procedure(find_directions), deferred :: directions_at
-        procedure(find_reach), deferred :: find_reach
-        procedure(find_turn), deferred :: drag_turns
-        procedure(at_rest), deferred :: at_rest
-        procedure(excess), deferred :: excess
-        procedure(pause), deferred :: pause
-    end type action_t
-
     abstract interface
-        !> Power of each part of the work (`spintop_loads`) at several instants, W.
-        pure subroutine find_powers(self, t, y, power)
-            import :: action_t, dp, instants, max_states, works
-            class(action_t), intent(in) :: self
-            real(dp), intent(in) :: t(instants), y(instants, max_states) !! times, s, and states
-            real(dp), intent(out) :: power(instants, works) !! of each part at each instant
-        end subroutine find_powers
-
-        !> The first time after `t` at which f is not smooth, s; `huge` if there is none.
-        pure real(dp) function next_knot(self, t)
-            import :: action_t, dp
-            class(action_t), intent(in) :: self
-            real(dp), intent(in) :: t !! s
-        end function next_knot
-
-        !> Magnitude of the angular velocity, and how fast it decreases; `across` is the part of it across the acceleration,
-        !> which is left where a motion reverses.
-        pure subroutine find_speed(self, t, y, speed, slowing, across)
-            import :: action_t, dp, max_states
-            class(action_t), intent(in) :: self
-            real(dp), intent(in) :: t, y(max_states) !! time, s, and state
-            real(dp), intent(out) :: speed, slowing, across !! rad/s, rad/s^2, rad/s
-        end subroutine find_speed
-
-        !> Vectors at whose zeros f is not smooth: angular velocity, rad/s, in body axes; velocity of the centre of mass, m/s,
-        !> likewise, if it is dragged; support force, N, in space axes, if friction depends on it. Others are zero.
-        pure function find_directions(self, t, y) result(vectors)
-            import :: action_t, directions, dp, max_states
-            class(action_t), intent(in) :: self
-            real(dp), intent(in) :: t, y(max_states) !! time, s, and state
-            real(dp) :: vectors(3, directions)
-        end function find_directions
-
-        !> How far the angular velocity may move away in `span` seconds, in which the state variables change by `change` at
-        !> most, so that it keeps a share of its magnitude if `reach` is less than that share of `speed`; and so does the
-        !> velocity of the dragged centre of mass if it is less than that share of `narrowest`, which is negative where the
-        !> support force matters, too.
-        pure subroutine find_reach(self, t, y, span, change, speed, reach, narrowest)
-            import :: action_t, dp, max_states
-            class(action_t), intent(in) :: self
-            real(dp), intent(in) :: t, y(max_states), span, change(max_states) !! time, s; state; s; bounds
-            real(dp), intent(out) :: speed, reach, narrowest !! magnitude of the angular velocity in space, and these bounds, rad/s
-        end subroutine find_reach
-
-        !> Whether the velocity of the dragged centre of mass turns by more than a right angle from one state to the next.
-        pure logical function find_turn(self, t, y)
-            import :: action_t, dp, instants, max_states
-            class(action_t), intent(in) :: self
-            real(dp), intent(in) :: t(0:instants), y(0:instants, max_states) !! times, s, and states
-        end function find_turn
-
-        !> The state at rest at a time, with the attitude that the motion in a state reaches after `left` seconds of
-        !> constant deceleration to rest.
-        pure function at_rest(self, t, y, left) result(resting)
-            import :: action_t, dp, max_states
-            class(action_t), intent(in) :: self
-            real(dp), intent(in) :: t, y(max_states), left !! time, s; state; s
-            real(dp) :: resting(max_states)
-        end function at_rest
-
-        !> By how much the torques exceed what dry friction can balance at rest, N m: it holds where they do not.
-        pure real(dp) function excess(self, t, y)
-            import :: action_t, dp, max_states
-            class(action_t), intent(in) :: self
-            real(dp), intent(in) :: t, y(max_states) !! time, s, and a state at rest
-        end function excess
-
-        !> A time in which the torques on a resting body change little, from `t` on, s.
-        pure real(dp) function pause(self, t)
-            import :: action_t, dp
-            class(action_t), intent(in) :: self
-            real(dp), intent(in) :: t !! s
-        end function pause
-
         !> Sets the constants for a body and its start.
         pure subroutine set(self, body, start)
             import :: capability_t, body_t, motion_t

@@ -5,9 +5,10 @@
 module spintop_formulation
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
-    use spintop_capabilities, only: action_t, ends_t, flows_t, group_action_t, max_series_order, max_states, &
+    use spintop_capabilities, only: ends_t, flows_t, group_action_t, max_series_order, max_states, &
         quadruple_series_t, reset_t, series_t, stages_t, structure_group, structure_names, structure_none, &
         structure_quadruple, structure_series, structure_split
+    use spintop_effects_action, only: effects_action_t
     use spintop_motion, only: motion_t
     use spintop_motions, only: instants, motions_t
     implicit none
@@ -67,7 +68,8 @@ module spintop_formulation
         class(quadruple_series_t), allocatable :: quadruple_series
         class(ends_t), allocatable :: ends
         class(reset_t), allocatable :: reset
-        class(action_t), allocatable :: action
+        !> What effects do beside changing f.
+        type(effects_action_t), allocatable :: action
     contains
         procedure(describe), deferred, nopass :: describe
         procedure(prepare), deferred :: prepare
@@ -182,7 +184,7 @@ contains
         if (allocated(self%quadruple_series)) call self%quadruple_series%set(body, start)
         if (allocated(self%ends)) call self%ends%set(body, start)
         if (allocated(self%reset)) call self%reset%set(body, start)
-        if (allocated(self%action)) call self%action%set(body, start)
+        if (allocated(self%action)) call self%action%set(body)
     end subroutine set_capabilities
 
     !> Invariants (first integrals) of the motion: `info%invariants` values (energy J, momenta J s, squared

@@ -1,87 +1,127 @@
-!> The state of a run as bytes. What has a state names each part of it once, in one procedure, which stores the parts or
-!> takes them back, as the archive wants:
+!> The state of a run as a list of numbers. What has a state names each part of it once, in one procedure, which stores the
+!> parts or takes them back, as the archive wants:
 !>
 !>     call archive%carry(self%t)
-!>     call archive%carry(c_loc(self%here), storage_size(self%here))   ! anything without pointers
-!>
-!> Only the program that stored a state can take it back.
+!>     call archive%carry(self%is_resting)
 module spintop_archive
-    use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_loc, c_ptr
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     implicit none
     private
     public :: archive_t
 
-    !> Bytes of a state.
+    !> Numbers of a state.
     type :: archive_t
-        !> Whether parts are taken from the bytes; otherwise they are added.
+        !> Whether parts are taken from the numbers; otherwise they are added.
         logical :: recalls = .false.
-        !> The bytes, and the number of those that were carried.
-        character(:, c_char), allocatable :: bytes
-        integer :: length = 0
+        !> The numbers, and how many of them were carried.
+        real(dp), allocatable, private :: numbers(:)
+        integer, private :: length = 0
     contains
-        generic :: carry => carry_bytes, carry_real, carry_integer, carry_logical
-        procedure, private :: carry_bytes
+        generic :: carry => carry_real, carry_reals, carry_integer, carry_long, carry_logical, carry_text
         procedure, private :: carry_real
+        procedure, private :: carry_reals
         procedure, private :: carry_integer
+        procedure, private :: carry_long
         procedure, private :: carry_logical
+        procedure, private :: carry_text
+        procedure :: bytes
+        procedure :: recall
     end type archive_t
 
-    !> Room for bytes at first.
-    integer, parameter :: first_room = 4096
+    !> Room for numbers at first, and bytes of a number.
+    integer, parameter :: first_room = 512, width = storage_size(1.0_dp) / 8
 
 contains
 
-    !> Carries a number of bits in memory, a multiple of 8. Where there are fewer bytes, nothing is taken back.
-    subroutine carry_bytes(self, first, bits)
+    !> Carries real numbers. Where there are fewer, nothing is taken back.
+    subroutine carry_reals(self, x)
         class(archive_t), intent(inout) :: self
-        type(c_ptr), intent(in) :: first !! place of the first
-        integer, intent(in) :: bits !! number of bits, such as `storage_size` gives
-        character(kind=c_char), pointer :: there(:)
-        character(:, c_char), allocatable :: more
-        integer :: n, i
-
-        n = bits / 8
-        call c_f_pointer(first, there, [n])
-        if (.not. allocated(self%bytes)) allocate (character(first_room) :: self%bytes)
-        if (self%length + n > len(self%bytes)) then
+        real(dp), intent(inout) :: x(:) !! the numbers
+        real(dp), allocatable :: more(:)
+        integer :: last
+        if (.not. allocated(self%numbers)) allocate (self%numbers(first_room))
+        last = self%length + size(x)
+        if (last > size(self%numbers)) then
             if (self%recalls) return
-            allocate (character(2 * (self%length + n)) :: more)
-            more(:self%length) = self%bytes(:self%length)
-            call move_alloc(more, self%bytes)
+            allocate (more(2 * last))
+            more(:self%length) = self%numbers(:self%length)
+            call move_alloc(more, self%numbers)
         end if
-        do i = 1, n
-            if (self%recalls) then
-                there(i) = self%bytes(self%length + i:self%length + i)
-            else
-                self%bytes(self%length + i:self%length + i) = there(i)
-            end if
-        end do
-        self%length = self%length + n
-    end subroutine carry_bytes
+        if (self%recalls) then
+            x = self%numbers(self%length + 1:last)
+        else
+            self%numbers(self%length + 1:last) = x
+        end if
+        self%length = last
+    end subroutine carry_reals
 
     !> Carries a real number.
     subroutine carry_real(self, x)
         class(archive_t), intent(inout) :: self
-        real(dp), target, intent(inout) :: x !! the number
-        call self%carry(c_loc(x), storage_size(x))
+        real(dp), intent(inout) :: x !! the number
+        real(dp) :: one(1)
+        one = x
+        call self%carry_reals(one)
+        x = one(1)
     end subroutine carry_real
 
     !> Carries an integer.
     subroutine carry_integer(self, n)
         class(archive_t), intent(inout) :: self
-        integer, target, intent(inout) :: n !! the integer
-        call self%carry(c_loc(n), storage_size(n))
+        integer, intent(inout) :: n !! the integer
+        real(dp) :: x
+        x = n
+        call self%carry_real(x)
+        n = nint(x)
     end subroutine carry_integer
+
+    !> Carries a count, which is less than 2^53.
+    subroutine carry_long(self, n)
+        class(archive_t), intent(inout) :: self
+        integer(int64), intent(inout) :: n !! the count
+        real(dp) :: x
+        x = real(n, dp)
+        call self%carry_real(x)
+        n = nint(x, int64)
+    end subroutine carry_long
 
     !> Carries a truth value.
     subroutine carry_logical(self, is_true)
         class(archive_t), intent(inout) :: self
-        logical, target, intent(inout) :: is_true !! the truth value
-        integer, target :: n
-        n = merge(1, 0, is_true)
-        call self%carry(c_loc(n), storage_size(n))
-        is_true = n == 1
+        logical, intent(inout) :: is_true !! the truth value
+        real(dp) :: x
+        x = merge(1, 0, is_true)
+        call self%carry_real(x)
+        is_true = x > 0
     end subroutine carry_logical
+
+    !> Carries a text of fixed length.
+    subroutine carry_text(self, text)
+        class(archive_t), intent(inout) :: self
+        character(*), intent(inout) :: text !! the text
+        integer :: i, code
+        do i = 1, len(text)
+            code = ichar(text(i:i))
+            call self%carry_integer(code)
+            text(i:i) = char(code)
+        end do
+    end subroutine carry_text
+
+    !> The state as bytes.
+    pure function bytes(self)
+        class(archive_t), intent(in) :: self
+        character(:), allocatable :: bytes
+        allocate (character(width * self%length) :: bytes)
+        bytes = transfer(self%numbers(:self%length), bytes)
+    end function bytes
+
+    !> Begins to take back the state that these bytes are.
+    subroutine recall(self, bytes)
+        class(archive_t), intent(out) :: self
+        character(*), intent(in) :: bytes !! the bytes
+        self%recalls = .true.
+        self%numbers = transfer(bytes, self%numbers, len(bytes) / width)
+    end subroutine recall
 
 end module spintop_archive

@@ -1,12 +1,12 @@
 !> Integrates a motion from its start to the end of the span, and passes it to an observer.
 module spintop_integration
+    use spintop_archive, only: archive_t
     use spintop_kinds, only: dp, no_number
     use spintop_body, only: body_t
     use spintop_events, only: event_watch_t
     use spintop_motion, only: motion_t
-    use spintop_observer, only: observer_t
+    use spintop_observer, only: keeping_observer_t, observer_t
     use spintop_run, only: run_t
-    use spintop_step_path, only: step_path_t
     use spintop_formulation, only: formulation_t
     use spintop_stepper, only: stepper_t, counts_t
     use spintop_suitability, only: call_status
@@ -27,6 +27,7 @@ module spintop_integration
         type(counts_t) :: counts
     contains
         procedure :: end_time
+        procedure :: carry
     end type outcome_t
 
 contains
@@ -37,6 +38,16 @@ contains
         end_time = self%t
         if (self%status == status_at_rest) end_time = self%t_stuck
     end function end_time
+
+    !> Carries the outcome of a run that is over.
+    subroutine carry(self, archive)
+        class(outcome_t), intent(inout) :: self
+        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        call archive%carry(self%status)
+        call archive%carry(self%t)
+        call archive%carry(self%t_stuck)
+        call self%counts%carry(archive)
+    end subroutine carry
 
     !> Integrates a formulation from its start over `t_end` seconds. The observer receives the motion at the
     !> sample times (increasing, from 0 to t_end): an adaptive method has dense output for all of them, a
@@ -55,10 +66,9 @@ contains
         real(dp), target, intent(in) :: samples(:) !! s after the start, whatever its `t`
         class(observer_t), target, intent(inout) :: observer !! receives the motion
         type(outcome_t), intent(out) :: outcome !! status, time reached and cost
-        class(event_watch_t), intent(inout), optional :: watch !! search for events
+        class(event_watch_t), target, intent(inout), optional :: watch !! search for events
         class(stepper_t), allocatable, target :: method
         type(run_t), target :: run
-        type(step_path_t) :: path
         integer :: status
         logical :: ends
 
@@ -72,43 +82,54 @@ contains
         run%method => method
         run%stepper => method
         run%observer => observer
+        if (present(watch)) run%watch => watch
         run%samples => samples
-        ! A run that is resumed has shown its start.
-        if (.not. allocated(observer%resumed)) run%last = size(samples)
-        call run%begin(body, start, path, status, watch)
-        if (allocated(observer%resumed)) then
-            run%last = size(samples)
-            call run%carry(observer%resumed, watch)
-            deallocate (observer%resumed)
-        end if
-        do while (status == status_ok .and. method%t < t_end .and. .not. observer%has_enough)
-            if (method%is_spent()) then
+        run%last = size(samples)
+        select type (observer)
+        class is (keeping_observer_t)
+            if (observer%keeps_states) run%keeper => observer
+            ! A run that is resumed has shown its start.
+            if (allocated(observer%resumed)) run%last = 0
+        end select
+        call run%begin(body, start, status)
+        select type (observer)
+        class is (keeping_observer_t)
+            if (allocated(observer%resumed)) then
+                run%last = size(samples)
+                call run%carry(observer%resumed)
+                deallocate (observer%resumed)
+            end if
+        end select
+        do while (status == status_ok .and. run%stepper%t < t_end .and. .not. observer%has_enough)
+            if (run%stepper%is_spent()) then
                 status = status_step_limit
                 exit
             end if
-            if (allocated(formulation%action)) then
-                call run%take_step(path, status)
+            if (allocated(run%segments)) then
+                call run%segments%advance(formulation, method, run%stepper, status)
             else
                 call method%advance(formulation, status)
             end if
             if (status == status_ok .and. present(watch)) then
-                call run%look_for_events(path, watch, status, ends)
+                call run%look_for_events(status, ends)
                 if (ends) exit
             end if
             if (status == status_ok .and. run%stepper%t >= run%due) call run%show_until(run%stepper%t)
             if (allocated(formulation%ends)) call run%check_arrival(status)
-            if (allocated(formulation%action)) call run%end_step(path, status, ends, watch)
+            if (status == status_ok .and. allocated(run%segments)) call run%end_step(status, ends)
             if (ends) exit
-            if (observer%keeps_states .and. status == status_ok) call run%keep(watch)
+            if (status == status_ok .and. associated(run%keeper)) call run%keep()
         end do
         outcome%status = status
         outcome%t = run%stepper%t
-        if (run%rest%is_resting) then
-            outcome%t_stuck = run%rest%t_stuck
-            if (status == status_ok .and. .not. ends) outcome%status = status_at_rest
+        outcome%counts = run%stepper%counts
+        if (allocated(run%segments)) then
+            if (run%segments%rest%is_resting) then
+                outcome%t_stuck = run%segments%rest%t_stuck
+                if (status == status_ok .and. .not. ends) outcome%status = status_at_rest
+            end if
         end if
         if (ends) outcome%t = watch%t
-        outcome%counts = method%counts
     end subroutine integrate
 
 end module spintop_integration

@@ -6,7 +6,7 @@ module spintop_observer
     use spintop_loads, only: works
     implicit none
     private
-    public :: observer_t
+    public :: observer_t, keeping_observer_t
 
     !> Receives the motion at the sample times.
     type, abstract :: observer_t
@@ -22,16 +22,20 @@ module spintop_observer
         real(dp) :: work(works) = 0
         !> Where the body was given in other axes, the angles there, set before each motion is observed, rad.
         real(dp) :: given_angle(3) = 0
-        !> Whether the state of the run is kept from time to time, so that it can be resumed; and the state from which this
-        !> run goes on.
+    contains
+        procedure(observe), deferred :: observe
+    end type observer_t
+
+    !> An observer that may keep the state of the run from time to time, so that it can be resumed.
+    type, abstract, extends(observer_t) :: keeping_observer_t
+        !> Whether it does; and the state from which this run goes on.
         logical :: keeps_states = .false.
         type(archive_t), allocatable :: resumed
     contains
-        procedure(observe), deferred :: observe
-        procedure :: wants_state
-        procedure :: carry
-        procedure :: keep
-    end type observer_t
+        procedure(wants_state), deferred :: wants_state
+        procedure(carry), deferred :: carry
+        procedure(keep), deferred :: keep
+    end type keeping_observer_t
 
     abstract interface
         !> Receives the state `y` of a formulation at time `t`, and angles near those of the motion. The times
@@ -42,32 +46,26 @@ module spintop_observer
             class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
             real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
         end subroutine observe
+
+        !> Whether it is time to keep the state of the run.
+        logical function wants_state(self)
+            import :: keeping_observer_t
+            class(keeping_observer_t), intent(in) :: self
+        end function wants_state
+
+        !> Carries the state of the observer, which comes before that of the run.
+        subroutine carry(self, archive)
+            import :: keeping_observer_t, archive_t
+            class(keeping_observer_t), intent(inout) :: self
+            type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        end subroutine carry
+
+        !> Keeps the state of the run.
+        subroutine keep(self, archive)
+            import :: keeping_observer_t, archive_t
+            class(keeping_observer_t), intent(inout) :: self
+            type(archive_t), intent(in) :: archive !! the state
+        end subroutine keep
     end interface
-
-contains
-
-    !> Whether it is time to keep the state of the run.
-    logical function wants_state(self)
-        class(observer_t), intent(in) :: self
-        associate (unused => self)
-        end associate
-        wants_state = .false.
-    end function wants_state
-
-    !> Carries the state of the observer, which comes before that of the run.
-    subroutine carry(self, archive)
-        class(observer_t), target, intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        associate (unused => self, also_unused => archive)
-        end associate
-    end subroutine carry
-
-    !> Keeps the state of the run.
-    subroutine keep(self, archive)
-        class(observer_t), intent(inout) :: self
-        type(archive_t), intent(in) :: archive !! the state
-        associate (unused => self, also_unused => archive)
-        end associate
-    end subroutine keep
 
 end module spintop_observer

@@ -1,6 +1,5 @@
 !> A run of a stepper in progress: its steps, the samples that are shown, the search for events, and its state.
 module spintop_run
-    use, intrinsic :: iso_c_binding, only: c_loc
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_archive, only: archive_t
     use spintop_body, only: body_t
@@ -10,9 +9,9 @@ module spintop_run
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
-    use spintop_observer, only: observer_t
+    use spintop_observer, only: keeping_observer_t, observer_t
     use spintop_poles, only: reach_of
-    use spintop_rest, only: rest_t
+    use spintop_segments, only: segments_t
     use spintop_status, only: status_ok, status_outside, status_step_too_small, status_step_limit, status_turning_point, &
         status_not_converged, status_too_many_events
     use spintop_step_path, only: follower_t, step_path_t
@@ -25,9 +24,13 @@ module spintop_run
     !> A run in progress: formulation, stepper, and the samples not yet shown.
     type :: run_t
         class(formulation_t), pointer :: formulation => null()
-        !> The method, and what took the last step: the method, or another stepper.
+        !> The method, and what steps through the segment: the method, or what leads on where f is not smooth.
         class(stepper_t), pointer :: method => null(), stepper => null()
         class(observer_t), pointer :: observer => null()
+        !> The observer, if it keeps the state of the run; the search for events, if there is one, along the last step.
+        class(keeping_observer_t), pointer :: keeper => null()
+        class(event_watch_t), pointer :: watch => null()
+        type(step_path_t), private :: path
         real(dp), pointer :: samples(:) => null()
         !> Index of the first sample that was not shown, and the number of samples.
         integer :: next = 1, last = 0
@@ -38,14 +41,13 @@ module spintop_run
         real(dp), private :: slack = 0
         logical, private :: looks_at_steps = .true.
         type(follower_t) :: follower
-        !> Rest under dry friction and breaks of the right-hand side, and the work of effects; of no use without these.
-        type(rest_t) :: rest
+        !> The smooth segments of the motion of a body with effects, and the work of these.
+        type(segments_t), allocatable :: segments
         type(work_account_t) :: account
     contains
         procedure :: begin => begin_run
         procedure :: carry
         procedure :: keep
-        procedure :: take_step
         procedure :: end_step
         procedure :: look_for_events
         procedure, private :: look_to_knots
@@ -72,60 +74,62 @@ module spintop_run
 contains
 
     !> Begins the run: the state at the start, the samples there, and the search for events.
-    subroutine begin_run(self, body, start, path, status, watch)
+    subroutine begin_run(self, body, start, status)
         class(run_t), target, intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
-        type(step_path_t), intent(inout) :: path !! the path that `watch` searches
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        class(event_watch_t), intent(inout), optional :: watch !! search for events
         logical :: is_idle
 
-        associate (formulation => self%formulation, stepper => self%stepper)
+        associate (formulation => self%formulation, stepper => self%method)
             call formulation%prepare(body, start, stepper%y, status)
             if (status == status_ok) call check_start(formulation, stepper, status)
             if (status /= status_ok) return
             call stepper%projection%begin(stepper%controls%project, formulation, stepper%y)
             if (allocated(formulation%action)) then
-                call self%rest%begin(formulation, stepper)
                 self%account%is_open = self%observer%wants_work .and. formulation%action%does_work
             end if
             is_idle = .not. self%observer%counts_turns
-            if (present(watch)) is_idle = is_idle .and. .not. watch%needs_turns
+            if (associated(self%watch)) is_idle = is_idle .and. .not. self%watch%needs_turns
             self%follower = follower_t(0.0_dp, stepper%y, start%angle, start%given_angle, is_idle, reach_of(body, start))
-            self%looks_at_steps = .not. is_idle .or. present(watch) .or. self%observer%sees_steps &
+            self%looks_at_steps = .not. is_idle .or. associated(self%watch) .or. self%observer%sees_steps &
                                   .or. allocated(formulation%action)
             if (stepper%controls%steps > 0) self%slack = grid_slack * stepper%t_end / stepper%controls%steps
             call self%show_until(0.0_dp)
             call self%leave_rest()
             call stepper%begin(formulation, status)
             call self%show_until(stepper%t)
-            if (.not. present(watch)) return
-            path%formulation => self%formulation
-            path%stepper => self%stepper
-            if (self%account%is_open) path%account => self%account
-            if (stepper%controls%steps > 0) then
-                watch%method_noise = noise_within_step(body, start, stepper%t_end / stepper%controls%steps, stepper%order())
-            else
-                watch%method_noise = noise_of_tolerance(stepper%controls%relative_tolerance, stepper%info%share)
+            if (status == status_ok .and. allocated(formulation%action)) then
+                allocate (self%segments)
+                call self%segments%begin(formulation, stepper, self%stepper, status)
             end if
-            call watch%begin(body, self%follower%motion(formulation))
-            call watch%judge(body, start)
+            if (.not. associated(self%watch)) return
+            self%path%formulation => self%formulation
+            if (self%account%is_open) self%path%account => self%account
+            if (stepper%controls%steps > 0) then
+                self%watch%method_noise = noise_within_step(body, start, stepper%t_end / stepper%controls%steps, stepper%order())
+            else
+                self%watch%method_noise = noise_of_tolerance(stepper%controls%relative_tolerance, stepper%info%share)
+            end if
+            call self%watch%begin(body, self%follower%motion(formulation))
+            call self%watch%judge(body, start)
         end associate
     end subroutine begin_run
 
     !> Carries the state of the run at the end of a step.
-    subroutine carry(self, archive, watch)
+    subroutine carry(self, archive)
         class(run_t), target, intent(inout) :: self
         type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        class(event_watch_t), intent(inout), optional :: watch !! the search for events
         call archive%carry(self%next)
         call archive%carry(self%shown)
-        call archive%carry(c_loc(self%follower), storage_size(self%follower))
-        call archive%carry(c_loc(self%account), storage_size(self%account))
-        call self%rest%carry(archive)
+        call self%follower%carry(archive)
+        call self%account%carry(archive)
+        if (allocated(self%segments)) then
+            call self%segments%carry(archive)
+            self%stepper => self%segments%stepper_of(self%method)
+        end if
         call self%stepper%carry(archive)
-        if (present(watch)) call watch%carry(archive)
+        if (associated(self%watch)) call self%watch%carry(archive)
         call self%set_due()
     end subroutine carry
 
@@ -139,103 +143,85 @@ contains
     end subroutine set_due
 
     !> Has the observer keep the state, if it wants to.
-    subroutine keep(self, watch)
+    subroutine keep(self)
         class(run_t), intent(inout) :: self
-        class(event_watch_t), intent(inout), optional :: watch !! the search for events
         type(archive_t) :: archive
         if (mod(self%stepper%counts%steps, steps_a_look) /= 0) return
         if (.not. self%stepper%may_keep()) return
-        if (.not. self%observer%wants_state()) return
-        call self%observer%carry(archive)
-        call self%carry(archive, watch)
-        call self%observer%keep(archive)
+        if (allocated(self%segments)) then
+            if (.not. self%segments%may_keep()) return
+        end if
+        if (.not. self%keeper%wants_state()) return
+        call self%keeper%carry(archive)
+        call self%carry(archive)
+        call self%keeper%keep(archive)
     end subroutine keep
 
-    !> Takes a step of a body with effects: at rest, across a point without a series, or by the method itself. Run and
-    !> path have the stepper that took it.
-    subroutine take_step(self, path, status)
+    !> Ends a step of a body with effects: the work up to there, and whether the body has come to rest, which may end the run.
+    subroutine end_step(self, status, ends)
         class(run_t), target, intent(inout) :: self
-        type(step_path_t), intent(inout) :: path !! the path that `watch` searches
-        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        call self%rest%advance(self%formulation, self%stepper, status)
-        if (.not. self%rest%is_other) return
-        self%stepper => self%rest%stepper
-        path%stepper => self%stepper
-    end subroutine take_step
-
-    !> Ends such a step: the work up to there, and whether the body has come to rest, which may end the run. After a
-    !> step of another stepper the method begins anew.
-    subroutine end_step(self, path, status, ends, watch)
-        class(run_t), intent(inout) :: self
-        type(step_path_t), intent(inout) :: path !! the path that `watch` searches
-        integer, intent(inout) :: status !! `status_ok`, or the reason of an end (spintop_status)
+        integer, intent(out) :: status !! `status_ok`, or the reason of an end (spintop_status)
         logical, intent(out) :: ends !! whether the run ends here
-        class(event_watch_t), intent(inout), optional :: watch !! search for events
         ends = .false.
-        if (status == status_ok .and. self%account%is_open) then
-            call self%account%go_to(self%formulation, self%stepper, self%stepper%t)
-        end if
-        self%stepper => self%method
-        path%stepper => self%method
-        if (status == status_ok) call self%rest%settle(self%formulation, self%method, status)
+        if (self%account%is_open) call self%account%go_to(self%formulation, self%stepper, self%stepper%t)
+        call self%segments%settle(self%formulation, self%method, self%stepper, status)
         ! The work of a last instant before rest or reversal, the square of a negligible angular velocity, is zero.
-        self%account%t = max(self%account%t, self%method%t)
-        if (status == status_ok .and. self%rest%occasion /= occasion_none) call self%meet_occasion(ends, watch)
+        self%account%t = max(self%account%t, self%stepper%t)
+        if (status == status_ok .and. self%segments%occasion /= occasion_none) call self%meet_occasion(ends)
     end subroutine end_step
 
     !> Meets the events of rest and departure at the end of a step.
-    subroutine meet_occasion(self, ends, watch)
+    subroutine meet_occasion(self, ends)
         class(run_t), intent(inout) :: self
         logical, intent(out) :: ends !! whether the run ends here
-        class(event_watch_t), intent(inout), optional :: watch !! search for events
         type(motion_t) :: motion
         ends = .false.
         associate (stepper => self%stepper)
             if (stepper%t > self%follower%t) call self%follower%go_to(self%formulation, stepper%t, stepper%y)
-            if (present(watch)) then
+            if (associated(self%watch)) then
                 motion = self%formulation%motion(stepper%t, stepper%y, self%follower%angle)
                 motion%given_angle = self%follower%given_angle
-                call watch%happen(self%rest%occasion, motion, self%account%total)
-                ends = watch%has_enough
+                call self%watch%happen(self%segments%occasion, motion, self%account%total)
+                ends = self%watch%has_enough
             end if
-            if (self%shown < stepper%t .and. (ends .or. .not. stepper%t < stepper%t_end)) call self%show()
+            if (self%shown < stepper%t .and. (ends .or. .not. stepper%t < self%method%t_end)) call self%show()
         end associate
     end subroutine meet_occasion
 
     !> Looks for events in the last step. The run ends at one that ends the motion, or as far as the
     !> steps that are allowed suffice for the search, and the events that can be counted.
-    subroutine look_for_events(self, path, watch, status, ends)
+    subroutine look_for_events(self, status, ends)
         class(run_t), intent(inout) :: self
-        type(step_path_t), intent(inout) :: path !! the path that `watch` searches
-        class(event_watch_t), intent(inout) :: watch !! search for events
         integer, intent(inout) :: status !! `status_ok`, or the reason of an end (spintop_status)
         logical, intent(out) :: ends !! whether the run ends here
-        call path%begin_step(self%follower)
-        if (allocated(self%formulation%action) .and. watch%knows(occasion_knot)) call self%look_to_knots(path, watch)
-        if (.not. watch%has_enough) call watch%look(path, self%stepper%t)
-        ends = watch%has_enough
-        if (.not. ends .and. (path%is_spent() .or. watch%is_full) .and. watch%t < self%stepper%t) then
-            status = merge(status_too_many_events, status_step_limit, watch%is_full)
-            ends = .true.
-        end if
-        if (ends) call self%show_end(watch%t)
+        associate (path => self%path, watch => self%watch)
+            call path%begin_step(self%stepper, self%follower)
+            if (allocated(self%segments) .and. watch%knows(occasion_knot)) call self%look_to_knots()
+            if (.not. watch%has_enough) call watch%look(path, self%stepper%t)
+            ends = watch%has_enough
+            if (.not. ends .and. (path%is_spent() .or. watch%is_full) .and. watch%t < self%stepper%t) then
+                status = merge(status_too_many_events, status_step_limit, watch%is_full)
+                ends = .true.
+            end if
+            if (ends) call self%show_end(watch%t)
+        end associate
     end subroutine look_for_events
 
     !> Looks for events up to each row of a table of torques in the last step, and meets those of the row.
-    subroutine look_to_knots(self, path, watch)
+    subroutine look_to_knots(self)
         class(run_t), intent(inout) :: self
-        type(step_path_t), intent(inout) :: path !! the path that `watch` searches
-        class(event_watch_t), intent(inout) :: watch !! search for events
         type(motion_t) :: motion
         real(dp) :: knot
-        do while (.not. watch%has_enough)
-            knot = self%formulation%action%next_knot(watch%t)
-            if (knot > self%stepper%t) exit
-            call watch%look(path, knot)
-            if (watch%has_enough .or. watch%t < knot) exit
-            call path%at(knot, motion)
-            call watch%happen(occasion_knot, motion, path%work_until(knot))
-        end do
+        associate (path => self%path, watch => self%watch)
+            do while (.not. watch%has_enough)
+                knot = self%formulation%action%next_knot(watch%t)
+                if (knot > self%stepper%t) exit
+                call watch%look(path, knot)
+                if (watch%has_enough .or. watch%t < knot) exit
+                call path%at(knot, motion)
+                call watch%happen(occasion_knot, motion, path%work_until(knot))
+            end do
+        end associate
     end subroutine look_to_knots
 
     !> Shows the samples up to a time within the last step, and its end to an observer of steps.

@@ -1,5 +1,6 @@
 !> The motion within the last step of a run, by dense output, with angles that are followed through every turn.
 module spintop_step_path
+    use spintop_archive, only: archive_t
     use spintop_events, only: path_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
@@ -26,6 +27,7 @@ module spintop_step_path
         procedure :: go_to
         procedure :: walk_to
         procedure :: motion => motion_of_follower
+        procedure :: carry
         procedure, private :: put
         procedure, private :: try
         procedure, private :: try_given
@@ -92,15 +94,16 @@ contains
 
     !> Takes the last step, at the beginning of which the angles are known. Where it is a series its terms bound the angular
     !> velocity.
-    subroutine begin_step(self, follower)
+    subroutine begin_step(self, stepper, follower)
         class(step_path_t), intent(inout) :: self
+        class(stepper_t), pointer, intent(in) :: stepper !! what took the step
         type(follower_t), intent(in) :: follower !! the angles
         real(dp) :: change(max_states)
-        logical :: is_known
+        self%stepper => stepper
         self%seen = follower
-        call self%stepper%bound_changes(change, is_known)
+        change = stepper%bound_of_changes()
         self%greatest_rate = 0
-        if (is_known) self%greatest_rate = self%formulation%bound_rate(self%stepper%y_last, change)
+        if (all(change < huge(change))) self%greatest_rate = self%formulation%bound_rate(stepper%y_last, change)
     end subroutine begin_step
 
     !> The work of effects up to a time within the last step.
@@ -121,6 +124,18 @@ contains
         class(step_path_t), intent(in) :: self
         step_is_spent = self%stepper%is_spent()
     end function step_is_spent
+
+    !> Carries the angles.
+    subroutine carry(self, archive)
+        class(follower_t), intent(inout) :: self
+        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        call archive%carry(self%t)
+        call archive%carry(self%y)
+        call archive%carry(self%angle)
+        call archive%carry(self%given_angle)
+        call self%passed%carry(archive)
+        call self%given_passed%carry(archive)
+    end subroutine carry
 
     !> Moves to a later time and state.
     subroutine go_to(self, formulation, t, y)

@@ -3,7 +3,6 @@
 !> A stepper contains its settings and the state of its run. `integrate` takes those with the settings as patterns, and
 !> runs a copy; so one serves all threads.
 module spintop_stepper
-    use, intrinsic :: iso_c_binding, only: c_loc
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_archive, only: archive_t
     use spintop_kinds, only: dp
@@ -89,11 +88,12 @@ module spintop_stepper
     contains
         procedure :: add
         procedure :: work => work_done
+        procedure :: carry => carry_counts
     end type counts_t
 
     !> The state of a run.
     type :: run_state_t
-        !> The span, s. `carry` needs the beginning of the type to be here.
+        !> The span, s.
         real(dp) :: t_begin = 0, t_end = 0
         !> Current time and state, and the slope y' there.
         real(dp) :: t = 0, y(max_states) = 0, slope(max_states) = 0
@@ -117,6 +117,7 @@ module spintop_stepper
         procedure :: settle_change
         procedure :: may_keep
         procedure :: carry
+        procedure :: take_over
     end type run_state_t
 
     !> A method of integration, and its run.
@@ -130,7 +131,7 @@ module spintop_stepper
         procedure(advance), deferred :: advance
         procedure(state_within), deferred :: state_within
         procedure :: states_within
-        procedure :: bound_changes
+        procedure :: bound_of_changes
         procedure, non_overridable :: interpolate
         procedure :: order
         procedure :: set_weight
@@ -204,16 +205,12 @@ contains
     end subroutine states_within
 
     !> Bounds of the change of each state variable from the beginning of the last step to any time in it, where the step is a
-    !> series.
-    pure subroutine bound_changes(self, bound, is_known)
+    !> series; otherwise `huge`.
+    pure function bound_of_changes(self) result(bound)
         class(stepper_t), intent(in) :: self
-        real(dp), intent(out) :: bound(max_states) !! bounds
-        logical, intent(out) :: is_known !! whether there are bounds
-        associate (unused => self)
-        end associate
-        bound = 0
-        is_known = .false.
-    end subroutine bound_changes
+        real(dp) :: bound(max_states)
+        bound = huge(self%y)
+    end function bound_of_changes
 
     !> The work that counts towards `max_steps`.
     pure integer(int64) function work_done(self)
@@ -302,11 +299,40 @@ contains
         may_keep = .true.
     end function may_keep
 
-    !> Carries the state, with all that an extension adds to it. An extension with pointers overrides this.
+    !> Carries the state at the end of a step. An extension adds what it needs of the steps so far.
     subroutine carry(self, archive)
-        class(run_state_t), target, intent(inout) :: self
+        class(run_state_t), intent(inout) :: self
         type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call archive%carry(c_loc(self%t_begin), storage_size(self))
+        call archive%carry(self%t)
+        call archive%carry(self%y)
+        call archive%carry(self%slope)
+        call archive%carry(self%rest)
+        call archive%carry(self%h)
+        call archive%carry(self%grid)
+        call self%counts%carry(archive)
     end subroutine carry
+
+    !> Carries the cost.
+    subroutine carry_counts(self, archive)
+        class(counts_t), intent(inout) :: self
+        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        call archive%carry(self%steps)
+        call archive%carry(self%rejected)
+        call archive%carry(self%looks)
+        call archive%carry(self%evaluations)
+        call archive%carry(self%jacobians)
+        call archive%carry(self%clipped)
+    end subroutine carry_counts
+
+    !> Goes on from where another stepper is; after that it must begin.
+    subroutine take_over(self, other)
+        class(run_state_t), intent(inout) :: self
+        class(run_state_t), intent(in) :: other !! the other stepper, in the same run
+        self%t = other%t
+        self%y = other%y
+        self%rest = 0
+        self%grid = other%grid
+        self%counts = other%counts
+    end subroutine take_over
 
 end module spintop_stepper

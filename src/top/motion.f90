@@ -1,5 +1,6 @@
 !> The motion of a top at one instant, in all descriptions.
 module spintop_motion
+    use spintop_archive, only: archive_t
     use spintop_kinds, only: dp
     use spintop_attitude, only: quaternion_from_angles, angles_from_quaternion, &
         omega_from_rates, rates_from_omega
@@ -11,6 +12,8 @@ module spintop_motion
     !> odd; and whether body z has arrived in a pole, and not yet left it.
     type :: passages_t
         logical :: odd(2) = .false., arrived = .false.
+    contains
+        procedure :: carry => carry_passages
     end type passages_t
 
     !> Attitude, velocity and acceleration of a top at an instant.
@@ -38,12 +41,39 @@ module spintop_motion
         !> rounded. With `gives_quaternion` the quaternion is exact, not the angles; with `gives_omega` omega,
         !> with `gives_omega3` omega3 alone, not the rates.
         logical :: gives_quaternion = .false., gives_omega = .false., gives_omega3 = .false.
+    contains
+        procedure :: carry
     end type motion_t
 
     !> A quaternion whose squared norm differs from 1 by less is not scaled.
     real(dp), parameter :: unit_slack = 1.0e-6_dp
 
 contains
+
+    !> Carries a motion in progress.
+    subroutine carry(self, archive)
+        class(motion_t), intent(inout) :: self
+        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        call archive%carry(self%t)
+        call archive%carry(self%angle)
+        call archive%carry(self%rate)
+        call archive%carry(self%omega)
+        call archive%carry(self%omega_rate)
+        call archive%carry(self%quaternion)
+        call archive%carry(self%norm_error)
+        call archive%carry(self%given_angle)
+        call self%passed%carry(archive)
+        call self%given_passed%carry(archive)
+    end subroutine carry
+
+    !> Carries the passages so far.
+    subroutine carry_passages(self, archive)
+        class(passages_t), intent(inout) :: self
+        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        call archive%carry(self%odd(1))
+        call archive%carry(self%odd(2))
+        call archive%carry(self%arrived)
+    end subroutine carry_passages
 
     !> Motion from the angles and their rates; the acceleration is left zero.
     pure type(motion_t) function motion_from_angles(t, angle, rate) result(motion)

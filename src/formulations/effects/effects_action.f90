@@ -3,36 +3,55 @@
 module spintop_effects_action
     use spintop_attitude, only: quaternion_product, rotation_minus_one
     use spintop_body, only: body_t
-    use spintop_capabilities, only: action_t, direction_force, direction_omega, direction_velocity, directions, max_states
+    use spintop_capabilities, only: max_states
     use spintop_compare, only: is_zero
     use spintop_effects, only: effects_t
     use spintop_kinds, only: dp, pi
     use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, total_momentum, works
-    use spintop_motion, only: motion_t
     use spintop_motions, only: instants
     use spintop_powers, only: find_powers
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: effects_action_t
+    public :: effects_action_t, turning_t, reach_t, directions, direction_omega, direction_velocity, direction_force
 
-    !> That of the formulation `rigid_body` with effects, with its state.
-    type, extends(action_t) :: effects_action_t
-        private
-        type(body_t) :: body
-        type(effects_t) :: effects
+    !> Vectors at whose zeros effects are not smooth (`directions_at`).
+    integer, parameter :: direction_omega = 1, direction_velocity = 2, direction_force = 3, directions = 3
+
+    !> What effects do, with the state of the formulation `rigid_body` with effects.
+    type :: effects_action_t
+        !> Whether dry friction may hold the body, and whether it may let it go again by itself; whether the series of a
+        !> motion ends where it reverses; whether friction depends on the support force; whether any effect does work.
+        logical :: may_stick = .false., may_slip = .false., may_turn = .false., has_load = .false., does_work = .true.
+        type(body_t), private :: body
+        type(effects_t), private :: effects
     contains
-        procedure :: set => set_action
+        procedure :: set
         procedure :: find_powers => find_powers_of_action
         procedure :: next_knot
-        procedure :: find_speed
+        procedure :: turning_at
         procedure :: directions_at
-        procedure :: find_reach
+        procedure :: reach_of
         procedure :: drag_turns
         procedure :: at_rest
         procedure :: excess
         procedure :: pause
     end type effects_action_t
+
+    !> The angular velocity at a time.
+    type :: turning_t
+        !> Time, s; magnitude of the angular velocity, rad/s, and how fast it decreases, rad/s^2; the part of it across the
+        !> acceleration, rad/s, which is left where a motion reverses.
+        real(dp) :: t = -1, speed = 0, slowing = 0, across = 0
+    end type turning_t
+
+    !> How far the angular velocity may move away in a time.
+    type :: reach_t
+        !> Its magnitude in space at the beginning, and a bound of its change, rad/s: it keeps a share of its magnitude if the
+        !> change is less than that share of `speed`; and the velocity of the dragged centre of mass does if the change is less
+        !> than that share of `dragged`.
+        real(dp) :: speed = 0, change = 0, dragged = 0
+    end type reach_t
 
     !> Relative size of what a cross product loses in rounding.
     real(dp), parameter :: rounding = 1.0e-14_dp
@@ -41,23 +60,21 @@ module spintop_effects_action
 
 contains
 
-    !> Constants of the action.
-    pure subroutine set_action(self, body, start)
+    !> Sets the constants for a body.
+    pure subroutine set(self, body)
         class(effects_action_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point, and its effects
-        type(motion_t), intent(in) :: start !! not used
-        associate (unused => start)
-        end associate
         self%body = body
         self%effects = effects_t()
         if (allocated(body%effects)) self%effects = body%effects
         self%may_stick = self%effects%is_dry()
         self%may_slip = self%may_stick .and. self%effects%depends_on_time()
         self%may_turn = self%effects%has_cusps()
+        self%has_load = self%effects%friction_arm > 0
         self%does_work = self%effects%do_work() .or. any(body%damping > 0)
-    end subroutine set_action
+    end subroutine set
 
-    !> Power of each part of the work.
+    !> Power of each part of the work (`spintop_loads`) at several instants.
     pure subroutine find_powers_of_action(self, t, y, power)
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t(instants), y(instants, max_states) !! times, s, and states
@@ -65,7 +82,8 @@ contains
         call find_powers(self%body, self%effects, t, y(:, 1:4), y(:, 5:7), power)
     end subroutine find_powers_of_action
 
-    !> The next knot of the table of torques.
+    !> The first time after `t` at which f is not smooth, that of the next knot of the table of torques, s; `huge` if there is
+    !> none.
     pure real(dp) function next_knot(self, t)
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t !! s
@@ -74,30 +92,28 @@ contains
     end function next_knot
 
     !> |w| and -|w|'.
-    pure subroutine find_speed(self, t, y, speed, slowing, across)
+    pure type(turning_t) function turning_at(self, t, y) result(turning)
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
-        real(dp), intent(out) :: speed, slowing, across !! rad/s, rad/s^2; the part across the acceleration, rad/s
         real(dp) :: rate(3)
         type(loads_t) :: loads
         call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
         rate = acceleration(self%body, loads)
-        speed = norm2(loads%omega)
-        slowing = 0
-        across = speed
-        if (.not. (speed > 0 .and. norm2(rate) > 0)) return
-        slowing = -dot_product(loads%omega / speed, rate)
-        across = norm2(cross(loads%omega, rate / norm2(rate)))
-    end subroutine find_speed
+        turning = turning_t(t, norm2(loads%omega), across=norm2(loads%omega))
+        if (.not. (turning%speed > 0 .and. norm2(rate) > 0)) return
+        turning%slowing = -dot_product(loads%omega / turning%speed, rate)
+        turning%across = norm2(cross(loads%omega, rate / norm2(rate)))
+    end function turning_at
 
-    !> w and w x r in body axes, and the support force in space axes.
+    !> Vectors at whose zeros f is not smooth: w, rad/s, in body axes; w x r, m/s, likewise, if it is dragged; the support
+    !> force, N, in space axes, if friction depends on it. Others are zero.
     pure function directions_at(self, t, y) result(vectors)
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         real(dp) :: vectors(3, directions)
         type(loads_t) :: loads
         vectors = 0
-        if (self%effects%friction_arm > 0) then
+        if (self%has_load) then
             call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
             vectors(:, direction_force) = matmul(loads%rows, loads%force)
         else
@@ -112,24 +128,24 @@ contains
         end associate
     end function directions_at
 
-    !> That of w + O and that of w: O, of constant magnitude, turns by any angle, and is missing in w at the beginning. A change
-    !> of w is one of w across r at the most. Nothing bounds the support force.
-    pure subroutine find_reach(self, t, y, span, change, speed, reach, narrowest)
+    !> The reach of the angular velocity in `span` seconds, in which the state variables change by `change` at most: that of w
+    !> + O and that of w, as O, of constant magnitude, turns by any angle, and is missing in w at the beginning. A change of w
+    !> is one of w across r at the most. Nothing bounds the support force.
+    pure type(reach_t) function reach_of(self, t, y, span, change) result(reach)
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states), span, change(max_states) !! time, s; state; s; bounds of its change
-        real(dp), intent(out) :: speed, reach, narrowest !! as of `action_t`, rad/s
         real(dp) :: omega(3)
         associate (effects => self%effects, inertia => self%body%inertia, r => self%body%centre_of_mass)
             omega = (y(5:7) - (effects%rotor_momentum + effects%rotor_torque * t)) / inertia
-            speed = norm2(omega)
-            narrowest = speed
-            if (effects%drag_force > 0 .and. norm2(r) > 0) narrowest = norm2(cross(omega, r / norm2(r)))
-            if (effects%friction_arm > 0) narrowest = -1
-            reach = norm2((change(5:7) + abs(effects%rotor_torque) * span) / inertia) + 3 * norm2(effects%frame_rate)
+            reach%speed = norm2(omega)
+            reach%dragged = reach%speed
+            if (effects%drag_force > 0 .and. norm2(r) > 0) reach%dragged = norm2(cross(omega, r / norm2(r)))
+            reach%change = norm2((change(5:7) + abs(effects%rotor_torque) * span) / inertia) + 3 * norm2(effects%frame_rate)
         end associate
-    end subroutine find_reach
+    end function reach_of
 
-    !> Whether w x r turns back, in body axes, which turn by less in the meantime.
+    !> Whether w x r turns by more than a right angle from one state to the next, in body axes, which turn by less in the
+    !> meantime.
     pure logical function drag_turns(self, t, y)
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t(0:instants), y(0:instants, max_states) !! times, s, and states
@@ -154,7 +170,8 @@ contains
         drag_turns = any(v(1:, 1) * v(:instants - 1, 1) + v(1:, 2) * v(:instants - 1, 2) + v(1:, 3) * v(:instants - 1, 3) < least)
     end function drag_turns
 
-    !> The state at rest.
+    !> The state at rest at a time, with the attitude that the motion in a state reaches after `left` seconds of constant
+    !> deceleration to rest.
     pure function at_rest(self, t, y, left) result(resting)
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states), left !! time, s; state; time to rest, s
@@ -169,7 +186,7 @@ contains
         resting(5:7) = total_momentum(self%body, t, resting(1:4), still)
     end function at_rest
 
-    !> |T| - M at rest.
+    !> By how much the torques exceed what dry friction can balance at rest, |T| - M, N m: it holds where they do not.
     pure real(dp) function excess(self, t, y)
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states) !! time, s, and a state at rest
@@ -179,8 +196,8 @@ contains
         if (loads%sticks) excess = min(excess, 0.0_dp)
     end function excess
 
-    !> A part of the period of the vibration, or of the interval of the table up to the next knot; for a driven rotor, in which
-    !> the torque grows steadily, all the time there is.
+    !> A time in which the torques on a resting body change little: a part of the period of the vibration, or of the interval
+    !> of the table up to the next knot; for a driven rotor, in which the torque grows steadily, all the time there is.
     pure real(dp) function pause(self, t) result(time)
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t !! s

@@ -3,9 +3,8 @@
 !>
 !> Reynolds, Gardner, Woodward and Chinomona, ACM TOMS 49 (2023).
 module spintop_arkode
-    use, intrinsic :: iso_c_binding, only: c_int, c_loc
+    use, intrinsic :: iso_c_binding, only: c_int
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_archive, only: archive_t
     use spintop_arkode_memory, only: arkode_memory_t
     use spintop_arkode_tables, only: arkode_table_t, find_arkode_table
     use spintop_compare, only: is_equal
@@ -31,7 +30,6 @@ module spintop_arkode
         procedure :: state_within
         procedure :: order
         procedure :: may_keep
-        procedure :: carry
     end type arkode_t
 
     !> Owns the memory that ARKODE allocates for a run. It has no default values: gfortran 14 takes the
@@ -229,13 +227,6 @@ contains
         class(arkode_t), intent(in) :: self
         may_keep = self%counts%steps > 0 .and. mod(self%counts%steps, steps_of_memory) == 0
     end function may_keep
-
-    !> Carries the state without the memory of ARKODE.
-    subroutine carry(self, archive)
-        class(arkode_t), target, intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call archive%carry(c_loc(self%t_begin), storage_size(self%run_state_t))
-    end subroutine carry
 
     !> Status for a return value of ARKODE.
     pure integer function status_of(flag)

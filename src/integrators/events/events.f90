@@ -9,7 +9,6 @@
 !>
 !> Each evaluation counts as work. The search ends when the path allows no more.
 module spintop_events
-    use, intrinsic :: iso_c_binding, only: c_loc
     use spintop_archive, only: archive_t
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
@@ -208,11 +207,11 @@ contains
 
     !> Carries the state of the search, after `begin`.
     subroutine carry_search(self, archive)
-        class(event_watch_t), target, intent(inout) :: self !! the search
+        class(event_watch_t), intent(inout) :: self !! the search
         type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
         integer :: i
         call archive%carry(self%t)
-        call archive%carry(c_loc(self%here), storage_size(self%here))
+        call self%here%carry(archive)
         call archive%carry(self%has_enough)
         call archive%carry(self%is_full)
         call archive%carry(self%is_paused)
@@ -220,7 +219,7 @@ contains
         do i = 1, size(self%events)
             call archive%carry(self%events(i)%count)
             call archive%carry(self%values(i))
-            call archive%carry(c_loc(self%sides(i)), storage_size(self%sides))
+            call self%sides(i)%carry(archive)
         end do
     end subroutine carry_search
 

@@ -1,5 +1,6 @@
 !> The side of its level on which the quantity of an event is, and the level that it aims at.
 module spintop_level_side
+    use spintop_archive, only: archive_t
     use spintop_compare, only: is_equal, is_finite
     use spintop_event, only: event_t
     use spintop_five_values, only: passes_at_most_once
@@ -31,6 +32,7 @@ module spintop_level_side
         procedure :: aim
         procedure :: take_stay
         procedure :: forget_rounding
+        procedure :: carry
     end type side_t
 
     !> A start value so close to the level, relatively, is at the level.
@@ -101,6 +103,20 @@ contains
         self%rounding = 0
         if (self%sign == 0 .and. t < self%early) self%rounding = self%noise
     end subroutine forget_rounding
+
+    !> Carries the side.
+    subroutine carry(self, archive)
+        class(side_t), intent(inout) :: self
+        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        call archive%carry(self%level)
+        call archive%carry(self%sign)
+        call archive%carry(self%t)
+        call archive%carry(self%distance)
+        call archive%carry(self%rounding)
+        call archive%carry(self%farthest)
+        call archive%carry(self%is_clear)
+        call archive%carry(self%was_clear)
+    end subroutine carry
 
     !> Whether an angle with turns changes too much between two instants to be followed.
     elemental logical function turns_far(event, before, after)

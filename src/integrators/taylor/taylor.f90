@@ -6,6 +6,7 @@
 !> The state is summed with compensation.
 module spintop_taylor
     use, intrinsic :: iso_c_binding, only: c_double, c_int
+    use spintop_archive, only: archive_t
     use spintop_kinds, only: dp
     use spintop_motions, only: instants
     use spintop_formulation, only: formulation_t, max_series_order, max_states
@@ -27,7 +28,8 @@ module spintop_taylor
         procedure :: advance
         procedure :: state_within
         procedure :: states_within
-        procedure :: bound_changes
+        procedure :: bound_of_changes
+        procedure :: carry
         procedure :: order
     end type taylor_t
 
@@ -99,6 +101,14 @@ contains
         self%least = lost_by_underflow(self%slope(:self%weight%states), self%weight%scale(:self%weight%states))
         self%h = self%t_end - self%t
     end subroutine begin
+
+    !> Carries the state at the end of a step.
+    subroutine carry(self, archive)
+        class(taylor_t), intent(inout) :: self
+        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        call self%run_state_t%carry(archive)
+        call archive%carry(self%least)
+    end subroutine carry
 
     !> What a coefficient may lose by underflow: products of two variables are multiplied by a rate over a
     !> momentum at most, or by a torque.
@@ -185,15 +195,11 @@ contains
 
     !> Bounds of the changes within the last step, where the variables of the series are the state: the sums of the magnitudes
     !> of all terms at its end.
-    pure subroutine bound_changes(self, bound, is_known)
+    pure function bound_of_changes(self) result(bound)
         class(taylor_t), intent(in) :: self
-        real(dp), intent(out) :: bound(max_states) !! bounds
-        logical, intent(out) :: is_known !! whether there are bounds
-        real(dp) :: h
+        real(dp) :: bound(max_states), h
         integer :: k, n
-
         bound = 0
-        is_known = .true.
         h = self%t - self%t_last
         do k = self%degree, 1, -1
             !$omp simd
@@ -201,6 +207,6 @@ contains
                 bound(n) = (bound(n) + abs(self%coefficient(n, k))) * h
             end do
         end do
-    end subroutine bound_changes
+    end function bound_of_changes
 
 end module spintop_taylor

@@ -1,6 +1,5 @@
 !> Searches for the events of a scene, writes or keeps the table of events, and ends the motion.
 module spintop_event_recorder
-    use, intrinsic :: iso_c_binding, only: c_loc
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_archive, only: archive_t
     use spintop_kinds, only: dp
@@ -139,7 +138,7 @@ contains
 
     !> Carries the state of the search, after `begin`.
     subroutine carry(self, archive)
-        class(event_recorder_t), target, intent(inout) :: self
+        class(event_recorder_t), intent(inout) :: self
         type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
         call carry_search(self, archive)
         call self%quantity%carry(archive)
@@ -147,9 +146,9 @@ contains
 
     !> Carries the state of the table, which is then on the disk, and the number of events until the motion ends.
     subroutine carry_record(self, archive)
-        class(event_recorder_t), target, intent(inout) :: self
+        class(event_recorder_t), intent(inout) :: self
         type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        type(journal_entry_t), target :: entry
+        type(journal_entry_t) :: entry
         character(:), allocatable :: problem
 
         call archive%carry(self%rows)
@@ -163,7 +162,8 @@ contains
             entry%bytes = self%file%bytes
             entry%checksum = self%file%ending%checksum()
         end if
-        call archive%carry(c_loc(entry), storage_size(entry))
+        call archive%carry(entry%bytes)
+        call archive%carry(entry%checksum)
         if (.not. archive%recalls) return
         call self%file%go_on(entry, problem, self%error)
         if (problem /= '') self%error = refusal(self%file%path, problem)

@@ -1,6 +1,5 @@
 !> The exact solution of a case as a path on which events are sought.
 module spintop_exact_path
-    use, intrinsic :: iso_c_binding, only: c_loc
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_archive, only: archive_t
     use spintop_case, only: case_t
@@ -8,7 +7,7 @@ module spintop_exact_path
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
-    use spintop_observer, only: observer_t
+    use spintop_observer, only: keeping_observer_t
     use spintop_stepper, only: looks_per_step
     implicit none
     private
@@ -24,7 +23,7 @@ module spintop_exact_path
         !> The last instant; the turns of the angles are counted from there.
         type(motion_t), private :: last
         !> Keeps the state of the run; asked after this number of looks.
-        class(observer_t), pointer :: keeper => null()
+        class(keeping_observer_t), pointer :: keeper => null()
         integer(int64), private :: next_question = 0
     contains
         procedure :: carry => carry_path
@@ -82,10 +81,10 @@ contains
 
     !> Carries the state of the path, after `begin`.
     subroutine carry_path(self, archive)
-        class(exact_path_t), target, intent(inout) :: self
+        class(exact_path_t), intent(inout) :: self
         type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call archive%carry(c_loc(self%looks), storage_size(self%looks))
-        call archive%carry(c_loc(self%last), storage_size(self%last))
+        call archive%carry(self%looks)
+        call self%last%carry(archive)
     end subroutine carry_path
 
     !> Whether it is time to keep the state of the run.

@@ -1,7 +1,6 @@
 !> The rows of a motion: the motion is computed, in closed form or step by step, and each of its rows goes to a table,
 !> or is kept.
 module spintop_motion_rows
-    use, intrinsic :: iso_c_binding, only: c_loc
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_archive, only: archive_t
     use spintop_case, only: case_t
@@ -9,10 +8,11 @@ module spintop_motion_rows
     use spintop_event_recorder, only: event_recorder_t
     use spintop_exact_path, only: exact_path_t
     use spintop_formulation, only: formulation_t, max_states
-    use spintop_integration, only: integrate, observer_t, outcome_t
+    use spintop_integration, only: integrate, outcome_t
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
     use spintop_motion_table, only: motion_table_t
+    use spintop_observer, only: keeping_observer_t
     use spintop_plan, only: plan_t, sample_time
     use spintop_progress, only: progress_t
     use spintop_row_maker, only: row_maker_t
@@ -25,7 +25,7 @@ module spintop_motion_rows
     public :: writer_t, compute_motion
 
     !> Writes a row for each motion, or keeps it.
-    type, extends(observer_t) :: writer_t
+    type, extends(keeping_observer_t) :: writer_t
         type(row_maker_t) :: columns
         type(trajectory_column_t), allocatable :: chosen(:)
         type(motion_table_t) :: table
@@ -237,12 +237,12 @@ contains
 
     !> Carries the rows so far, and the record of events.
     subroutine carry(self, archive)
-        class(writer_t), target, intent(inout) :: self
+        class(writer_t), intent(inout) :: self
         type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
         call archive%carry(self%rows)
         call archive%carry(self%is_again)
-        call archive%carry(c_loc(self%first), storage_size(self%first))
-        call archive%carry(c_loc(self%work), size(self%work) * storage_size(self%work))
+        call self%first%carry(archive)
+        call archive%carry(self%work)
         call self%columns%carry(archive)
         if (associated(self%watch)) call self%watch%carry_record(archive)
     end subroutine carry

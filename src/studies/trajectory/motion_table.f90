@@ -161,17 +161,16 @@ contains
         type(archive_t), intent(in) :: archive !! the state
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(journal_entry_t) :: entry
-        character(:), allocatable :: path
+        character(:), allocatable :: path, bytes
         logical :: due
 
         call self%put_block(error)
         call self%rows_table%take_entry(entry, due, error)
         if (.not. due) return
         call self%rows_table%begin_state(entry%state, path)
-        associate (bytes => archive%bytes(:archive%length))
-            call replace_file(path, bytes, error)
-            entry%state_checksum = checksum_of(bytes)
-        end associate
+        bytes = archive%bytes()
+        call replace_file(path, bytes, error)
+        entry%state_checksum = checksum_of(bytes)
         if (.not. allocated(error)) call self%rows_table%keep_entry(entry, error)
         call self%rows_table%end_entry()
     end subroutine keep_state
@@ -200,8 +199,7 @@ contains
             end if
         end associate
         allocate (archive)
-        archive%recalls = .true.
-        call move_alloc(text, archive%bytes)
+        call archive%recall(text)
     end subroutine recall_state
 
     !> How the motion of a complete table ended: a status.

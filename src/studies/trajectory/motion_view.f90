@@ -1,7 +1,6 @@
 !> A motion as the columns of a trajectory see it: in the axes in which the body was given, beside the
 !> start and the exact motion. What several columns need is computed once per motion, when one of them asks.
 module spintop_motion_view
-    use, intrinsic :: iso_c_binding, only: c_loc
     use spintop_archive, only: archive_t
     use spintop_body, only: body_t
     use spintop_case, only: case_t
@@ -106,11 +105,14 @@ contains
 
     !> Carries what the next motions take from those before.
     subroutine carry(self, archive)
-        class(motion_view_t), target, intent(inout) :: self
+        class(motion_view_t), intent(inout) :: self
         type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call archive%carry(c_loc(self%near), size(self%near) * storage_size(self%near))
-        call archive%carry(c_loc(self%work), size(self%work) * storage_size(self%work))
-        call archive%carry(c_loc(self%proof%rows), size(self%proof%rows) * storage_size(self%proof%rows))
+        integer :: i
+        call archive%carry(self%near)
+        call archive%carry(self%work)
+        do i = lbound(self%proof%rows, 1), ubound(self%proof%rows, 1)
+            call archive%carry(self%proof%rows(i))
+        end do
     end subroutine carry
 
     !> Replaces the attitude and the rates of a formulation by the given values. Rates that do not exist at a

@@ -1,31 +1,33 @@
-!> Vectors that vanish within a step by series: the angular velocity, of which friction and drag have the direction; the velocity
-!> of the centre of mass, of which drag on it has the direction; and the support force, of which friction takes the magnitude.
-!> There the equations are not analytic; but the series, in which a direction is constant or a magnitude has its sign, goes on.
-!> Such a step ends before.
+!> Vectors that vanish within a step by series: the angular velocity, of which friction and drag have the direction; the
+!> velocity of the centre of mass, of which drag on it has the direction; and the support force, of which friction takes the
+!> magnitude. There the equations are not analytic; but the series, in which a direction is constant or a magnitude has its
+!> sign, goes on. Such a step ends before.
 module spintop_reversals
-    use spintop_capabilities, only: direction_force, direction_omega, directions, max_states
-    use spintop_formulation, only: formulation_t
+    use spintop_effects_action, only: direction_force, direction_omega, directions, reach_t
+    use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
     use spintop_motions, only: instants
     use spintop_status, only: status_ok, status_step_too_small
     use spintop_stepper, only: stepper_t
     implicit none
     private
-    public :: end_step, may_reverse, end_before_reversal
+    public :: check_direction, end_step_at, may_reverse, end_before_reversal
 
     !> A time at which a vector reverses is found up to so many spacings of the time.
     real(dp), parameter :: spacings = 4
     !> A vector that is not below this share of what it was at the beginning of the step passes zero at a distance. There the
     !> series has a small radius of convergence; a step to this part of the way is well within.
     real(dp), parameter :: vanishing = 1.0e-12_dp, part_of_way = 0.5_dp
-    !> The cosine of the largest angle by which the support force turns in a step: where it passes zero at a distance it turns by
-    !> half a turn, and the terms of a step that leads across do not tell.
+    !> The cosine of the largest angle by which the support force turns in a step: where it passes zero at a distance it turns
+    !> by half a turn, and the terms of a step that leads across do not tell.
     real(dp), parameter :: turned = 0.5_dp
+    !> A vector that changes by less than this share of its magnitude is far from a reversal.
+    real(dp), parameter :: share = 0.5_dp
 
 contains
 
     !> Ends a step by series earlier, at a time and in a state within it.
-    subroutine end_step(formulation, stepper, t, y, status)
+    subroutine end_step_at(formulation, stepper, t, y, status)
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         class(stepper_t), intent(inout) :: stepper !! the method, after a step
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
@@ -34,7 +36,44 @@ contains
         stepper%y = y
         stepper%rest = 0
         call stepper%begin(formulation, status)
-    end subroutine end_step
+    end subroutine end_step_at
+
+    !> Whether the angular velocity, and the velocity on which drag depends, are far from any reversal in a step by series:
+    !> they change by less than `share` of their magnitude, as all terms of its series together are less. Then the step is also
+    !> shorter than half of the time to rest.
+    subroutine check_direction(formulation, stepper, is_kept, speed)
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(stepper_t), intent(inout) :: stepper !! the method, after a step
+        logical, intent(out) :: is_kept !! whether they are
+        real(dp), intent(out) :: speed(2) !! magnitude of the angular velocity at the ends of the step, if they are, rad/s
+        real(dp) :: span, change(max_states)
+        type(reach_t) :: first, last
+
+        speed = 0
+        change = stepper%bound_of_changes()
+        is_kept = .false.
+        if (formulation%action%has_load .or. .not. all(change < huge(change))) return
+        span = stepper%t - stepper%t_last
+        first = formulation%action%reach_of(stepper%t_last, stepper%y_last, span, change)
+        is_kept = first%change < share * min(first%speed, first%dragged)
+        if (.not. is_kept .and. first%change < share * first%speed) is_kept = .not. turns_back()
+        if (.not. is_kept) return
+        last = formulation%action%reach_of(stepper%t, stepper%y, 0.0_dp, change)
+        speed = [first%speed, last%speed]
+
+    contains
+
+        !> Whether the velocity on which drag depends reverses.
+        logical function turns_back()
+            real(dp) :: t(0:instants), y(0:instants, max_states)
+            integer :: i
+            t = stepper%t_last + span * [(real(i, dp) / instants, i=0, instants)]
+            y(0, :) = stepper%y_last
+            call stepper%states_within(formulation, t(1:), y(1:, :))
+            turns_back = formulation%action%drag_turns(t, y)
+        end function turns_back
+
+    end subroutine check_direction
 
     !> Whether one of the vectors may vanish in a step: always under friction that is dry or depends on the support, and under a
     !> drag where one turns by more than a right angle in half of the step.
@@ -72,20 +111,20 @@ contains
         end if
     end function has_reversed
 
-    !> Ends a step before a vector reverses in it. Where the angular velocity does, a plane motion comes to rest; that of a motion
-    !> that is nearly plane reverses too, as far as its terms can tell. Where another vector vanishes, a step without series
-    !> must lead on, from there: `leads_on`. If that is the beginning of the step, the step is undone and the status is that of
-    !> a step that is too small.
-    subroutine end_before_reversal(formulation, stepper, leads_on, status)
+    !> Ends a step before a vector reverses in it. Where the angular velocity does, a plane motion comes to rest; that of a
+    !> motion that is nearly plane reverses too, as far as its terms can tell. Where another vector vanishes, a step without
+    !> series must follow, from there: `must_cross`. If that is the beginning of the step, the step is undone and the status
+    !> is that of a step that is too small.
+    subroutine end_before_reversal(formulation, stepper, must_cross, status)
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         class(stepper_t), intent(inout) :: stepper !! the method, after a step
-        logical, intent(out) :: leads_on !! whether a step without series must follow
+        logical, intent(out) :: must_cross !! whether a step without series must follow
         integer, intent(inout) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: span, times(instants), y(instants, max_states), lower
         real(dp) :: first(3, directions), before(3, directions), now(3, directions)
         integer :: i, which
 
-        leads_on = .false.
+        must_cross = .false.
         span = stepper%t - stepper%t_last
         first = formulation%action%directions_at(stepper%t_last, stepper%y_last)
         do
@@ -106,14 +145,14 @@ contains
         lower = stepper%t_last
         if (i > 1) lower = times(i - 1)
         if (which == direction_omega) then
-            if (i > 1) call end_step(formulation, stepper, lower, y(i - 1, :), status)
+            if (i > 1) call end_step_at(formulation, stepper, lower, y(i - 1, :), status)
             return
         end if
-        call approach(formulation, stepper, which, first, lower, times(i), leads_on)
+        call approach(formulation, stepper, which, first, lower, times(i), must_cross)
         if (lower - stepper%t_last > spacings * spacing(lower)) then
-            call end_step(formulation, stepper, lower, stepper%state_within(formulation, lower), status)
+            call end_step_at(formulation, stepper, lower, stepper%state_within(formulation, lower), status)
         else
-            leads_on = .false.
+            must_cross = .false.
             stepper%t = stepper%t_last
             stepper%y = stepper%y_last
             stepper%rest = 0
@@ -121,8 +160,8 @@ contains
         end if
     end subroutine end_before_reversal
 
-    !> Moves the lower of two times, between which a vector reverses, to the last at which it has not; if it does not vanish there,
-    !> to a part of the way to that.
+    !> Moves the lower of two times, between which a vector reverses, to the last at which it has not; if it does not vanish
+    !> there, to a part of the way to that.
     subroutine approach(formulation, stepper, which, first, lower, upper, vanishes)
         class(formulation_t), intent(in) :: formulation
         class(stepper_t), intent(inout) :: stepper

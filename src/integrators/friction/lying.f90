@@ -1,4 +1,4 @@
-!> The stepper of a body that lies still under dry friction: it keeps the attitude until other torques exceed the friction.
+!> The segment of a rest: a body that lies still under dry friction keeps its attitude until other torques exceed the friction.
 module spintop_lying
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
@@ -18,13 +18,12 @@ module spintop_lying
 
 contains
 
-    !> Nothing to prepare.
+    !> Brings the body to rest in its attitude.
     subroutine begin_rest(self, formulation, status)
         class(lying_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        associate (unused => formulation)
-        end associate
+        self%y = formulation%action%at_rest(self%t, self%y, 0.0_dp)
         self%slope = 0
         status = status_ok
     end subroutine begin_rest

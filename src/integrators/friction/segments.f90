@@ -1,0 +1,230 @@
+!> The span of a body with effects as segments in which its motion is smooth. The method steps through most of them. A
+!> Runge-Kutta step leads across an instant at which the motion has no series; while dry friction holds the body, it lies
+!> still.
+!>
+!> A segment ends at a knot of a table of torques, at rest, where the torques exceed the friction, or before a vector reverses
+!> on whose direction the torques depend. What steps through the next one begins there.
+module spintop_segments
+    use spintop_archive, only: archive_t
+    use spintop_dop853, only: dop853_t
+    use spintop_dop853_table, only: dop853_table
+    use spintop_event, only: occasion_none, occasion_slip, occasion_stuck
+    use spintop_formulation, only: formulation_t, max_states, structure_none, structure_series
+    use spintop_kinds, only: dp
+    use spintop_lying, only: lying_t
+    use spintop_rest, only: rest_t
+    use spintop_reversals, only: check_direction, end_before_reversal, end_step_at, may_reverse
+    use spintop_status, only: status_non_finite, status_ok, status_step_too_small
+    use spintop_stepper, only: method_info_t, stepper_t
+    implicit none
+    private
+    public :: segments_t
+
+    !> What leads through a segment: the method, a Runge-Kutta step, or rest.
+    integer, parameter :: by_method = 0, by_runge_kutta = 1, by_rest = 2
+
+    !> The segment of a run, and what leads through others.
+    type :: segments_t
+        type(rest_t) :: rest
+        !> What happened at the end of the last step: the body came to rest, or began to move.
+        integer :: occasion = occasion_none
+        integer, private :: kind = by_method
+        !> Whether the next segment must be a Runge-Kutta step: at its beginning there is no series.
+        logical, private :: must_cross = .false.
+        !> Whether the angular velocity surely kept its direction, and more than half of its magnitude, in the last step.
+        logical, private :: keeps_direction = .false.
+        type(lying_t), private :: lying
+        type(dop853_t), private :: crossing
+    contains
+        procedure :: begin
+        procedure :: advance
+        procedure :: settle
+        procedure :: may_keep
+        procedure :: carry
+        procedure :: stepper_of
+        procedure, private :: go_over
+        procedure, private :: latest_end
+        procedure, private :: limit_step
+    end type segments_t
+
+    !> Tolerance of the steps where there is no series, if that of the method is not smaller; and the smallest, for steps in
+    !> double precision.
+    real(dp), parameter :: crossing_tolerance = 1.0e-12_dp, finest_tolerance = 1.0e-14_dp
+    !> Part of its own first step that the Runge-Kutta method takes: its estimate may not see what a bend in the step errs.
+    real(dp), parameter :: first_part = 0.1_dp
+
+contains
+
+    !> Looks at the start, at which the method is, and begins the first segment.
+    subroutine begin(self, formulation, method, stepper, status)
+        class(segments_t), target, intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(stepper_t), target, intent(inout) :: method !! the method, at the start
+        class(stepper_t), pointer, intent(inout) :: stepper !! what takes the first step: the method, unless the body rests
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        logical :: has_series
+        status = status_ok
+        has_series = method%info%needs /= structure_none .and. method%controls%steps == 0
+        call self%rest%begin(formulation, method, has_series)
+        self%lying%controls = method%controls
+        self%lying%t_begin = method%t_begin
+        self%lying%t_end = method%t_end
+        if (self%rest%is_resting) call self%go_over(by_rest, formulation, method, stepper, status)
+        if (.not. has_series) return
+        self%crossing = dop853_t(table=dop853_table(), info=method_info_t('dop853'))
+        associate (own => self%crossing%controls, given => method%controls)
+            own%relative_tolerance = max(finest_tolerance, min(crossing_tolerance, given%relative_tolerance))
+            own%absolute_tolerance = max(finest_tolerance, min(crossing_tolerance, given%absolute_tolerance))
+            own%max_steps = given%max_steps
+        end associate
+        self%crossing%t_begin = method%t_begin
+    end subroutine begin
+
+    !> What steps through the segment.
+    function stepper_of(self, method) result(stepper)
+        class(segments_t), target, intent(in) :: self
+        class(stepper_t), target, intent(in) :: method !! the method
+        class(stepper_t), pointer :: stepper
+        select case (self%kind)
+        case (by_runge_kutta)
+            stepper => self%crossing
+        case (by_rest)
+            stepper => self%lying
+        case default
+            stepper => method
+        end select
+    end function stepper_of
+
+    !> Goes over to the next segment.
+    subroutine go_over(self, kind, formulation, method, stepper, status)
+        class(segments_t), target, intent(inout) :: self
+        integer, intent(in) :: kind
+        class(formulation_t), intent(in) :: formulation
+        class(stepper_t), target, intent(inout) :: method
+        class(stepper_t), pointer, intent(inout) :: stepper
+        integer, intent(out) :: status
+        class(stepper_t), pointer :: next
+
+        self%must_cross = .false.
+        if (kind /= self%kind) then
+            self%kind = kind
+            next => self%stepper_of(method)
+            call next%take_over(stepper)
+            stepper => next
+        end if
+        if (kind == by_runge_kutta) stepper%t_end = self%latest_end(formulation, stepper, method%t_end)
+        call stepper%begin(formulation, status)
+        if (kind == by_runge_kutta) stepper%h = first_part * stepper%h
+    end subroutine go_over
+
+    !> The time up to which a step may reach in which f is smooth: to a knot, or half-way to rest.
+    real(dp) function latest_end(self, formulation, stepper, t_end)
+        class(segments_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(stepper_t), intent(in) :: stepper
+        real(dp), intent(in) :: t_end
+        latest_end = min(t_end, formulation%action%next_knot(stepper%t))
+        if (formulation%action%may_stick .or. (formulation%action%may_turn .and. self%rest%has_series)) then
+            latest_end = min(latest_end, self%rest%latest_end(formulation, stepper%t, stepper%y))
+        end if
+    end function latest_end
+
+    !> Takes a step in the segment. Where the method has no series, its segment ends, and a Runge-Kutta step follows.
+    subroutine advance(self, formulation, method, stepper, status)
+        class(segments_t), target, intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(stepper_t), target, intent(inout) :: method !! the method
+        class(stepper_t), pointer, intent(inout) :: stepper !! what takes the step
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+
+        self%keeps_direction = .false.
+        if (self%kind /= by_method .or. method%controls%steps > 0) then
+            call stepper%advance(formulation, status)
+            return
+        end if
+        call self%limit_step(formulation, method, status)
+        if (.not. (self%rest%has_series .and. (status == status_non_finite .or. status == status_step_too_small))) return
+        call self%go_over(by_runge_kutta, formulation, method, stepper, status)
+        if (status == status_ok) call stepper%advance(formulation, status)
+    end subroutine advance
+
+    !> Takes a step of an adaptive method in which f is smooth. A step by series in double precision is looked at when it is
+    !> done, which is cheap, as its state can be had at any time.
+    subroutine limit_step(self, formulation, method, status)
+        class(segments_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        class(stepper_t), intent(inout) :: method
+        integer, intent(out) :: status
+        real(dp) :: t_end, latest, speed(2)
+        logical :: looks_back
+
+        t_end = method%t_end
+        associate (action => formulation%action)
+            looks_back = action%may_turn .and. method%info%needs == structure_series .and. .not. action%may_stick
+            if (looks_back) then
+                method%t_end = min(t_end, action%next_knot(method%t))
+            else
+                method%t_end = self%latest_end(formulation, method, t_end)
+            end if
+        end associate
+        call method%advance(formulation, status)
+        if (status == status_ok .and. looks_back) then
+            call check_direction(formulation, method, self%keeps_direction, speed)
+            if (self%keeps_direction) then
+                call self%rest%note_turning(speed, method%t - method%t_last)
+            else
+                latest = self%rest%latest_end(formulation, method%t_last, method%y_last)
+                if (latest < method%t) then
+                    call end_step_at(formulation, method, latest, method%state_within(formulation, latest), status)
+                end if
+            end if
+        end if
+        if (status == status_ok .and. self%rest%has_series .and. .not. self%keeps_direction) then
+            if (may_reverse(formulation, method)) call end_before_reversal(formulation, method, self%must_cross, status)
+        end if
+        method%t_end = t_end
+    end subroutine limit_step
+
+    !> Ends a step: finds out whether the body comes to rest, or begins to move, and goes over to the next segment if this one
+    !> ends.
+    subroutine settle(self, formulation, method, stepper, status)
+        class(segments_t), target, intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        class(stepper_t), target, intent(inout) :: method !! the method
+        class(stepper_t), pointer, intent(inout) :: stepper !! what took the step, then what takes the next
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        logical :: was_resting, is_stopped
+        integer :: next
+
+        status = status_ok
+        was_resting = self%rest%is_resting
+        is_stopped = .false.
+        if (formulation%action%may_stick .or. &
+            (formulation%action%may_turn .and. self%rest%has_series .and. .not. self%keeps_direction)) then
+            call self%rest%settle(formulation, stepper, method%t_end, is_stopped)
+        end if
+        self%occasion = occasion_none
+        if (self%rest%is_resting .and. .not. was_resting) self%occasion = occasion_stuck
+        if (was_resting .and. .not. self%rest%is_resting) self%occasion = occasion_slip
+        next = merge(by_runge_kutta, by_method, self%must_cross)
+        if (self%rest%is_resting) next = by_rest
+        if (next == self%kind .and. .not. (is_stopped .and. next == by_method)) return
+        if (stepper%t < method%t_end) call self%go_over(next, formulation, method, stepper, status)
+    end subroutine settle
+
+    !> Whether the run could go on from its state as it is now: not from the beginning of a Runge-Kutta step.
+    pure logical function may_keep(self)
+        class(segments_t), intent(in) :: self
+        may_keep = self%kind /= by_runge_kutta
+    end function may_keep
+
+    !> Carries the state at the end of a step.
+    subroutine carry(self, archive)
+        class(segments_t), intent(inout) :: self
+        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        call self%rest%carry(archive)
+        call archive%carry(self%occasion)
+        call archive%carry(self%kind)
+    end subroutine carry
+
+end module spintop_segments

@@ -32,7 +32,8 @@ module spintop_capabilities
     !> Any capability.
     type, abstract :: capability_t
     contains
-        procedure(set), deferred :: set
+        procedure :: set
+        procedure :: set_body
     end type capability_t
 
     !> The motion as two flows, drift and kick, which together are the motion: the sum of their right-hand
@@ -94,14 +95,6 @@ module spintop_capabilities
     end type reset_t
 
     abstract interface
-        !> Sets the constants for a body and its start.
-        pure subroutine set(self, body, start)
-            import :: capability_t, body_t, motion_t
-            class(capability_t), intent(inout) :: self
-            type(body_t), intent(in) :: body !! mass properties about the fixed point
-            type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
-        end subroutine set
-
         !> A drift or a kick over `h` seconds, of either sign, from the state y + change: adds to
         !> `change` what it does.
         pure subroutine flow(self, y, h, change)
@@ -207,6 +200,24 @@ module spintop_capabilities
     end interface
 
 contains
+
+    !> Sets the constants for a body and its start; by default those of the body.
+    pure subroutine set(self, body, start)
+        class(capability_t), intent(inout) :: self
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        associate (unused => start)
+        end associate
+        call self%set_body(body)
+    end subroutine set
+
+    !> Sets the constants for a body, where the start does not matter; by default there are none.
+    pure subroutine set_body(self, body)
+        class(capability_t), intent(inout) :: self
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        associate (unused => self, also_unused => body)
+        end associate
+    end subroutine set_body
 
     !> How kicks over `kicks` h and drifts over `drifts` h seconds, in turn and beginning with a kick,
     !> change the state. Flows that cost less than their calls bring one of their own.

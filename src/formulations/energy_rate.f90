@@ -39,7 +39,7 @@ module spintop_energy_rate
     contains
         procedure, nopass :: describe
         procedure :: prepare
-        procedure :: derivative
+        procedure :: slope
         procedure :: motion
     end type energy_rate_t
 
@@ -113,15 +113,13 @@ contains
     end subroutine set
 
     !> The right-hand side.
-    pure subroutine derivative(self, t, y, dy, status)
+    pure subroutine slope(self, y, dy, status)
         class(energy_rate_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+        real(dp), intent(in) :: y(max_states) !! state
         real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        associate (unused => t)
-        end associate
         call self%branch%rates(y, dy, status)
-    end subroutine derivative
+    end subroutine slope
 
     !> Eqs 41, 46 and 44; outside where the radicand of Eq 46 is negative, and beyond a pole, which only a step
     !> over the turning point before it comes to.

@@ -59,6 +59,8 @@ module spintop_formulation
         logical :: cyclic(max_states) = .false.
         !> Whether f depends on t, set by `prepare`.
         logical :: depends_on_time = .false.
+        !> Index of the first of three components of the state that are the angular momentum in body axes; 0 if there are none.
+        integer :: momentum = 0
         !> Capabilities: those that are allocated. The constructor of a formulation allocates them, its
         !> `prepare` sets them by `set_capabilities`.
         class(flows_t), allocatable :: flows
@@ -73,11 +75,11 @@ module spintop_formulation
     contains
         procedure(describe), deferred, nopass :: describe
         procedure(prepare), deferred :: prepare
-        procedure(derivative), deferred :: derivative
+        procedure :: derivative
+        procedure(slope), deferred :: slope
         procedure(motion_of), deferred :: motion
         procedure :: motion_without_angles => whole_motion
         procedure :: find_motions => find_motions_singly
-        procedure :: bound_rate
         procedure, non_overridable :: units
         procedure :: invariants => no_invariants
         procedure :: follow => keep_angles
@@ -102,15 +104,14 @@ module spintop_formulation
             integer, intent(out) :: status !! `status_ok`, or why the start has no state
         end subroutine prepare
 
-        !> The right-hand side y' = f(t, y). A status other than `status_ok` says why there is none;
-        !> `status_outside` is recoverable by a shorter step.
-        pure subroutine derivative(self, t, y, dy, status)
+        !> The right-hand side of equations that do not depend on t.
+        pure subroutine slope(self, y, dy, status)
             import :: formulation_t, dp, max_states
             class(formulation_t), intent(in) :: self
-            real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+            real(dp), intent(in) :: y(max_states) !! state
             real(dp), intent(out) :: dy(max_states) !! slope
             integer, intent(out) :: status !! `status_ok`, or why there is no slope
-        end subroutine derivative
+        end subroutine slope
 
         !> The motion at time t in state y, with accelerations from the second derivatives of the formulation.
         !> Angles that the state contains only modulo a turn are the values nearest to those of `near`.
@@ -124,13 +125,26 @@ module spintop_formulation
 
 contains
 
+    !> The right-hand side y' = f(t, y). A status other than `status_ok` says why there is none;
+    !> `status_outside` is recoverable by a shorter step.
+    pure subroutine derivative(self, t, y, dy, status)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+        real(dp), intent(out) :: dy(max_states) !! slope
+        integer, intent(out) :: status !! `status_ok`, or why there is no slope
+        associate (unused => t)
+        end associate
+        call self%slope(y, dy, status)
+    end subroutine derivative
+
     !> The motion whose angles and their rates need not be set, for what depends on the attitude, the angular velocity
     !> and its rate. By default the whole motion.
-    pure function whole_motion(self, t, y, near) result(motion)
+    pure function whole_motion(self, t, y) result(motion)
         class(formulation_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         type(motion_t) :: motion
-        motion = self%motion(t, y, near)
+        real(dp), parameter :: any_angles(3) = 0
+        motion = self%motion(t, y, any_angles)
     end function whole_motion
 
     !> Units of the state variables: the powers of two next to their scales. Linear equations for a state are solved in these
@@ -148,18 +162,9 @@ contains
         type(motions_t), intent(out) :: motions !! the motion at these times
         integer :: i
         do i = 1, instants
-            call motions%put(i, self%motion_without_angles(t(i), y(i, :), [0.0_dp, 0.0_dp, 0.0_dp]))
+            call motions%put(i, self%motion_without_angles(t(i), y(i, :)))
         end do
     end subroutine find_motions_singly
-
-    !> A bound of the angular velocity, rad/s, near a state; by default 0, which is none.
-    pure real(dp) function bound_rate(self, y, change) result(bound)
-        class(formulation_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states), change(max_states) !! the state, and bounds of its change
-        associate (unused => self, also_unused => y, unused_too => change)
-        end associate
-        bound = 0
-    end function bound_rate
 
     !> Name, properties and capabilities.
     pure type(formulation_info_t) function info(self)

@@ -34,11 +34,10 @@ module spintop_rigid_body
     contains
         procedure, nopass :: describe
         procedure :: prepare
-        procedure :: derivative
+        procedure :: slope
         procedure :: motion
         procedure :: motion_without_angles
         procedure :: find_motions
-        procedure :: bound_rate
         procedure :: follow
         procedure :: invariants
     end type rigid_body_t
@@ -52,7 +51,7 @@ module spintop_rigid_body
         private
         real(dp) :: inertia(3) = 1
     contains
-        procedure :: set => set_turns
+        procedure :: set_body => set_turns
         procedure :: velocity
         procedure, nopass :: bracket
         procedure, nopass :: move
@@ -89,6 +88,7 @@ contains
         self%body = body
         self%moment = body%weight_moment()
         self%coupling = momentum_coupling(body)
+        self%momentum = 5
         call self%set_capabilities(body, start)
         y = 0
         y(1:4) = start%quaternion
@@ -100,15 +100,13 @@ contains
     end subroutine prepare
 
     !> q' = q (0, omega)/2, Pi' = Pi x omega + m g Gamma x r - damping (Euler-Poisson equations).
-    pure subroutine derivative(self, t, y, dy, status)
+    pure subroutine slope(self, y, dy, status)
         class(rigid_body_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+        real(dp), intent(in) :: y(max_states) !! state
         real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: gamma(3), w1, w2, w3
 
-        associate (unused => t)
-        end associate
         ! The products are written out: with function calls a step would take twice the time.
         associate (q0 => y(1), q1 => y(2), q2 => y(3), q3 => y(4), r => self%moment, &
                    d => self%body%damping, s => self%coupling)
@@ -129,7 +127,7 @@ contains
             dy(8) = 0
         end associate
         status = status_ok
-    end subroutine derivative
+    end subroutine slope
 
     !> The motion, with the angular acceleration of the derivative.
     pure type(motion_t) function motion(self, t, y, near)
@@ -144,13 +142,11 @@ contains
     end function motion
 
     !> The same without angles and their rates, in a fraction of the time.
-    pure function motion_without_angles(self, t, y, near) result(motion)
+    pure function motion_without_angles(self, t, y) result(motion)
         class(rigid_body_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         type(motion_t) :: motion
         real(dp) :: length, q(4), gamma(3), w(3)
-        associate (unused => near)
-        end associate
         length = sqrt(y(1)**2 + y(2)**2 + y(3)**2 + y(4)**2)
         q = y(1:4) / length
         w = y(5:7) / self%body%inertia
@@ -195,13 +191,6 @@ contains
         end do
     end subroutine find_motions
 
-    !> A bound of the angular velocity, rad/s, near a state.
-    pure real(dp) function bound_rate(self, y, change) result(bound)
-        class(rigid_body_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states), change(max_states) !! the state, and bounds of its change
-        bound = sqrt(sum(((abs(y(5:7)) + change(5:7)) / self%body%inertia)**2))
-    end function bound_rate
-
     !> Continues the angles to a later state.
     pure subroutine follow(self, t_last, y_last, t, y, angle, sure, beside)
         class(rigid_body_t), intent(in) :: self
@@ -240,12 +229,9 @@ contains
     end subroutine invariants
 
     !> Constants of the group action.
-    pure subroutine set_turns(self, body, start)
+    pure subroutine set_turns(self, body)
         class(body_turns_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
-        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
-        associate (unused => start)
-        end associate
         self%inertia = body%inertia
     end subroutine set_turns
 

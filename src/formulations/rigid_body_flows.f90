@@ -10,7 +10,6 @@ module spintop_rigid_body_flows
     use spintop_capabilities, only: flows_t, max_states
     use spintop_compare, only: is_zero
     use spintop_euler_poisson, only: momentum_coupling
-    use spintop_motion, only: motion_t
     use spintop_small_turn, only: half_turn
     implicit none
     private
@@ -26,20 +25,17 @@ module spintop_rigid_body_flows
         integer :: axis = 3
         logical :: damped = .false.
     contains
-        procedure :: set
+        procedure :: set_body
         procedure :: drift
         procedure :: kick
     end type rigid_body_flows_t
 
 contains
 
-    !> Constants of the body; the start has no say.
-    pure subroutine set(self, body, start)
+    !> Constants of the body.
+    pure subroutine set_body(self, body)
         class(rigid_body_flows_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
-        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
-        associate (unused => start)
-        end associate
         self%body = body
         self%moment = body%weight_moment()
         self%coupling = momentum_coupling(body)
@@ -47,7 +43,7 @@ contains
         self%axis = minloc(abs(self%coupling), dim=1)
         self%damped = any(abs(body%damping) > 0)
         self%splits_as_nystrom = is_zero(self%coupling(self%axis)) .and. .not. self%damped
-    end subroutine set
+    end subroutine set_body
 
     !> The axis after a given one in the order x, y, z, x.
     elemental integer function next(axis)

@@ -3,18 +3,16 @@
 !> The angular velocity omega and the vertical Gamma in body axes start from the momentum and the quaternion, and have stages of
 !> their own,
 !>
-!>     I omega' = (I omega) x omega + m g Gamma x r - damping omega,   Gamma' = Gamma x omega,   q' = q (0, omega)/2,
 !>
-!> for which the next stage waits half as long as for a vertical that is found from the quaternion in each stage. From a state on
-!> all of these have the same solution, and at the end of the step omega and Gamma are dropped, so the order of a method is the
-!> same.
+!> for which the next stage waits half as long as for a vertical that is found from the quaternion in each stage. From a state
+!> on all of these have the same solution, and at the end of the step omega and Gamma are dropped, so the order of a method is
+!> the same.
 module spintop_rigid_body_stages
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_capabilities, only: max_aside, max_states, stages_t
     use spintop_kernel_types, only: stage_factors_t
-    use spintop_motion, only: motion_t
     implicit none
     private
     public :: rigid_body_stages_t
@@ -24,7 +22,7 @@ module spintop_rigid_body_stages
         private
         type(stage_factors_t) :: of = stage_factors_t()
     contains
-        procedure :: set
+        procedure :: set_body
         procedure :: find
     end type rigid_body_stages_t
 
@@ -42,14 +40,11 @@ module spintop_rigid_body_stages
 
 contains
 
-    !> Constants of the body; the start has no say.
-    pure subroutine set(self, body, start)
+    !> Constants of the body.
+    pure subroutine set_body(self, body)
         class(rigid_body_stages_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
-        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         real(dp) :: moment(3)
-        associate (unused => start)
-        end associate
         moment = body%weight_moment()
         associate (of => self%of, i => body%inertia)
             of%inertia(:3) = i
@@ -59,7 +54,7 @@ contains
             of%pull(:3) = moment([3, 1, 2]) / i
             of%swing(:3) = moment([2, 3, 1]) / i
         end associate
-    end subroutine set
+    end subroutine set_body
 
     !> Stages `from` to `to` of a step. Aside are the changes of q, omega and Gamma over the step at the slopes.
     pure subroutine find(self, from, to, t, y, h, stages, a, since, c, k, aside)

@@ -3,7 +3,7 @@ module spintop_fixed_step
     use spintop_kinds, only: dp
     use spintop_compare, only: is_equal
     use spintop_dense_output, only: dense_output_t
-    use spintop_formulation, only: formulation_t, max_states
+    use spintop_formulation, only: formulation_t, max_states, structure_split
     use spintop_motions, only: instants
     use spintop_stepper, only: stepper_t
     use spintop_status, only: status_ok, status_outside, status_non_finite, status_step_too_small
@@ -34,7 +34,6 @@ module spintop_fixed_step
         procedure :: state_within
         procedure :: states_within
         procedure(step), deferred :: step
-        procedure :: starts_from_slope
     end type fixed_step_t
 
     abstract interface
@@ -61,12 +60,10 @@ module spintop_fixed_step
 
 contains
 
-    !> Whether steps start from the slope; otherwise slopes are evaluated for dense output only.
+    !> Whether steps start from the slope; those by drift and kick do not, whose slopes are evaluated for dense output only.
     pure logical function starts_from_slope(self)
         class(fixed_step_t), intent(in) :: self
-        associate (unused => self)
-        end associate
-        starts_from_slope = .true.
+        starts_from_slope = self%info%needs /= structure_split
     end function starts_from_slope
 
     !> Evaluates the first slope and, for a fixed step size, sets the size.
@@ -122,7 +119,7 @@ contains
         real(dp) :: change(max_states), slope(max_states)
         logical :: changed, sloped
 
-        sloped = self%starts_from_slope()
+        sloped = starts_from_slope(self)
         call self%step(formulation, h, change, status)
         ! Not with is_finite, as in `evaluate`.
         if (status == status_ok .and. .not. all(abs(change) <= huge(1.0_dp))) status = status_non_finite
@@ -177,7 +174,7 @@ contains
         class(formulation_t), intent(in) :: formulation
         integer :: status
         if (is_equal(self%t_fitted, self%t)) return
-        if (.not. self%starts_from_slope()) then
+        if (.not. starts_from_slope(self)) then
             call self%evaluate(formulation, self%t_last, self%y_last, self%slope_last, status)
             call self%evaluate(formulation, self%t, self%y, self%slope, status)
         end if

@@ -75,8 +75,7 @@ contains
         real(dp), intent(in) :: t !! s
         type(motion_t), intent(out) :: motion !! the motion at that time
         self%stepper%counts%looks = self%stepper%counts%looks + 1
-        motion = self%formulation%motion_without_angles(t, self%stepper%interpolate(self%formulation, t), &
-                                                        self%seen(1)%angle)
+        motion = self%formulation%motion_without_angles(t, self%stepper%interpolate(self%formulation, t))
         motion%given_angle = self%seen(1)%given_angle
     end subroutine attitude_in_step
 
@@ -103,7 +102,11 @@ contains
         self%seen = follower
         change = stepper%bound_of_changes()
         self%greatest_rate = 0
-        if (all(change < huge(change))) self%greatest_rate = self%formulation%bound_rate(stepper%y_last, change)
+        associate (first => self%formulation%momentum)
+            if (first == 0 .or. .not. all(change < huge(change))) return
+            self%greatest_rate = sqrt(sum(((abs(stepper%y_last(first:first + 2)) + change(first:first + 2)) &
+                                           / self%formulation%body%inertia)**2))
+        end associate
     end subroutine begin_step
 
     !> The work of effects up to a time within the last step.
@@ -207,8 +210,8 @@ contains
         if (self%is_idle) return
         call formulation%follow(self%t, self%y, t, y, there%angle, sure, beside)
         if (is_at_pole(sure, beside, self%passed, self%reach(1))) then
-            call settle_angles(formulation%motion_without_angles(self%t, self%y, self%angle), &
-                               formulation%motion_without_angles(t, y, self%angle), self%angle, self%reach(1), there%passed, &
+            call settle_angles(formulation%motion_without_angles(self%t, self%y), &
+                               formulation%motion_without_angles(t, y), self%angle, self%reach(1), there%passed, &
                                there%angle, sure)
         end if
         if (formulation%body%given%differ) call self%try_given(formulation, there, sure)
@@ -222,10 +225,10 @@ contains
         logical, intent(inout) :: sure
         type(motion_t) :: last, next
         logical :: also_sure
-        last = formulation%motion_without_angles(self%t, self%y, self%angle)
+        last = formulation%motion_without_angles(self%t, self%y)
         last%given_angle = self%given_angle
         last%given_passed = self%given_passed
-        next = formulation%motion_without_angles(there%t, there%y, self%angle)
+        next = formulation%motion_without_angles(there%t, there%y)
         call formulation%body%given%follow(last, next, self%reach(2), also_sure)
         there%given_angle = next%given_angle
         there%given_passed = next%given_passed

@@ -109,6 +109,8 @@ module spintop_stepper
         type(error_weight_t) :: weight = error_weight_t()
         !> Projection of each new state.
         type(projection_t) :: projection = projection_t()
+        !> After so many steps the run could go on from its state alone.
+        integer(int64) :: steps_of_memory = 1
         !> Cost of the run so far.
         type(counts_t) :: counts = counts_t()
     contains
@@ -294,9 +296,7 @@ contains
     !> Whether the run could go on from its state as it is now.
     logical function may_keep(self)
         class(run_state_t), intent(in) :: self
-        associate (unused => self)
-        end associate
-        may_keep = .true.
+        may_keep = self%counts%steps > 0 .and. mod(self%counts%steps, self%steps_of_memory) == 0
     end function may_keep
 
     !> Carries the state at the end of a step. An extension adds what it needs of the steps so far.

@@ -125,13 +125,11 @@ contains
     end function motion
 
     !> The same without angles and their rates.
-    pure function motion_without_angles(self, t, y, near) result(motion)
+    pure function motion_without_angles(self, t, y) result(motion)
         class(body_with_effects_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         type(motion_t) :: motion
         type(loads_t) :: loads
-        associate (unused => near)
-        end associate
         call self%loads_at(t, y, loads)
         motion%t = t
         motion%quaternion = y(1:4) / norm2(y(1:4))

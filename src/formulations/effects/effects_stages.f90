@@ -15,7 +15,6 @@ module spintop_effects_stages
     use spintop_euler_poisson, only: momentum_coupling
     use spintop_kernel_types, only: stage_effects_t
     use spintop_kinds, only: dp
-    use spintop_motion, only: motion_t
     use spintop_vectors, only: cross
     implicit none
     private
@@ -26,7 +25,7 @@ module spintop_effects_stages
         private
         type(stage_effects_t) :: of
     contains
-        procedure :: set
+        procedure :: set_body
         procedure :: find
         procedure :: slope
     end type effects_stages_t
@@ -44,16 +43,13 @@ module spintop_effects_stages
 
 contains
 
-    !> Constants of the body and its effects; the start has no say.
-    pure subroutine set(self, body, start)
+    !> Constants of the body and its effects.
+    pure subroutine set_body(self, body)
         class(effects_stages_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
-        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         type(effects_t) :: effects
         real(dp), dimension(3) :: even, odd
 
-        associate (unused => start)
-        end associate
         if (allocated(body%effects)) effects = body%effects
         self%holds = effects%are_analytic()
         self%of = stage_effects_t()
@@ -87,7 +83,7 @@ contains
             of%turns = flag(o)
             of%has_sides = flag([o(:2), effects%torque_space(:2), of%swing(:2, 1), of%swing(:2, 2)])
         end associate
-    end subroutine set
+    end subroutine set_body
 
     !> 1 if any value is not zero.
     pure integer(c_int) function flag(values)

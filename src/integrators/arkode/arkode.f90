@@ -29,7 +29,6 @@ module spintop_arkode
         procedure :: try_step
         procedure :: state_within
         procedure :: order
-        procedure :: may_keep
     end type arkode_t
 
     !> Owns the memory that ARKODE allocates for a run. It has no default values: gfortran 14 takes the
@@ -43,7 +42,7 @@ module spintop_arkode
     end type memory_owner_t
 
     !> After so many steps ARKODE begins anew, in every run, because its memory cannot be kept.
-    integer(int64), parameter :: steps_of_memory = 20000
+    integer(int64), parameter :: steps_of_arkode = 20000
 
     !> Factor of the step size after a failure of the right-hand side.
     real(dp), parameter :: cut = 0.25_dp
@@ -71,6 +70,7 @@ contains
         type(arkode_table_t) :: table
         logical :: found
 
+        self%steps_of_memory = steps_of_arkode
         call begin_on_grid(self, formulation, status)
         if (status /= status_ok) return
         call find_arkode_table(self%controls%table, self%info%implicit, table, found)
@@ -221,12 +221,6 @@ contains
         y = self%memory%interpolate((t - self%t_last) / (self%t - self%t_last))
         call take_counts(self)
     end function state_within
-
-    !> Whether ARKODE is about to begin anew.
-    logical function may_keep(self)
-        class(arkode_t), intent(in) :: self
-        may_keep = self%counts%steps > 0 .and. mod(self%counts%steps, steps_of_memory) == 0
-    end function may_keep
 
     !> Status for a return value of ARKODE.
     pure integer function status_of(flag)

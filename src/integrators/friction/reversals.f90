@@ -7,7 +7,7 @@ module spintop_reversals
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
     use spintop_motions, only: instants
-    use spintop_status, only: status_ok, status_step_too_small
+    use spintop_status, only: status_step_too_small
     use spintop_stepper, only: stepper_t
     implicit none
     private

@@ -9,7 +9,7 @@ module spintop_segments
     use spintop_dop853, only: dop853_t
     use spintop_dop853_table, only: dop853_table
     use spintop_event, only: occasion_none, occasion_slip, occasion_stuck
-    use spintop_formulation, only: formulation_t, max_states, structure_none, structure_series
+    use spintop_formulation, only: formulation_t, structure_none, structure_series
     use spintop_kinds, only: dp
     use spintop_lying, only: lying_t
     use spintop_rest, only: rest_t

@@ -19,7 +19,6 @@ module spintop_splitting
         type(splitting_table_t) :: nystrom, general
     contains
         procedure :: step
-        procedure :: starts_from_slope
     end type splitting_t
 
 contains
@@ -47,13 +46,5 @@ contains
         end subroutine compose
 
     end subroutine step
-
-    !> Steps are compositions of flows, and do not start from the slope.
-    pure logical function starts_from_slope(self)
-        class(splitting_t), intent(in) :: self
-        associate (unused => self)
-        end associate
-        starts_from_slope = .false.
-    end function starts_from_slope
 
 end module spintop_splitting

@@ -92,7 +92,7 @@ contains
         class(arrival_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: t, y(max_states), near(3)
-        self%motion = formulation%motion_without_angles(t, y, near)
+        self%motion = formulation%motion_without_angles(t, y)
         self%t = t
         self%y = y
         self%near = near

@@ -283,7 +283,7 @@ contains
         if (self%period > 0 .and. matches(t, self%period)) then
             call self%look(formulation%motion(t, y, near))
         else
-            call self%take_energy(formulation%motion_without_angles(t, y, near))
+            call self%take_energy(formulation%motion_without_angles(t, y))
         end if
         self%t = t
         self%y = y

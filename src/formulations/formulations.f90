@@ -16,6 +16,9 @@ module spintop_formulations
     private
     public :: formulation_infos, create_formulation
 
+    !> Room for so many.
+    integer, parameter :: most = 16
+
     type :: entry_t
         class(formulation_t), allocatable :: prototype
         !> The variant for bodies with effects; not allocated if there is none.
@@ -25,7 +28,7 @@ module spintop_formulations
     !> The formulations by name, in the order in which they are listed.
     type :: registry_t
         integer :: size = 0
-        type(entry_t), allocatable :: entry(:)
+        type(entry_t) :: entry(most)
     contains
         procedure :: add
     end type registry_t
@@ -60,17 +63,6 @@ contains
         class(registry_t), intent(inout) :: self
         class(formulation_t), intent(in) :: prototype
         class(formulation_t), intent(in), optional :: with_effects
-        type(entry_t), allocatable :: larger(:)
-        integer :: i
-        if (.not. allocated(self%entry)) allocate (self%entry(16))
-        if (self%size == size(self%entry)) then
-            allocate (larger(2 * self%size))
-            do i = 1, self%size
-                call move_alloc(self%entry(i)%prototype, larger(i)%prototype)
-                call move_alloc(self%entry(i)%with_effects, larger(i)%with_effects)
-            end do
-            call move_alloc(larger, self%entry)
-        end if
         self%size = self%size + 1
         allocate (self%entry(self%size)%prototype, source=prototype)
         if (present(with_effects)) allocate (self%entry(self%size)%with_effects, source=with_effects)

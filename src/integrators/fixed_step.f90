@@ -9,7 +9,7 @@ module spintop_fixed_step
     use spintop_status, only: status_ok, status_outside, status_non_finite, status_step_too_small
     implicit none
     private
-    public :: grid_stepper_t, fixed_step_t, begin_on_grid, advance_on_grid, longest_step
+    public :: grid_stepper_t, fixed_step_t, begin_on_grid, advance_on_grid, grid_time, longest_step
 
     !> Value of `grid` for a run that has left the grid of fixed step size.
     integer, parameter :: off_grid = -1
@@ -137,7 +137,7 @@ contains
     !> Time of the current grid point of a run with so many steps of fixed size, computed without summing
     !> steps.
     pure real(dp) function grid_time(self)
-        class(grid_stepper_t), intent(in) :: self
+        class(stepper_t), intent(in) :: self !! the stepper, with its grid
         associate (steps => self%controls%steps)
             grid_time = self%t_end
             if (self%grid < steps) grid_time = self%t_begin + (self%t_end - self%t_begin) * self%grid / steps

@@ -29,6 +29,9 @@ module spintop_methods
         'exact', 'closed-form solution of the undamped symmetric top and of the free body: any time, no steps', &
         family='closed form')
 
+    !> Room for so many.
+    integer, parameter :: most = 64
+
     type :: entry_t
         class(stepper_t), allocatable :: prototype
     end type entry_t
@@ -36,7 +39,7 @@ module spintop_methods
     !> The methods by name, in the order in which they are listed.
     type :: registry_t
         integer :: size = 0
-        type(entry_t), allocatable :: entry(:)
+        type(entry_t) :: entry(most)
         !> The family of the methods that are added.
         character(24) :: family = ''
     contains
@@ -137,16 +140,6 @@ contains
     subroutine add(self, prototype)
         class(registry_t), intent(inout) :: self
         class(stepper_t), intent(in) :: prototype
-        type(entry_t), allocatable :: larger(:)
-        integer :: i
-        if (.not. allocated(self%entry)) allocate (self%entry(16))
-        if (self%size == size(self%entry)) then
-            allocate (larger(2 * self%size))
-            do i = 1, self%size
-                call move_alloc(self%entry(i)%prototype, larger(i)%prototype)
-            end do
-            call move_alloc(larger, self%entry)
-        end if
         self%size = self%size + 1
         allocate (self%entry(self%size)%prototype, source=prototype)
         self%entry(self%size)%prototype%info%family = self%family

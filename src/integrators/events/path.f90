@@ -1,5 +1,6 @@
 !> The interface of a motion that can be evaluated at any time within an interval.
 module spintop_path
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_loads, only: works
     use spintop_motion, only: motion_t
@@ -12,6 +13,8 @@ module spintop_path
     type, abstract :: path_t
         !> A bound of the angular velocity along the path, rad/s; 0 if none is known.
         real(dp) :: greatest_rate = 0
+        !> Evaluations so far, and how many are allowed.
+        integer(int64) :: looks = 0, most_looks = huge(1_int64)
     contains
         procedure(at), deferred :: at
         procedure :: at_without_angles
@@ -79,12 +82,10 @@ contains
         work = 0
     end function work_until
 
-    !> Whether the allowed number of evaluations is used up; by default there is no limit.
+    !> Whether the allowed number of evaluations is used up.
     logical function is_spent(self)
         class(path_t), intent(in) :: self
-        associate (unused => self)
-        end associate
-        is_spent = .false.
+        is_spent = self%looks >= self%most_looks
     end function is_spent
 
     !> Whether a search is to be interrupted here, to be gone on with later.

@@ -1,5 +1,6 @@
 !> The segment of a rest: a body that lies still under dry friction keeps its attitude until other torques exceed the friction.
 module spintop_lying
+    use spintop_fixed_step, only: grid_time
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
     use spintop_status, only: status_ok
@@ -44,8 +45,7 @@ contains
         end if
         if (self%controls%steps > 0) then
             self%grid = self%grid + 1
-            t = self%t_end
-            if (self%grid < self%controls%steps) t = self%t_begin + (self%t_end - self%t_begin) * self%grid / self%controls%steps
+            t = grid_time(self)
         end if
         self%t_last = self%t
         self%y_last = self%y

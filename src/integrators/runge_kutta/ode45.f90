@@ -51,15 +51,6 @@ contains
         class(ode45_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-
-        call advance_stages(self, formulation, status)
-    end subroutine advance
-
-    !> `advance`, with access to the stages.
-    subroutine advance_stages(self, formulation, status)
-        class(ode45_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
-        integer, intent(out) :: status
         real(dp) :: h, h_smallest, h_left, t_new, y_new(max_states), error, growth
         logical :: first_trial, changed
 
@@ -99,7 +90,7 @@ contains
             growth = 1.25_dp * (error / self%controls%relative_tolerance)**power(self)
             self%h = h / max(growth, 0.2_dp)
         end if
-    end subroutine advance_stages
+    end subroutine advance
 
     !> One trial of size h: the new state, and the error of the embedded method in units in which the relative
     !> tolerance is the limit.

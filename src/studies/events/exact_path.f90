@@ -19,7 +19,6 @@ module spintop_exact_path
         !> Whether phi and psi count their turns, which takes steps of their own for a free body and for one that was given
         !> in other axes; otherwise its angles are the values nearest to those of the start.
         logical :: counts_turns = .true.
-        integer(int64) :: looks = 0, most_looks = huge(1_int64)
         !> The last instant; the turns of the angles are counted from there.
         type(motion_t), private :: last
         !> Keeps the state of the run; asked after this number of looks.
@@ -31,7 +30,6 @@ module spintop_exact_path
         procedure :: begin
         procedure :: restart
         procedure :: at
-        procedure :: is_spent
     end type exact_path_t
 
     !> The keeper is asked after so many looks whether it wants to keep the state.
@@ -95,11 +93,5 @@ contains
         self%next_question = self%looks + looks_a_question
         wants_pause = self%keeper%wants_state()
     end function wants_pause
-
-    !> Whether the allowed work of the case is used up.
-    logical function is_spent(self)
-        class(exact_path_t), intent(in) :: self
-        is_spent = self%looks >= self%most_looks
-    end function is_spent
 
 end module spintop_exact_path

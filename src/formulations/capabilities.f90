@@ -11,7 +11,7 @@ module spintop_capabilities
     use spintop_motions, only: instants
     implicit none
     private
-    public :: capability_t, flows_t, stages_t, group_action_t, series_t, quadruple_series_t, ends_t, reset_t
+    public :: capability_t, flows_t, stages_t, group_action_t, series_t, quadruple_series_t
     public :: max_states, max_series_order, max_aside
     public :: structure_none, structure_split, structure_group, structure_series, &
         structure_quadruple, structure_names
@@ -79,20 +79,6 @@ module spintop_capabilities
     contains
         procedure(expand_quadruple), deferred :: expand
     end type quadruple_series_t
-
-    !> The ends of equations in reduced coordinates, which hold between two turning points only.
-    type, abstract, extends(capability_t) :: ends_t
-    contains
-        procedure(time_left), deferred :: time_left
-        procedure(depart), deferred :: depart
-        procedure(arrive), deferred :: arrive
-    end type ends_t
-
-    !> A change of the state that belongs to the equations and follows each accepted step.
-    type, abstract, extends(capability_t) :: reset_t
-    contains
-        procedure(apply), deferred :: apply
-    end type reset_t
 
     abstract interface
         !> A drift or a kick over `h` seconds, of either sign, from the state y + change: adds to
@@ -162,41 +148,6 @@ module spintop_capabilities
             integer, intent(in) :: order !! at most `max_series_order`
             real(qp), intent(out) :: coefficient(max_states, 0:max_series_order) !! columns to `order` are set
         end subroutine expand_quadruple
-
-        !> Estimate of the time left until the equations end, s; its error goes with its cube. `huge` where
-        !> they do not end.
-        pure real(dp) function time_left(self, y)
-            import :: ends_t, dp, max_states
-            class(ends_t), intent(in) :: self
-            real(dp), intent(in) :: y(max_states) !! state
-        end function time_left
-
-        !> Leaves a start where the right-hand side alone would stay for ever: on return `departed` is
-        !> true and `y` the state a time `h` later by Taylor's series; with `h` = 0 it chooses a short
-        !> one itself.
-        pure subroutine depart(self, y, h, departed)
-            import :: ends_t, dp, max_states
-            class(ends_t), intent(in) :: self
-            real(dp), intent(inout) :: y(max_states), h !! state; time, s
-            logical, intent(out) :: departed !! unless the start needs no departure: then nothing changes
-        end subroutine depart
-
-        !> Goes to the end of the equations if little time is left: `y` becomes the state there, `left` the
-        !> time to it, by a Taylor series.
-        pure subroutine arrive(self, y, left)
-            import :: ends_t, dp, max_states
-            class(ends_t), intent(in) :: self
-            real(dp), intent(inout) :: y(max_states) !! state
-            real(dp), intent(out) :: left !! s
-        end subroutine arrive
-
-        !> Resets the state after an accepted step. An inadmissible value is clipped.
-        pure subroutine apply(self, y, clipped)
-            import :: reset_t, dp, max_states
-            class(reset_t), intent(in) :: self
-            real(dp), intent(inout) :: y(max_states) !! state
-            logical, intent(out) :: clipped !! a value was inadmissible
-        end subroutine apply
     end interface
 
 contains

@@ -5,12 +5,14 @@
 module spintop_formulation
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
-    use spintop_capabilities, only: ends_t, flows_t, group_action_t, max_series_order, max_states, &
-        quadruple_series_t, reset_t, series_t, stages_t, structure_group, structure_names, structure_none, &
+    use spintop_capabilities, only: flows_t, group_action_t, max_series_order, max_states, &
+        quadruple_series_t, series_t, stages_t, structure_group, structure_names, structure_none, &
         structure_quadruple, structure_series, structure_split
     use spintop_effects_action, only: effects_action_t
     use spintop_motion, only: motion_t
     use spintop_motions, only: instants, motions_t
+    use spintop_symmetric_top, only: energy_reset_t
+    use spintop_theta_branch, only: theta_branch_t
     implicit none
     private
     public :: formulation_t, formulation_info_t, max_states, max_series_order, max_invariants
@@ -68,8 +70,10 @@ module spintop_formulation
         class(group_action_t), allocatable :: group
         class(series_t), allocatable :: series
         class(quadruple_series_t), allocatable :: quadruple_series
-        class(ends_t), allocatable :: ends
-        class(reset_t), allocatable :: reset
+        !> The ends of equations in reduced coordinates, which hold between two turning points only; a change of the state that
+        !> belongs to the equations and follows each accepted step.
+        type(theta_branch_t), allocatable :: ends
+        type(energy_reset_t), allocatable :: reset
         !> What effects do beside changing f.
         type(effects_action_t), allocatable :: action
     contains

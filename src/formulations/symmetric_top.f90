@@ -6,7 +6,7 @@ module spintop_symmetric_top
     use spintop_attitude, only: omega_rate_from_accelerations, quaternion_from_angles
     implicit none
     private
-    public :: symmetric_top_t, at_pole
+    public :: symmetric_top_t, energy_reset_t, at_pole
 
     !> Constants of the motion of a symmetric top, and functions of them and of the angles.
     type :: symmetric_top_t
@@ -32,6 +32,12 @@ module spintop_symmetric_top
         procedure :: budget_rounding
         procedure :: complete
     end type symmetric_top_t
+
+    !> theta' = sign(theta') sqrt(max(0, radicand of Eq 46)) after each step, in the state of `lagrange_t`.
+    type, extends(symmetric_top_t) :: energy_reset_t
+    contains
+        procedure :: apply
+    end type energy_reset_t
 
 contains
 
@@ -103,6 +109,20 @@ contains
                                          + abs(self%beta * cosine_drop(theta, self%theta0)) &
                                          + abs(2 * theta * self%theta_acceleration(theta, phi_rate)))
     end function budget_rounding
+
+    !> A negative radicand is clipped. A theta' that has this energy to rounding stays: near a turning point
+    !> the root knows it to half of the digits only.
+    pure subroutine apply(self, y, clipped)
+        class(energy_reset_t), intent(in) :: self
+        real(dp), intent(inout) :: y(:) !! state (phi, theta, theta', psi)
+        logical, intent(out) :: clipped !! whether the radicand was negative
+        real(dp) :: radicand
+        radicand = self%speed_budget(y(2))
+        clipped = .false.
+        if (abs(radicand - y(3)**2) <= self%budget_rounding(y(2))) return
+        y(3) = sign(sqrt(max(0.0_dp, radicand)), y(3))
+        clipped = radicand < 0
+    end subroutine apply
 
     !> The motion for given angles and rates, with the second derivatives of phi and theta.
     pure type(motion_t) function complete(self, t, angle, rate, phi_acceleration, &

@@ -40,7 +40,7 @@ module spintop_cayley_klein
     contains
         procedure, nopass :: describe
         procedure :: prepare
-        procedure :: slope
+        procedure :: derivative
         procedure :: motion
         procedure :: follow
         procedure :: invariants
@@ -135,15 +135,17 @@ contains
     end subroutine prepare
 
     !> The two oscillators.
-    pure subroutine slope(self, y, dy, status)
+    pure subroutine derivative(self, t, y, dy, status)
         class(cayley_klein_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states) !! state
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        associate (unused => t)
+        end associate
         dy(1:4) = y(5:8)
         dy(5:8) = self%pair%acceleration(y(1:4), 1.0_dp)
         status = status_ok
-    end subroutine slope
+    end subroutine derivative
 
     !> The motion. The oscillators describe a motion of the same axis whose spin differs by sigma t. If p is
     !> its quaternion, its angular velocity is 2 conj(p) p'/|p|^2.
@@ -156,7 +158,7 @@ contains
 
         half = self%spin_rate * t / 2
         spin = [real(cos(half), dp), 0.0_dp, 0.0_dp, real(sin(half), dp)]
-        call self%slope(y, dy, status)
+        call self%derivative(t, y, dy, status)
         q = quaternion_product(y(1:4) / norm2(y(1:4)), spin)
         rate = quaternion_product(y(5:8) / norm2(y(1:4)), spin) &
                + quaternion_product(q, [0.0_dp, 0.0_dp, 0.0_dp, self%sigma / 2])

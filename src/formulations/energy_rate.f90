@@ -19,7 +19,7 @@ module spintop_energy_rate
     contains
         procedure, nopass :: describe
         procedure :: prepare
-        procedure :: slope
+        procedure :: derivative
         procedure :: motion
     end type energy_rate_t
 
@@ -58,13 +58,15 @@ contains
     end subroutine prepare
 
     !> The right-hand side.
-    pure subroutine slope(self, y, dy, status)
+    pure subroutine derivative(self, t, y, dy, status)
         class(energy_rate_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states) !! state
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        associate (unused => t)
+        end associate
         call self%ends%rates(y, dy, status)
-    end subroutine slope
+    end subroutine derivative
 
     !> The motion, with theta'' of Eq 42 (half the derivative of the radicand by theta).
     pure type(motion_t) function motion(self, t, y, near)

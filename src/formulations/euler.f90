@@ -18,7 +18,7 @@ module spintop_euler
     contains
         procedure, nopass :: describe
         procedure :: prepare
-        procedure :: slope
+        procedure :: derivative
         procedure :: motion
         procedure :: invariants
     end type euler_t
@@ -52,13 +52,15 @@ contains
     end subroutine prepare
 
     !> Solves the first two of Euler's equations for phi'' and theta'' (Eqs 36-40).
-    pure subroutine slope(self, y, dy, status)
+    pure subroutine derivative(self, t, y, dy, status)
         class(euler_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states) !! state
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: s3, c3, s5, c5, psi_rate, mgl, a(2, 2), b(2), determinant
 
+        associate (unused => t)
+        end associate
         dy = 0
         status = status_pole
         if (at_pole(y(3))) return
@@ -87,7 +89,7 @@ contains
         dy(4) = (a(1, 1) * b(2) - a(2, 1) * b(1)) / determinant
         dy(5) = psi_rate
         status = status_ok
-    end subroutine slope
+    end subroutine derivative
 
     !> The motion, with phi'' and theta'' of the 2x2 system.
     pure type(motion_t) function motion(self, t, y, near)
@@ -97,7 +99,7 @@ contains
         integer :: status
         associate (unused => near)
         end associate
-        call self%slope(y, dy, status)
+        call self%derivative(t, y, dy, status)
         motion = self%top%complete(t, [y(1), y(3), y(5)], [y(2), y(4), dy(5)], dy(2), dy(4))
     end function motion
 

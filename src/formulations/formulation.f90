@@ -79,8 +79,7 @@ module spintop_formulation
     contains
         procedure(describe), deferred, nopass :: describe
         procedure(prepare), deferred :: prepare
-        procedure :: derivative
-        procedure(slope), deferred :: slope
+        procedure(derivative), deferred :: derivative
         procedure(motion_of), deferred :: motion
         procedure :: motion_without_angles => whole_motion
         procedure :: find_motions => find_motions_singly
@@ -108,14 +107,15 @@ module spintop_formulation
             integer, intent(out) :: status !! `status_ok`, or why the start has no state
         end subroutine prepare
 
-        !> The right-hand side of equations that do not depend on t.
-        pure subroutine slope(self, y, dy, status)
+        !> The right-hand side y' = f(t, y). A status other than `status_ok` says why there is none;
+        !> `status_outside` is recoverable by a shorter step.
+        pure subroutine derivative(self, t, y, dy, status)
             import :: formulation_t, dp, max_states
             class(formulation_t), intent(in) :: self
-            real(dp), intent(in) :: y(max_states) !! state
+            real(dp), intent(in) :: t, y(max_states) !! time, s, and state
             real(dp), intent(out) :: dy(max_states) !! slope
             integer, intent(out) :: status !! `status_ok`, or why there is no slope
-        end subroutine slope
+        end subroutine derivative
 
         !> The motion at time t in state y, with accelerations from the second derivatives of the formulation.
         !> Angles that the state contains only modulo a turn are the values nearest to those of `near`.
@@ -128,18 +128,6 @@ module spintop_formulation
     end interface
 
 contains
-
-    !> The right-hand side y' = f(t, y). A status other than `status_ok` says why there is none;
-    !> `status_outside` is recoverable by a shorter step.
-    pure subroutine derivative(self, t, y, dy, status)
-        class(formulation_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
-        real(dp), intent(out) :: dy(max_states) !! slope
-        integer, intent(out) :: status !! `status_ok`, or why there is no slope
-        associate (unused => t)
-        end associate
-        call self%slope(y, dy, status)
-    end subroutine derivative
 
     !> The motion whose angles and their rates need not be set, for what depends on the attitude, the angular velocity
     !> and its rate. By default the whole motion.

@@ -17,7 +17,7 @@ module spintop_lagrange
     contains
         procedure, nopass :: describe
         procedure :: prepare
-        procedure :: slope
+        procedure :: derivative
         procedure :: motion
         procedure :: invariants
     end type lagrange_t
@@ -52,11 +52,13 @@ contains
     end subroutine prepare
 
     !> Eqs 41, 42 and 44.
-    pure subroutine slope(self, y, dy, status)
+    pure subroutine derivative(self, t, y, dy, status)
         class(lagrange_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states) !! state
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        associate (unused => t)
+        end associate
         dy = 0
         status = status_pole
         if (at_pole(y(2))) return
@@ -65,7 +67,7 @@ contains
         dy(3) = self%top%theta_acceleration(y(2), dy(1))
         dy(4) = self%top%omega3 - dy(1) * cos(y(2))
         status = status_ok
-    end subroutine slope
+    end subroutine derivative
 
     !> The motion, with theta'' of Eq 42 and phi'' from Eq 41.
     pure type(motion_t) function motion(self, t, y, near)
@@ -75,7 +77,7 @@ contains
         integer :: status
         associate (unused => near)
         end associate
-        call self%slope(y, dy, status)
+        call self%derivative(t, y, dy, status)
         motion = self%top%complete(t, [y(1), y(2), y(4)], [dy(1), dy(2), dy(4)], &
                                    self%top%phi_acceleration(y(2), dy(1), dy(2)), dy(3))
     end function motion

@@ -34,7 +34,7 @@ module spintop_rigid_body
     contains
         procedure, nopass :: describe
         procedure :: prepare
-        procedure :: slope
+        procedure :: derivative
         procedure :: motion
         procedure :: motion_without_angles
         procedure :: find_motions
@@ -100,13 +100,15 @@ contains
     end subroutine prepare
 
     !> q' = q (0, omega)/2, Pi' = Pi x omega + m g Gamma x r - damping (Euler-Poisson equations).
-    pure subroutine slope(self, y, dy, status)
+    pure subroutine derivative(self, t, y, dy, status)
         class(rigid_body_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states) !! state
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: gamma(3), w1, w2, w3
 
+        associate (unused => t)
+        end associate
         ! The products are written out: with function calls a step would take twice the time.
         associate (q0 => y(1), q1 => y(2), q2 => y(3), q3 => y(4), r => self%moment, &
                    d => self%body%damping, s => self%coupling)
@@ -127,7 +129,7 @@ contains
             dy(8) = 0
         end associate
         status = status_ok
-    end subroutine slope
+    end subroutine derivative
 
     !> The motion, with the angular acceleration of the derivative.
     pure type(motion_t) function motion(self, t, y, near)

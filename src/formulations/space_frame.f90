@@ -30,7 +30,7 @@ module spintop_space_frame
     contains
         procedure, nopass :: describe
         procedure :: prepare
-        procedure :: slope
+        procedure :: derivative
         procedure :: motion
         procedure :: motion_without_angles
         procedure :: follow
@@ -88,13 +88,15 @@ contains
     end subroutine prepare
 
     !> p' = (0, L/(2 I1)) p, and the gravitational torque.
-    pure subroutine slope(self, y, dy, status)
+    pure subroutine derivative(self, t, y, dy, status)
         class(space_frame_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states) !! state
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: w1, w2, w3, pull
 
+        associate (unused => t)
+        end associate
         ! The products are written out: with function calls a step would take twice the time.
         associate (p0 => y(3), p1 => y(4), p2 => y(5), p3 => y(6))
             w1 = y(1) / (2 * self%i1)
@@ -110,7 +112,7 @@ contains
             dy(7:8) = 0
         end associate
         status = status_ok
-    end subroutine slope
+    end subroutine derivative
 
     !> The motion; the angular velocity in space axes is L/I1 + sigma e.
     pure type(motion_t) function motion(self, t, y, near)
@@ -141,7 +143,7 @@ contains
         motion%quaternion = q
         motion%omega = omega
         motion%norm_error = norm - 1
-        call self%slope(y, dy, status)
+        call self%derivative(t, y, dy, status)
         axis = to_space(q, [0.0_dp, 0.0_dp, 1.0_dp])
         motion%omega_rate = to_space(back, [dy(1:2), 0.0_dp] + self%sigma * cross(momentum, axis)) / self%i1
     end function motion_without_angles
@@ -182,8 +184,8 @@ contains
         omega_last = without_spin(self, y_last)
         omega = without_spin(self, y)
         if (may_meet_pole(y_last(3:6), omega_last, y(3:6), omega, t - t_last)) then
-            rate(:, 1) = without_spin_rate(self, y_last)
-            rate(:, 2) = without_spin_rate(self, y)
+            rate(:, 1) = without_spin_rate(self, t_last, y_last)
+            rate(:, 2) = without_spin_rate(self, t, y)
             call follow_angles(y_last(3:6), omega_last, y(3:6), omega, t - t_last, angle, sure, beside, rate)
         else
             call follow_angles(y_last(3:6), omega_last, y(3:6), omega, t - t_last, angle, sure, beside)
@@ -200,12 +202,12 @@ contains
     end function without_spin
 
     !> Its rate: that of L, L'/I1, in the axes of p.
-    pure function without_spin_rate(self, y) result(rate)
+    pure function without_spin_rate(self, t, y) result(rate)
         class(space_frame_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states)
+        real(dp), intent(in) :: t, y(max_states)
         real(dp) :: rate(3), slope(max_states)
         integer :: status
-        call self%slope(y, slope, status)
+        call self%derivative(t, y, slope, status)
         rate = to_space(conjugate_quaternion(y(3:6)), [slope(1:2), 0.0_dp]) / self%i1
     end function without_spin_rate
 

@@ -12,7 +12,7 @@ module spintop_growing_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_clock, only: seconds
     use spintop_errors, only: error_t, input_error
-    use spintop_files, only: file_exists, remove_file
+    use spintop_files, only: file_exists, file_size, remove_file
     use spintop_journal, only: journal_entry_t, journal_of, read_journal, remove_journal, state_of, write_journal
     use spintop_kinds, only: dp
     use spintop_process, only: keep_rows
@@ -71,7 +71,7 @@ module spintop_growing_table
         procedure :: flush_part
         procedure :: check_part
         procedure :: finish_part
-        procedure, nopass :: read_head
+        procedure, nopass :: read_head => read_beginning
         procedure :: check_complete
         procedure, private :: difference_from
         procedure, private :: start_anew
@@ -373,6 +373,16 @@ contains
             if (problem /= '') problem = path // ' was made by another program, build or input' // problem
         end if
     end function difference_from
+
+    !> The header of a file; all of one that ends before its line of names.
+    subroutine read_beginning(path, head, error)
+        character(*), intent(in) :: path !! path of the file
+        character(:), allocatable, intent(out) :: head !! the header
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        call read_head(path, head, error)
+        if (.not. allocated(error)) return
+        if (len(head) == file_size(path)) deallocate (error)
+    end subroutine read_beginning
 
     !> The error of a run that cannot be resumed.
     type(error_t) function refusal(path, problem) result(error)

@@ -12,7 +12,7 @@ module spintop_force_extremes
     use spintop_status, only: status_ok, status_non_finite
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
-    use spintop_regular_start, only: regular_start_t, find_regular_start
+    use spintop_regular_start, only: regular_start_t, find_checked_start
     use spintop_turning_points, only: turning_points_t, find_turning_points
     implicit none
     private
@@ -38,7 +38,7 @@ contains
         type(turning_points_t) :: points
         real(xp) :: vertical(3), turning_y
 
-        call find_regular_start(body, start, regular, status)
+        call find_checked_start(body, start, regular, status)
         if (status /= status_ok) return
         points = find_turning_points(regular)
         associate (y1 => points%y1, y2 => points%y2)

@@ -9,7 +9,7 @@ module spintop_nutation
     use spintop_motion, only: motion_t
     use spintop_pole_passages, only: in_pole, through_pole
     use spintop_theta_functions, only: quotient, theta_clock_t
-    use spintop_regular_start, only: regular_start_t, find_regular_start
+    use spintop_regular_start, only: regular_start_t, find_checked_start
     use spintop_turning_points, only: turning_points_t, find_turning_points
     use spintop_theta_motion, only: theta_motion_t, prepare_theta_motion, regime_resting
     implicit none
@@ -84,7 +84,7 @@ contains
         real(dp), intent(in), optional :: rotor !! constant momentum of a rotor about body z, kg m^2/s
         type(regular_start_t) :: regular
         type(turning_points_t) :: points
-        call find_regular_start(body, start, regular, status, rotor)
+        call find_checked_start(body, start, regular, status, rotor)
         if (status /= status_ok) return
         points = find_turning_points(regular)
         nutation = describe_nutation(regular, points, prepare_theta_motion(regular, points))

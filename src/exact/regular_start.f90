@@ -18,7 +18,7 @@ module spintop_regular_start
     use spintop_validity, only: body_status, start_status
     implicit none
     private
-    public :: regular_start_t, find_regular_start, rates_describe
+    public :: regular_start_t, find_regular_start, find_checked_start, rates_describe
 
     !> The data of the closed form from body and start, in extended precision.
     type :: regular_start_t
@@ -63,7 +63,7 @@ contains
     end function half
 
     !> Converts body and start. `status` is `status_unsuitable` for a body that is not an undamped symmetric
-    !> top, `status_non_finite` for data that are not finite, or that of `spintop_validity`.
+    !> top, and `status_non_finite` for data that are not finite.
     pure subroutine find_regular_start(body, start, regular, status, rotor)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
@@ -96,9 +96,19 @@ contains
         end associate
         regular%upper_phase = (real(start%angle(1), xp) + start%angle(3)) / 2
         regular%lower_phase = (real(start%angle(1), xp) - start%angle(3)) / 2
-        status = body_status(body)
-        if (status == status_ok) status = start_status(start, body)
     end subroutine find_regular_start
+
+    !> The same for unchecked data: `status` may also be that of `spintop_validity`.
+    pure subroutine find_checked_start(body, start, regular, status, rotor)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        type(regular_start_t), intent(out) :: regular !! the start in regular quantities
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        real(dp), intent(in), optional :: rotor !! constant momentum of a rotor about body z, kg m^2/s
+        call find_regular_start(body, start, regular, status, rotor)
+        if (status == status_ok) status = body_status(body)
+        if (status == status_ok) status = start_status(start, body)
+    end subroutine find_checked_start
 
     pure integer function status_of_data(body, start) result(status)
         type(body_t), intent(in) :: body

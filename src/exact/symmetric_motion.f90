@@ -16,7 +16,7 @@ module spintop_symmetric_motion
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
     use spintop_scalar_functions, only: argument
-    use spintop_regular_start, only: regular_start_t, find_regular_start
+    use spintop_regular_start, only: regular_start_t, find_checked_start
     use spintop_turning_points, only: turning_points_t, find_turning_points
     use spintop_theta_functions, only: theta_values_t
     use spintop_theta_motion, only: theta_motion_t, prepare_theta_motion, regime_resting
@@ -109,7 +109,7 @@ contains
         type(regular_start_t) :: regular
         type(turning_points_t) :: points
 
-        call find_regular_start(body, start, regular, status, rotor)
+        call find_checked_start(body, start, regular, status, rotor)
         if (status /= status_ok) return
         points = find_turning_points(regular)
         exact%theta = prepare_theta_motion(regular, points)

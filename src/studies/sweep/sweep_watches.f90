@@ -157,19 +157,7 @@ contains
             type is (energy_lanes_t)
                 values%energy_error_max = watch%error_max(i)
             type is (extreme_lanes_t)
-                select case (watch%quantity)
-                case (precession_rate)
-                    rate = watch%largest(i)
-                case (nutation_rate)
-                    values%theta_rate_max = watch%largest(i)
-                case (centre_height)
-                    values%com_z_min = watch%least(i)
-                case (vertical_force)
-                    values%force_z_min = watch%least(i)
-                    values%force_z_max = watch%largest(i)
-                case (total_force)
-                    values%force_max = watch%largest(i)
-                end select
+                call put_extreme(watch, i, values, rate)
             type is (growth_lanes_t)
                 associate (found => watch%growth(i))
                     if (watch%is_singular) call take(values%largest_singular_value, found%singular, found%singular_status, &
@@ -210,5 +198,26 @@ contains
         end subroutine take
 
     end subroutine put
+
+    !> Sets an extreme of a case of the last run; the precession rate is for the nutation.
+    subroutine put_extreme(watch, i, values, precession)
+        type(extreme_lanes_t), intent(in) :: watch
+        integer, intent(in) :: i
+        type(sweep_result_t), intent(inout) :: values
+        real(dp), intent(inout) :: precession
+        select case (watch%quantity)
+        case (precession_rate)
+            precession = watch%largest(i)
+        case (nutation_rate)
+            values%theta_rate_max = watch%largest(i)
+        case (centre_height)
+            values%com_z_min = watch%least(i)
+        case (vertical_force)
+            values%force_z_min = watch%least(i)
+            values%force_z_max = watch%largest(i)
+        case (total_force)
+            values%force_max = watch%largest(i)
+        end select
+    end subroutine put_extreme
 
 end module spintop_sweep_watches

@@ -51,3 +51,10 @@ __all__ = [
 def version() -> str:
     """The version of the library that is loaded."""
     return library().spintop_version().decode()
+
+
+def __getattr__(name: str) -> str:
+    """The version as `__version__`, as other packages have it."""
+    if name == "__version__":
+        return version()
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from spintop.inputs import names_in, numbers, read_input
 from spintop.library import InputError
-from spintop.results import Result
+from spintop.results import Figures, Result
 from spintop.runs import call_run, figures_of
 
 
@@ -39,7 +39,7 @@ def fit(
         raise InputError("the measurements need `t`, and columns of its length", code=2)
     wanted = {"unknown": names_in(unknown), "sigma": sigma, "profile": profile}
 
-    def draw(*names: str) -> dict[str, Any]:
+    def draw(*names: str) -> Figures:
         """Draw the figures of the fit, which is repeated."""
         with written_input(columns, wanted, given) as scene:
             return figures_of(read_input(scene), 0, *names)

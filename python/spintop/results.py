@@ -1,6 +1,9 @@
 """Tables in memory: the columns of a run as numpy arrays."""
 
+import base64
 import ctypes
+import html
+import io
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -34,14 +37,69 @@ class Owner:
         raise TypeError("a result is not copied or pickled; `to_pandas` of its tables is")
 
 
-class Table(Mapping[str, np.ndarray]):
+class Columns(Mapping[str, np.ndarray]):
+    """Columns by name, with units: what tables and motions have in common."""
+
+    units: Mapping[str, str]
+    """The unit of each column; empty where there is none."""
+    meanings: Mapping[str, str]
+    """The meaning of each column."""
+
+    def _dimensions(self) -> dict[str, np.ndarray]:
+        """The dimensions of the columns and the values along them."""
+        raise NotImplementedError
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """The columns as a data frame of pandas; those of more dimensions in the order of C."""
+        import pandas as pd
+
+        return pd.DataFrame({name: np.ravel(self[name]) for name in self})
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """The columns as a data set of xarray with units, over the dimensions that they have.
+
+        These are `case`, `row` or `t`; for a sweep over a grid the parameters, each with its
+        values, or `axis1`, `axis2` where no parameter varies along one axis alone.
+        """
+        import xarray as xr
+
+        dimensions = self._dimensions()
+        names = tuple(dimensions)
+        variables = {
+            name: (names, self[name], self._attributes(name))
+            for name in self
+            if name not in dimensions
+        }
+        coordinates = {
+            name: (name, values, self._attributes(name)) for name, values in dimensions.items()
+        }
+        return xr.Dataset(variables, coordinates)
+
+    def _attributes(self, name: str) -> dict[str, str]:
+        """The unit and meaning of a column for xarray."""
+        given = {"units": self.units.get(name), "long_name": self.meanings.get(name)}
+        return {key: text for key, text in given.items() if text is not None}
+
+    def _repr_html_(self) -> str:
+        """The columns in a notebook: the first rows and the last."""
+        try:
+            frame = self.to_pandas()
+        except ImportError:
+            return f"<pre>{html.escape(repr(self))}</pre>"
+        return str(frame.to_html(max_rows=20, border=0, notebook=True, show_dimensions=True))
+
+
+class Table(Columns):
     """A table: `table["theta"]` is the column `theta`, in SI units and radians.
 
     Numbers are arrays over the memory of the library, without a copy; words are arrays of str.
+    Columns of a sweep over arrays have the shape of the arrays.
     """
 
-    def __init__(self, table: CTable, owner: Owner) -> None:
-        """Take a table of a result."""
+    def __init__(
+        self, table: CTable, owner: Owner, grid: Mapping[str, np.ndarray] | None = None
+    ) -> None:
+        """Take a table of a result; the rows of a sweep over a grid have its dimensions."""
         self.name = text_of(table.name)
         """What it is: `rows`, `events` or `statistics`."""
         self.row_count = int(table.row_count)
@@ -50,6 +108,9 @@ class Table(Mapping[str, np.ndarray]):
         self._owner = owner
         self._columns: dict[str, CColumn] = {text_of(column.name): column for column in columns}
         self._arrays: dict[str, np.ndarray] = {}
+        self._grid = dict(grid or {})
+        self.shape = tuple(map(len, self._grid.values())) or (self.row_count,)
+        """The shape of each column."""
         self.units = {name: text_of(column.unit) for name, column in self._columns.items()}
         """The unit of each column; empty where there is none."""
         self.meanings = {name: text_of(column.what) for name, column in self._columns.items()}
@@ -58,7 +119,7 @@ class Table(Mapping[str, np.ndarray]):
     def __getitem__(self, name: str) -> np.ndarray:
         """A column by its name."""
         if name not in self._arrays:
-            self._arrays[name] = self._array(self._columns[name])
+            self._arrays[name] = self._array(self._columns[name]).reshape(self.shape)
         return self._arrays[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -84,24 +145,31 @@ class Table(Mapping[str, np.ndarray]):
         words = [text_of(column.words[i]) for i in range(column.word_count)]
         return np.array(words, dtype=str)[values.astype(np.intp)] if words else values.astype(str)
 
-    def to_pandas(self) -> "pandas.DataFrame":
-        """The table as a data frame of pandas."""
-        import pandas as pd
+    def _dimensions(self) -> dict[str, np.ndarray]:
+        """The dimensions of the columns and the values along them."""
+        if self._grid:
+            return self._grid
+        if "case" in self:
+            return {"case": self["case"].astype(int)}
+        if self.name == "rows" and "t" in self and bool(np.all(np.diff(self["t"]) > 0)):
+            return {"t": self["t"]}
+        return {"row": np.arange(self.row_count)}
 
-        return pd.DataFrame({name: self[name] for name in self})
 
-    def to_xarray(self) -> "xarray.Dataset":
-        """The table as a data set of xarray, over the dimension `case` or `row`, with units."""
-        import xarray as xr
+class Figures(dict[str, Any]):
+    """Figures of matplotlib by name; a notebook shows them."""
 
-        dimension = "case" if "case" in self else "row"
-        variables = {
-            name: (dimension, self[name], {"units": self.units[name], "long_name": meaning})
-            for name, meaning in self.meanings.items()
-            if name != dimension
-        }
-        coordinates = {dimension: self[dimension].astype(int)} if dimension in self else None
-        return xr.Dataset(variables, coordinates)
+    def _repr_html_(self) -> str:
+        """The figures, one below the other, as pictures with their names."""
+        return "\n".join(f"<p>{html.escape(name)}</p>\n{picture(self[name])}" for name in self)
+
+
+def picture(figure: Any) -> str:
+    """A figure of matplotlib as an element of a page."""
+    page = io.BytesIO()
+    figure.savefig(page, format="png", dpi=110)
+    data = base64.b64encode(page.getvalue()).decode()
+    return f'<img alt="" style="max-width: 100%" src="data:image/png;base64,{data}">'
 
 
 class Result:
@@ -110,8 +178,9 @@ class Result:
     def __init__(
         self,
         place: "ctypes._Pointer[CResult]",
-        draw: "Callable[..., dict[str, Any]] | None" = None,
+        draw: "Callable[..., Figures] | None" = None,
         show: "Callable[[], Animation] | None" = None,
+        grid: Mapping[str, np.ndarray] | None = None,
     ) -> None:
         """Take over a result of the library; `draw` draws its figures, `show` its motion."""
         result = place.contents
@@ -122,7 +191,7 @@ class Result:
         """Plan, cost and end of the run, for a reader; empty for a sweep in memory."""
         self.warnings = text_of(result.warnings)
         """Warnings of the input and of the run; empty if there are none."""
-        found = [Table(result.tables[i], owner) for i in range(result.table_count)]
+        found = [Table(result.tables[i], owner, grid) for i in range(result.table_count)]
         self.tables = {table.name: table for table in found}
         """The tables by name."""
         self._draw, self._show = draw, show
@@ -151,9 +220,10 @@ class Result:
         end = "" if self.ok else ", not ok"
         return f"<spintop.Result: {', '.join(map(repr, self.tables.values()))}{end}>"
 
-    def plot(self, *figures: str) -> dict[str, Any]:
+    def plot(self, *figures: str) -> Figures:
         """Draw the figures that `scripts/plot` draws of this run, or those named, by name.
 
+        A notebook shows them; each is a figure of matplotlib, with `savefig`.
         The tables of a run without a folder are in no file: it is repeated into one.
         """
         if self._draw is None:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from spintop.animation import Animation, animate
 from spintop.inputs import Input, numbers, read_input, thread_count
 from spintop.library import CResult, InputError, bytes_of, library, new_place, raise_error
-from spintop.results import Result
+from spintop.results import Figures, Result
 
 if TYPE_CHECKING:
     from spintop_figures.tables.table import Table as FileTable
@@ -45,17 +45,18 @@ def call_run(text: str, name: str, folder: str | None, threads: int) -> "ctypes.
 def sweep(given: Input, parameters: Mapping[str, ArrayLike], *, threads: int = 0) -> Result:
     """Run a sweep over arrays: `{"initial.theta": [...], "top.length": [...]}`, side by side.
 
-    `given` is an input with study.kind = 'sweep' and without a group `sweep`. Arrays have one
-    shape, or are single values. The table has a row per case, in their order; failed cases have
-    a status and a note. Without parameters there is one case.
+    `given` is an input without a group `sweep`. Arrays have one shape, or shapes that numpy
+    broadcasts to one, which the columns of the table have, too: `theta[:, None]` with a `rate` of
+    one dimension is a grid. Failed cases have a status and a note. Without parameters there is
+    one case.
     """
-    text, _ = read_input(given)
-    arrays = [numbers(values, name) for name, values in parameters.items()]
+    text, _ = read_input(as_sweep(given))
+    named = {name: np.atleast_1d(numbers(values, name)) for name, values in parameters.items()}
     try:
-        arrays = [np.ravel(array) for array in np.broadcast_arrays(*arrays)]
+        arrays = [np.ascontiguousarray(array) for array in np.broadcast_arrays(*named.values())]
     except ValueError as error:
         raise InputError(f"the arrays have different shapes: {error}", code=2) from error
-    arrays = [np.ascontiguousarray(array) for array in arrays]
+    grid = grid_of(named, arrays[0].shape) if arrays and arrays[0].ndim > 1 else None
     count = len(arrays)
     place = new_place()
     result = library().spintop_sweep(
@@ -65,7 +66,36 @@ def sweep(given: Input, parameters: Mapping[str, ArrayLike], *, threads: int = 0
         *(arrays[0].size if arrays else 0, thread_count(threads), place),
     )
     raise_error(place)
-    return Result(result)
+    return Result(result, grid=grid)
+
+
+def as_sweep(given: Input) -> Input:
+    """An input of groups whose kind of study, where it has none, is a sweep."""
+    if not isinstance(given, Mapping):
+        return given
+    study = given.get("study", {})
+    if not isinstance(study, Mapping) or "kind" in study:
+        return given
+    return {**given, "study": {"kind": "sweep", **study}}
+
+
+def grid_of(named: Mapping[str, np.ndarray], shape: tuple[int, ...]) -> dict[str, np.ndarray]:
+    """The dimensions of arrays that are broadcast together, with the values along each.
+
+    A dimension has the name of the first parameter that varies along it alone.
+    """
+    grid: dict[str, np.ndarray] = {}
+    for axis, length in enumerate(shape):
+        alone = tuple(length if i == axis else 1 for i in range(len(shape)))
+        along = (name for name, array in named.items() if name not in grid and fits(array, alone))
+        name = next(along, f"axis{axis + 1}")
+        grid[name] = named[name].ravel() if name in named else np.arange(length)
+    return grid
+
+
+def fits(array: np.ndarray, shape: tuple[int, ...]) -> bool:
+    """Whether an array has a shape, in which leading dimensions of length 1 may be left out."""
+    return array.size > 1 and (1,) * (len(shape) - array.ndim) + array.shape == shape
 
 
 def registry(topic: str = "") -> Any:
@@ -93,8 +123,11 @@ def read(path: str | Path) -> "FileTable":
     return read_table(Path(path))
 
 
-def plot(table: "FileTable | str | Path", *names: str) -> dict[str, Any]:
-    """Draw the figures that `scripts/plot` draws of a table, or those named: figures by name."""
+def plot(table: "FileTable | str | Path", *names: str) -> Figures:
+    """Draw the figures that `scripts/plot` draws of a table, or those named: figures by name.
+
+    A notebook shows them; each is a figure of matplotlib, with `savefig`.
+    """
     from spintop_figures.registry import choose_figures
     from spintop_figures.tables.table import TableError
 
@@ -103,18 +136,18 @@ def plot(table: "FileTable | str | Path", *names: str) -> dict[str, Any]:
     kinds, problems = choose_figures(table, list(names) or None)
     if problems:
         raise TableError("; ".join(problems))
-    return {kind.name: kind.draw(table) for kind in kinds}
+    return Figures((kind.name, kind.draw(table)) for kind in kinds)
 
 
-def figures_of(given: tuple[str, str], threads: int, *names: str) -> dict[str, Any]:
+def figures_of(given: tuple[str, str], threads: int, *names: str) -> Figures:
     """Draw the figures of a run, which is repeated into a folder."""
     with tempfile.TemporaryDirectory() as folder:
         call_run(*given, folder, threads)
-        found: dict[str, Any] = {}
+        found = Figures()
         for path in sorted(Path(folder).glob("*.csv")):
             is_main = "." not in path.stem
             if is_main or not names:
-                found |= plot(path, *names)
+                found.update(plot(path, *names))
         return found
 
 

@@ -22,7 +22,7 @@ from spintop.library import (
     raise_error,
     text_of,
 )
-from spintop.results import Result
+from spintop.results import Columns, Result
 from spintop.runs import run, sweep
 
 ANGLES = ("t", "phi", "theta", "psi", "phi_rate", "theta_rate", "psi_rate")
@@ -43,19 +43,23 @@ MOST_HANDLES = 16
 """Methods and columns with which a top was asked that it keeps."""
 
 
-class Motion(Mapping[str, np.ndarray]):
+class Motion(Columns):
     """The motion at some times: `motion["theta"]` or `motion.theta` is a column.
 
     A column has the shape of the times; that of a single time is a number.
     """
 
-    __slots__ = ("_columns", "units")
+    __slots__ = ("_columns", "_t", "meanings", "units")
 
-    def __init__(self, columns: dict[str, np.ndarray], units: Mapping[str, str]) -> None:
-        """Take columns."""
-        self._columns = columns
-        self.units = units
-        """The unit of each column; empty where there is none."""
+    def __init__(
+        self,
+        t: ArrayLike,
+        columns: dict[str, np.ndarray],
+        units: dict[str, str],
+        meanings: dict[str, str],
+    ) -> None:
+        """Take columns at the times `t`, s."""
+        self._t, self._columns, self.units, self.meanings = t, columns, units, meanings
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A column by its name."""
@@ -75,6 +79,12 @@ class Motion(Mapping[str, np.ndarray]):
         """Number of columns."""
         return len(self._columns)
 
+    def _dimensions(self) -> dict[str, np.ndarray]:
+        """The dimensions of the columns and the values along them."""
+        if np.ndim(self._t) == 1:
+            return {"t": np.asarray(self._t, dtype=float)}
+        return {f"axis{axis + 1}": np.arange(n) for axis, n in enumerate(np.shape(self._t))}
+
     def __repr__(self) -> str:
         """The columns."""
         return f"<spintop.Motion of {', '.join(self)}>"
@@ -92,7 +102,9 @@ class Handle:
         raise_error(place)
         columns = calls.spintop_top_columns(self.top)
         count = calls.spintop_top_column_count(self.top)
-        self.units = {text_of(columns[i].name): text_of(columns[i].unit) for i in range(count)}
+        names = [text_of(columns[i].name) for i in range(count)]
+        self.units = {name: text_of(columns[i].unit) for i, name in enumerate(names)}
+        self.meanings = {name: text_of(columns[i].what) for i, name in enumerate(names)}
         self.warnings = text_of(calls.spintop_top_warnings(self.top))
         self.at, self.find_events = calls.spintop_top_at, calls.spintop_top_events
 
@@ -109,7 +121,8 @@ class Handle:
         address = times.__array_interface__["data"][0]
         if self.at(self.top, times.size, address, cells.__array_interface__["data"][0], place):
             raise_error(place)
-        return Motion(dict(zip(self.units, cells, strict=True)), self.units)
+        found = dict(zip(self.units, cells, strict=True))
+        return Motion(t, found, self.units, self.meanings)
 
     def events(self) -> Result:
         """The events in the span of the input."""
@@ -125,12 +138,15 @@ class Body:
     `Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.866)`, in kg, kg m^2 and m, or
     `Body(shape="spinning_wheel", radius=0.1, thickness=0.01, density=7800, rod_length=1)`;
     `spintop.registry("parameters")` describes all keys. A composed body has `parts`, each with the
-    keys of a group `part`. A top that is made of the body checks them.
+    keys of a group `part`.
     """
 
     def __init__(self, *, parts: Sequence[Mapping[str, Any]] = (), **keys: Any) -> None:
-        """Keep copies of the keys."""
+        """Check and copy the keys: an InputError says what is wrong."""
         self._keys, self._parts = frozen(keys), frozen(parts)
+        groups = {"part": self._parts} if self._parts else {}
+        some = {"initial": {"theta": 1.0}, "span": {"t_end": 1.0}}
+        Handle(namelist({"top": self._keys, **groups, **some}))
 
     @property
     def keys(self) -> dict[str, Any]:
@@ -279,7 +295,7 @@ class Top:
         """
         columns = names_in(columns)
         groups = self.input(integration=keys, span={"t_end": t_end}, output={"columns": columns})
-        found = sweep({"study": {"kind": "sweep"}, **groups}, {}, threads=1)
+        found = sweep(groups, {}, threads=1)
         table = found.rows
         if not found.ok:
             status, note = str(table["status"][0]), table["notes"][0]

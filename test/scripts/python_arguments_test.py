@@ -281,6 +281,18 @@ class FitTest(unittest.TestCase):
         motion = top.exact(TIMES, ["t", "phi", "theta"])
         self.data = {name: motion[name] for name in motion}
 
+    def test_bodies_are_checked(self) -> None:
+        """A wrong body is refused where it is made, before there is a top."""
+        good = {"mass": 1, "inertia": (0.875, 0.875, 0.25), "length": 0.866}
+        self.assertEqual(spintop.Body(**good).keys, good)
+        for bad, message in (
+            ({**good, "mass": -1}, "mass is out of range"),
+            ({**good, "mas": 1}, "did you mean 'mass'"),
+            ({"mass": 1}, "top.inertia is not given"),
+        ):
+            with self.assertRaisesRegex(spintop.InputError, message):
+                spintop.Body(**bad)
+
     def test_own_group(self) -> None:
         """Keys of the group `fit` are taken, but not twice."""
         given = {**GIVEN, "FIT": {"Columns": ["theta"]}}

@@ -251,6 +251,7 @@ class RunTest(unittest.TestCase):
         """That of the program; a topic that there is not is an error."""
         self.assertIn("rk4", [method["name"] for method in spintop.registry("methods")["methods"]])
         self.assertEqual(spintop.registry()["version"], spintop.version())
+        self.assertEqual(spintop.__version__, spintop.version())
         with self.assertRaisesRegex(spintop.InputError, "did you mean 'methods'"):
             spintop.registry("metods")
 
